@@ -1,20 +1,12 @@
 //! What `sweep` and `tune` share: their options, and how the answer is printed.
 
-use std::path::{Path, PathBuf};
-
-use clap::Args;
-use realgap::calibration::{Answer, BasisRule, Mode, Overrides, ScoreRule, Split, Study};
+use realgap::calibration::{Answer, BasisRule, Overrides, ScoreRule, Split, Study};
 use realgap::optimization::Ending;
 use realgap::results::{self, Kind};
-use realgap::unit::counted;
-use realgap::warning::Code;
-use realgap::{Error, Result, Warning};
 
-use super::folder::ResultsFolder;
-use super::kind::read_study;
-use super::option::{Jobs, Print, Recordings, Values, metric_option};
-use super::page::{self, PageOption};
-use super::terminal;
+use super::kit::*;
+use super::option::metric_option;
+use super::page;
 
 #[derive(Debug, Args)]
 pub struct StudyOptions {
@@ -51,12 +43,8 @@ pub struct StudyOptions {
     values: Values,
     #[command(flatten)]
     pub jobs: Jobs,
-    /// Go on with an interrupted run
-    #[arg(long, conflicts_with = "restart")]
-    resume: bool,
-    /// Throw old results in the folder away and start anew
-    #[arg(long)]
-    restart: bool,
+    #[command(flatten)]
+    pub before: Before,
     #[command(flatten)]
     print: Print,
 }
@@ -126,14 +114,6 @@ impl StudyOptions {
             None => PathBuf::from("results").join(name()),
         };
         ResultsFolder::take(&folder, Kind::Study)
-    }
-
-    pub fn mode(&self) -> Mode {
-        match (self.resume, self.restart) {
-            (true, _) => Mode::Resume,
-            (_, true) => Mode::Restart,
-            _ => Mode::Start,
-        }
     }
 
     /// Writes the folder and prints the answer of the command called `name`.

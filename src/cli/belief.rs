@@ -1,16 +1,10 @@
 //! `realgap sense belief`: what a robot believes about a distance after some readings.
 
-use std::path::{Path, PathBuf};
-
-use clap::Args;
 use realgap::results::draw_belief;
 use realgap::sensing::belief::{BeliefOptions, BeliefReport};
 use realgap::sensing::range::{ReadingLog, find_sensor};
-use realgap::{Error, Result};
 
-use super::option::Print;
-use super::page::PageFile;
-use super::{output, terminal};
+use super::kit::*;
 
 /// What is believed about a distance after some readings: of a sensor's model, and of a real log beside it
 ///
@@ -59,17 +53,13 @@ pub struct Belief {
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
     #[command(flatten)]
-    page: PageFile,
-    #[command(flatten)]
-    print: Print,
+    telling: Telling,
 }
 
 impl Belief {
     pub fn run(self) -> Result<()> {
-        self.page.check()?;
-        if let Some(plot) = &self.plot {
-            output::check_picture(plot)?;
-        }
+        self.telling.check()?;
+        output::check_pictures(&self.plot)?;
         let sensor = find_sensor(&self.sensor)?;
         let log = self.log.as_ref().map(ReadingLog::read).transpose()?;
         let (low, high) = sensor.range;
@@ -94,8 +84,6 @@ impl Belief {
             draw_belief(&found, 0, plot)?;
         }
         let name = Path::new(&self.sensor);
-        self.page
-            .write("belief", name, &found, &found.to_string(), &self.plot)?;
-        self.print.value(&found)
+        self.telling.value("belief", name, &found, &self.plot, &[])
     }
 }

@@ -1,17 +1,11 @@
 //! `realgap sense characterise`: from a log of readings at known distances to a sensor's model.
 
-use std::path::PathBuf;
-
-use clap::Args;
 use realgap::results::{draw_histograms, draw_sensor};
 use realgap::sensing::range::form::{FORMS, Form, form_by_name};
 use realgap::sensing::range::{Characterisation, LEVEL, LogOptions, Options, ReadingLog};
 use realgap::unit::LengthUnit;
-use realgap::{Error, Result};
 
-use super::option::Print;
-use super::page::PageFile;
-use super::{output, terminal};
+use super::kit::*;
 
 /// Make a range sensor's model of a log: mean and spread over the distance, with intervals
 ///
@@ -72,9 +66,7 @@ pub struct Characterise {
     #[arg(long, value_name = "D", value_delimiter = ',', requires = "histograms")]
     at: Vec<f64>,
     #[command(flatten)]
-    page: PageFile,
-    #[command(flatten)]
-    print: Print,
+    telling: Telling,
 }
 
 /// The form of this name; `auto` leaves it open.
@@ -114,13 +106,9 @@ impl Characterise {
         }
         positive("--tolerance", self.tolerance)?;
         self.bin.map_or(Ok(()), |bin| positive("--bin", bin))?;
-        self.page.check()?;
-        for picture in self.plot.iter().chain(&self.histograms) {
-            output::check_picture(picture)?;
-        }
-        if let Some(output) = &self.output {
-            output::check(output)?;
-        }
+        self.telling.check()?;
+        output::check_pictures(self.plot.iter().chain(&self.histograms))?;
+        output::check_all(&self.output)?;
         let reading = LogOptions {
             unit: self.unit,
             material: self.material.clone(),
@@ -143,8 +131,7 @@ impl Characterise {
             draw_histograms(&found, &log, &self.at, self.bin, plot)?;
         }
         let pictures = self.plot.iter().chain(&self.histograms);
-        self.page
-            .write("sensor", &self.log, &found, &found.to_string(), pictures)?;
-        self.print.value(&found)
+        self.telling
+            .value("sensor", &self.log, &found, pictures, &[])
     }
 }

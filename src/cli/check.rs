@@ -5,28 +5,21 @@ mod dynamics;
 pub mod report;
 mod sensing;
 
-use std::path::{Path, PathBuf};
-
-use clap::Args;
 use realgap::calibration::{Definition, Overrides, read_parameters};
 use realgap::file::Source;
 use realgap::import::is_foreign;
 use realgap::robot::genome::Specimen;
-use realgap::robot::morphology::Morphology;
 use realgap::search::{self, Search};
 use realgap::sensing::arena::Arena;
-use realgap::simulation::Experiment;
 use realgap::simulation::verification::known_limits;
 use realgap::text::shown;
 use realgap::trajectory::Reading;
-use realgap::unit::counted;
-use realgap::{Error, Result, Warning, results::draw_arena, results::portrait, trajectory};
+use realgap::{results::draw_arena, results::portrait, trajectory};
 
 use super::kind::Kind;
+use super::kit::*;
 use super::option::Format;
-use super::reading::ReadingOptions;
-use super::{output, terminal};
-use report::{FileReport, Motion, Varied};
+use report::{FileReport, Motion, Outcome, Varied};
 
 /// Validate morphologies, genomes, studies, searches, parameter files and trajectories, and print what they hold
 ///
@@ -112,7 +105,7 @@ impl Check {
     }
 
     fn draw(&self, plot: &Path) -> Result<()> {
-        output::check_picture(plot)?;
+        output::check_pictures(&self.plot)?;
         let [path] = self.files.as_slice() else {
             return Err(Error::usage("--plot draws one robot")
                 .found(format!("{} files", self.files.len()))
@@ -134,14 +127,15 @@ impl Check {
 }
 
 fn report(path: &Path, found: Result<Contents>) -> FileReport {
-    match found {
-        Ok(Contents {
-            kind,
-            details,
-            warnings,
-            ..
-        }) => FileReport::sound(path, kind.name(), details, warnings),
-        Err(error) => FileReport::wrong(path, &error),
+    let sound = found.map(|found| Outcome::Sound {
+        kind: found.kind.name(),
+        contents: Box::new(found.details),
+        warnings: found.warnings,
+    });
+    FileReport {
+        file: path.to_owned(),
+        ok: sound.is_ok(),
+        outcome: sound.unwrap_or_else(|error| Outcome::wrong(&error)),
     }
 }
 

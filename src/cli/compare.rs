@@ -1,28 +1,18 @@
 //! `realgap compare`: how far trajectories are from a reference.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
-use clap::Args;
 use realgap::comparison::{
     self, Basis, Comparison, Components, Context, Metric, Row, position_metrics,
 };
 use realgap::file::{Source as SourceText, versioned_json};
-use realgap::plot::{
-    Caption, Cloud, Overlay, OverlayPath, Side, TextTable, draw_lines, draw_overlay, plane,
-    quantity,
-};
+use realgap::plot::{Caption, Cloud, Overlay, OverlayPath, draw_lines, draw_overlay, plane};
 use realgap::results::{Timed, draw_over_time};
 use realgap::trajectory::{self, Prepared, Recording, Source, cut_to_shortest};
-use realgap::unit::Unit;
-use realgap::warning::Code;
-use realgap::{Error, Result, Warning};
-use serde::Serialize;
 
 use super::kind::{Kind, explain};
-use super::option::{Print, TimeOption};
-use super::reading::ReadingOptions;
-use super::{output, terminal};
+use super::kit::*;
+use super::option::TimeOption;
 
 /// Compare trajectories with a reference, real with simulated or real with real
 ///
@@ -137,12 +127,8 @@ impl Compare {
             "all" => None,
             name => Some(comparison::by_name(name).map_err(Error::into_usage)?),
         };
-        for plot in [&self.plot, &self.plane, &self.over_time]
-            .into_iter()
-            .flatten()
-        {
-            output::check_picture(plot)?;
-        }
+        let pictures = [&self.plot, &self.plane, &self.over_time];
+        output::check_pictures(pictures.into_iter().flatten())?;
         let components = match (self.components, self.variance) {
             (Some(count), _) => Components::Count(count),
             (None, Some(share)) => Components::Variance(share),
@@ -355,7 +341,7 @@ impl Compare {
 
     fn draw_plane(
         &self,
-        file: &std::path::Path,
+        file: &Path,
         comparison: &Comparison<'_>,
         others: &[Recording],
     ) -> Result<()> {
@@ -401,7 +387,7 @@ impl Compare {
 
     fn draw(
         &self,
-        plot: &std::path::Path,
+        plot: &Path,
         comparison: &Comparison<'_>,
         metric: &dyn Metric,
         reference: &Recording,

@@ -1,9 +1,10 @@
 //! `realgap completions`: shell completions on standard output.
 
 use clap::builder::PossibleValuesParser;
-use clap::{Args, Command, CommandFactory};
-use realgap::Result;
+use clap::{Command, CommandFactory};
 use realgap::simulation::parameter;
+
+use super::kit::*;
 
 /// Print completions for a shell
 #[derive(Debug, Args)]
@@ -20,7 +21,7 @@ impl Completions {
         let mut text = Vec::new();
         let mut command = with_names(super::Cli::command());
         clap_complete::generate(self.shell, &mut command, "realgap", &mut text);
-        super::terminal::print(String::from_utf8_lossy(&text).trim_end());
+        terminal::print(String::from_utf8_lossy(&text).trim_end());
         Ok(())
     }
 }

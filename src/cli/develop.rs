@@ -1,21 +1,15 @@
 //! `realgap robot develop`: the robot of a genome.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
-use clap::Args;
+use realgap::results::portrait;
 use realgap::robot::genome::Specimen;
-use realgap::robot::morphology::Morphology;
-use realgap::simulation::{Experiment, Settling, settle};
+use realgap::simulation::{Settling, settle};
 use realgap::unit::decimals;
-use realgap::warning::Code;
-use realgap::{Error, Result, Warning, plot, results::portrait};
-use serde::Serialize;
 
 use super::genome::named;
 use super::kind::read_specimen;
-use super::option::Print;
-use super::{output, terminal};
+use super::kit::*;
 
 /// Build the robot of a genome, or say why it cannot be built
 ///
@@ -92,9 +86,7 @@ pub enum DevelopReport {
 
 impl Develop {
     pub fn run(self) -> Result<()> {
-        if let Some(plot) = &self.plot {
-            output::check_picture(plot)?;
-        }
+        output::check_pictures(&self.plot)?;
         let specimen = read_specimen(&self.genome)?;
         let robot = match specimen.develop() {
             Ok(robot) => robot,
@@ -146,15 +138,15 @@ impl Develop {
                 version: env!("CARGO_PKG_VERSION"),
             });
         }
-        let mut table = plot::TextTable::new([
-            ("module", plot::Side::Left),
-            ("kind", plot::Side::Left),
-            ("driven face", plot::Side::Left),
-            ("on", plot::Side::Left),
-            ("amplitude", plot::Side::Right),
-            ("frequency", plot::Side::Right),
-            ("phase", plot::Side::Right),
-            ("offset", plot::Side::Right),
+        let mut table = TextTable::new([
+            ("module", Side::Left),
+            ("kind", Side::Left),
+            ("driven face", Side::Left),
+            ("on", Side::Left),
+            ("amplitude", Side::Right),
+            ("frequency", Side::Right),
+            ("phase", Side::Right),
+            ("offset", Side::Right),
         ]);
         for (index, module) in robot.modules().iter().enumerate() {
             let on = robot.glue().iter().find(|glue| glue.child == index);

@@ -1,13 +1,8 @@
 //! `realgap sense draw`: a log of what a sensor's model reads.
 
-use std::path::PathBuf;
-
-use clap::Args;
 use realgap::sensing::range::{DrawOptions, DrawnLog, find_sensor};
-use realgap::unit::counted;
-use realgap::{Error, Result};
 
-use super::{output, terminal};
+use super::kit::*;
 
 /// Draw a log of readings from a range sensor's model: a stand-in for a real log, with known truth
 ///

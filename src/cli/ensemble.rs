@@ -1,8 +1,5 @@
 //! `realgap ensemble`: repeats of a study's experiment under its noise.
 
-use std::path::{Path, PathBuf};
-
-use clap::Args;
 use realgap::calibration::{Overrides, Repeatable, read_noise};
 use realgap::comparison;
 use realgap::plan::Work;
@@ -10,14 +7,11 @@ use realgap::prediction::{EnsembleOptions, EnsembleReport};
 use realgap::results::{Kind, write_ensemble};
 use realgap::simulation::Outcome;
 use realgap::trajectory;
-use realgap::unit::{Unit, quantity};
-use realgap::{Error, Result};
 
-use super::folder::ResultsFolder;
 use super::kind::read_repeatable;
-use super::option::{Jobs, MOST_REPEATS, ModelErrorOption, Print, Recordings, Values};
-use super::page::{self, PageOption};
-use super::{output, progress, terminal};
+use super::kit::*;
+use super::option::{MOST_REPEATS, ModelErrorOption};
+use super::page;
 
 /// Repeat a study's experiment under its noise: what will really happen, and how sure may we be?
 ///

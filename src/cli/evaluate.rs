@@ -1,24 +1,16 @@
 //! `realgap evaluate`: how well one setting predicts recordings.
 
-use std::path::PathBuf;
-
-use clap::Args;
 use realgap::calibration::identification::StartState;
 use realgap::calibration::{Average, Evaluation, JointEvaluation, Overrides};
 use realgap::comparison::{Joints, Pose};
-use realgap::plot::{Side, TextTable};
 use realgap::prediction::Odds;
 use realgap::simulation::parameter::ParameterSet;
 use realgap::trajectory::Recording;
-use realgap::unit::counted;
-use realgap::{Error, Result};
-use serde::Serialize;
 
-use super::kind::{read_definition, read_study};
+use super::kind::read_definition;
+use super::kit::*;
 use super::odds::OddsOption;
-use super::option::{Jobs, Print, Recordings, STARTS, Values, choice};
-use super::page::PageFile;
-use super::{progress, terminal};
+use super::option::STARTS;
 
 /// Simulate a study once per recording with given values and report pose errors over the recordings
 ///
@@ -54,9 +46,7 @@ pub struct Evaluate {
     #[command(flatten)]
     jobs: Jobs,
     #[command(flatten)]
-    page: PageFile,
-    #[command(flatten)]
-    print: Print,
+    telling: Telling,
 }
 
 /// An evaluation with the odds beside it.
@@ -71,7 +61,7 @@ pub struct Evaluated {
 
 impl Evaluate {
     pub fn run(self) -> Result<()> {
-        self.page.check()?;
+        self.telling.check()?;
         let mut overrides = Overrides {
             start_state: self.start,
             ..self.values.over(self.recordings.overrides()?)?
@@ -124,9 +114,9 @@ impl Evaluate {
         };
         let (text, printed) = (shown(false), shown(terminal::stdout_wants_colour()));
         let found = Evaluated { result, odds };
-        self.page
+        self.telling
             .write("evaluation", &self.study, &found, &text, self.odds.plot())?;
-        self.print.answer(&found, || printed)
+        self.telling.print.answer(&found, || printed)
     }
 
     /// The error of whole runs beside that of windows.
@@ -150,9 +140,9 @@ impl Evaluate {
             result.rows.clear();
         }
         let text = words_of_joints(&result, false);
-        self.page
+        self.telling
             .write("evaluation", &self.study, &result, &text, [])?;
-        self.print.answer(&result, || {
+        self.telling.print.answer(&result, || {
             words_of_joints(&result, terminal::stdout_wants_colour())
         })
     }

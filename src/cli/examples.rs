@@ -1,14 +1,9 @@
 //! `realgap study examples`: the shipped robots, studies, recordings and arenas.
 
-use std::path::PathBuf;
-
-use clap::Args;
 use realgap::file::write_atomic;
-use realgap::unit::counted;
-use realgap::{Error, Result};
 
 use super::example_file::files;
-use super::terminal;
+use super::kit::*;
 
 commands! {
     /// The shipped robots, studies, recordings and arenas: list them, or copy them to where you can change them

@@ -1,16 +1,10 @@
 //! `realgap robot export`: a robot for another simulator.
 
-use std::path::PathBuf;
-
-use clap::Args;
 use clap::builder::PossibleValuesParser;
-use realgap::Result;
 use realgap::export::{FORMATS, Robot, format_named};
-use realgap::simulation::Experiment;
 
-use super::kind::read_morphology;
-use super::option::{Values, recording_unused};
-use super::{output, terminal};
+use super::kit::*;
+use super::option::recording_unused;
 
 /// Write a robot for another simulator: MJCF for MuJoCo, URDF for ROS and PyBullet
 ///

@@ -1,21 +1,15 @@
 //! `realgap gap`: how many noise floors is the simulation away from reality, and until when may it be trusted?
 
-use std::path::{Path, PathBuf};
-
-use clap::Args;
 use realgap::calibration::{Overrides, Study, read_noise};
 use realgap::comparison::{Components, DEFAULT_METRIC, Metric, by_name};
 use realgap::plan::Work;
 use realgap::prediction::gap::{FloorReport, GapOptions, Scoring, StudyGap, read_sets};
 use realgap::report::Kept;
 use realgap::results::{Kind, write_floor, write_gap};
-use realgap::{Error, Result, Warning};
 
-use super::folder::ResultsFolder;
-use super::kind::read_study;
-use super::option::{Jobs, MOST_REPEATS, Print, Recordings, TimeOption, Values, metric_option};
-use super::page::{self, PageOption};
-use super::{progress, terminal};
+use super::kit::*;
+use super::option::{MOST_REPEATS, TimeOption, metric_option};
+use super::page;
 
 /// How many noise floors is the simulation away from reality, and until when may it be trusted?
 ///

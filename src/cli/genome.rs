@@ -1,16 +1,11 @@
 //! `realgap robot genome`: genomes to start from.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
 use realgap::robot::genome::{Genome, Locus, Specimen};
-use realgap::robot::morphology::Morphology;
 use realgap::search::generator;
-use realgap::{Error, Result};
-use serde::Serialize;
 
-use super::{output, terminal};
+use super::kit::*;
 
 commands! {
     /// Make genomes: ten numbers per module, from which `realgap robot develop` builds a robot

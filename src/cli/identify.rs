@@ -1,9 +1,7 @@
 //! `realgap study identify`: what free flight tells before any contact model can spoil it.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
-use clap::Args;
 use realgap::calibration::identification::{
     FlightErrors, Identification, Interval, JointIdentification, LengthReading, identify,
     identify_joints,
@@ -11,17 +9,11 @@ use realgap::calibration::identification::{
 use realgap::calibration::{BestFile, Definition, Overrides, RestingOdds, StartRule, recording_id};
 use realgap::comparison::Pose;
 use realgap::file::write_ron;
-use realgap::plot::{Side, TextTable};
 use realgap::simulation::parameter::{Assignment, ParameterSet};
-use realgap::unit::counted;
-use realgap::warning::Code;
-use realgap::{Error, Result, Warning};
-use serde::Serialize;
 
 use super::kind::read_definition;
-use super::option::{Choice, Print, Recordings, Values, choice};
+use super::kit::*;
 use super::terminal::Answer;
-use super::{output, progress, terminal};
 
 /// How an apparent gravity other than the stated one is read.
 const READINGS: &[Choice<LengthReading>] = &[
@@ -63,9 +55,7 @@ pub struct Identify {
 
 impl Identify {
     pub fn run(self) -> Result<()> {
-        if let Some(output) = &self.output {
-            output::check(output)?;
-        }
+        output::check_all(&self.output)?;
         let overrides = Overrides {
             set: self.values.parameter_set()?,
             // Nothing is compared here; what tossed bodies are compared by asks least of a study's recordings.

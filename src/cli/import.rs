@@ -1,16 +1,10 @@
 //! `realgap robot import`: a robot of another program.
 
-use std::path::{Path, PathBuf};
-
-use clap::Args;
 use realgap::file::{Source, read_limited};
 use realgap::import::{AssumedLaw, Note, Options};
-use realgap::robot::morphology::Morphology;
-use realgap::{Error, Result};
-use serde::Serialize;
 
+use super::kit::*;
 use super::option::Format;
-use super::{output, terminal};
 
 /// Largest file of a robot, bytes.
 const MOST_BYTES: u64 = 16_000_000;
@@ -42,8 +36,8 @@ pub struct Import {
     #[arg(long)]
     passive: bool,
     /// What the servos are whose limits a URDF states
-    #[arg(long, value_enum, default_value_t, conflicts_with = "passive")]
-    law: Law,
+    #[arg(long, value_parser = choice(LAWS), default_value = "velocity", conflicts_with = "passive")]
+    law: AssumedLaw,
     /// Most convex hulls that a mesh becomes, for what is hollow or bent: each costs time in every step
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=64))]
     hulls: u16,
@@ -52,24 +46,19 @@ pub struct Import {
     format: Format,
 }
 
-/// [`AssumedLaw`] as a word.
-#[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
-enum Law {
-    /// Each turns to its command at 20 1/s times its error, whatever the load
-    #[default]
-    Velocity,
-    /// Each is a spring with damping, which gives way under load
-    Torque,
-}
-
-impl From<Law> for AssumedLaw {
-    fn from(law: Law) -> Self {
-        match law {
-            Law::Velocity => Self::Velocity,
-            Law::Torque => Self::Torque,
-        }
-    }
-}
+/// What servos may be.
+const LAWS: &[Choice<AssumedLaw>] = &[
+    (
+        "velocity",
+        AssumedLaw::Velocity,
+        "Each turns to its command at 20 1/s times its error, whatever the load",
+    ),
+    (
+        "torque",
+        AssumedLaw::Torque,
+        "Each is a spring with damping, which gives way under load",
+    ),
+];
 
 fn package(text: &str) -> std::result::Result<(String, PathBuf), String> {
     match text.split_once('=') {
@@ -115,7 +104,7 @@ impl Import {
             packages: self.package.clone(),
             mounted: self.mounted,
             passive: self.passive,
-            law: self.law.into(),
+            law: self.law,
             hulls: self.hulls.into(),
         };
         let (robot, notes) = Morphology::import(&source, &options)?;

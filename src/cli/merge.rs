@@ -1,14 +1,9 @@
 //! `realgap cluster merge`: put the shards of a plan together, and answer.
 
-use std::path::PathBuf;
-
-use clap::Args;
 use realgap::plan::{Merged, Plan, Round};
-use realgap::unit::counted;
-use realgap::{Error, Result};
 
-use super::option::{Jobs, Print};
-use super::{Command, shell, terminal, work};
+use super::kit::*;
+use super::{Command, shell, work};
 
 /// Put together what the shards of a plan have made; in the end, write the answer
 ///

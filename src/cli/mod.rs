@@ -21,6 +21,27 @@ macro_rules! commands {
     };
 }
 
+/// What almost every command is written with.
+mod kit {
+    pub use std::path::{Path, PathBuf};
+
+    pub use clap::{Args, ValueEnum};
+    pub use realgap::plot::{Side, TextTable};
+    pub use realgap::robot::morphology::Morphology;
+    pub use realgap::simulation::Experiment;
+    pub use realgap::unit::{Unit, counted, quantity};
+    pub use realgap::warning::Code;
+    pub use realgap::{Error, Result, Warning};
+    pub use serde::Serialize;
+
+    pub use super::folder::ResultsFolder;
+    pub use super::kind::{read_morphology, read_study};
+    pub use super::option::{Before, Choice, Jobs, Print, Recordings, Values, choice};
+    pub use super::page::{PageOption, Telling};
+    pub use super::reading::ReadingOptions;
+    pub(super) use super::{output, progress, terminal};
+}
+
 mod advice;
 mod answer;
 mod belief;

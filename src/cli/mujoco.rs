@@ -1,12 +1,12 @@
 //! Finalists of a search once more in MuJoCo, by the script that tools/rerun_finalists.py is.
 
-use std::path::Path;
 use std::process::Command;
 
 use realgap::prediction::Rerun;
 use realgap::search::{Finalist, Search, rank};
-use realgap::{Error, Result};
 use serde::Deserialize;
+
+use super::kit::*;
 
 /// The scripts, so that an installed program has them.
 const SCRIPTS: [(&str, &str); 2] = [

@@ -1,13 +1,8 @@
 //! `realgap study new`: a file to start from.
 
-use std::path::PathBuf;
-
-use clap::Args;
 use realgap::file::write_atomic;
-use realgap::{Error, Result};
 
-use super::option::{Choice, choice};
-use super::{output, terminal};
+use super::kit::*;
 
 /// Write a commented file to start from
 ///

@@ -1,15 +1,12 @@
 //! `realgap evaluate --odds`: a probability for every pose that a recording may end in.
 
-use std::path::{Path, PathBuf};
-
-use clap::Args;
 use realgap::calibration::{Study, read_noise};
 use realgap::optimization::RunOptions;
 use realgap::prediction::{Odds, OddsOptions};
+use realgap::results;
 use realgap::simulation::parameter::ParameterSet;
-use realgap::{Error, Result, results};
 
-use super::{progress, terminal};
+use super::kit::*;
 
 /// Whether and how odds are asked for.
 #[derive(Debug, Args)]
@@ -49,9 +46,7 @@ impl OddsOption {
                     .hint("add e.g. noise: (start_velocity_m_s: Normal(0.02), start_spin_rad_s: Normal(0.3)), or name a file with --noise"));
             }
         };
-        if let Some(plot) = &self.plot {
-            super::output::check_picture(plot)?;
-        }
+        output::check_pictures(&self.plot)?;
         let options = OddsOptions {
             noise,
             runs: runs as usize,

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use realgap::calibration::identification::StartState;
-use realgap::calibration::{Fitted, Overrides, Part};
+use realgap::calibration::{Fitted, Mode, Overrides, Part};
 use realgap::comparison::{self, Metric};
 use realgap::search::read_indistinguishable;
 use realgap::simulation::parameter::{Assignment, ParameterSet};
@@ -279,6 +279,27 @@ impl Jobs {
         RunOptions {
             stop: Some(interrupt::stop_flag()),
             ..self.run()
+        }
+    }
+}
+
+/// What becomes of results that are there already.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct Before {
+    /// Go on with an interrupted run
+    #[arg(long, conflicts_with = "restart")]
+    resume: bool,
+    /// Throw old results in the folder away and start anew
+    #[arg(long)]
+    restart: bool,
+}
+
+impl Before {
+    pub fn mode(self) -> Mode {
+        match (self.resume, self.restart) {
+            (true, _) => Mode::Resume,
+            (_, true) => Mode::Restart,
+            _ => Mode::Start,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The one file that a command writes: nothing of anybody's is replaced unsaid, and `-` is standard output.
 
 use std::io::Read as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use realgap::file::{check_writable, write_sealed};
@@ -53,10 +53,17 @@ pub fn check(path: &Path) -> Result<()> {
     )
 }
 
-/// Checks before the work that a picture can be written there.
-pub fn check_picture(path: &Path) -> Result<()> {
-    realgap::plot::check_picture_path(path)?;
-    check(path)
+/// The same of several files, or of none.
+pub fn check_all<'a>(paths: impl IntoIterator<Item = &'a PathBuf>) -> Result<()> {
+    paths.into_iter().try_for_each(|path| check(path))
+}
+
+/// Checks before the work that pictures can be written there.
+pub fn check_pictures<'a>(paths: impl IntoIterator<Item = &'a PathBuf>) -> Result<()> {
+    paths.into_iter().try_for_each(|path| {
+        realgap::plot::check_picture_path(path)?;
+        check(path)
+    })
 }
 
 /// Checks before the work that a page can be written there.

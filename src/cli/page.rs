@@ -1,5 +1,6 @@
 //! The page that a command leaves in its results folder.
 
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -19,6 +20,7 @@ use realgap::trajectory::{Recording, Trajectory};
 use realgap::warning::Code;
 use realgap::{Result, Warning};
 
+use super::option::Print;
 use super::{output, shell, terminal};
 
 /// More recorded robots over each other hide what moves.
@@ -69,15 +71,17 @@ impl PageOption {
     }
 }
 
-/// A page of what a command without a folder found.
+/// How a command without a folder tells what it found: printed, and as a page.
 #[derive(Debug, Clone, Args)]
-pub struct PageFile {
+pub struct Telling {
     /// Write what was found, with the pictures drawn of it, as one page (.html)
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    pub print: Print,
 }
 
-impl PageFile {
+impl Telling {
     /// Checks before the work that the page can be written.
     pub fn check(&self) -> Result<()> {
         self.report.as_deref().map_or(Ok(()), output::check_page)
@@ -107,6 +111,20 @@ impl PageFile {
             command: &shell::command_line(),
         };
         write_atomic(file, page.page()?.as_bytes())
+    }
+
+    /// Tells a value that prints itself: its page, then the warnings that were not said yet, then what it says.
+    pub fn value<'a>(
+        &self,
+        kind: &'static str,
+        of: &Path,
+        found: &(impl terminal::Answer + Display),
+        pictures: impl IntoIterator<Item = &'a PathBuf>,
+        warnings: &[Warning],
+    ) -> Result<()> {
+        self.write(kind, of, found, &found.to_string(), pictures)?;
+        terminal::print_warnings(warnings);
+        self.print.value(found)
     }
 }
 

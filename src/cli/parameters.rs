@@ -1,13 +1,8 @@
 //! `realgap study parameters`: the registry.
 
-use clap::Args;
-use realgap::Result;
-use realgap::plot::{Side, TextTable};
 use realgap::simulation::parameter::{self, Nudge, Scale};
-use serde::Serialize;
 
-use super::option::Print;
-use super::terminal;
+use super::kit::*;
 
 /// List every parameter that can be set, swept or tuned, with unit, bounds, default and meaning
 #[derive(Debug, Args)]

@@ -2,20 +2,16 @@
 
 mod motion;
 
-use std::path::{Path, PathBuf};
-
-use clap::{ArgGroup, Args};
+use clap::ArgGroup;
 use indicatif::ProgressBar;
 use realgap::sensing::vision::camera::{
     ALPHABET_TEXT, Camera, Light, Motif, Scene, View, alphabet_picture, known, take,
 };
 use realgap::sensing::vision::{AlphabetFile, Picture as Bitmap, PictureSource, ViewsFile};
-use realgap::unit::counted;
-use realgap::{Error, Result, Warning, warning};
 
-use super::reading::ReadingOptions;
-use super::{progress, terminal};
 use motion::Moving;
+
+use super::kit::*;
 
 /// Take pictures with a simulated camera: a scene's posters, boxes and lights, seen through a lens and a sensor
 ///
@@ -155,7 +151,7 @@ impl Picture {
         album.file.write(folder)?;
         if camera.is_stand_in {
             terminal::print_warnings(&[Warning::new(
-                warning::Code::StandIn,
+                Code::StandIn,
                 format!(
                     "pictures of the camera {} stand in for real ones",
                     camera.name

@@ -1,15 +1,10 @@
 //! `realgap cluster plan`: cut a long run into shards.
 
-use std::path::PathBuf;
-
-use clap::Args;
 use realgap::plan::{Plan, PlanDraft, time};
-use realgap::unit::counted;
-use realgap::{Error, Result};
 
-use super::option::{Jobs, Print};
+use super::kit::*;
 use super::work::{absolute, check_arguments, parse, work_of};
-use super::{kind, shell, terminal};
+use super::{kind, shell};
 
 /// Cut a sweep, a tuning, a search, an ensemble or a gap into shards that many machines can run
 ///

@@ -1,21 +1,14 @@
 //! `realgap predict`: the prediction card of any robot.
 
-use std::path::PathBuf;
-
-use clap::Args;
 use realgap::calibration::read_noise;
 use realgap::prediction::ensemble::{Draws, run_each};
 use realgap::prediction::{Card, Growth, ModelError, SuccessRule, UncertainParameters};
 use realgap::results::{Kind, write_prediction};
-use realgap::simulation::{Experiment, Noise, Sampling};
-use realgap::warning::Code;
-use realgap::{Error, Result, Warning};
+use realgap::simulation::{Noise, Sampling};
 
-use super::folder::ResultsFolder;
-use super::kind::read_morphology;
-use super::option::{Jobs, MOST_REPEATS, ModelErrorOption, Print, Values};
-use super::page::{self, PageOption};
-use super::{progress, terminal};
+use super::kit::*;
+use super::option::{MOST_REPEATS, ModelErrorOption};
+use super::page;
 
 /// Say what a robot will do before anybody builds it: how far, which behaviours, how likely
 ///

@@ -1,8 +1,5 @@
 //! `realgap sense radio`: from logged strengths to a radio model, and what becomes of messages.
 
-use std::path::{Path, PathBuf};
-
-use clap::Args;
 use realgap::results::{draw_error_map, draw_strength_map};
 use realgap::sensing::arena::{Anchor, Arena};
 use realgap::sensing::radio::propagation::{PROPAGATIONS, propagation_by_name};
@@ -10,11 +7,8 @@ use realgap::sensing::radio::{
     Evaluation, Fingerprints, LogBase, Message, RadioLog, RadioLogOptions, RadioModel,
     RadioOptions, Service, ServiceOptions, ServiceReport, fit, read_anchors,
 };
-use realgap::{Error, Result};
 
-use super::option::{Choice, Print, choice};
-use super::page::PageFile;
-use super::{output, terminal};
+use super::kit::*;
 
 commands! {
     /// Fit how strong radio signals arrive, hold it against other logs, and send messages (paper 002, section IV)
@@ -98,9 +92,7 @@ pub struct Fit {
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
-    page: PageFile,
-    #[command(flatten)]
-    print: Print,
+    telling: Telling,
 }
 
 /// Hold a radio model against a log that it has not seen, beside the guesses one would ask for
@@ -142,9 +134,7 @@ pub struct Evaluate {
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
     #[command(flatten)]
-    page: PageFile,
-    #[command(flatten)]
-    print: Print,
+    telling: Telling,
 }
 
 /// Draw how strong an anchor's signal is everywhere
@@ -237,10 +227,8 @@ fn read_log(path: &Path, session: Option<&String>) -> Result<RadioLog> {
 
 impl Fit {
     pub fn run(self) -> Result<()> {
-        self.page.check()?;
-        if let Some(output) = &self.output {
-            output::check(output)?;
-        }
+        self.telling.check()?;
+        output::check_all(&self.output)?;
         let propagation = match self.model.as_str() {
             "auto" => None,
             name => Some(propagation_by_name(name).map_err(|e| {
@@ -267,18 +255,14 @@ impl Fit {
         if let Some(output) = &self.output {
             output::write_ron(output, &found.model.to_ron()?)?;
         }
-        self.page
-            .write("radio", &self.log, &found, &found.to_string(), [])?;
-        self.print.value(&found)
+        self.telling.value("radio", &self.log, &found, [], &[])
     }
 }
 
 impl Evaluate {
     pub fn run(self) -> Result<()> {
-        self.page.check()?;
-        if let Some(plot) = &self.plot {
-            output::check_picture(plot)?;
-        }
+        self.telling.check()?;
+        output::check_pictures(&self.plot)?;
         let model = RadioModel::read(&self.parameters)?;
         let (arena, anchors) = self.place.read()?;
         let log = read_log(&self.log, self.session.as_ref())?;
@@ -295,16 +279,14 @@ impl Evaluate {
         if let Some(plot) = &self.plot {
             draw_error_map(&found, &arena, plot)?;
         }
-        self.page
-            .write("radio", &self.log, &found, &found.to_string(), &self.plot)?;
-        terminal::print_warnings(&found.warnings);
-        self.print.value(&found)
+        self.telling
+            .value("radio", &self.log, &found, &self.plot, &found.warnings)
     }
 }
 
 impl Map {
     pub fn run(self) -> Result<()> {
-        output::check_picture(&self.plot)?;
+        output::check_pictures([&self.plot])?;
         let model = RadioModel::read(&self.parameters)?;
         let (arena, anchors) = self.place.read()?;
         let anchor = anchors

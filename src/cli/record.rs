@@ -1,15 +1,8 @@
 //! `realgap study record`: stand-in recordings from hidden parameters, with noise.
 
-use std::path::PathBuf;
-
-use clap::Args;
-use realgap::Result;
 use realgap::calibration::{NoiseReport, StandIn};
-use realgap::unit::counted;
 
-use super::kind::read_morphology;
-use super::option::{Print, Values};
-use super::{progress, terminal};
+use super::kit::*;
 
 /// Make stand-in recordings: repeats of a simulation with start, servo and camera noise
 ///

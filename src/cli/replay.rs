@@ -1,22 +1,17 @@
 //! `realgap replay`: a robot in motion and its recorded runs, as a page, an animation, or a file for another program.
 
-use std::path::{Path, PathBuf};
-
-use clap::Args;
 use realgap::calibration::{Overrides, RepeatCase, Repeatable, StartRule};
 use realgap::comparison;
 use realgap::file::{look_up, sha256, write_atomic};
 use realgap::report::{Replay, SIMULATION};
-use realgap::robot::morphology::Morphology;
-use realgap::simulation::{Divergence, Experiment, Film, Floor, Outcome, Sampling, attended_film};
+use realgap::simulation::{Divergence, Film, Floor, Outcome, Sampling, attended_film};
 use realgap::trajectory::{self, Reading, Recording};
-use realgap::{Error, Result, Warning};
 
-use super::kind::{self, read_morphology, read_repeatable};
-use super::option::{Values, recording_unused};
+use super::kind::{self, read_repeatable};
+use super::kit::*;
+use super::option::recording_unused;
 use super::page;
-use super::reading::ReadingOptions;
-use super::{output, progress, shell, terminal};
+use super::shell;
 
 /// Show a run in space, over its recordings: a page that needs no network, an animation, or a file for Foxglove or a 3D program
 ///

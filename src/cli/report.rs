@@ -1,16 +1,12 @@
 //! `realgap report`: a results folder as one page.
 
-use std::path::PathBuf;
-
-use clap::Args;
 use realgap::file::write_sealed;
 use realgap::report::folder_page;
 use realgap::results::accept;
-use realgap::{Error, Result};
 
+use super::kit::*;
 use super::output::check_page;
 use super::shell::command_line;
-use super::terminal;
 
 /// Show what a results folder holds: one HTML file that needs no network
 ///

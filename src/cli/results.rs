@@ -1,18 +1,13 @@
 //! `realgap study results`: what a results folder holds.
 
-use std::path::{Path, PathBuf};
-
-use clap::{Args, ValueEnum};
+use realgap::Advice;
 use realgap::file::{Seal, versioned_json};
-use realgap::plot::{Side, TextTable, number};
+use realgap::plot::number;
 use realgap::results::check_seal;
 use realgap::store::{Cell, FolderLock, Listing};
 use realgap::text::{cell, shown};
-use realgap::unit::counted;
-use realgap::{Advice, Error, Result};
-use serde::Serialize;
 
-use super::{output, terminal};
+use super::kit::*;
 
 /// List the points or robots of a results folder, also while a run is still writing into it
 ///

@@ -1,14 +1,9 @@
 //! `realgap cluster run`: make the rows of some shards.
 
-use std::path::PathBuf;
-
-use clap::Args;
 use realgap::store::Share;
-use realgap::unit::counted;
-use realgap::{Error, Result};
 
-use super::option::Jobs;
-use super::{progress, shell, terminal, work};
+use super::kit::*;
+use super::{shell, work};
 
 /// Make the rows of one shard of a plan, or of several, one after the other
 ///

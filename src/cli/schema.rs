@@ -1,15 +1,9 @@
 //! `realgap study schema`: what files and answers may hold, for editors and machines.
 
-use std::path::PathBuf;
-
-use clap::Args;
 use realgap::file::{unknown_name, write_atomic};
-use realgap::plot::{Side, TextTable};
-use realgap::unit::counted;
-use realgap::{Error, Result};
 
 use super::form::SCHEMAS;
-use super::{output, terminal};
+use super::kit::*;
 
 /// Print the JSON Schema of a file or of an answer, or list all that there are
 ///

@@ -1,24 +1,19 @@
 //! `realgap search`: the best robot, and how sure that is.
 
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use clap::Args;
 use realgap::optimization::{Ending, Progress, RunOptions};
 use realgap::plan::Work;
-use realgap::plot::{Side, TextTable, quantity};
 use realgap::report::Kept;
 use realgap::results::{Kind, SearchSummary, write_search};
-use realgap::search::{self, Finalist, Mode, Overrides, SearchResults};
-use realgap::unit::{Unit, counted};
-use realgap::{Error, Result};
+use realgap::search::{self, Finalist, Overrides, SearchResults};
 
-use super::folder::ResultsFolder;
 use super::kind::read_search;
-use super::option::{Jobs, Print, Values, recording_unused};
-use super::page::{self, PageOption};
-use super::{mujoco, progress, terminal};
+use super::kit::*;
+use super::mujoco;
+use super::option::recording_unused;
+use super::page;
 
 /// So many of the best are shown in motion.
 const SIDE_BY_SIDE: usize = 5;
@@ -60,12 +55,8 @@ pub struct Search {
     page: PageOption,
     #[command(flatten)]
     jobs: Jobs,
-    /// Go on with an interrupted run
-    #[arg(long, conflicts_with = "restart")]
-    resume: bool,
-    /// Throw old results in the folder away and start anew
-    #[arg(long)]
-    restart: bool,
+    #[command(flatten)]
+    before: Before,
     #[command(flatten)]
     print: Print,
 }
@@ -184,11 +175,6 @@ impl Search {
         folder: &ResultsFolder,
         options: &RunOptions<'_>,
     ) -> Result<SearchResults> {
-        let mode = match (self.resume, self.restart) {
-            (true, _) => Mode::Resume,
-            (_, true) => Mode::Restart,
-            _ => Mode::Start,
-        };
         let unit = search.objective().measure.unit();
         let bar = progress::bar(search.strategy().budget(), "searching");
         let is_first = AtomicBool::new(true);
@@ -206,7 +192,7 @@ impl Search {
             progress: Some(&show),
             ..*options
         };
-        let results = search.run_in(folder.lock(), mode, &options);
+        let results = search.run_in(folder.lock(), self.before.mode(), &options);
         bar.finish_and_clear();
         results
     }

@@ -1,15 +1,10 @@
 //! `realgap study sensitivity`: which parameters matter at all?
 
-use std::path::PathBuf;
-
-use clap::Args;
-use realgap::Result;
 use realgap::calibration::{Overrides, Sensitivity as Effects, Study};
-use realgap::plot::{Bar, BarChart, Caption, Side, TextTable, draw_bars, number, quantity};
+use realgap::plot::{Bar, BarChart, Caption, draw_bars, number};
 
-use super::kind::read_study;
-use super::option::{Jobs, Print, Recordings, Values, metric_option};
-use super::{output, progress, terminal};
+use super::kit::*;
+use super::option::metric_option;
 
 /// Change every parameter a little, one at a time, and see what it does to the score
 ///
@@ -41,9 +36,7 @@ pub struct Sensitivity {
 
 impl Sensitivity {
     pub fn run(self) -> Result<()> {
-        if let Some(path) = &self.plot {
-            output::check_picture(path)?;
-        }
+        output::check_pictures(&self.plot)?;
         let overrides = Overrides {
             set: self.values.parameter_set()?,
             metric: metric_option(self.metric.as_deref())?,

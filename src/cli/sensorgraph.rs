@@ -1,8 +1,5 @@
 //! `realgap sense graph`: logs of a scanner, polynomial models of what it reads at a place.
 
-use std::path::{Path, PathBuf};
-
-use clap::Args;
 use realgap::results::{draw_segment, draw_visits, draw_way};
 use realgap::sensing::arena::Arena;
 use realgap::sensing::graph::regression::Stop;
@@ -10,12 +7,8 @@ use realgap::sensing::graph::{
     Evaluation, Frame, GraphOptions, Language, Logger, ScanLog, Sensorgraph, fit, functions,
 };
 use realgap::sensing::range::find_sensor;
-use realgap::unit::counted;
-use realgap::{Error, Result};
 
-use super::option::{Choice, Print, choice};
-use super::page::PageFile;
-use super::{output, terminal};
+use super::kit::*;
 
 commands! {
     /// Make polynomials of what a scanner reads at a place, and hold them against a log they have not seen (paper 001)
@@ -247,9 +240,7 @@ pub struct Fit {
     #[arg(long, value_name = "FILE")]
     visits: Option<PathBuf>,
     #[command(flatten)]
-    page: PageFile,
-    #[command(flatten)]
-    print: Print,
+    telling: Telling,
 }
 
 /// Hold a model against a log that it has not seen, beside the guesses one would ask for
@@ -288,9 +279,7 @@ pub struct Evaluate {
     #[arg(long, value_name = "K", default_value_t = 0, requires = "plot")]
     segment: usize,
     #[command(flatten)]
-    page: PageFile,
-    #[command(flatten)]
-    print: Print,
+    telling: Telling,
 }
 
 /// Print the polynomials of a model, or a function in another language
@@ -338,13 +327,9 @@ impl Log {
 
 impl Fit {
     pub fn run(self) -> Result<()> {
-        self.page.check()?;
-        for plot in self.way.iter().chain(&self.visits) {
-            output::check_picture(plot)?;
-        }
-        if let Some(output) = &self.output {
-            output::check(output)?;
-        }
+        self.telling.check()?;
+        output::check_pictures(self.way.iter().chain(&self.visits))?;
+        output::check_all(&self.output)?;
         let options = GraphOptions {
             degree: self.degree,
             headings: self.headings,
@@ -365,23 +350,15 @@ impl Fit {
             output::write_ron(output, &found.model.to_ron()?)?;
         }
         let pictures = self.way.iter().chain(&self.visits);
-        self.page.write(
-            "sensorgraph",
-            &self.log,
-            &found,
-            &found.to_string(),
-            pictures,
-        )?;
-        self.print.value(&found)
+        self.telling
+            .value("sensorgraph", &self.log, &found, pictures, &[])
     }
 }
 
 impl Evaluate {
     pub fn run(self) -> Result<()> {
-        self.page.check()?;
-        if let Some(plot) = &self.plot {
-            output::check_picture(plot)?;
-        }
+        self.telling.check()?;
+        output::check_pictures(&self.plot)?;
         let model = Sensorgraph::read(&self.parameters)?;
         let log = self.part.read(&self.log)?;
         let arena = self.arena.as_ref().map(Arena::read).transpose()?;
@@ -390,15 +367,13 @@ impl Evaluate {
         if let Some(plot) = &self.plot {
             draw_segment(&model, &log, self.segment, plot)?;
         }
-        self.page.write(
+        self.telling.value(
             "sensorgraph",
             &self.log,
             &found,
-            &found.to_string(),
             &self.plot,
-        )?;
-        terminal::print_warnings(&found.warnings);
-        self.print.value(&found)
+            &found.warnings,
+        )
     }
 }
 

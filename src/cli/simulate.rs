@@ -1,25 +1,17 @@
 //! `realgap simulate`: one run of one robot.
 
-use std::path::PathBuf;
-
-use clap::Args;
 use realgap::file::Source;
-use realgap::plot::quantity;
 use realgap::report::SIMULATION;
-use realgap::robot::morphology::Morphology;
 use realgap::simulation::{
-    Controller, Divergence, EnergyBalance, Experiment, Film, Outcome, Run, Sampling, SceneBody,
-    attend, attended_film,
+    Controller, Divergence, EnergyBalance, Film, Outcome, Run, Sampling, SceneBody, attend,
+    attended_film,
 };
 use realgap::trajectory;
-use realgap::unit::{Unit, decimals};
-use realgap::{Error, Result, Warning};
-use serde::Serialize;
+use realgap::unit::decimals;
 
-use super::kind::read_morphology;
-use super::option::{Print, SolverOptions, Values};
+use super::kit::*;
+use super::option::SolverOptions;
 use super::replay::{Shown, check_replay, diverged};
-use super::{output, progress, terminal};
 
 /// Simulate one run of a robot from rest and print what it did
 ///
@@ -180,9 +172,7 @@ impl Simulate {
             trajectory::check_output(output)?;
         }
         let files = [&self.output, &self.parts, &self.decisions];
-        for output in files.into_iter().flatten() {
-            output::check(output)?;
-        }
+        output::check_all(files.into_iter().flatten())?;
         if let Some(page) = &self.replay {
             check_replay(page)?;
         }

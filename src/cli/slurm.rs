@@ -1,31 +1,13 @@
 //! Scripts for Slurm: an array of shards, a merge that depends on it, and the next array.
 
-use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use realgap::file::write_atomic;
 use realgap::plan::Plan;
-use realgap::{Error, Result};
 
-/// What Slurm is asked for.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Slurm {
-    /// This program, as the nodes find it.
-    pub program: PathBuf,
-    /// Partition; Slurm's own default where there is none.
-    pub partition: Option<String>,
-    /// Account.
-    pub account: Option<String>,
-    /// Longest time of a shard, as Slurm writes it (`02:00:00`).
-    pub time: Option<String>,
-    /// Memory of a shard, as Slurm writes it (`2G`).
-    pub memory: Option<String>,
-    /// Processors of a shard.
-    pub cpus: usize,
-    /// How often the shards of a round that have failed are begun again.
-    pub retries: usize,
-    /// Any other option of `sbatch`, as it is written there.
-    pub options: Vec<String>,
-}
+use super::kit::*;
+use super::shell;
+use super::work::absolute;
 
 const CHAIN: &str = r#"# The shards that a round still needs, and a merge after them, whatever became of them.
 submit_round() { # RETRY ROUND
@@ -77,59 +59,116 @@ fi
 submit_round 0 "$round"
 "#;
 
-/// Writes `slurm/` into the plan's folder: `submit.sh` begins, `shard.sh` and `merge.sh` are jobs. The path of `submit.sh`.
+/// Write job scripts for Slurm into PLAN/slurm, and with --go submit them
 ///
-/// # Errors
-/// Paths or options with characters that no script should hold; an unwritable folder.
-pub fn scripts(plan: &Plan, slurm: &Slurm) -> Result<PathBuf> {
-    let absolute = |path: &Path| {
-        std::path::absolute(path).map_err(|e| Error::io("find the absolute path", path, &e))
-    };
-    let folder = absolute(plan.folder())?;
-    let here = folder.join("slurm");
-    let logs = here.join("logs");
-    std::fs::create_dir_all(&logs).map_err(|e| Error::io("make the folder of logs", &logs, &e))?;
-    let mut options = vec![format!("--cpus-per-task={}", slurm.cpus.max(1))];
-    let named = [
-        ("partition", &slurm.partition),
-        ("account", &slurm.account),
-        ("time", &slurm.time),
-        ("mem", &slurm.memory),
-    ];
-    for (name, value) in named {
-        options.extend(value.iter().map(|value| format!("--{name}={value}")));
+/// A round is an array of jobs, one a shard; a merge follows whatever became of them, and submits the shards that are still
+/// missing, or the next round, until PLAN/results is written. Jobs that are requeued go on where they were.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap cluster submit slurm plan --partition long --time 02:00:00 --go")]
+pub struct Slurm {
+    /// Folder of the plan
+    plan: PathBuf,
+    /// Partition
+    #[arg(long, value_name = "NAME")]
+    partition: Option<String>,
+    /// Account
+    #[arg(long, value_name = "NAME")]
+    account: Option<String>,
+    /// Longest time of one job, as Slurm writes it
+    #[arg(long, value_name = "HH:MM:SS")]
+    time: Option<String>,
+    /// Memory of one job, as Slurm writes it
+    #[arg(long, value_name = "SIZE")]
+    mem: Option<String>,
+    /// Processors of one job, and so threads
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+    cpus: u16,
+    /// How often what failed in a round is begun again
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    retries: usize,
+    /// Any other option of sbatch, e.g. --sbatch=--nodelist=n1 (repeatable)
+    #[arg(long = "sbatch", value_name = "OPTION", allow_hyphen_values = true)]
+    options: Vec<String>,
+    /// Submit, too
+    #[arg(long)]
+    go: bool,
+}
+
+impl Slurm {
+    pub fn run(self) -> Result<()> {
+        let plan = Plan::read(&self.plan)?;
+        let script = self.scripts(&plan)?;
+        if !self.go {
+            terminal::print(format!("submit it with: bash {}", shell::path(&script)));
+            return Ok(());
+        }
+        let done = Command::new("bash").arg(&script).status();
+        let done = done.map_err(|e| Error::io("start bash for", &script, &e))?;
+        if !done.success() {
+            return Err(Error::invalid("Slurm did not take the jobs")
+                .at_file(&script)
+                .found(done)
+                .hint("what it said stands above; try `sinfo`"));
+        }
+        Ok(())
     }
-    options.extend(slurm.options.iter().cloned());
-    let options: Result<Vec<String>> = options.iter().map(|option| quoted(option)).collect();
-    let text = |path: &Path| quoted(&path.to_string_lossy());
-    let head = format!(
-        "#!/bin/bash\n\
-         # Written by realgap cluster submit slurm.\n\
-         set -u\n\
-         realgap={}\n\
-         plan={}\n\
-         here={}\n\
-         logs={}\n\
-         name={}\n\
-         retries={}\n\
-         options=({})\n",
-        text(&slurm.program)?,
-        text(&folder)?,
-        text(&here)?,
-        text(&logs)?,
-        quoted(&plan.draft().name)?,
-        slurm.retries,
-        options?.join(" "),
-    );
-    let submit = here.join("submit.sh");
-    for (file, body) in [
-        (here.join("shard.sh"), SHARD.to_owned()),
-        (here.join("merge.sh"), format!("{CHAIN}{MERGE}")),
-        (submit.clone(), format!("{CHAIN}{SUBMIT}")),
-    ] {
-        write_atomic(file, format!("{head}{body}").as_bytes())?;
+
+    /// Writes `slurm/` into the plan's folder: `submit.sh` begins, `shard.sh` and `merge.sh` are jobs. The path of `submit.sh`.
+    ///
+    /// # Errors
+    /// Paths or options with characters that no script should hold; an unwritable folder.
+    fn scripts(&self, plan: &Plan) -> Result<PathBuf> {
+        let program =
+            std::env::current_exe().map_err(|e| Error::io("find this program", "realgap", &e))?;
+        let folder = absolute(plan.folder())?;
+        let here = folder.join("slurm");
+        let logs = here.join("logs");
+        std::fs::create_dir_all(&logs)
+            .map_err(|e| Error::io("make the folder of logs", &logs, &e))?;
+        let mut options = vec![format!("--cpus-per-task={}", self.cpus)];
+        let named = [
+            ("partition", &self.partition),
+            ("account", &self.account),
+            ("time", &self.time),
+            ("mem", &self.mem),
+        ];
+        for (name, value) in named {
+            options.extend(value.iter().map(|value| format!("--{name}={value}")));
+        }
+        options.extend(self.options.iter().cloned());
+        let options: Result<Vec<String>> = options.iter().map(|option| quoted(option)).collect();
+        let text = |path: &Path| quoted(&path.to_string_lossy());
+        let head = format!(
+            "#!/bin/bash\n\
+             # Written by realgap cluster submit self.\n\
+             set -u\n\
+             realgap={}\n\
+             plan={}\n\
+             here={}\n\
+             logs={}\n\
+             name={}\n\
+             retries={}\n\
+             options=({})\n",
+            text(&program)?,
+            text(&folder)?,
+            text(&here)?,
+            text(&logs)?,
+            quoted(&plan.draft().name)?,
+            self.retries,
+            options?.join(" "),
+        );
+        let submit = here.join("submit.sh");
+        for (file, body) in [
+            (here.join("shard.sh"), SHARD.to_owned()),
+            (here.join("merge.sh"), format!("{CHAIN}{MERGE}")),
+            (submit.clone(), format!("{CHAIN}{SUBMIT}")),
+        ] {
+            write_atomic(file, format!("{head}{body}").as_bytes())?;
+        }
+        Ok(submit)
     }
-    Ok(submit)
 }
 
 /// A text as one word of a shell, whatever is in it.

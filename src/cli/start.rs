@@ -4,23 +4,17 @@ mod joint;
 mod path;
 
 use std::io::{BufRead as _, IsTerminal as _};
-use std::path::{Path, PathBuf};
 
-use clap::Args;
 use realgap::calibration::{Overrides, Study};
 use realgap::file::{Source, write_ron};
 use realgap::import::is_foreign;
 use realgap::prediction::ensemble::rms_m;
-use realgap::robot::morphology::Morphology;
 use realgap::trajectory::{
     Ask, Axes, Guess, Open, Prepared, Reading, Recording, prepare, read_all,
 };
-use realgap::unit::counted;
-use realgap::{Error, Result};
 
-use super::kind::read_morphology;
-use super::reading::ReadingOptions;
-use super::{output, shell, terminal};
+use super::kit::*;
+use super::shell;
 
 /// Make a study of your own recordings and your robot: how the files are to be read is found out, said and written down
 ///

@@ -1,14 +1,9 @@
 //! `realgap cluster status`: how far a plan is.
 
-use std::path::PathBuf;
-
-use clap::Args;
-use realgap::Result;
 use realgap::plan::{Plan, ShardState, Status};
-use realgap::plot::{Side, TextTable};
 
-use super::option::Print;
-use super::{shell, terminal};
+use super::kit::*;
+use super::shell;
 
 /// How far the shards of a plan are
 #[derive(Debug, Args)]

@@ -2,12 +2,10 @@
 
 use std::time::Instant;
 
-use clap::Args;
-use realgap::Result;
 use realgap::plan::Work;
 
 use super::answer::StudyOptions;
-use super::progress;
+use super::kit::*;
 
 /// Simulate every combination of a study's parameters and find what matches reality best
 ///
@@ -43,7 +41,7 @@ impl Sweep {
         let started = Instant::now();
         let (total, run) = (study.definition().grid.len(), options.jobs.stoppable());
         let result = progress::during(total, "sweeping", run, |run| {
-            study.sweep_into(folder.lock(), options.mode(), run)
+            study.sweep_into(folder.lock(), options.before.mode(), run)
         });
         folder.check()?;
         let wall_s = started.elapsed().as_secs_f64();

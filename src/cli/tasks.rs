@@ -1,16 +1,11 @@
 //! `realgap sense tasks`: how long tasks take, real against simulated.
 
-use std::path::PathBuf;
-
-use clap::Args;
 use realgap::results::{draw_task_curves, draw_task_times};
 use realgap::task::{Goal, TaskComparison, TaskLog, time_to_reach};
+use realgap::trajectory;
 use realgap::unit::LengthUnit;
-use realgap::{Error, Result, trajectory};
 
-use super::option::Print;
-use super::page::PageFile;
-use super::{output, terminal};
+use super::kit::*;
 
 commands! {
     /// Compare how long tasks take in reality and in simulation (paper 002, section V)
@@ -47,9 +42,7 @@ pub struct Compare {
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
     #[command(flatten)]
-    page: PageFile,
-    #[command(flatten)]
-    print: Print,
+    telling: Telling,
 }
 
 /// Print when trajectories first reach a place, as a log of task times
@@ -80,10 +73,8 @@ pub struct Time {
 
 impl Compare {
     pub fn run(self) -> Result<()> {
-        self.page.check()?;
-        for picture in self.plot.iter().chain(&self.curves) {
-            output::check_picture(picture)?;
-        }
+        self.telling.check()?;
+        output::check_pictures(self.plot.iter().chain(&self.curves))?;
         let (real, simulated) = (TaskLog::read(&self.real)?, TaskLog::read(&self.simulated)?);
         let found = TaskComparison::new(&real, &simulated, self.seed)?;
         if let Some(plot) = &self.plot {
@@ -93,10 +84,8 @@ impl Compare {
             draw_task_curves(&found, plot)?;
         }
         let pictures = self.plot.iter().chain(&self.curves);
-        self.page
-            .write("tasks", &self.real, &found, &found.to_string(), pictures)?;
-        terminal::print_warnings(&found.warnings);
-        self.print.value(&found)
+        self.telling
+            .value("tasks", &self.real, &found, pictures, &found.warnings)
     }
 }
 

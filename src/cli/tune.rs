@@ -2,15 +2,12 @@
 
 use std::time::Instant;
 
-use clap::Args;
 use realgap::calibration::TuneOptions;
 use realgap::optimization::{OPTIMIZERS, Progress, RunOptions, optimizer_by_name};
 use realgap::plan::Work;
-use realgap::plot::quantity;
-use realgap::{Error, Result};
 
 use super::answer::StudyOptions;
-use super::progress;
+use super::kit::*;
 
 /// Let an optimizer find what matches reality best, with far fewer simulations than a sweep
 ///
@@ -82,7 +79,7 @@ impl Tune {
             progress: Some(&say),
             ..options.jobs.stoppable()
         };
-        let result = study.tune_into(folder.lock(), options.mode(), &tuning, &run);
+        let result = study.tune_into(folder.lock(), options.before.mode(), &tuning, &run);
         bar.finish_and_clear();
         folder.check()?;
         let wall_s = started.elapsed().as_secs_f64();

@@ -1,15 +1,11 @@
 //! `realgap verify`: closed-form checks with the settings of the user's choice.
 
-use clap::Args;
-use realgap::plot::{Side, TextTable};
 use realgap::robot::morphology::Assembly;
+use realgap::simulation::EngineChoice;
 use realgap::simulation::verification::{self, Check, Limit, Settings, Tolerance, Verdict};
-use realgap::simulation::{EngineChoice, Experiment};
-use realgap::{Error, Result};
-use serde::Serialize;
 
-use super::option::{Print, SolverOptions, Values};
-use super::terminal;
+use super::kit::*;
+use super::option::SolverOptions;
 
 /// Check the simulation against closed forms, with the settings given
 ///

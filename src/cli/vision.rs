@@ -1,8 +1,5 @@
 //! `realgap sense vision`: what is found in pictures, and whether it is the same in simulated and in real ones.
 
-use std::path::{Path, PathBuf};
-
-use clap::Args;
 use realgap::calibration::camera::{CameraOptions, tune_camera};
 use realgap::results::draw_vision;
 use realgap::sensing::vision::camera::Scene;
@@ -10,12 +7,9 @@ use realgap::sensing::vision::{
     EXTRACTORS, Extractor, Grey, RelativeTo, Step, Views, VisionOptions, compare_folders,
     contact_sheet, extractor_by_name, own_extractors, stacked,
 };
-use realgap::{Error, Result};
 
-use super::option::{Choice, Print, choice};
-use super::page::PageFile;
+use super::kit::*;
 use super::picture::camera_named;
-use super::{output, progress, terminal};
 
 commands! {
     /// Compare simulated pictures with real ones by what image processing finds in them (paper 002)
@@ -66,9 +60,7 @@ pub struct Compare {
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
     #[command(flatten)]
-    page: PageFile,
-    #[command(flatten)]
-    print: Print,
+    telling: Telling,
 }
 
 /// What places and poses are told relative to.
@@ -162,7 +154,7 @@ impl Compare {
     }
 
     pub fn run(self) -> Result<()> {
-        self.page.check()?;
+        self.telling.check()?;
         let extractors = self.extractors()?;
         if let Some(folder) = &self.output {
             std::fs::create_dir_all(folder)
@@ -186,7 +178,7 @@ impl Compare {
             Some(folder) => draw_vision(&report, folder)?,
             None => Vec::new(),
         };
-        self.page.write(
+        self.telling.write(
             "vision",
             &self.real,
             &report,
@@ -194,7 +186,7 @@ impl Compare {
             &pictures,
         )?;
         terminal::print_warnings(&report.warnings);
-        self.print.answer(&report, || {
+        self.telling.print.answer(&report, || {
             let shown = report.extractors.iter().filter(|_| self.views);
             let views: Vec<String> = shown.map(|extractor| format!("\n{extractor}")).collect();
             format!("{report}{}", views.concat())
@@ -204,9 +196,7 @@ impl Compare {
 
 impl Tune {
     pub fn run(self) -> Result<()> {
-        if let Some(output) = &self.output {
-            output::check(output)?;
-        }
+        output::check_all(&self.output)?;
         if !(self.place_sd > 0.0 && self.place_sd <= 1000.0) {
             return Err(Error::invalid("not a deviation of places")
                 .field("--place-sd")
@@ -243,9 +233,7 @@ impl Extract {
         if let Some(program) = extractor.program() {
             program.version()?;
         }
-        if let Some(output) = &self.output {
-            output::check(output)?;
-        }
+        output::check_all(&self.output)?;
         let mut rows = Vec::new();
         for path in &self.pictures {
             if self.pictures.len() > 1 {

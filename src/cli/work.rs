@@ -1,11 +1,9 @@
 //! Commands whose work can be shared: from a plan's arguments to the library's [`Work`], and to the command itself.
 
-use std::path::{Path, PathBuf};
-
 use clap::Parser as _;
 use realgap::plan::{Plan, Work};
-use realgap::{Error, Result};
 
+use super::kit::*;
 use super::{Cli, Command};
 
 /// Options that a plan decides itself.

@@ -1,16 +1,12 @@
 //! What a controller's file holds, alone or for a robot.
 
-use std::path::Path;
-
-use realgap::Result;
 use realgap::file::Source;
 use realgap::results::draw_arena;
 use realgap::sensing::arena::Arena;
-use realgap::simulation::{Condition, Controller, Experiment, Mounted, Reads};
+use realgap::simulation::{Condition, Controller, Mounted, Reads};
 use realgap::text::shown;
-use realgap::unit::counted;
 
-use super::super::kind::read_morphology;
+use super::super::kit::*;
 use super::{Contents, Kind, SHOWN, report};
 
 /// The controller, checked for the robot where one is named.

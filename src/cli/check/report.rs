@@ -1,30 +1,29 @@
 //! What `realgap check --format json` says of a file.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 
 use realgap::robot::morphology::Dynamics;
-use realgap::unit::{LengthUnit, Unit};
-use realgap::{Error, Warning};
-use serde::Serialize;
+use realgap::unit::LengthUnit;
+
+use super::super::kit::*;
 
 /// A file.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FileReport {
     /// Its path.
-    file: PathBuf,
+    pub file: PathBuf,
     /// Whether it is sound.
-    ok: bool,
+    pub ok: bool,
     /// What is in it, or what is wrong.
     #[serde(flatten)]
-    outcome: Outcome,
+    pub outcome: Outcome,
 }
 
 #[derive(Serialize)]
 #[serde(untagged)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-enum Outcome {
+pub enum Outcome {
     /// It is sound.
     Sound {
         /// Kind of file.
@@ -44,7 +43,7 @@ enum Outcome {
 /// What is wrong with a file.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct Fault {
+pub struct Fault {
     /// What is wrong, in one sentence.
     message: String,
     /// Line, from 1, where that is known.
@@ -279,38 +278,16 @@ pub struct Motion {
     pub path_length_m: f64,
 }
 
-impl FileReport {
-    /// Of a sound file.
-    pub fn sound(
-        file: &Path,
-        kind: &'static str,
-        contents: Contents,
-        warnings: Vec<Warning>,
-    ) -> Self {
-        Self {
-            file: file.to_owned(),
-            ok: true,
-            outcome: Outcome::Sound {
-                kind,
-                contents: Box::new(contents),
-                warnings,
-            },
-        }
-    }
-
-    /// Of one that is not.
-    pub fn wrong(file: &Path, error: &Error) -> Self {
+impl Outcome {
+    /// Of a file that is not sound.
+    pub fn wrong(error: &Error) -> Self {
         let place = error.line_column();
-        Self {
-            file: file.to_owned(),
-            ok: false,
-            outcome: Outcome::Wrong {
-                error: Fault {
-                    message: error.message().to_owned(),
-                    line: place.map(|(line, _)| line),
-                    column: place.map(|(_, column)| column),
-                    text: error.to_string(),
-                },
+        Self::Wrong {
+            error: Fault {
+                message: error.message().to_owned(),
+                line: place.map(|(line, _)| line),
+                column: place.map(|(_, column)| column),
+                text: error.to_string(),
             },
         }
     }

@@ -1,8 +1,5 @@
 //! What files of sensors and their surroundings hold.
 
-use std::path::Path;
-
-use realgap::Result;
 use realgap::file::Source;
 use realgap::sensing::arena::{Arena, Boundary};
 use realgap::sensing::graph::Sensorgraph;
@@ -11,8 +8,9 @@ use realgap::sensing::range::RangeModel;
 use realgap::sensing::vision::camera::Scene;
 use realgap::simulation::Vehicle;
 use realgap::text::shown;
-use realgap::unit::{counted, number};
+use realgap::unit::number;
 
+use super::super::kit::*;
 use super::{Contents, Kind, SHOWN, report};
 
 pub(super) fn arena(source: &Source) -> Result<Contents> {

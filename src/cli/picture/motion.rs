@@ -1,19 +1,17 @@
 //! Pictures of robots in motion, and by cameras on them.
 
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use realgap::calibration::Overrides;
 use realgap::file::{look_up, unknown_name};
 use realgap::report::{ShownSolid, shown_body, shown_parts};
-use realgap::robot::morphology::{Assembly, Morphology, Shape};
+use realgap::robot::morphology::{Assembly, Shape};
 use realgap::sensing::vision::camera::{Body, BodyBox, Mount, Plane, Ride, Scene, Watch};
 use realgap::simulation::{Film, SceneBody, SceneMotion, part_name};
 use realgap::trajectory::{self, Reading, Recording, Trajectory};
-use realgap::{Error, Result};
 
-use super::super::kind::{is_study, read_definition, read_morphology};
-use super::super::terminal;
+use super::super::kind::{is_study, read_definition};
+use super::super::kit::*;
 use super::{Album, Picture, numbered};
 
 /// Most pictures of one viewpoint.

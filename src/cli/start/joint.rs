@@ -1,15 +1,12 @@
 //! The study of joint logs: what the joints were told, and what of their servos is looked for.
 
-use std::path::Path;
-
 use realgap::calibration::{Commands, Unmatched};
 use realgap::import::{AssumedLaw, Options, is_foreign};
-use realgap::robot::morphology::{Freedom, Hinge, Morphology, ServoLaw, Summary};
+use realgap::robot::morphology::{Freedom, Hinge, ServoLaw, Summary};
 use realgap::trajectory::{Recording, Trajectory};
-use realgap::unit::counted;
-use realgap::{Error, Result};
 
-use super::super::{import, output};
+use super::super::import;
+use super::super::kit::*;
 use super::{Draft, Subject};
 
 /// What people call what a servo was told.

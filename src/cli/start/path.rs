@@ -2,8 +2,8 @@
 
 use realgap::robot::morphology::Hinge;
 use realgap::trajectory::Recording;
-use realgap::{Error, Result};
 
+use super::super::kit::*;
 use super::joint::is_commanded;
 use super::{Draft, Subject};
 
