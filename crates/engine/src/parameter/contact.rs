@@ -1,8 +1,7 @@
 //! The contact model of the solver.
 
-use super::{Nudge, Parameter, Scale, field};
+use super::{Nudge, Parameter, entry, field};
 use crate::FrictionModel;
-use realgap_core::unit::Unit;
 
 #[rustfmt::skip] // a table
 pub(super) static PARAMETERS: &[Parameter] = &[
@@ -13,23 +12,18 @@ pub(super) static PARAMETERS: &[Parameter] = &[
     field!("contact.damping_ratio", One, (0.0, 1000.0), Log, Nudge::Share(0.25),
         "Damping ratio of contacts; with the natural frequency it decides how fast penetration is pushed out.", contact.damping_ratio),
     Parameter {
-        name: "contact.friction_model",
-        unit: Unit::One,
-        bounds: (0.0, (MODELS.len() - 1) as f64),
         whole: true,
-        scale: Scale::Linear,
-        nudge: Nudge::Absolute(1.0),
-        doc: "0: Simplified, a friction pyramid per contact area (Rapier); 1: Coulomb, a cone at every contact point; 2: Relaxed, a convex cone as MuJoCo's (tree solver).",
-        subject: "",
-        get: |e, _| {
-            let is_it = |model: &FrictionModel| *model == e.contact.friction_model;
-            MODELS.iter().position(is_it).map(|index| index as f64)
-        },
-        set: |e, _, value| {
-            if let Some(model) = MODELS.get(value as usize) {
-                e.contact.friction_model = *model;
-            }
-        },
+        ..entry!("contact.friction_model", One, (0.0, (MODELS.len() - 1) as f64), Linear, Nudge::Absolute(1.0),
+            "0: Simplified, a friction pyramid per contact area (Rapier); 1: Coulomb, a cone at every contact point; 2: Relaxed, a convex cone as MuJoCo's (tree solver).",
+            |e, _| {
+                let is_it = |model: &FrictionModel| *model == e.contact.friction_model;
+                MODELS.iter().position(is_it).map(|index| index as f64)
+            },
+            |e, _, value| {
+                if let Some(model) = MODELS.get(value as usize) {
+                    e.contact.friction_model = *model;
+                }
+            })
     },
 ];
 

@@ -1,9 +1,8 @@
 //! Stated hinges, and bodies of the scene that are driven.
 
 use super::member::{change, shared};
-use super::{Nudge, Parameter, Scale, field};
+use super::{Nudge, Parameter, entry, field};
 use crate::{Experiment, SceneMotion};
-use realgap_core::unit::Unit;
 
 fn same(mut values: impl Iterator<Item = f64>) -> Option<f64> {
     let first = values.next()?;
@@ -20,24 +19,22 @@ fn pusher_friction(experiment: &Experiment) -> Option<f64> {
 /// A number of the bearing of stated hinges.
 macro_rules! bearing {
     ($name:literal, $unit:ident, $doc:literal, $field:ident) => {
-        Parameter {
-            name: $name,
-            unit: Unit::$unit,
-            bounds: (0.0, 1000.0),
-            whole: false,
-            scale: Scale::Linear,
-            nudge: Nudge::Share(0.1),
-            doc: $doc,
-            subject: "",
-            get: |e, of| shared(e, of, |h, _| h.is_stated.then_some(h.bearing.$field)),
-            set: |e, of, value| {
+        entry!(
+            $name,
+            $unit,
+            (0.0, 1000.0),
+            Linear,
+            Nudge::Share(0.1),
+            $doc,
+            |e, of| shared(e, of, |h, _| h.is_stated.then_some(h.bearing.$field)),
+            |e, of, value| {
                 change(e, of, |hinge| {
                     if hinge.is_stated {
                         hinge.bearing.$field = value;
                     }
                 })
-            },
-        }
+            }
+        )
     };
 }
 
@@ -55,16 +52,8 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         "Shift of the boxes of every driven body of the scene along the body's own y axis.", adjustment.pusher_offset_m.y),
     field!("pusher.offset_z_m", Metre, (-1.0, 1.0), Linear, Nudge::Absolute(0.001),
         "Shift of the boxes of every driven body of the scene along the body's own z axis.", adjustment.pusher_offset_m.z),
-    Parameter {
-        name: "pusher.friction",
-        unit: Unit::One,
-        bounds: (0.0, 10.0),
-        whole: false,
-        scale: Scale::Linear,
-        nudge: Nudge::Share(0.1),
-        doc: "Coulomb friction coefficient of the pair robot and driven body, in place of the study's.",
-        subject: "",
-        get: |e, _| e.adjustment.pusher_friction.or_else(|| pusher_friction(e)),
-        set: |e, _, value| e.adjustment.pusher_friction = Some(value),
-    },
+    entry!("pusher.friction", One, (0.0, 10.0), Linear, Nudge::Share(0.1),
+        "Coulomb friction coefficient of the pair robot and driven body, in place of the study's.",
+        |e, _| e.adjustment.pusher_friction.or_else(|| pusher_friction(e)),
+        |e, _, value| e.adjustment.pusher_friction = Some(value)),
 ];

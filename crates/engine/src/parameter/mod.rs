@@ -23,7 +23,11 @@ pub use assignment::{Assignment, ParameterSet};
 
 pub use realgap_core::quantity::Scale;
 
+use std::collections::BTreeMap;
+use std::sync::{LazyLock, Mutex};
+
 use crate::Experiment;
+use member::OF_JOINTS;
 use realgap_core::error::{Advice, Result};
 use realgap_core::file::unknown_name;
 use realgap_core::quantity::Quantity;
@@ -170,8 +174,62 @@ fn usual(name: &str) -> String {
 fn scoped(name: &str) -> Option<(&str, &str)> {
     let (robot, rest) = name.strip_prefix("robot.")?.split_once('.')?;
     let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-    let is_robot = (1..=64).contains(&robot.len()) && robot.chars().all(is_name);
+    let is_robot = (1..=LONGEST).contains(&robot.len()) && robot.chars().all(is_name);
     (is_robot && !rest.starts_with("robot.")).then_some((robot, rest))
+}
+
+/// Longest name of a thing.
+const LONGEST: usize = 64;
+
+/// Parameters of the groups [`OF_JOINTS`].
+fn of_joints() -> impl Iterator<Item = &'static Parameter> {
+    let groups = [
+        servo::PARAMETERS,
+        motor::PARAMETERS,
+        hinge::PARAMETERS,
+        joint::PARAMETERS,
+    ];
+    let all = groups.into_iter().flatten();
+    all.filter(|parameter| OF_JOINTS.contains(&parameter.group()))
+}
+
+/// Parameters are compared and stored by reference, so each name has one for as long as the program runs.
+static KNOWN: LazyLock<Mutex<BTreeMap<String, &'static Parameter>>> = LazyLock::new(Mutex::default);
+
+/// The one parameter of this name.
+fn kept(name: String, subject: &str, family: &Parameter) -> &'static Parameter {
+    let mut known = KNOWN
+        .lock()
+        .unwrap_or_else(std::sync::PoisonError::into_inner);
+    known.entry(name).or_insert_with_key(|name| {
+        Box::leak(Box::new(Parameter {
+            name: Box::leak(name.clone().into_boxed_str()),
+            subject: Box::leak(subject.to_owned().into_boxed_str()),
+            ..*family
+        }))
+    })
+}
+
+/// A parameter for one robot of many.
+fn of_robot(robot: &str, all: &'static Parameter) -> &'static Parameter {
+    kept(format!("robot.{robot}.{}", all.name), all.subject, all)
+}
+
+/// The parameter that a name with a thing in it means: group `.` name of the thing `.` quantity.
+fn member(name: &str) -> Option<&'static Parameter> {
+    let (group, rest) = name.split_once('.')?;
+    let (subject, quantity) = rest.rsplit_once('.')?;
+    let is_of_joint = OF_JOINTS.contains(&group);
+    let is_name =
+        |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-' || (c == '*' && is_of_joint);
+    if subject.is_empty() || subject.len() > LONGEST || !subject.chars().all(is_name) {
+        return None;
+    }
+    let family = match group {
+        "module" => module::FAMILY.iter().find(|p| p.quantity() == quantity)?,
+        _ => of_joints().find(|p| p.group() == group && p.quantity() == quantity)?,
+    };
+    Some(kept(name.to_owned(), subject, family))
 }
 
 /// Looks a parameter up by name.
@@ -181,14 +239,14 @@ fn scoped(name: &str) -> Option<(&str, &str)> {
 pub fn by_name(name: &str) -> Result<&'static Parameter> {
     let asked = name;
     if let Some((robot, rest)) = scoped(name) {
-        return Ok(member::of_robot(robot, by_name(rest)?));
+        return Ok(of_robot(robot, by_name(rest)?));
     }
     let name = usual(name);
     let name = name.as_str();
     if let Some(known) = all().find(|parameter| parameter.name == name) {
         return Ok(known);
     }
-    if let Some(member) = member::member(name) {
+    if let Some(member) = member(name) {
         return Ok(member);
     }
     let group = name.split('.').next().unwrap_or(name);

@@ -1,17 +1,10 @@
 //! What is wrong with the recordings rather than with the robot.
 
-use super::{Nudge, Parameter, Scale};
-use realgap_core::unit::Unit;
+use super::{Nudge, Parameter, field};
 
-pub(super) static PARAMETERS: &[Parameter] = &[Parameter {
-    name: "recording.length_scale",
-    unit: Unit::One,
-    bounds: (0.01, 100.0),
-    whole: false,
-    scale: Scale::Log,
-    nudge: Nudge::Share(0.01),
-    doc: "Recorded lengths are this times the true ones; recordings are divided by it before they are used.",
-    subject: "",
-    get: |e, _| Some(e.recording_length_scale),
-    set: |e, _, value| e.recording_length_scale = value,
-}];
+#[rustfmt::skip] // a table
+pub(super) static PARAMETERS: &[Parameter] = &[
+    field!("recording.length_scale", One, (0.01, 100.0), Log, Nudge::Share(0.01),
+        "Recorded lengths are this times the true ones; recordings are divided by it before they are used.",
+        recording_length_scale),
+];

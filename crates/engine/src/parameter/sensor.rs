@@ -2,9 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{Nudge, Parameter, Scale};
+use super::{Nudge, Parameter, entry};
 use crate::Experiment;
-use realgap_core::unit::Unit;
 use realgap_sense::range::RangeModel;
 use realgap_sense::range::form::Curve;
 
@@ -38,18 +37,9 @@ fn write(curve: &mut Curve, name: &str, value: f64) {
 macro_rules! curves {
     ($($name:literal $curve:ident $part:literal ($low:literal, $high:literal) $nudge:expr, $doc:literal;)*) => {
         pub(super) static CURVES: &[Parameter] = &[
-            $(Parameter {
-                name: $name,
-                unit: Unit::One,
-                bounds: ($low, $high),
-                whole: false,
-                scale: Scale::Linear,
-                nudge: $nudge,
-                doc: $doc,
-                subject: "",
-                get: |e, _| read(&sensor(e)?.$curve, $part),
-                set: |e, _, value| change(e, |s| write(&mut s.$curve, $part, value)),
-            },)*
+            $(entry!($name, One, ($low, $high), Linear, $nudge, $doc,
+                |e, _| read(&sensor(e)?.$curve, $part),
+                |e, _, value| change(e, |s| write(&mut s.$curve, $part, value))),)*
         ];
     };
 }
@@ -67,29 +57,12 @@ curves! {
     "vehicle.sensor.spread.rate" spread "rate" (-100.0, 100.0) Nudge::Share(0.1), "Rate of the spread over the distance, where it is an exponential.";
 }
 
+#[rustfmt::skip] // a table
 pub(super) static PARAMETERS: &[Parameter] = &[
-    Parameter {
-        name: "vehicle.sensor.dropout",
-        unit: Unit::One,
-        bounds: (0.0, 1.0),
-        whole: false,
-        scale: Scale::Linear,
-        nudge: Nudge::Absolute(0.05),
-        doc: "Probability that no reading comes.",
-        subject: "",
-        get: |e, _| Some(sensor(e)?.dropout),
-        set: |e, _, value| change(e, |s| s.dropout = value),
-    },
-    Parameter {
-        name: "vehicle.sensor.incidence_per_deg",
-        unit: Unit::One,
-        bounds: (-1e6, 1e6),
-        whole: false,
-        scale: Scale::Linear,
-        nudge: Nudge::Absolute(0.01),
-        doc: "Change of the mean reading per degree of incidence, in its file's unit of readings.",
-        subject: "",
-        get: |e, _| Some(sensor(e)?.incidence_per_deg),
-        set: |e, _, value| change(e, |s| s.incidence_per_deg = value),
-    },
+    entry!("vehicle.sensor.dropout", One, (0.0, 1.0), Linear, Nudge::Absolute(0.05),
+        "Probability that no reading comes.",
+        |e, _| Some(sensor(e)?.dropout), |e, _, value| change(e, |s| s.dropout = value)),
+    entry!("vehicle.sensor.incidence_per_deg", One, (-1e6, 1e6), Linear, Nudge::Absolute(0.01),
+        "Change of the mean reading per degree of incidence, in its file's unit of readings.",
+        |e, _| Some(sensor(e)?.incidence_per_deg), |e, _, value| change(e, |s| s.incidence_per_deg = value)),
 ];

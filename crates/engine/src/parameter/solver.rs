@@ -1,8 +1,7 @@
 //! Numerical settings: worth a sweep of their own, because they change results too.
 
-use super::{Nudge, Parameter, Scale, entry, field};
+use super::{Nudge, Parameter, entry, field};
 use crate::{ENGINES, EngineChoice, JointKind};
-use realgap_core::unit::Unit;
 
 /// A whole number of the solver's settings.
 macro_rules! count {
@@ -34,43 +33,29 @@ pub(super) static PARAMETERS: &[Parameter] = &[
     count!("solver.relaxations", (0.0, 16.0), Linear, Nudge::Absolute(1.0),
         "Passes without bias at the end of every substep; each drains some energy of the hinges.", relaxations),
     Parameter {
-        name: "solver.joint",
-        unit: Unit::One,
-        bounds: (0.0, 1.0),
         whole: true,
-        scale: Scale::Linear,
-        nudge: Nudge::Absolute(1.0),
-        doc: "0: impulse joints (constraints); 1: multibody joints (reduced coordinates).",
-        subject: "",
-        get: |e, _| {
-            let is_multibody = e.joint_kind() == JointKind::Multibody;
-            Some(f64::from(u8::from(is_multibody)))
-        },
-        set: |e, _, value| {
-            e.solver.joint = if value == 0.0 {
-                JointKind::Impulse
-            } else {
-                JointKind::Multibody
-            };
-        },
+        ..entry!("solver.joint", One, (0.0, 1.0), Linear, Nudge::Absolute(1.0),
+            "0: impulse joints (constraints); 1: multibody joints (reduced coordinates).",
+            |e, _| Some(f64::from(u8::from(e.joint_kind() == JointKind::Multibody))),
+            |e, _, value| {
+                e.solver.joint = match value == 0.0 {
+                    true => JointKind::Impulse,
+                    false => JointKind::Multibody,
+                };
+            })
     },
     Parameter {
-        name: "solver.engine",
-        unit: Unit::One,
-        bounds: (0.0, (ENGINES.len() - 1) as f64),
         whole: true,
-        scale: Scale::Linear,
-        nudge: Nudge::Absolute(1.0),
-        doc: "0: Rapier; 1: the tree solver, in reduced coordinates.",
-        subject: "",
-        get: |e, _| {
-            let is_it = |engine: &EngineChoice| *engine == e.solver.engine;
-            ENGINES.iter().position(is_it).map(|index| index as f64)
-        },
-        set: |e, _, value| {
-            if let Some(engine) = ENGINES.get(value as usize) {
-                e.solver.engine = *engine;
-            }
-        },
+        ..entry!("solver.engine", One, (0.0, (ENGINES.len() - 1) as f64), Linear, Nudge::Absolute(1.0),
+            "0: Rapier; 1: the tree solver, in reduced coordinates.",
+            |e, _| {
+                let is_it = |engine: &EngineChoice| *engine == e.solver.engine;
+                ENGINES.iter().position(is_it).map(|index| index as f64)
+            },
+            |e, _, value| {
+                if let Some(engine) = ENGINES.get(value as usize) {
+                    e.solver.engine = *engine;
+                }
+            })
     },
 ];

@@ -1,23 +1,14 @@
 //! The two-wheel robot.
 
-use super::{Nudge, Parameter, Scale};
-use realgap_core::unit::Unit;
+use super::{Nudge, Parameter, field};
 
 /// A number of the drive.
 macro_rules! drive {
     ($($name:literal $field:ident $unit:ident ($low:literal, $high:literal) $nudge:expr, $whole:literal, $doc:literal;)*) => {
         pub(super) static PARAMETERS: &[Parameter] = &[
             $(Parameter {
-                name: $name,
-                unit: Unit::$unit,
-                bounds: ($low, $high),
                 whole: $whole,
-                scale: Scale::Linear,
-                nudge: $nudge,
-                doc: $doc,
-                subject: "",
-                get: |e, _| Some(e.drive.$field),
-                set: |e, _, value| e.drive.$field = value,
+                ..field!($name, $unit, ($low, $high), Linear, $nudge, $doc, drive.$field)
             },)*
         ];
     };
