@@ -3,7 +3,7 @@
 use nalgebra::Isometry3;
 
 use super::kit::*;
-use super::surface::{draw_surface, far_first, shadow};
+use super::surface::{draw_surface, far_first, project, shadow, view};
 use realgap_robot::morphology::Surface;
 
 /// What a block stands for.
@@ -56,34 +56,12 @@ pub struct Block {
     pub surface: Option<Surface>,
 }
 
-/// Where the viewer stands: this far round from +x, and this high. Not 45 degrees: corners of different cubes would
-/// fall onto each other.
-pub(super) const AZIMUTH_DEG: f64 = -58.0;
-pub(super) const ELEVATION_DEG: f64 = 27.0;
-
 pub(super) const PASSIVE: RGBColor = RGBColor(226, 221, 211);
 pub(super) const ACTIVE: RGBColor = RGBColor(120, 178, 216);
 pub(super) const SPIN: RGBColor = VERMILLION;
 pub(super) const BEND: RGBColor = RGBColor(240, 228, 66);
 pub(super) const FLOOR: RGBColor = RGBColor(243, 243, 241);
 const SHADOW: RGBColor = RGBColor(214, 214, 211);
-
-/// Towards the viewer.
-pub(super) fn view() -> [f64; 3] {
-    let (sin_a, cos_a) = AZIMUTH_DEG.to_radians().sin_cos();
-    let (sin_e, cos_e) = ELEVATION_DEG.to_radians().sin_cos();
-    [cos_a * cos_e, sin_a * cos_e, sin_e]
-}
-
-/// Where a point of a robot is in the picture before scaling: to the right and down, metres.
-pub(super) fn project([x, y, z]: [f64; 3]) -> Point {
-    let (sin_a, cos_a) = AZIMUTH_DEG.to_radians().sin_cos();
-    let (sin_e, cos_e) = ELEVATION_DEG.to_radians().sin_cos();
-    // The viewer is at (cos a cos e, sin a cos e, sin e); right and up are at right angles to that.
-    let right = -sin_a * x + cos_a * y;
-    let up = -cos_a * sin_e * x - sin_a * sin_e * y + cos_e * z;
-    (right, -up)
-}
 
 /// The visible face of each axis: towards +x, −y and +z.
 const VISIBLE_POSITIVE: [bool; 3] = [true, false, true];
@@ -330,11 +308,6 @@ pub(super) fn draw_length(canvas: &mut Canvas, (left, right): Point, (y, half): 
     for x in [left, right] {
         canvas.path(&[(x, y - half), (x, y + half)], Stroke::new(width, INK));
     }
-}
-
-pub(super) fn darken(colour: RGBColor, share: f64) -> RGBColor {
-    let scale = |channel: u8| (f64::from(channel) * share).round() as u8;
-    RGBColor(scale(colour.0), scale(colour.1), scale(colour.2))
 }
 
 #[cfg(test)]

@@ -57,3 +57,9 @@ pub(super) fn tint(colour: RGBColor, share: f64) -> RGBColor {
     let mix = |channel: u8| (255.0 - (255.0 - f64::from(channel)) * share).round() as u8;
     RGBColor(mix(colour.0), mix(colour.1), mix(colour.2))
 }
+
+/// The colour with this share of its light.
+pub(super) fn darken(colour: RGBColor, share: f64) -> RGBColor {
+    let scale = |channel: u8| (f64::from(channel) * share).round() as u8;
+    RGBColor(scale(colour.0), scale(colour.1), scale(colour.2))
+}

@@ -2,9 +2,10 @@
 
 use super::block::{
     ACTIVE, BEND, Block, BlockKind, Motion, PASSIVE, SPIN, draw_blocks, draw_length, extent,
-    project, seen_at,
+    seen_at,
 };
 use super::kit::*;
+use super::surface::project;
 
 const WIDTH: f64 = 1400.0;
 const MARGIN: f64 = 28.0;

@@ -3,9 +3,29 @@
 use realgap_paint::{Canvas, Point, RGBColor, Stroke};
 use realgap_robot::morphology::Surface;
 
-pub(super) use super::block::project;
-use super::block::{darken, view};
-use super::colour::INK;
+use super::colour::{INK, darken};
+
+/// Where the viewer stands: this far round from +x, and this high. Not 45 degrees: corners of different cubes would
+/// fall onto each other.
+const AZIMUTH_DEG: f64 = -58.0;
+const ELEVATION_DEG: f64 = 27.0;
+
+/// Towards the viewer.
+pub(super) fn view() -> [f64; 3] {
+    let (sin_a, cos_a) = AZIMUTH_DEG.to_radians().sin_cos();
+    let (sin_e, cos_e) = ELEVATION_DEG.to_radians().sin_cos();
+    [cos_a * cos_e, sin_a * cos_e, sin_e]
+}
+
+/// Where a point of a robot is in the picture before scaling: to the right and down, metres.
+pub(super) fn project([x, y, z]: [f64; 3]) -> Point {
+    let (sin_a, cos_a) = AZIMUTH_DEG.to_radians().sin_cos();
+    let (sin_e, cos_e) = ELEVATION_DEG.to_radians().sin_cos();
+    // The viewer is at (cos a cos e, sin a cos e, sin e); right and up are at right angles to that.
+    let right = -sin_a * x + cos_a * y;
+    let up = -cos_a * sin_e * x - sin_a * sin_e * y + cos_e * z;
+    (right, -up)
+}
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a.iter().zip(&b).map(|(a, b)| a * b).sum()
