@@ -27,44 +27,39 @@ const MOST_ROBOTS: usize = 1_000_000;
 
 /// A search under construction. Whatever is not said has the default of a search file.
 #[derive(Debug)]
+#[must_use = "nothing is a search before `build`"]
 pub struct SearchBuilder {
     pub(super) name: String,
     pub(super) text: String,
     pub(super) description: String,
-    strategy: Box<dyn StrategySettings>,
-    development: Development,
-    robot: Option<Morphology>,
-    genome: Option<Genome>,
-    duration_s: f64,
-    set: Vec<(String, f64)>,
-    overruling: ParameterSet,
-    ranges: Vec<UncertainRange>,
-    points: Vec<Vec<ParameterSet>>,
-    noise: Option<(Noise, String)>,
-    objective: Objective,
-    repeats: usize,
-    failures: FailureRules,
-    settings: SettingsChoice,
-    gait: Option<GaitTuning>,
-    finals: FinalsSettings,
-    seed: u64,
+    pub(super) strategy: Box<dyn StrategySettings>,
+    pub(super) development: Development,
+    pub(super) robot: Option<Morphology>,
+    pub(super) genome: Option<Genome>,
+    pub(super) duration_s: f64,
+    pub(super) set: Vec<(String, f64)>,
+    pub(super) overruling: ParameterSet,
+    pub(super) ranges: Vec<UncertainRange>,
+    pub(super) points: Vec<Vec<ParameterSet>>,
+    pub(super) noise: Option<(Noise, String)>,
+    pub(super) objective: Objective,
+    pub(super) repeats: usize,
+    pub(super) failures: FailureRules,
+    pub(super) settings: SettingsChoice,
+    pub(super) gait: Option<GaitTuning>,
+    pub(super) finals: FinalsSettings,
+    pub(super) seed: u64,
 }
 
 impl Search {
     /// A search by this strategy: [`Evolution`](super::Evolution), [`MapElites`](super::MapElites),
     /// [`GridSettings`](super::GridSettings) or [`CmaEsSettings`](super::CmaEsSettings).
     pub fn builder(strategy: impl StrategySettings + 'static) -> SearchBuilder {
-        SearchBuilder::new(Box::new(strategy))
-    }
-}
-
-impl SearchBuilder {
-    pub(super) fn new(strategy: Box<dyn StrategySettings>) -> Self {
-        Self {
+        SearchBuilder {
             name: "search".to_owned(),
             text: String::new(),
             description: String::new(),
-            strategy,
+            strategy: Box::new(strategy),
             development: Development::default(),
             robot: None,
             genome: None,
@@ -83,58 +78,46 @@ impl SearchBuilder {
             seed: 1,
         }
     }
+}
 
+impl SearchBuilder {
     /// Its name, for pictures and messages: `search` where nobody says.
-    #[must_use]
     pub fn name(mut self, name: impl Into<String>) -> Self {
         self.name = name.into();
         self
     }
 
     /// How genomes become robots; of a given robot the ranges of its gait.
-    #[must_use]
     pub fn development(mut self, development: Development) -> Self {
         self.development = development;
         self
     }
 
     /// Starts from this robot: its body stays, its gait may be searched.
-    #[must_use]
     pub fn robot(mut self, robot: Morphology) -> Self {
         self.robot = Some(robot);
         self
     }
 
     /// Starts from this genome.
-    #[must_use]
     pub fn genome(mut self, genome: Genome) -> Self {
         self.genome = Some(genome);
         self
     }
 
     /// Length of each run, seconds.
-    #[must_use]
     pub fn duration_s(mut self, duration_s: f64) -> Self {
         self.duration_s = duration_s;
         self
     }
 
     /// A fixed value of a parameter, e.g. `floor.friction`.
-    #[must_use]
     pub fn set(mut self, name: impl Into<String>, value: f64) -> Self {
         self.set.push((name.into(), value));
         self
     }
 
-    /// Fixed values that overrule those of [`SearchBuilder::set`].
-    #[must_use]
-    pub fn overrule(mut self, set: &ParameterSet) -> Self {
-        self.overruling = set.clone();
-        self
-    }
-
     /// A parameter that is only known to lie in this range: every repeat draws its value.
-    #[must_use]
     pub fn uncertain(mut self, name: impl Into<String>, low: f64, high: f64) -> Self {
         let name = name.into();
         self.ranges.push(UncertainRange { name, low, high });
@@ -142,63 +125,54 @@ impl SearchBuilder {
     }
 
     /// Points of which every repeat gets one, e.g. those that tuning could not tell apart.
-    #[must_use]
     pub fn uncertain_points(mut self, points: Vec<ParameterSet>) -> Self {
         self.points.push(points);
         self
     }
 
     /// How else repeats differ, and who says so; an estimate for a robot that nobody has measured where nobody says.
-    #[must_use]
     pub fn noise(mut self, noise: Noise, from: impl Into<String>) -> Self {
         self.noise = Some((noise, from.into()));
         self
     }
 
     /// What is to be made large.
-    #[must_use]
     pub fn objective(mut self, objective: Objective) -> Self {
         self.objective = objective;
         self
     }
 
     /// Runs of every robot.
-    #[must_use]
     pub fn repeats(mut self, repeats: usize) -> Self {
         self.repeats = repeats;
         self
     }
 
     /// What counts as a failure.
-    #[must_use]
     pub fn failures(mut self, failures: FailureRules) -> Self {
         self.failures = failures;
         self
     }
 
     /// In which settings of engine and steps repeats run.
-    #[must_use]
     pub fn settings(mut self, settings: SettingsChoice) -> Self {
         self.settings = settings;
         self
     }
 
     /// Tunes the gait of every body by short runs before the body is judged.
-    #[must_use]
     pub fn gait(mut self, gait: GaitTuning) -> Self {
         self.gait = Some(gait);
         self
     }
 
     /// How the best are looked at again.
-    #[must_use]
     pub fn finals(mut self, finals: FinalsSettings) -> Self {
         self.finals = finals;
         self
     }
 
     /// Seed of everything random, the strategy's choices included.
-    #[must_use]
     pub fn seed(mut self, seed: u64) -> Self {
         self.seed = seed;
         self

@@ -126,56 +126,47 @@ impl Search {
 
 fn builder(source: &Source, file: SearchFile, overrides: &Overrides) -> Result<SearchBuilder> {
     let folder = source.path().parent().unwrap_or(Path::new(""));
-    let mut builder = SearchBuilder::new(file.strategy.0)
-        .development(file.development)
-        .duration_s(file.duration_s)
-        .overrule(&overrides.set)
-        .objective(file.objective)
-        .repeats(file.repeats)
-        .failures(file.failures)
-        .settings(file.settings)
-        .finals(file.finalists)
-        .seed(overrides.seed.unwrap_or(file.seed));
-    builder.name = name_of_file(source.path(), "a search")?;
-    builder.text = source.text().to_owned();
-    builder.description = file.description;
-    if let Some(gait) = file.gait {
-        builder = builder.gait(gait);
-    }
-    if let Some(noise) = file.noise {
-        builder = builder.noise(noise, file_name(source));
-    }
-    for (name, value) in file.set {
-        builder = builder.set(name, value);
-    }
-    for UncertainRange { name, low, high } in file.parameters {
-        builder = builder.uncertain(name, low, high);
-    }
+    let name = name_of_file(source.path(), "a search")?;
     let points = match (&overrides.indistinguishable, &file.indistinguishable) {
         (Some(given), _) => read_indistinguishable(given)?,
         (None, Some(named)) => read_indistinguishable(&folder.join(named))?,
         (None, None) => Vec::new(),
     };
-    // A folder's points were named for this; what a file of values carries is left out then.
-    let groups = match points.is_empty() {
-        true => overrides.draws.clone(),
-        false => vec![points],
-    };
-    builder = groups
-        .into_iter()
-        .fold(builder, SearchBuilder::uncertain_points);
+    let (mut development, mut robot, mut genome) = (file.development, None, None);
     match &file.start {
-        None => Ok(builder),
+        None => {}
         Some(StartFile::Genome(path)) => {
             let specimen = Specimen::read(folder.join(path))?;
-            Ok(builder
-                .genome(specimen.genome)
-                .development(specimen.development))
+            (development, genome) = (specimen.development, Some(specimen.genome));
         }
-        Some(StartFile::Morphology(path)) => {
-            Ok(builder.robot(Morphology::read(folder.join(path))?))
-        }
+        Some(StartFile::Morphology(path)) => robot = Some(Morphology::read(folder.join(path))?),
     }
+    Ok(SearchBuilder {
+        name,
+        text: source.text().to_owned(),
+        description: file.description,
+        strategy: file.strategy.0,
+        development,
+        robot,
+        genome,
+        duration_s: file.duration_s,
+        set: file.set.into_iter().collect(),
+        overruling: overrides.set.clone(),
+        ranges: file.parameters,
+        // A folder's points were named for this; what a file of values carries is left out then.
+        points: match points.is_empty() {
+            true => overrides.draws.clone(),
+            false => vec![points],
+        },
+        noise: file.noise.map(|noise| (noise, file_name(source))),
+        objective: file.objective,
+        repeats: file.repeats,
+        failures: file.failures,
+        settings: file.settings,
+        gait: file.gait,
+        finals: file.finalists,
+        seed: overrides.seed.unwrap_or(file.seed),
+    })
 }
 
 fn file_name(source: &Source) -> String {
