@@ -93,17 +93,7 @@ impl Metric for Rpe {
 
     fn measure(&self, pair: &Pair<'_>, _: &Context<'_>) -> Result<Measurement> {
         let (a, b) = positions_m(pair);
-        let steps_a = a
-            .clone()
-            .skip(1)
-            .zip(a)
-            .map(|(after, before)| after - before);
-        let steps_b = b
-            .clone()
-            .skip(1)
-            .zip(b)
-            .map(|(after, before)| after - before);
-        let steps = steps_a.zip(steps_b);
+        let steps = steps_m(a).zip(steps_m(b));
         let orientations = pair
             .real_prepared
             .orientations()
@@ -120,6 +110,12 @@ impl Metric for Rpe {
             ),
         })
     }
+}
+
+/// From every position to the next, metres.
+fn steps_m(positions: impl Positions) -> impl Iterator<Item = Vector3<f64>> {
+    let after = positions.clone().skip(1);
+    after.zip(positions).map(|(after, before)| after - before)
 }
 
 trait Positions: ExactSizeIterator<Item = Vector3<f64>> + Clone {}

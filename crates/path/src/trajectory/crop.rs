@@ -45,10 +45,7 @@ pub fn clip(whole: &Trajectory, duration_s: f64) -> Result<Trajectory> {
         }
         clipped = clipped.with_orientations(orientations)?;
     }
-    if let (Some(linear), Some(angular)) = (
-        whole.velocities_world_m_s(),
-        whole.angular_velocities_body_rad_s(),
-    ) {
+    if let Some((linear, angular)) = whole.velocities() {
         let cut = |all: &[nalgebra::Vector3<f64>]| {
             let mut some = all[..kept].to_vec();
             if needs_end {
@@ -69,11 +66,7 @@ pub fn clip(whole: &Trajectory, duration_s: f64) -> Result<Trajectory> {
     clipped = clipped.with_joints(joints.collect())?;
     let signals = whole.signals().iter().map(|s| s.map(|all| cut(all, 0.0)));
     clipped = clipped.with_signals(signals.collect())?;
-    Ok(if whole.is_planar() {
-        clipped.planar()
-    } else {
-        clipped
-    })
+    Ok(clipped.planar_like(whole))
 }
 
 /// The samples of a part; nothing is interpolated.
@@ -129,10 +122,7 @@ fn samples(whole: &Trajectory, part: std::ops::Range<usize>) -> Result<Trajector
     if let Some(all) = whole.orientations_world_from_body() {
         cropped = cropped.with_orientations(all[part.clone()].to_vec())?;
     }
-    if let (Some(linear), Some(angular)) = (
-        whole.velocities_world_m_s(),
-        whole.angular_velocities_body_rad_s(),
-    ) {
+    if let Some((linear, angular)) = whole.velocities() {
         let (linear, angular) = (&linear[part.clone()], &angular[part.clone()]);
         cropped = cropped.with_velocities(linear.to_vec(), angular.to_vec())?;
     }
@@ -142,11 +132,7 @@ fn samples(whole: &Trajectory, part: std::ops::Range<usize>) -> Result<Trajector
     let signals = whole.signals().iter();
     let signals = signals.map(|signal| signal.map(|all| all[part.clone()].to_vec()));
     cropped = cropped.with_signals(signals.collect())?;
-    Ok(if whole.is_planar() {
-        cropped.planar()
-    } else {
-        cropped
-    })
+    Ok(cropped.planar_like(whole))
 }
 
 /// Cuts all recordings to the duration of the shortest, so that they are compared at equal times; says so where that

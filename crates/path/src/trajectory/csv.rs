@@ -11,10 +11,9 @@ use super::relabel::relabelled;
 use super::sample::Samples;
 use super::several::{explain, several};
 use super::table::{Table, header_line};
-use super::text::{Cell, Separator, cut, decode_text, push_number};
+use super::text::{Cell, cells_of, decode_text, push_number};
 use realgap_core::error::{Error, Result};
 use realgap_core::stated;
-use realgap_core::warning::Warning;
 
 const QUATERNION: [&str; 4] = ["qw", "qx", "qy", "qz"];
 const ANGULAR: [&str; 3] = ["wx_rad_s", "wy_rad_s", "wz_rad_s"];
@@ -42,12 +41,7 @@ impl Format for Csv {
     }
 
     fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {
-        let (trajectory, warnings) =
-            single(text, reading).map_err(|error| explain(error, text, reading))?;
-        let mut parsed = Parsed {
-            trajectory,
-            warnings,
-        };
+        let mut parsed = single(text, reading).map_err(|error| explain(error, text, reading))?;
         parsed.warnings.extend(several(text, reading));
         Ok(parsed)
     }
@@ -64,14 +58,9 @@ impl Format for Csv {
     }
 
     fn columns<'a>(&self, text: &'a str, reading: &Reading) -> Vec<&'a str> {
-        let mut cells = Vec::new();
+        // Reading the samples will say what is wrong with the header.
         let header = header_line(&mut text.lines().enumerate(), reading);
-        let header = header.map_or("", |(_, line)| line);
-        match cut(header, 1, Separator::of_header(header), &mut cells) {
-            Ok(()) => cells.iter().map(|cell| cell.text).collect(),
-            // Reading the samples will say what is wrong with the header.
-            Err(_) => Vec::new(),
-        }
+        header.map_or_else(Vec::new, |(_, line)| cells_of(line))
     }
 
     fn applied(&self, text: &str, reading: &Reading) -> Reading {
@@ -131,17 +120,10 @@ impl Format for Csv {
         }
         let mut parsed = Vec::with_capacity(groups.len());
         for (key, samples) in groups {
-            let (trajectory, mut warnings) = samples
-                .finish(&table.layout)
+            let group = samples
+                .finish(&table.layout, table.warnings.clone())
                 .map_err(|error| error.field(format!("group {}", key.join("/"))))?;
-            warnings.splice(0..0, table.warnings.iter().cloned());
-            parsed.push((
-                key,
-                Parsed {
-                    trajectory,
-                    warnings,
-                },
-            ));
+            parsed.push((key, group));
         }
         Ok(parsed)
     }
@@ -158,9 +140,7 @@ impl Format for Csv {
 pub(super) fn text_of(trajectory: &Trajectory) -> String {
     let mut header = vec!["t_s", "x_m", "y_m"];
     let orientations = trajectory.orientations_world_from_body();
-    let velocities = trajectory
-        .velocities_world_m_s()
-        .zip(trajectory.angular_velocities_body_rad_s());
+    let velocities = trajectory.velocities();
     if !trajectory.is_planar() {
         header.push("z_m");
     }
@@ -221,7 +201,7 @@ pub(super) fn text_of(trajectory: &Trajectory) -> String {
 }
 
 /// The one path of a text, and what the reader should know.
-fn single(text: &str, reading: &Reading) -> Result<(Trajectory, Vec<Warning>)> {
+fn single(text: &str, reading: &Reading) -> Result<Parsed> {
     let mut table = Table::open(text, reading, &[])?;
     let mut samples = Samples::new(reading);
     while let Some((line, cells)) = table.rows.next()? {
@@ -232,7 +212,5 @@ fn single(text: &str, reading: &Reading) -> Result<(Trajectory, Vec<Warning>)> {
     {
         return Err(error);
     }
-    let (trajectory, mut warnings) = samples.finish(&table.layout)?;
-    warnings.splice(0..0, table.warnings);
-    Ok((trajectory, warnings))
+    samples.finish(&table.layout, table.warnings)
 }

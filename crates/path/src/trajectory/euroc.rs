@@ -1,12 +1,10 @@
 //! EuRoC ground truth: CSV whose first line is `#timestamp [ns], p_RS_R_x [m], …`.
 
-use nalgebra::UnitQuaternion;
-
 use super::Trajectory;
 use super::column::{Columns, Role};
 use super::csv::Csv;
 use super::format::{Format, Parsed, Rendered, beyond_poses, not_written};
-use super::reading::{QuaternionOrder, Reading};
+use super::reading::Reading;
 use super::text::{first_line, push_number};
 use realgap_core::error::Result;
 use realgap_core::stated;
@@ -74,10 +72,6 @@ impl Format for Euroc {
         line.starts_with(TIME) && line.contains(NAMES[0].1)
     }
 
-    fn order(&self, _text: &str, reading: &Reading) -> QuaternionOrder {
-        reading.quaternion.unwrap_or(QuaternionOrder::Wxyz)
-    }
-
     fn applied(&self, text: &str, reading: &Reading) -> Reading {
         Csv.applied(text, reading)
     }
@@ -88,15 +82,12 @@ impl Format for Euroc {
 
     fn render(&self, trajectory: &Trajectory) -> Result<Rendered> {
         let mut warnings = beyond_poses("EuRoC files", trajectory);
-        let orientations = trajectory.orientations_world_from_body();
         let mut text = format!("{HEADER}\n");
         let mut is_rounded = false;
-        let samples = trajectory.times_s().iter();
-        for (index, (time_s, p)) in samples.zip(trajectory.positions_world_m()).enumerate() {
+        for (time_s, p, q) in trajectory.poses() {
             let time_ns = (time_s * 1e9).round();
-            is_rounded |= time_ns * 1e-9 != *time_s;
+            is_rounded |= time_ns * 1e-9 != time_s;
             text.push_str(&format!("{time_ns:.0}"));
-            let q = orientations.map_or_else(UnitQuaternion::identity, |all| all[index]);
             for value in [p.x, p.y, p.z, q.w, q.i, q.j, q.k] {
                 text.push(',');
                 push_number(&mut text, value);

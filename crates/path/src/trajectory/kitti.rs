@@ -162,10 +162,8 @@ impl Format for Kitti {
     fn render(&self, trajectory: &Trajectory) -> Result<Rendered> {
         let mut warnings = beyond_poses("KITTI files", trajectory);
         warnings.push(not_written("KITTI files", "times; they are left out"));
-        let orientations = trajectory.orientations_world_from_body();
         let mut text = String::new();
-        for (index, p) in trajectory.positions_world_m().iter().enumerate() {
-            let turn = orientations.map_or_else(UnitQuaternion::identity, |all| all[index]);
+        for (_, p, turn) in trajectory.poses() {
             let r = turn.to_rotation_matrix();
             for row in 0..3 {
                 for value in [r[(row, 0)], r[(row, 1)], r[(row, 2)], p[row]] {

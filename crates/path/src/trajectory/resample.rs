@@ -40,10 +40,7 @@ pub fn resample(trajectory: &Trajectory, points: usize) -> Result<Trajectory> {
         resampled =
             resampled.with_orientations(places.iter().map(|place| place.slerp(all)).collect())?;
     }
-    if let Some((linear, angular)) = trajectory
-        .velocities_world_m_s()
-        .zip(trajectory.angular_velocities_body_rad_s())
-    {
+    if let Some((linear, angular)) = trajectory.velocities() {
         resampled = resampled.with_velocities(
             places.iter().map(|place| place.lerp(linear)).collect(),
             places.iter().map(|place| place.lerp(angular)).collect(),
@@ -52,11 +49,7 @@ pub fn resample(trajectory: &Trajectory, points: usize) -> Result<Trajectory> {
     let joints = trajectory.joints().iter();
     let joints = joints.map(|joint| joint.map(|all| places.iter().map(|p| p.mix(all)).collect()));
     resampled = resampled.with_joints(joints.collect())?;
-    Ok(if trajectory.is_planar() {
-        resampled.planar()
-    } else {
-        resampled
-    })
+    Ok(resampled.planar_like(trajectory))
 }
 
 fn ends_s(trajectory: &Trajectory) -> (f64, f64) {

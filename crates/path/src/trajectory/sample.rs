@@ -2,6 +2,7 @@
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
+use super::format::Parsed;
 use super::joint_column::{self, JointColumns};
 use super::reading::Reading;
 use super::text::{Cell, check_rows};
@@ -248,8 +249,8 @@ impl Samples {
         Ok(UnitQuaternion::new_unchecked(q / norm))
     }
 
-    /// The trajectory, and what the reader should know about it.
-    pub(super) fn finish(mut self, layout: &Layout) -> Result<(Trajectory, Vec<Warning>)> {
+    /// The trajectory, and what the reader should know about it beside the `warnings` that there are.
+    pub(super) fn finish(mut self, layout: &Layout, mut warnings: Vec<Warning>) -> Result<Parsed> {
         let given = self.times_s.len();
         let farthest_m = if self.late > 0 { self.sort() } else { 0.0 };
         let at_one_time = given - self.times_s.len();
@@ -263,7 +264,6 @@ impl Samples {
                 .allowed("at least 2 samples")
                 .hint(COPY_AGAIN));
         }
-        let mut warnings = Vec::new();
         let mut left_out = |code: Code, count: usize, why: &str| {
             if count > 0 {
                 let all = counted(count, "sample");
@@ -308,7 +308,10 @@ impl Samples {
         if layout.z.is_none() {
             trajectory = trajectory.planar();
         }
-        Ok((trajectory, warnings))
+        Ok(Parsed {
+            trajectory,
+            warnings,
+        })
     }
 }
 

@@ -239,6 +239,20 @@ impl Trajectory {
         self
     }
 
+    /// Without z, where another trajectory has none.
+    pub(super) fn planar_like(self, other: &Self) -> Self {
+        Self {
+            planar: other.planar,
+            ..self
+        }
+    }
+
+    /// Linear velocities in the world and rates of turn of the body, where both are known.
+    pub(super) fn velocities(&self) -> Option<(&[Vector3<f64>], &[Vector3<f64>])> {
+        let linear = self.velocities_world_m_s.as_deref()?;
+        Some((linear, self.angular_velocities_body_rad_s.as_deref()?))
+    }
+
     fn check_column(&self, what: &str, found: usize, finite: bool) -> Result<()> {
         if found != self.len() {
             return Err(Error::invalid(format!("{what} and times differ in number"))
@@ -317,6 +331,18 @@ impl Trajectory {
     /// Whether z was not recorded.
     pub fn is_planar(&self) -> bool {
         self.planar
+    }
+
+    /// Time, place and orientation of every sample; no rotation where orientations are unknown.
+    pub(super) fn poses(
+        &self,
+    ) -> impl Iterator<Item = (f64, Vector3<f64>, UnitQuaternion<f64>)> + '_ {
+        let turn = |index: usize| {
+            let all = self.orientations_world_from_body();
+            all.map_or_else(UnitQuaternion::identity, |all| all[index])
+        };
+        let places = self.times_s.iter().zip(&self.positions_world_m).enumerate();
+        places.map(move |(index, (time_s, place_m))| (*time_s, *place_m, turn(index)))
     }
 
     /// Last time minus first time, seconds, more than 0.

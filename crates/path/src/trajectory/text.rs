@@ -250,6 +250,15 @@ fn next_cell(
     }
 }
 
+/// What the cells of a line hold; nothing where it cannot be cut.
+pub(super) fn cells_of(line: &str) -> Vec<&str> {
+    let mut cells = Vec::new();
+    match cut(line, 1, Separator::of_header(line), &mut cells) {
+        Ok(()) => cells.iter().map(|cell| cell.text).collect(),
+        Err(_) => Vec::new(),
+    }
+}
+
 /// Refuses one row more than [`MAX_ROWS`].
 pub(super) fn check_rows(rows: usize, line: usize) -> Result<()> {
     if rows >= MAX_ROWS {

@@ -1,7 +1,5 @@
 //! TUM text: `timestamp tx ty tz qx qy qz qw` per line, `#` starts a comment.
 
-use nalgebra::UnitQuaternion;
-
 use super::Trajectory;
 use super::column::Measure;
 use super::format::{Format, Parsed, Rendered, beyond_poses};
@@ -60,24 +58,13 @@ impl Format for Tum {
                 samples.push(&layout, &cells, index + 1)?;
             }
         }
-        let (trajectory, warnings) = samples.finish(&layout)?;
-        Ok(Parsed {
-            trajectory,
-            warnings,
-        })
+        samples.finish(&layout, Vec::new())
     }
 
     fn render(&self, trajectory: &Trajectory) -> Result<Rendered> {
-        let orientations = trajectory.orientations_world_from_body();
         let mut text = String::from("# timestamp tx ty tz qx qy qz qw\n");
-        for (index, (time_s, p)) in trajectory
-            .times_s()
-            .iter()
-            .zip(trajectory.positions_world_m())
-            .enumerate()
-        {
-            let q = orientations.map_or_else(UnitQuaternion::identity, |all| all[index]);
-            push_number(&mut text, *time_s);
+        for (time_s, p, q) in trajectory.poses() {
+            push_number(&mut text, time_s);
             for value in [p.x, p.y, p.z, q.i, q.j, q.k, q.w] {
                 text.push(' ');
                 push_number(&mut text, value);

@@ -6,7 +6,7 @@ use super::super::csv::Csv;
 use super::super::format::Format as _;
 use super::super::reading::Reading;
 use super::super::table::Table;
-use super::super::text::{Separator, cut, excerpt};
+use super::super::text::{cells_of, excerpt};
 use super::Guess;
 use realgap_core::error::{Advice, Error, Result};
 
@@ -103,15 +103,6 @@ fn role_of(name: &str) -> Option<(Role, Option<String>)> {
     Some((role, unit.filter(fits)))
 }
 
-/// Cells of a line.
-fn cells(line: &str) -> Vec<&str> {
-    let mut cells = Vec::new();
-    match cut(line, 1, Separator::of_header(line), &mut cells) {
-        Ok(()) => cells.iter().map(|cell| cell.text).collect(),
-        Err(_) => Vec::new(),
-    }
-}
-
 /// How many lines stand before the one that names the columns.
 fn lines_before(text: &str) -> Option<usize> {
     let lines: Vec<&str> = text.lines().take(60).collect();
@@ -120,7 +111,7 @@ fn lines_before(text: &str) -> Option<usize> {
         cell.is_empty() || cell.parse::<f64>().is_ok()
     };
     (0..lines.len().saturating_sub(1)).find(|index| {
-        let (names, values) = (cells(lines[*index]), cells(lines[*index + 1]));
+        let (names, values) = (cells_of(lines[*index]), cells_of(lines[*index + 1]));
         let numbers = values.iter().filter(|cell| is_number(cell)).count();
         names.len() > 2
             && names.len() == values.len()
@@ -255,7 +246,7 @@ fn heading_in_degrees(text: &str, guess: &mut Guess) -> Result<()> {
         .filter(|line| !line.trim().is_empty())
         .skip(skipped);
     let values: Vec<f64> = rows
-        .filter_map(|line| cells(line).get(at)?.replace(',', ".").parse().ok())
+        .filter_map(|line| cells_of(line).get(at)?.replace(',', ".").parse().ok())
         .collect();
     let largest = values
         .iter()

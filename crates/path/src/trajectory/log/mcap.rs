@@ -1,6 +1,5 @@
 //! MCAP files: those of ROS 2 and of Foxglove.
 
-use nalgebra::UnitQuaternion;
 use serde_json::json;
 
 use super::stream::{Log, Said};
@@ -76,12 +75,8 @@ impl Format for Mcap {
         let (times_ns, warnings) = whole_nanoseconds(trajectory);
         let mut lost = beyond_poses("MCAP files", trajectory);
         lost.extend(warnings);
-        let orientations = trajectory.orientations_world_from_body();
         let mut file = McapWriter::new(vec![Topic::Pose(TOPIC.to_owned())]);
-        for (index, (time_ns, p)) in
-            (times_ns.iter().zip(trajectory.positions_world_m())).enumerate()
-        {
-            let q = orientations.map_or_else(UnitQuaternion::identity, |all| all[index]);
+        for (time_ns, (_, p, q)) in times_ns.iter().zip(trajectory.poses()) {
             let message = json!({
                 "timestamp": stamp(*time_ns),
                 "frame_id": FRAME,
