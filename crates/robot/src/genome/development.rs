@@ -4,8 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::sequence::Genome;
 use crate::morphology::{Actuator, Drive, DriveAxis, Face, Gait, Plate, Servo, ServoLaw};
-use realgap_core::Error;
-use realgap_core::Result;
+use realgap_core::{Error, Result};
 
 /// What the numbers of a genome are translated into: sizes, masses, servo, and the ranges of the gait.
 ///

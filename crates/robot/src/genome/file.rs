@@ -10,9 +10,8 @@ use super::locus::Locus;
 use super::misfit::Misfit;
 use super::sequence::{Gene, Genome, check_value};
 use crate::morphology::Morphology;
-use realgap_core::Error;
-use realgap_core::Result;
 use realgap_core::file::{Source, parse_ron, write_ron};
+use realgap_core::{Error, Result};
 
 /// What a genome file holds.
 #[derive(Debug, Clone, PartialEq)]

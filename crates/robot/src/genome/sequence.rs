@@ -5,8 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::locus::Locus;
 use crate::morphology::Morphology;
-use realgap_core::Error;
-use realgap_core::Result;
+use realgap_core::{Error, Result};
 
 /// The ten numbers of one module, each from 0 to 1; [`Locus`] says what they mean.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -48,7 +48,11 @@ pub(super) fn read(
     let mut robot = Robot {
         source,
         model: &model,
-        weighing: Weighing::new(&model, source, options),
+        weighing: Weighing {
+            model: &model,
+            source,
+            options,
+        },
         names: names(&model),
         structure: Structure {
             name: model
@@ -242,20 +246,7 @@ impl Robot<'_> {
             self.freedoms(joint, &own, &mut kinds, notes);
         }
         if kinds.is_empty() {
-            self.structure.joints.push(Joint {
-                name: format!("{name}_fixed"),
-                ..base
-            });
-            return;
-        }
-        if kinds.len() == 1 {
-            let (own, kind) = kinds.remove(0);
-            self.structure.joints.push(Joint {
-                name: own,
-                kind,
-                ..base
-            });
-            return;
+            kinds.push((format!("{name}_fixed"), JointKind::Fixed));
         }
         // One link of nothing after each joint but the last.
         let first = self.structure.joints.len();
@@ -292,25 +283,11 @@ impl Robot<'_> {
                 .map(|[low, high]| (low - joint.ref_, high - joint.ref_)),
             ..Bearing::default()
         };
-        let anchored = |kind: JointKind| match kind {
-            JointKind::Turn {
-                axis,
-                limits_rad,
-                viscous_nm_s_rad,
-                dry_nm,
-                armature_kg_m2,
-                spring,
-                ..
-            } => JointKind::Turn {
-                axis,
-                anchor_m: (joint.pos[0], joint.pos[1], joint.pos[2]),
-                limits_rad,
-                viscous_nm_s_rad,
-                dry_nm,
-                armature_kg_m2,
-                spring,
-            },
-            other => other,
+        let anchored = |mut kind: JointKind| {
+            if let JointKind::Turn { anchor_m, .. } = &mut kind {
+                *anchor_m = joint.pos.into();
+            }
+            kind
         };
         let axis = Vector3::from(joint.axis);
         if joint.ref_ != 0.0 {

@@ -76,20 +76,20 @@ impl Robot<'_> {
 
     /// Damping that an actuator brings to its joint.
     fn add_viscous(&mut self, joint: &str, more: f64) {
-        let Some(joint) = self
-            .structure
-            .joints
-            .iter_mut()
-            .find(|known| known.name == joint)
-        else {
-            return;
-        };
-        match &mut joint.kind {
+        let mut joints = self.structure.joints.iter_mut();
+        let joint = joints.find(|known| known.name == joint);
+        if let Some(
             JointKind::Turn {
-                viscous_nm_s_rad, ..
-            } => *viscous_nm_s_rad += more,
-            JointKind::Slide { viscous_n_s_m, .. } => *viscous_n_s_m += more,
-            JointKind::Fixed => {}
+                viscous_nm_s_rad: viscous,
+                ..
+            }
+            | JointKind::Slide {
+                viscous_n_s_m: viscous,
+                ..
+            },
+        ) = joint.map(|joint| &mut joint.kind)
+        {
+            *viscous += more;
         }
     }
 }

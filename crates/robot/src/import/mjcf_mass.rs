@@ -23,23 +23,15 @@ const DENSITY_KG_M3: f64 = 1000.0;
 
 /// What weighs bodies.
 pub(super) struct Weighing<'a> {
-    model: &'a Model,
-    source: &'a Source,
-    options: &'a Options,
+    pub model: &'a Model,
+    pub source: &'a Source,
+    pub options: &'a Options,
 }
 
 /// A shape with its place in the body.
 type Posed = (Form, Isometry3<f64>);
 
-impl<'a> Weighing<'a> {
-    pub fn new(model: &'a Model, source: &'a Source, options: &'a Options) -> Self {
-        Self {
-            model,
-            source,
-            options,
-        }
-    }
-
+impl Weighing<'_> {
     /// Mass, centre and inertia: as stated, or those of the shapes.
     pub fn weigh(&self, body: &mut Body, given: &Given, notes: &mut Notes) -> Result<()> {
         let from_geoms = self.model.compiler.inertia_from_geom == InertiaFromGeom::True;

@@ -3,8 +3,7 @@
 use nalgebra::Unit;
 use serde::{Deserialize, Serialize};
 
-use super::assembly::{Actuator, Bearing};
-use super::assembly::{Gait, Servo};
+use super::assembly::{Actuator, Bearing, Gait, Servo};
 use super::face::Face;
 use super::flaw::{Checked, Flaw};
 use super::glue::Glue;

@@ -130,55 +130,40 @@ pub(super) fn required<T>(
 
 impl ModuleFile {
     pub(super) fn into_module(self, at: &str, defaults: &DefaultsFile) -> Checked<Module> {
-        let (side_m, sides_m, boxes, mass_kg, inertia_kg_m2, centre_of_mass_m, drive) =
-            match self.kind {
-                KindFile::Passive {
-                    side_m,
-                    sides_m,
-                    boxes,
-                    mass_kg,
-                    inertia_kg_m2,
-                    centre_of_mass_m,
-                } => (
-                    side_m,
-                    sides_m,
-                    boxes,
-                    mass_kg,
-                    inertia_kg_m2,
-                    centre_of_mass_m,
-                    None,
-                ),
-                KindFile::Active {
-                    side_m,
-                    sides_m,
-                    boxes,
-                    mass_kg,
-                    inertia_kg_m2,
-                    centre_of_mass_m,
-                    face,
-                    axis,
-                    servo,
-                    gait,
-                } => {
-                    let drive = Drive {
-                        face,
-                        axis,
-                        actuator: Actuator {
-                            servo: required(servo, defaults.servo, "servo", at)?,
-                            gait: gait.unwrap_or(Gait::hold(0.0)),
-                        },
-                    };
-                    (
-                        side_m,
-                        sides_m,
-                        boxes,
-                        mass_kg,
-                        inertia_kg_m2,
-                        centre_of_mass_m,
-                        Some(drive),
-                    )
-                }
-            };
+        let drive = match self.kind {
+            KindFile::Passive { .. } => None,
+            KindFile::Active {
+                face,
+                axis,
+                servo,
+                gait,
+                ..
+            } => Some(Drive {
+                face,
+                axis,
+                actuator: Actuator {
+                    servo: required(servo, defaults.servo, "servo", at)?,
+                    gait: gait.unwrap_or(Gait::hold(0.0)),
+                },
+            }),
+        };
+        let (KindFile::Passive {
+            side_m,
+            sides_m,
+            boxes,
+            mass_kg,
+            inertia_kg_m2,
+            centre_of_mass_m,
+        }
+        | KindFile::Active {
+            side_m,
+            sides_m,
+            boxes,
+            mass_kg,
+            inertia_kg_m2,
+            centre_of_mass_m,
+            ..
+        }) = self.kind;
         let sides_m = match (side_m, sides_m) {
             (Some(_), Some(_)) => {
                 return Err(Flaw::new(

@@ -105,13 +105,7 @@ impl Tree {
             next += 1;
         }
         // With one root and one parent for everyone else, whoever was not reached hangs on a cycle.
-        let reached: Vec<bool> = order
-            .iter()
-            .fold(vec![false; modules.len()], |mut seen, &m| {
-                seen[m] = true;
-                seen
-            });
-        if let Some(lost) = reached.iter().position(|&seen| !seen) {
+        if let Some(lost) = (0..modules.len()).find(|module| !order.contains(module)) {
             return Err(cycle(lost, modules, links, &parent));
         }
         check_faces(modules, links.glue)?;

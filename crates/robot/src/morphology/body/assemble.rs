@@ -4,15 +4,13 @@ use std::collections::HashMap;
 
 use nalgebra::{Isometry3, Matrix3, Point3, SymmetricEigen, Unit, Vector3};
 
-use super::super::assembly::{
-    Actuator, Assembly, Bearing, Freedom, Gait, Hinge, Mark, Part, Role, Solid, Spring,
-};
+use super::super::assembly::{Actuator, Assembly, Gait, Hinge, Mark, Part, Role, Solid};
 use super::super::flaw::{Checked, Flaw};
 use super::super::module::{check_actuator, check_name};
 use super::super::shape::Shape;
 use super::check::{SINGULAR, check_body, check_joint, check_pose};
 use super::tree::{Tree, by_name, look_up};
-use super::{JointKind, Structure, vector};
+use super::{Motion, Structure, vector};
 use realgap_core::Error;
 use realgap_core::file::unknown_name;
 
@@ -126,52 +124,12 @@ impl Workshop<'_> {
     /// The hinge of a joint that moves.
     fn hinge(&self, joint: usize, child: usize, parent_part: usize) -> Option<Hinge> {
         let joint = &self.structure.joints[joint];
-        let (axis, anchor_m, freedom, bearing) = match &joint.kind {
-            JointKind::Fixed => return None,
-            JointKind::Turn {
-                axis,
-                anchor_m,
-                limits_rad,
-                viscous_nm_s_rad,
-                dry_nm,
-                armature_kg_m2,
-                spring,
-            } => {
-                let spring = spring.map(|s| Spring {
-                    stiffness_nm_rad: s.stiffness_nm_rad,
-                    rest_rad: s.rest_rad,
-                });
-                let bearing = Bearing {
-                    viscous_nm_s_rad: *viscous_nm_s_rad,
-                    dry_nm: *dry_nm,
-                    limits_rad: *limits_rad,
-                    armature_kg_m2: *armature_kg_m2,
-                    spring,
-                };
-                (*axis, *anchor_m, Freedom::Turn, bearing)
-            }
-            JointKind::Slide {
-                axis,
-                limits_m,
-                viscous_n_s_m,
-                dry_n,
-                armature_kg,
-                spring,
-            } => {
-                let spring = spring.map(|s| Spring {
-                    stiffness_nm_rad: s.stiffness_n_m,
-                    rest_rad: s.rest_m,
-                });
-                let bearing = Bearing {
-                    viscous_nm_s_rad: *viscous_n_s_m,
-                    dry_nm: *dry_n,
-                    limits_rad: *limits_m,
-                    armature_kg_m2: *armature_kg,
-                    spring,
-                };
-                (*axis, (0.0, 0.0, 0.0), Freedom::Slide, bearing)
-            }
-        };
+        let Motion {
+            freedom,
+            axis,
+            anchor_m,
+            bearing,
+        } = joint.kind.motion()?;
         let pose = &self.robot_from_body[child];
         Some(Hinge {
             name: joint.name.clone(),

@@ -2,9 +2,10 @@
 
 use nalgebra::SymmetricEigen;
 
+use super::super::assembly::Freedom;
 use super::super::flaw::{Checked, Flaw};
 use super::super::module::{Range, check_name};
-use super::{Body, Form, Joint, JointKind, Pose, Triple};
+use super::{Body, Form, Joint, Pose, Triple};
 use realgap_core::Error;
 
 /// A moment below this share of the largest is none.
@@ -127,46 +128,23 @@ pub(super) fn check_joint(joint: &Joint, at: &str) -> Checked<()> {
     check_name(&joint.name, "a joint", &format!("{at}.name"))?;
     check_pose(&joint.pose, &format!("{at}.pose"))?;
     let at = format!("{at}.kind");
-    let (axis, limits, field, most, losses) = match &joint.kind {
-        JointKind::Fixed => return Ok(()),
-        JointKind::Turn {
-            axis,
-            anchor_m,
-            limits_rad,
-            viscous_nm_s_rad,
-            dry_nm,
-            armature_kg_m2,
-            spring,
-        } => {
-            check_place(*anchor_m, &format!("{at}.anchor_m"))?;
-            let spring = spring.map(|s| (s.stiffness_nm_rad, s.rest_rad));
-            let losses = [
-                ("viscous_nm_s_rad", *viscous_nm_s_rad, "N m s/rad"),
-                ("dry_nm", *dry_nm, "N m"),
-                ("armature_kg_m2", *armature_kg_m2, "kg m^2"),
-                ("spring", spring.map_or(0.0, |s| s.0), "N m/rad"),
-            ];
-            (*axis, *limits_rad, "limits_rad", 1e4, losses)
+    let Some(motion) = joint.kind.motion() else {
+        return Ok(());
+    };
+    check_place(motion.anchor_m, &format!("{at}.anchor_m"))?;
+    let (losses, field, most) = match motion.freedom {
+        Freedom::Turn => {
+            let units = ["N m s/rad", "N m", "kg m^2", "N m/rad"];
+            let names = ["viscous_nm_s_rad", "dry_nm", "armature_kg_m2", "spring"];
+            (names.into_iter().zip(units), "limits_rad", 1e4)
         }
-        JointKind::Slide {
-            axis,
-            limits_m,
-            viscous_n_s_m,
-            dry_n,
-            armature_kg,
-            spring,
-        } => {
-            let spring = spring.map(|s| (s.stiffness_n_m, s.rest_m));
-            let losses = [
-                ("viscous_n_s_m", *viscous_n_s_m, "N s/m"),
-                ("dry_n", *dry_n, "N"),
-                ("armature_kg", *armature_kg, "kg"),
-                ("spring", spring.map_or(0.0, |s| s.0), "N/m"),
-            ];
-            (*axis, *limits_m, "limits_m", MOST_M, losses)
+        Freedom::Slide => {
+            let units = ["N s/m", "N", "kg", "N/m"];
+            let names = ["viscous_n_s_m", "dry_n", "armature_kg", "spring"];
+            (names.into_iter().zip(units), "limits_m", MOST_M)
         }
     };
-    let length = super::vector(axis).norm();
+    let length = super::vector(motion.axis).norm();
     if !length.is_finite() || length < 1e-9 {
         return Err(Flaw::new(
             format!("{at}.axis"),
@@ -174,10 +152,17 @@ pub(super) fn check_joint(joint: &Joint, at: &str) -> Checked<()> {
                 .allowed("a vector that is not zero, e.g. (0, 1, 0)"),
         ));
     }
-    for (field, value, unit) in losses {
+    let bearing = motion.bearing;
+    let values = [
+        bearing.viscous_nm_s_rad,
+        bearing.dry_nm,
+        bearing.armature_kg_m2,
+        bearing.spring.map_or(0.0, |s| s.stiffness_nm_rad),
+    ];
+    for ((field, unit), value) in losses.zip(values) {
         Range::within(0.0, 1e9, unit).check(value, &format!("{at}.{field}"))?;
     }
-    if let Some((low, high)) = limits
+    if let Some((low, high)) = bearing.limits_rad
         && !(low < high && low >= -most && high <= most)
     {
         return Err(Flaw::new(
