@@ -6,6 +6,7 @@ use rand::RngExt;
 use serde::Serialize;
 
 use super::model::{Frame, NOTHING, Sensorgraph};
+use super::sample::ends;
 use super::scan::ScanLog;
 use crate::arena::Arena;
 use realgap_core::error::{Error, Result};
@@ -309,18 +310,13 @@ fn by_parts(samples: &[&Sample], scans: usize) -> f64 {
 fn samples(model: &Sensorgraph, log: &ScanLog, arena: Option<&Arena>, seed: u64) -> Vec<Sample> {
     let ideal = arena.map(|arena| log.cast_in(arena));
     let mut rng = Once::RandomGuess.generator(seed);
-    let known = || {
-        model
-            .log
-            .iter()
-            .flat_map(|pose| &pose.segments_m)
-            .copied()
-            .filter(|m| *m != NOTHING)
-    };
-    let (low, high) = (
-        known().fold(f64::INFINITY, f64::min),
-        known().fold(f64::NEG_INFINITY, f64::max),
-    );
+    let known = model
+        .log
+        .iter()
+        .flat_map(|pose| &pose.segments_m)
+        .copied()
+        .filter(|m| *m != NOTHING);
+    let (low, high) = ends(known);
     let limits = model.polynomials.iter().map(|p| p.limits_m);
     let (low, high) = if low <= high {
         (low, high)

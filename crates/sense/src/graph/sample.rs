@@ -17,6 +17,13 @@ pub(super) struct Sample {
     pub(super) way: f64,
 }
 
+/// The lowest and the highest of some values.
+pub(super) fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+        (low.min(value), high.max(value))
+    })
+}
+
 /// Segments, scale and means of a log; no polynomials yet.
 pub(super) fn frame_of_log(log: &ScanLog, options: &GraphOptions) -> Result<Sensorgraph> {
     let of = |axis: usize| {
@@ -24,13 +31,7 @@ pub(super) fn frame_of_log(log: &ScanLog, options: &GraphOptions) -> Result<Sens
             .iter()
             .map(move |scan| scan.position_world_m[axis])
     };
-    let ends = |axis: usize| {
-        (
-            of(axis).fold(f64::INFINITY, f64::min),
-            of(axis).fold(f64::NEG_INFINITY, f64::max),
-        )
-    };
-    let ((x0, x1), (y0, y1)) = (ends(0), ends(1));
+    let ((x0, x1), (y0, y1)) = (ends(of(0)), ends(of(1)));
     let scale_m = 0.5 * (x1 - x0).max(y1 - y0);
     if scale_m < 1e-3 {
         return Err(Error::invalid(
@@ -80,18 +81,8 @@ fn segments(log: &ScanLog, width_deg: f64) -> Vec<f64> {
         let count = (360.0 / width_deg).round().max(1.0) as usize;
         return (0..count).map(|k| (k as f64 + 0.5) * width_deg).collect();
     }
-    let least = log
-        .beams_rad
-        .iter()
-        .copied()
-        .fold(f64::INFINITY, f64::min)
-        .to_degrees();
-    let most = log
-        .beams_rad
-        .iter()
-        .copied()
-        .fold(f64::NEG_INFINITY, f64::max)
-        .to_degrees();
+    let (least, most) = ends(log.beams_rad.iter().copied());
+    let (least, most) = (least.to_degrees(), most.to_degrees());
     let count = ((most - least) / width_deg).round().max(1.0) as usize;
     (0..count)
         .map(|k| least + (k as f64 + 0.5) * width_deg)
@@ -152,12 +143,7 @@ fn is_seen(log: &ScanLog, centre_rad: f64, width_rad: f64) -> bool {
     if log.is_all_round() {
         return true;
     }
-    let least = log.beams_rad.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = log
-        .beams_rad
-        .iter()
-        .copied()
-        .fold(f64::NEG_INFINITY, f64::max);
+    let (least, most) = ends(log.beams_rad.iter().copied());
     let centre = super::scan::wrapped(centre_rad);
     centre - 0.5 * width_rad >= least - 0.02 && centre + 0.5 * width_rad <= most + 0.02
 }

@@ -67,7 +67,7 @@ impl ScanLog {
         let log = if is_carmen {
             carmen(path, text)?
         } else {
-            csv(path, text, Poses::Columns)?
+            csv(path, text, true)?
         };
         log.checked(path)
     }
@@ -88,7 +88,7 @@ impl ScanLog {
                 .at_file(poses)
                 .hint("columns qw, qx, qy, qz, or TUM text"));
         }
-        let mut log = csv(path, &read_log_text(path)?, Poses::Apart)?;
+        let mut log = csv(path, &read_log_text(path)?, false)?;
         let times_s = motion.times_s();
         let (first_s, last_s) = (times_s[0], times_s[times_s.len() - 1]);
         let all = log.scans.len();
@@ -131,20 +131,22 @@ impl ScanLog {
     }
 
     fn checked(self, path: &Path) -> Result<Self> {
-        let log = self;
-        if log.scans.is_empty() {
+        if self.scans.is_empty() {
             return Err(Error::invalid("the log has no scans")
                 .at_file(path)
                 .hint(HINT));
         }
-        Ok(log)
+        Ok(self)
     }
 
     /// The scans from a share of the log to another: parts of the way.
     pub fn part(&self, from: f64, to: f64) -> Self {
-        let at = |share: f64| (share * self.scans.len() as f64).round() as usize;
-        let scans =
-            self.scans[at(from).min(self.scans.len())..at(to).min(self.scans.len())].to_vec();
+        let count = self.scans.len();
+        let at = |share: f64| ((share * count as f64).round() as usize).min(count);
+        self.with_scans(self.scans[at(from)..at(to)].to_vec())
+    }
+
+    fn with_scans(&self, scans: Vec<Scan>) -> Self {
         Self {
             beams_rad: self.beams_rad.clone(),
             scans,
@@ -154,23 +156,15 @@ impl ScanLog {
     /// The scans that are kept.
     pub(super) fn kept(&self, keep: &[bool]) -> Self {
         let scans = self.scans.iter().zip(keep).filter(|(_, keep)| **keep);
-        Self {
-            beams_rad: self.beams_rad.clone(),
-            scans: scans.map(|(scan, _)| scan.clone()).collect(),
-        }
+        self.with_scans(scans.map(|(scan, _)| scan.clone()).collect())
     }
 
     /// The same scans with the poses of `lag_s` before them, on straight lines between those of the log; its ends stay.
     pub fn with_lag(&self, lag_s: f64) -> Self {
         let pose_at = |time_s: f64| {
             let after = self.scans.partition_point(|scan| scan.time_s <= time_s);
-            let (a, b) = match after {
-                0 => (&self.scans[0], &self.scans[0]),
-                after if after == self.scans.len() => {
-                    (&self.scans[after - 1], &self.scans[after - 1])
-                }
-                after => (&self.scans[after - 1], &self.scans[after]),
-            };
+            let a = &self.scans[after.saturating_sub(1)];
+            let b = &self.scans[after.min(self.scans.len() - 1)];
             let share = if b.time_s > a.time_s {
                 (time_s - a.time_s) / (b.time_s - a.time_s)
             } else {
@@ -191,10 +185,7 @@ impl ScanLog {
                 ..scan.clone()
             }
         });
-        Self {
-            beams_rad: self.beams_rad.clone(),
-            scans: scans.collect(),
-        }
+        self.with_scans(scans.collect())
     }
 
     /// Whether the beams go all round.
@@ -226,25 +217,14 @@ impl ScanLog {
     }
 }
 
-/// Where the poses of a CSV log are.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Poses {
-    /// In its columns.
-    Columns,
-    /// In another file.
-    Apart,
-}
-
-fn csv(path: &Path, text: &str, poses: Poses) -> Result<ScanLog> {
+fn csv(path: &Path, text: &str, has_poses: bool) -> Result<ScanLog> {
     let table = LogTable::parse(path, text)?;
     let time = table.require("t_s", HINT)?;
-    let pose = match poses {
-        Poses::Columns => {
-            let [x, y, heading] =
-                ["x_m", "y_m", "heading_rad"].map(|name| table.require(name, HINT));
-            Some((x?, y?, heading?))
-        }
-        Poses::Apart => None,
+    let pose = if has_poses {
+        let [x, y, heading] = ["x_m", "y_m", "heading_rad"].map(|name| table.require(name, HINT));
+        Some((x?, y?, heading?))
+    } else {
+        None
     };
     let beams: Vec<(usize, f64)> = table
         .header()

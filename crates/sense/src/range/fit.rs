@@ -3,7 +3,7 @@
 //! The information of mean and spread is block-diagonal for a normal density (Barndorff-Nielsen & Cox 1994, section 3.2), so the two
 //! are improved in turn: weighted least squares for the mean, scoring for the spread. Inverse information gives standard errors.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::cell::Summary;
 use super::form::{Curve, Form, Point};
@@ -240,21 +240,26 @@ fn accumulate(
     sums.unwrap_or_else(|| (DMatrix::zeros(0, 0), DVector::zeros(0)))
 }
 
-/// The inverse of an information matrix, whose parameters may have sizes far apart; `None` where some cannot be told.
-fn inverse(information: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let scale: Vec<f64> = (0..information.nrows())
-        .map(|i| information[(i, i)].sqrt())
-        .collect();
+/// The factor of an information matrix, whose parameters may have sizes far apart, and these sizes; `None` where some cannot be told.
+pub(super) fn factor(matrix: &DMatrix<f64>) -> Option<(Cholesky<f64, Dyn>, Vec<f64>)> {
+    let scale: Vec<f64> = (0..matrix.nrows()).map(|i| matrix[(i, i)].sqrt()).collect();
     if !scale.iter().all(|s| s.is_finite() && *s > 0.0) {
         return None;
     }
-    let scaled = DMatrix::from_fn(scale.len(), scale.len(), |i, j| {
-        information[(i, j)] / (scale[i] * scale[j])
-    });
-    let inverse = scaled.cholesky()?.inverse();
-    let inverse = DMatrix::from_fn(scale.len(), scale.len(), |i, j| {
-        inverse[(i, j)] / (scale[i] * scale[j])
-    });
+    let scaled = scaled_by(matrix, &scale);
+    Some((scaled.cholesky()?, scale))
+}
+
+/// A square matrix, in units of the sizes of its parameters.
+pub(super) fn scaled_by(matrix: &DMatrix<f64>, scale: &[f64]) -> DMatrix<f64> {
+    DMatrix::from_fn(scale.len(), scale.len(), |i, j| {
+        matrix[(i, j)] / (scale[i] * scale[j])
+    })
+}
+
+fn inverse(information: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let (factor, scale) = factor(information)?;
+    let inverse = scaled_by(&factor.inverse(), &scale);
     inverse.iter().all(|v| v.is_finite()).then_some(inverse)
 }
 

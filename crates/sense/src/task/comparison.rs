@@ -151,17 +151,8 @@ impl TaskComparison {
         let conditions = conditions
             .iter()
             .map(|levels| {
-                let wanted: Vec<(&str, &str)> = factors
-                    .iter()
-                    .copied()
-                    .zip(levels.iter().map(String::as_str))
-                    .collect();
-                condition(
-                    name(&wanted),
-                    &real.durations(&wanted),
-                    &simulated.durations(&wanted),
-                    seed,
-                )
+                let (real, simulated) = (real.durations(levels), simulated.durations(levels));
+                condition(name(levels), &real, &simulated, seed)
             })
             .collect::<Result<Vec<_>>>()?;
         let few: Vec<&str> = conditions
@@ -204,46 +195,38 @@ fn name(wanted: &[(&str, &str)]) -> String {
     parts.join(", ")
 }
 
+/// Factors with the level that each of them has.
+type Levels<'a> = Vec<(&'a str, &'a str)>;
+
 /// Levels of every condition that both logs have, in the order of the real one, and names of those that one has alone.
-fn conditions(
-    real: &TaskLog,
-    simulated: &TaskLog,
-    factors: &[&str],
-) -> (Vec<Vec<String>>, Vec<String>) {
-    let of = |log: &TaskLog| {
-        let columns: Vec<usize> = factors
-            .iter()
-            .filter_map(|name| log.factors.iter().position(|own| own == name))
-            .collect();
-        let mut known: Vec<Vec<String>> = Vec::new();
+fn conditions<'a>(
+    real: &'a TaskLog,
+    simulated: &'a TaskLog,
+    factors: &[&'a str],
+) -> (Vec<Levels<'a>>, Vec<String>) {
+    let of = |log: &'a TaskLog| {
+        let mut known: Vec<Levels<'a>> = Vec::new();
         for trial in &log.trials {
-            let levels: Vec<String> = columns.iter().map(|c| trial.levels[*c].clone()).collect();
+            let level = |name: &&'a str| {
+                let column = log.factors.iter().position(|own| own == name)?;
+                Some((*name, trial.levels[column].as_str()))
+            };
+            let levels = factors.iter().filter_map(level).collect();
             if !known.contains(&levels) {
                 known.push(levels);
             }
         }
         known
     };
-    let (real, simulated) = (of(real), of(simulated));
-    let named = |levels: &Vec<String>| {
-        let wanted: Vec<(&str, &str)> = factors
-            .iter()
-            .copied()
-            .zip(levels.iter().map(String::as_str))
-            .collect();
-        name(&wanted)
-    };
+    let (mut real, simulated) = (of(real), of(simulated));
     let lonely = real
         .iter()
         .filter(|levels| !simulated.contains(levels))
         .chain(simulated.iter().filter(|levels| !real.contains(levels)))
-        .map(named)
+        .map(|levels| name(levels))
         .collect();
-    let both = real
-        .iter()
-        .filter(|levels| simulated.contains(levels))
-        .cloned();
-    (both.collect(), lonely)
+    real.retain(|levels| simulated.contains(levels));
+    (real, lonely)
 }
 
 fn side(durations: &[Duration]) -> Result<SideReport> {

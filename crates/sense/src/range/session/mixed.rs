@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::super::fit::{factor, scaled_by};
 use super::Spread;
 use realgap_core::statistics::mean;
 
@@ -72,16 +73,8 @@ impl Mixed {
         let mut all = self.gradient.clone().insert_column(columns, 0.0);
         all.set_column(columns, &self.residual);
         let (weighed, log_determinant) = self.weigh(variances, &all);
-        // Parameters may have sizes far apart.
         let products = self.gradient.transpose() * &weighed;
-        let scale: Vec<f64> = (0..columns).map(|i| products[(i, i)].sqrt()).collect();
-        if !scale.iter().all(|s| s.is_finite() && *s > 0.0) {
-            return None;
-        }
-        let scaled = DMatrix::from_fn(columns, columns, |i, j| {
-            products[(i, j)] / (scale[i] * scale[j])
-        });
-        let factor = scaled.cholesky()?;
+        let (factor, scale) = factor(&products)?;
         let information = 2.0
             * factor
                 .l()
@@ -89,10 +82,7 @@ impl Mixed {
                 .iter()
                 .map(|v| libm::log(*v))
                 .sum::<f64>();
-        let inverse = factor.inverse();
-        let covariance = DMatrix::from_fn(columns, columns, |i, j| {
-            inverse[(i, j)] / (scale[i] * scale[j])
-        });
+        let covariance = scaled_by(&factor.inverse(), &scale);
         let right = products.column(columns).into_owned();
         let step = &covariance * &right;
         let squares = self.residual.dot(&weighed.column(columns)) - right.dot(&step);
