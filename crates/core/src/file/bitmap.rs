@@ -6,11 +6,20 @@ fn unexpected(error: png::EncodingError) -> Error {
     Error::invalid(format!("cannot encode the picture as PNG: {error}"))
 }
 
-/// Says in the file who wrote it, so that it may be written again.
-fn sign(encoder: &mut png::Encoder<'_, &mut Vec<u8>>) -> Result<()> {
+/// What writes pictures of 8 bits a channel, signed.
+fn encoder(
+    bytes: &mut Vec<u8>,
+    [width, height]: [u32; 2],
+    colour: png::ColorType,
+) -> Result<png::Encoder<'_, &mut Vec<u8>>> {
+    let mut encoder = png::Encoder::new(bytes, width, height);
+    encoder.set_color(colour);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Balanced);
     encoder
         .add_text_chunk("Software".to_owned(), "realgap".to_owned())
-        .map_err(unexpected)
+        .map_err(unexpected)?;
+    Ok(encoder)
 }
 
 /// The bytes of a PNG file with 8 bits a channel; `rgb` holds three bytes a pixel, row by row.
@@ -19,11 +28,7 @@ fn sign(encoder: &mut png::Encoder<'_, &mut Vec<u8>>) -> Result<()> {
 /// Sizes that do not fit the pixels.
 pub fn png_bytes(width: u32, height: u32, rgb: &[u8]) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, width, height);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::Balanced);
-    sign(&mut encoder)?;
+    let encoder = encoder(&mut bytes, [width, height], png::ColorType::Rgb)?;
     let mut writer = encoder.write_header().map_err(unexpected)?;
     writer.write_image_data(rgb).map_err(unexpected)?;
     writer.finish().map_err(unexpected)?;
@@ -48,15 +53,11 @@ impl<'f> Animated<'f> {
     /// No picture, or no size.
     pub fn new(
         bytes: &'f mut Vec<u8>,
-        [width, height]: [u32; 2],
+        size: [u32; 2],
         pictures: usize,
         shown_s: f64,
     ) -> Result<Self> {
-        let mut encoder = png::Encoder::new(bytes, width, height);
-        encoder.set_color(png::ColorType::Rgba);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_compression(png::Compression::Balanced);
-        sign(&mut encoder)?;
+        let mut encoder = encoder(bytes, size, png::ColorType::Rgba)?;
         encoder
             .set_animated(u32::try_from(pictures).unwrap_or(u32::MAX), 0)
             .map_err(unexpected)?;
@@ -66,7 +67,7 @@ impl<'f> Animated<'f> {
             .map_err(unexpected)?;
         Ok(Self {
             writer: encoder.write_header().map_err(unexpected)?,
-            size: [width as usize, height as usize],
+            size: size.map(|side| side as usize),
             before: None,
         })
     }

@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::statistics::rank::check_sample;
-use crate::statistics::significance::{PValueMethod, SampleTest};
+use crate::statistics::significance::SampleTest;
 use crate::statistics::{mean, standard_deviation};
 
 /// Fewest values that [`anderson_darling`] tests.
@@ -19,11 +19,7 @@ pub fn anderson_darling(values: &[f64]) -> Result<SampleTest> {
     check_sample("values", values, LEAST_FOR_NORMALITY)?;
     let (centre, sd) = (mean(values), standard_deviation(values));
     if sd == 0.0 {
-        return Ok(SampleTest {
-            statistic: f64::MAX,
-            p_value: 0.0,
-            method: PValueMethod::Asymptotic,
-        });
+        return Ok(SampleTest::asymptotic(f64::MAX, 0.0));
     }
     let mut z: Vec<f64> = values.iter().map(|v| (v - centre) / sd).collect();
     z.sort_by(f64::total_cmp);
@@ -50,9 +46,5 @@ pub fn anderson_darling(values: &[f64]) -> Result<SampleTest> {
     } else {
         0.0
     };
-    Ok(SampleTest {
-        statistic,
-        p_value,
-        method: PValueMethod::Asymptotic,
-    })
+    Ok(SampleTest::asymptotic(statistic, p_value))
 }

@@ -38,6 +38,16 @@ pub struct SampleTest {
     pub method: PValueMethod,
 }
 
+impl SampleTest {
+    pub(super) fn asymptotic(statistic: f64, p_value: f64) -> Self {
+        Self {
+            statistic,
+            p_value,
+            method: PValueMethod::Asymptotic,
+        }
+    }
+}
+
 /// Mann–Whitney U test (Mann & Whitney 1947): is one sample larger than the other?
 ///
 /// As `scipy.stats.mannwhitneyu(x, y, method="auto")`: exact where the smaller sample has at most 8 values and nothing is tied,
@@ -188,9 +198,5 @@ pub fn spearman_worth(x: &[f64], y: &[f64], pairs: f64) -> Result<SampleTest> {
         rest if rest > 0.0 => beta_reg(freedom / 2.0, 0.5, rest.min(1.0)),
         _ => 0.0,
     };
-    Ok(SampleTest {
-        statistic,
-        p_value,
-        method: PValueMethod::Asymptotic,
-    })
+    Ok(SampleTest::asymptotic(statistic, p_value))
 }

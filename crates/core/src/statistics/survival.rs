@@ -4,7 +4,7 @@ use serde::Serialize;
 use statrs::function::erf::erfc;
 
 use super::proportion::normal_quantile;
-use super::significance::{PValueMethod, SampleTest};
+use super::significance::SampleTest;
 use crate::error::{Error, Result};
 
 /// How long something took, or that it took longer than this.
@@ -174,9 +174,6 @@ pub fn log_rank(x: &[Duration], y: &[Duration]) -> Result<SampleTest> {
         ));
     }
     let statistic = off / variance.sqrt();
-    Ok(SampleTest {
-        statistic,
-        p_value: erfc(statistic.abs() / std::f64::consts::SQRT_2),
-        method: PValueMethod::Asymptotic,
-    })
+    let p_value = erfc(statistic.abs() / std::f64::consts::SQRT_2);
+    Ok(SampleTest::asymptotic(statistic, p_value))
 }
