@@ -46,6 +46,12 @@ impl Shots {
     }
 }
 
+/// What a picture is called.
+pub(super) fn stem(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or_default();
+    stem.to_string_lossy().into_owned()
+}
+
 /// The pictures of a folder and what is known of them.
 #[derive(Debug, Clone)]
 pub(super) struct Album {
@@ -70,11 +76,7 @@ impl Album {
             if !is_picture || views.is_aside(&path) {
                 continue;
             }
-            let name = path
-                .file_stem()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned();
+            let name = stem(&path);
             if let Some(other) = pictures.insert(name.clone(), path) {
                 return Err(Error::invalid("two pictures of one name")
                     .at_file(folder)

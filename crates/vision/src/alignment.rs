@@ -81,12 +81,12 @@ impl Motion {
         ]
     }
 
-    fn back(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        let ([cos, sin], [x, y]) = (self.turn, [x - self.to_px[0], y - self.to_px[1]]);
-        [
-            self.from_px[0] + cos * x + sin * y,
-            self.from_px[1] - sin * x + cos * y,
-        ]
+    fn reversed(&self) -> Self {
+        Self {
+            turn: [self.turn[0], -self.turn[1]],
+            from_px: self.to_px,
+            to_px: self.from_px,
+        }
     }
 
     /// A feature where it is after the motion. Beyond the picture's border a map is 0.
@@ -94,10 +94,11 @@ impl Motion {
         if *self == Self::NONE {
             return feature.clone();
         }
+        let back = self.reversed();
         let map = feature.map.as_ref().map(|map| {
             let (right, low) = (map.width() as f64 - 1.0, map.height() as f64 - 1.0);
             Grey::from_fn(map.width(), map.height(), |x, y| {
-                let [x, y] = self.back([x as f64, y as f64]);
+                let [x, y] = back.of([x as f64, y as f64]);
                 if (0.0..=right).contains(&x) && (0.0..=low).contains(&y) {
                     map.between(x, y)
                 } else {

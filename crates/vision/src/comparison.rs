@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::album::Album;
+use super::album::{Album, stem};
 use super::alignment::{Motion, RelativeTo};
 use super::codec::size_of;
 use super::extractor::{Extractor, Feature, Measure, Sought};
@@ -222,12 +222,7 @@ pub fn compare_folders(
             .found(names.join(", "))
             .hint("views.ron says what to look for in each view"));
     }
-    if real.source() == PictureSource::StandIn {
-        warnings.push(Warning::new(
-            Code::StandIn,
-            "a simulated camera with other settings took the place of the real one",
-        ));
-    }
+    warnings.extend(real.source().warning());
     if relative_to == RelativeTo::Own && !views.iter().any(|view| view.is_known) {
         warnings.push(Warning::new(
             Code::NoOwnPlaces,
@@ -267,8 +262,8 @@ fn paired(
             let its = album.of_view(name, &simulated.pictures);
             its.into_iter()
                 .map(|path| {
-                    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-                    let own = album.views.sought(&stem).or(album.views.sought(name));
+                    let own = album.views.sought(&stem(path));
+                    let own = own.or(album.views.sought(name));
                     let own = own.cloned().unwrap_or_default();
                     (path.clone(), merged(own, &model))
                 })
@@ -279,12 +274,6 @@ fn paired(
             alone.push(name.as_str());
             continue;
         }
-        let stem = |path: &PathBuf| {
-            path.file_stem()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned()
-        };
         let places =
             |sought: &Sought| sought.template_at_px.is_some() || !sought.outline_px.is_empty();
         let of_itself =

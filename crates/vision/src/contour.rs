@@ -24,7 +24,7 @@ impl Contour {
 /// Share of points off every edge above which a reader is warned.
 const MANY_STUCK: f64 = 0.25;
 
-/// The picture with a closed line drawn over it, white on dark and dark on bright.
+/// The picture with a closed line drawn over it.
 fn over(picture: &Grey, points_px: &[[f64; 2]]) -> Grey {
     let line = evenly(points_px, 4000);
     let mut is_line = vec![false; picture.width() * picture.height()];
@@ -34,15 +34,7 @@ fn over(picture: &Grey, points_px: &[[f64; 2]]) -> Grey {
             is_line[y * picture.width() + x] = true;
         }
     }
-    Grey::from_fn(picture.width(), picture.height(), |x, y| {
-        let index = y * picture.width() + x;
-        let value = picture.values()[index];
-        if is_line[index] {
-            f32::from(u8::from(value < 0.5))
-        } else {
-            value
-        }
-    })
+    picture.drawn_over(|x, y| is_line[y * picture.width() + x])
 }
 
 impl Extractor for Contour {

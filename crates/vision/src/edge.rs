@@ -4,6 +4,7 @@ use super::extractor::{Extraction, Extractor, Feature, Measure, Sought, Step};
 use super::filter::{gauss, length, sobel};
 use super::picture::Grey;
 use realgap_core::error::Result;
+use realgap_core::stated;
 use realgap_core::warning::{Code, Warning};
 
 /// Canny's edges.
@@ -121,27 +122,15 @@ pub fn correlation(a: &Grey, b: &Grey) -> Option<f64> {
 }
 
 impl Extractor for Edges {
-    fn name(&self) -> &'static str {
-        "edges"
-    }
-
-    fn doc(&self) -> &'static str {
-        "Canny's edges; two pictures are as far apart as their edges are not correlated"
-    }
-
-    fn figure(&self) -> u8 {
-        5
-    }
-
-    fn error_measure(&self) -> Option<Measure> {
-        None
-    }
-
-    fn distance_measure(&self) -> Measure {
-        Measure {
+    stated! {
+        name: &'static str = "edges";
+        doc: &'static str = "Canny's edges; two pictures are as far apart as their edges are not correlated";
+        figure: u8 = 5;
+        error_measure: Option<Measure> = None;
+        distance_measure: Measure = Measure {
             name: "1 - edge correlation",
             unit: "",
-        }
+        };
     }
 
     fn is_sought(&self, _: &Sought) -> bool {

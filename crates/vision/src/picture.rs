@@ -185,6 +185,18 @@ impl Grey {
         upper + (lower - upper) * low_share
     }
 
+    /// The picture with pixels drawn over it, white on dark and dark on bright.
+    pub(super) fn drawn_over(&self, is_drawn: impl Fn(usize, usize) -> bool) -> Self {
+        Self::from_fn(self.width, self.height, |x, y| {
+            let value = self.values[y * self.width + x];
+            if is_drawn(x, y) {
+                f32::from(u8::from(value < 0.5))
+            } else {
+                value
+            }
+        })
+    }
+
     /// The same picture with other values.
     pub(super) fn map(&self, value: impl Fn(f32) -> f32) -> Self {
         Self {

@@ -189,10 +189,7 @@ impl Program {
             return Err(self
                 .error("failed")
                 .found(format!("{status}{last}"))
-                .hint(format!(
-                    "try it by hand: {} < PICTURE, or leave it out",
-                    self.call()
-                )));
+                .hint(self.by_hand()));
         }
         Ok(text)
     }
@@ -200,9 +197,11 @@ impl Program {
     fn too_long(&self) -> Error {
         self.error("took too long")
             .found(format!("no end within {:.0?}", self.limit))
-            .hint(format!(
-                "try it by hand: {} < PICTURE, or leave it out",
-                self.call()
-            ))
+            .hint(self.by_hand())
+    }
+
+    fn by_hand(&self) -> String {
+        let call = self.call();
+        format!("try it by hand: {call} < PICTURE, or leave it out")
     }
 }

@@ -115,12 +115,16 @@ impl Template {
     }
 }
 
-/// How far the top of the parabola through a largest value and its neighbours is from it, at most half a pixel.
+/// [`top`] at a largest value; none at an end.
 fn peak(place: usize, count: usize, value: impl Fn(usize) -> f64) -> f64 {
     if place == 0 || place + 1 >= count {
         return 0.0;
     }
-    let (before, here, after) = (value(place - 1), value(place), value(place + 1));
+    top(value(place - 1), value(place), value(place + 1))
+}
+
+/// How far the top of the parabola through a largest value and its neighbours is from it, at most half a pixel.
+pub(super) fn top(before: f64, here: f64, after: f64) -> f64 {
     let bend = before - 2.0 * here + after;
     if bend < 0.0 {
         (0.5 * (before - after) / bend).clamp(-0.5, 0.5)
@@ -157,18 +161,10 @@ impl Extractor for Template {
         let [x, y] = found.centre_px;
         let size = |side: usize| (side as f64 * found.scale / 2.0) as i64;
         let (dx, dy) = (size(template.width()), size(template.height()));
-        let framed = Grey::from_fn(picture.width(), picture.height(), |column, row| {
-            let (ox, oy) = (
-                (column as i64 - x.round() as i64).abs(),
-                (row as i64 - y.round() as i64).abs(),
-            );
-            let is_frame = (ox == dx && oy <= dy) || (oy == dy && ox <= dx);
-            let value = picture.at(column as i64, row as i64);
-            if is_frame {
-                f32::from(u8::from(value < 0.5))
-            } else {
-                value
-            }
+        let framed = picture.drawn_over(|column, row| {
+            let off = |at: usize, middle: f64| (at as i64 - middle.round() as i64).abs();
+            let (ox, oy) = (off(column, x), off(row, y));
+            (ox == dx && oy <= dy) || (oy == dy && ox <= dx)
         });
         let step = |name, picture| Step { name, picture };
         Ok(Extraction {

@@ -10,6 +10,7 @@ use super::extractor::Sought;
 use super::picture::{Grey, Region};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{Source, check_name, parse_ron, write_atomic, write_ron};
+use realgap_core::warning::{Code, Warning};
 
 /// Name of the file.
 pub const VIEWS_FILE: &str = "views.ron";
@@ -25,6 +26,22 @@ pub enum PictureSource {
     Simulated,
     /// A simulated camera with other settings, in place of a real one.
     StandIn,
+}
+
+impl PictureSource {
+    /// What took the place of reality in a report.
+    pub(super) fn words(self) -> &'static str {
+        match self {
+            Self::StandIn => "stand-ins in place of real pictures",
+            Self::Real | Self::Simulated => "real pictures",
+        }
+    }
+
+    /// What the reader should know where the pictures are no real ones.
+    pub(super) fn warning(self) -> Option<Warning> {
+        let what = "a simulated camera with other settings took the place of the real one";
+        (self == Self::StandIn).then(|| Warning::new(Code::StandIn, what))
+    }
 }
 
 /// The text of `views.ron`.

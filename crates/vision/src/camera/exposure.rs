@@ -105,12 +105,8 @@ impl Sensor {
     pub fn calm(&self, light: &[Grey; 3]) -> [Grey; 3] {
         let factor =
             self.exposure_s * self.electrons_per_cd_s * self.gain_for(light) / self.full_well_e;
-        [0, 1, 2].map(|i| {
-            let plane = &light[i];
-            Grey::from_fn(plane.width(), plane.height(), |x, y| {
-                let share = f64::from(plane.values()[y * plane.width() + x]) * factor;
-                curve(share.clamp(0.0, 1.0)) as f32
-            })
+        light.each_ref().map(|plane| {
+            plane.map(|value| curve((f64::from(value) * factor).clamp(0.0, 1.0)) as f32)
         })
     }
 

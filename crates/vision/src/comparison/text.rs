@@ -4,7 +4,6 @@ use std::fmt;
 
 use super::super::alignment::RelativeTo;
 use super::super::extractor::Measure;
-use super::super::views::PictureSource;
 use super::{Answer, ExtractorReport, Mean, Verdict, VisionReport};
 use realgap_core::table::Side::{Left, Right};
 use realgap_core::table::TextTable;
@@ -123,10 +122,7 @@ impl fmt::Display for ExtractorReport {
 
 impl fmt::Display for VisionReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let real = match self.real {
-            PictureSource::StandIn => "stand-ins in place of real pictures",
-            _ => "real pictures",
-        };
+        let real = self.real.words();
         writeln!(
             f,
             "{} of simulated and {real}; means over views with 90 % intervals",

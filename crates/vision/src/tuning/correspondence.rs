@@ -2,6 +2,7 @@
 
 use super::room::Room;
 use crate::camera::{Camera, Pose, luminance, met_m};
+use crate::template::top;
 use crate::{Grey, gauss, sobel};
 use realgap_core::error::Result;
 
@@ -139,14 +140,6 @@ fn shift(model: &Grey, real: &Grey, x: i64, y: i64, reach: i64) -> Option<[f64; 
         return None;
     }
     let at = |i: i64, j: i64| scores[(j * side + i) as usize];
-    let top = |before: f64, here: f64, after: f64| {
-        let bend = before - 2.0 * here + after;
-        if bend < 0.0 {
-            (0.5 * (before - after) / bend).clamp(-0.5, 0.5)
-        } else {
-            0.0
-        }
-    };
     Some([
         (i - reach) as f64 + top(at(i - 1, j), at(i, j), at(i + 1, j)),
         (j - reach) as f64 + top(at(i, j - 1), at(i, j), at(i, j + 1)),

@@ -231,7 +231,7 @@ pub fn tune_camera(
     let mut all = lens_settings(&start.lens, &tuned.lens, pictures, &known, &bias);
     all.extend(sensor_settings(&search, &found, fitted_views.len()));
     all.push(compression);
-    warnings.extend(stand_in(shots.source));
+    warnings.extend(shots.source.warning());
     let judge =
         |own: &[&Shot]| judged(room, [&start, &camera], own, &prior, (&found, options.seed));
     let named = |views: &[usize]| views.iter().map(|v| names[*v].to_owned()).collect();
@@ -285,12 +285,6 @@ fn unknown_compression(compression: &TunedSetting, quality: Option<u8>) -> Optio
 fn unfinished(found: &sensor::Found, budget: usize) -> Option<Warning> {
     let what = format!("the search had more to try when its budget of {budget} was spent");
     (!found.is_ended).then(|| Warning::new(Code::Incomplete, what))
-}
-
-/// Says that pictures are not of a real camera.
-fn stand_in(source: PictureSource) -> Option<Warning> {
-    let what = "a simulated camera with other settings took the place of the real one";
-    (source == PictureSource::StandIn).then(|| Warning::new(Code::StandIn, what))
 }
 
 /// How far simulated pictures are from some real ones, with the camera of before and with the tuned one; both look for where these
@@ -379,10 +373,7 @@ impl fmt::Display for Mismatch {
 
 impl fmt::Display for TunedCamera {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let real = match self.real {
-            PictureSource::StandIn => "stand-ins in place of real pictures",
-            _ => "real pictures",
-        };
+        let real = self.real.words();
         writeln!(
             f,
             "camera {} tuned to {real} of {}; 90 % intervals\n",

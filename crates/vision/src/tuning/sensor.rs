@@ -78,9 +78,7 @@ pub(super) fn settings(start: &Camera) -> Vec<Setting> {
             "s",
             around(sensor.exposure_s),
             true,
-            |c, v| {
-                c.sensor.exposure_s = v;
-            },
+            |c, v| c.sensor.exposure_s = v,
         ),
         setting("gain", "", around(sensor.gain), true, |c, v| {
             c.sensor.gain = v
@@ -97,9 +95,7 @@ pub(super) fn settings(start: &Camera) -> Vec<Setting> {
             "px",
             (0.0, (3.0 * start.lens.blur_px).max(3.0)),
             false,
-            |c, v| {
-                c.lens.blur_px = v;
-            },
+            |c, v| c.lens.blur_px = v,
         ),
     ]
 }
