@@ -70,7 +70,7 @@ pub(super) fn moved(
         let orientations = orientations.iter().map(|q| turn_q * q * own_q.inverse());
         world = world.with_orientations(orientations.collect())?;
     }
-    if let Some((linear, angular)) = there.velocities() {
+    if let Some([linear, angular]) = there.velocities() {
         let angular = angular.iter().map(|v| own * v);
         world = world.with_velocities(all(linear), angular.collect())?;
     }

@@ -45,7 +45,7 @@ pub fn clip(whole: &Trajectory, duration_s: f64) -> Result<Trajectory> {
         }
         clipped = clipped.with_orientations(orientations)?;
     }
-    if let Some((linear, angular)) = whole.velocities() {
+    if let Some([linear, angular]) = whole.velocities() {
         let cut = |all: &[nalgebra::Vector3<f64>]| {
             let mut some = all[..kept].to_vec();
             if needs_end {
@@ -122,7 +122,7 @@ fn samples(whole: &Trajectory, part: std::ops::Range<usize>) -> Result<Trajector
     if let Some(all) = whole.orientations_world_from_body() {
         cropped = cropped.with_orientations(all[part.clone()].to_vec())?;
     }
-    if let Some((linear, angular)) = whole.velocities() {
+    if let Some([linear, angular]) = whole.velocities() {
         let (linear, angular) = (&linear[part.clone()], &angular[part.clone()]);
         cropped = cropped.with_velocities(linear.to_vec(), angular.to_vec())?;
     }

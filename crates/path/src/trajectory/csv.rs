@@ -182,7 +182,7 @@ pub(super) fn text_of(trajectory: &Trajectory) -> String {
         if let Some(q) = orientations.map(|all| all[index]) {
             [q.w, q.i, q.j, q.k].into_iter().for_each(&mut push);
         }
-        if let Some((linear, angular)) = velocities {
+        if let Some([linear, angular]) = velocities {
             linear[index].iter().copied().for_each(&mut push);
             angular[index].iter().copied().for_each(&mut push);
         }

@@ -40,7 +40,7 @@ pub fn resample(trajectory: &Trajectory, points: usize) -> Result<Trajectory> {
         resampled =
             resampled.with_orientations(places.iter().map(|place| place.slerp(all)).collect())?;
     }
-    if let Some((linear, angular)) = trajectory.velocities() {
+    if let Some([linear, angular]) = trajectory.velocities() {
         resampled = resampled.with_velocities(
             places.iter().map(|place| place.lerp(linear)).collect(),
             places.iter().map(|place| place.lerp(angular)).collect(),

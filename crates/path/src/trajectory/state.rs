@@ -248,9 +248,9 @@ impl Trajectory {
     }
 
     /// Linear velocities in the world and rates of turn of the body, where both are known.
-    pub(super) fn velocities(&self) -> Option<(&[Vector3<f64>], &[Vector3<f64>])> {
+    pub(super) fn velocities(&self) -> Option<[&[Vector3<f64>]; 2]> {
         let linear = self.velocities_world_m_s.as_deref()?;
-        Some((linear, self.angular_velocities_body_rad_s.as_deref()?))
+        Some([linear, self.angular_velocities_body_rad_s.as_deref()?])
     }
 
     fn check_column(&self, what: &str, found: usize, finite: bool) -> Result<()> {
