@@ -32,7 +32,7 @@ fn the_command_line_switches_it_off_and_takes_the_indistinguishable_set() {
     assert!(code == Some(0) && !said.contains("model error"), "{said}");
     let (code, said, _) = predict(&["--indistinguishable", &folder]);
     assert_eq!(code, Some(0));
-    assert!(said.contains("model error       9 other models"), "{said}");
+    assert!(said.contains("model error       10 other models"), "{said}");
     assert!(said.contains("indistinguishable set"), "{said}");
     let (code, _, error) = predict(&["--model-error", "off", "--indistinguishable", &folder]);
     assert_eq!(code, Some(2), "{error}");
