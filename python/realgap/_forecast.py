@@ -146,12 +146,12 @@ class Reality:
 class Model:
     """A model that is as valid as the one that was asked for, and how far it parts from that.
 
-    >>> {model.source for model in prediction.card.model.models} <= {"numerics", "joints", "engine"}
+    >>> {model.source for model in prediction.card.model.models} <= {"numerics", "joints", "engine", "contact"}
     True
     """
 
     name: str
-    source: Literal["numerics", "joints", "engine", "indistinguishable"]
+    source: Literal["numerics", "joints", "engine", "contact", "indistinguishable"]
     ratio: Optional[float]
     behaviours: Tuple[float, ...]
 
