@@ -1,6 +1,6 @@
 //! The contact model of the solver.
 
-use super::{Nudge, Parameter, entry, field};
+use super::{Nudge, Parameter, choice, field};
 use crate::FrictionModel;
 
 #[rustfmt::skip] // a table
@@ -11,20 +11,9 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         "Stiffness of contact with the floor, as a natural frequency; among modules half of it.", contact.natural_frequency_hz),
     field!("contact.damping_ratio", One, (0.0, 1000.0), Log, Nudge::Share(0.25),
         "Damping ratio of contacts; with the natural frequency it decides how fast penetration is pushed out.", contact.damping_ratio),
-    Parameter {
-        whole: true,
-        ..entry!("contact.friction_model", One, (0.0, (MODELS.len() - 1) as f64), Linear, Nudge::Absolute(1.0),
-            "0: Simplified, a friction pyramid per contact area (Rapier); 1: Coulomb, a cone at every contact point; 2: Relaxed, a convex cone as MuJoCo's (tree solver).",
-            |e, _| {
-                let is_it = |model: &FrictionModel| *model == e.contact.friction_model;
-                MODELS.iter().position(is_it).map(|index| index as f64)
-            },
-            |e, _, value| {
-                if let Some(model) = MODELS.get(value as usize) {
-                    e.contact.friction_model = *model;
-                }
-            })
-    },
+    choice!("contact.friction_model", MODELS,
+        "0: Simplified, a friction pyramid per contact area (Rapier); 1: Coulomb, a cone at every contact point; 2: Relaxed, a convex cone as MuJoCo's (tree solver).",
+        contact.friction_model),
 ];
 
 /// By their numbers.

@@ -86,6 +86,24 @@ macro_rules! field {
 }
 use field;
 
+/// A parameter that chooses one of a list by its place there: name, list, meaning, way to the field.
+macro_rules! choice {
+    ($name:literal, $list:expr, $doc:literal, $($field:ident).+) => {
+        $crate::parameter::Parameter {
+            whole: true,
+            ..$crate::parameter::entry!(
+                $name, One, (0.0, ($list.len() - 1) as f64), Linear, Nudge::Absolute(1.0), $doc,
+                |e, _| $list.iter().position(|one| *one == e.$($field).+).map(|place| place as f64),
+                |e, _, value| {
+                    if let Some(one) = $list.get(value as usize) {
+                        e.$($field).+ = *one;
+                    }
+                })
+        }
+    };
+}
+use choice;
+
 /// A small change of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Nudge {

@@ -1,7 +1,7 @@
 //! Numerical settings: worth a sweep of their own, because they change results too.
 
-use super::{Nudge, Parameter, entry, field};
-use crate::{ENGINES, EngineChoice, JointKind};
+use super::{Nudge, Parameter, choice, entry, field};
+use crate::{ENGINES, JointKind};
 
 /// A whole number of the solver's settings.
 macro_rules! count {
@@ -44,18 +44,6 @@ pub(super) static PARAMETERS: &[Parameter] = &[
                 };
             })
     },
-    Parameter {
-        whole: true,
-        ..entry!("solver.engine", One, (0.0, (ENGINES.len() - 1) as f64), Linear, Nudge::Absolute(1.0),
-            "0: Rapier; 1: the tree solver, in reduced coordinates.",
-            |e, _| {
-                let is_it = |engine: &EngineChoice| *engine == e.solver.engine;
-                ENGINES.iter().position(is_it).map(|index| index as f64)
-            },
-            |e, _, value| {
-                if let Some(engine) = ENGINES.get(value as usize) {
-                    e.solver.engine = *engine;
-                }
-            })
-    },
+    choice!("solver.engine", ENGINES,
+        "0: Rapier; 1: the tree solver, in reduced coordinates.", solver.engine),
 ];

@@ -8,6 +8,7 @@
 
 use rayon::prelude::*;
 
+use super::nearness::middle;
 use super::score::PointScore;
 use super::setting::Settings;
 use super::study::Study;
@@ -16,8 +17,6 @@ use realgap_core::error::Result;
 use realgap_core::statistics::mean;
 use realgap_engine::Noise;
 use realgap_path::trajectory::{Prepared, prepare};
-
-use super::nearness::middle;
 
 /// Runs that are repeated: two of so many may be farther from the others than reality is.
 const NEAR: usize = 40;
@@ -68,20 +67,24 @@ pub(super) fn likeness(
     Ok((sets.len() >= FEWEST).then(|| rank(real, &sets)))
 }
 
-/// Rank of the first set's distance to what is most like it among those of the others.
+/// Rank of reality's distance to the set that is most like it among those of the sets to the others.
 fn rank(real: &[&Prepared], sets: &[Vec<&Prepared>]) -> f64 {
-    let within: Vec<f64> = sets.iter().map(|set| within_m(set)).collect();
-    let distance_m =
-        |a: &[&Prepared], own_m: f64, b: usize| 2.0 * across_m(a, &sets[b]) - own_m - within[b];
-    let least_m = |a: &[&Prepared], own_m: f64, but: Option<usize>| {
-        let others = (0..sets.len()).filter(|b| Some(*b) != but);
-        others
-            .map(|b| distance_m(a, own_m, b))
-            .fold(f64::INFINITY, f64::min)
-    };
-    let of_real_m = least_m(real, within_m(real), None);
-    let as_far = (0..sets.len()).filter(|a| least_m(&sets[*a], within[*a], Some(*a)) >= of_real_m);
-    (as_far.count() + 1) as f64 / (sets.len() + 1) as f64
+    let all = std::iter::once(real).chain(sets.iter().map(Vec::as_slice));
+    let all: Vec<&[&Prepared]> = all.collect();
+    let within: Vec<f64> = all.iter().map(|set| within_m(set)).collect();
+    let mut least_m = vec![f64::INFINITY; all.len()];
+    for b in 1..all.len() {
+        for a in 0..b {
+            let apart_m = 2.0 * across_m(all[a], all[b]) - within[a] - within[b];
+            least_m[a] = least_m[a].min(apart_m);
+            // Sets are compared with each other, and not with reality.
+            if a > 0 {
+                least_m[b] = least_m[b].min(apart_m);
+            }
+        }
+    }
+    let as_far = least_m[1..].iter().filter(|m| **m >= least_m[0]);
+    (as_far.count() + 1) as f64 / all.len() as f64
 }
 
 /// Mean distance of two members of different sets.

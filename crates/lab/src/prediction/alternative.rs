@@ -70,8 +70,6 @@ fn other_physics(experiment: &Experiment) -> Vec<(String, Source, Change)> {
             own
         });
         models.push((other.get().version().to_owned(), Source::Engine, change));
-    }
-    if experiment.relaxed().is_some() {
         let change: Change = Box::new(|own| own.relaxed().unwrap_or_else(|| own.clone()));
         models.push(("relaxed cone".to_owned(), Source::Contact, change));
     }

@@ -9,8 +9,9 @@ use super::super::flaw::{Checked, Flaw};
 use super::super::module::{check_actuator, check_name};
 use super::super::shape::Shape;
 use super::check::{SINGULAR, check_body, check_joint, check_pose};
+use super::motion::Motion;
 use super::tree::{Tree, by_name, look_up};
-use super::{Motion, Structure, vector};
+use super::{Structure, vector};
 use realgap_core::Error;
 use realgap_core::file::unknown_name;
 

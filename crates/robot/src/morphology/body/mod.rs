@@ -34,13 +34,14 @@ mod assemble;
 mod check;
 mod hull;
 mod mass;
+mod motion;
 mod piece;
 mod tree;
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::assembly::{Assembly, Bearing, Freedom, Gait, Servo, Solid, Spring};
+use super::assembly::{Assembly, Gait, Servo, Solid};
 use super::module::Module;
 use super::servo_file::is_zero;
 use realgap_core::file::Source;
@@ -264,68 +265,6 @@ pub enum JointKind {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         spring: Option<SlideSpring>,
     },
-}
-
-/// What a joint that moves lets its child do, metres for radians where it slides.
-pub(super) struct Motion {
-    pub freedom: Freedom,
-    pub axis: Triple,
-    pub anchor_m: Triple,
-    pub bearing: Bearing,
-}
-
-impl JointKind {
-    /// How the child moves; `None` where it is fixed.
-    fn motion(&self) -> Option<Motion> {
-        Some(match *self {
-            Self::Fixed => return None,
-            Self::Turn {
-                axis,
-                anchor_m,
-                limits_rad,
-                viscous_nm_s_rad,
-                dry_nm,
-                armature_kg_m2,
-                spring,
-            } => Motion {
-                freedom: Freedom::Turn,
-                axis,
-                anchor_m,
-                bearing: Bearing {
-                    viscous_nm_s_rad,
-                    dry_nm,
-                    limits_rad,
-                    armature_kg_m2,
-                    spring: spring.map(|s| Spring {
-                        stiffness_nm_rad: s.stiffness_nm_rad,
-                        rest_rad: s.rest_rad,
-                    }),
-                },
-            },
-            Self::Slide {
-                axis,
-                limits_m,
-                viscous_n_s_m,
-                dry_n,
-                armature_kg,
-                spring,
-            } => Motion {
-                freedom: Freedom::Slide,
-                axis,
-                anchor_m: (0.0, 0.0, 0.0),
-                bearing: Bearing {
-                    viscous_nm_s_rad: viscous_n_s_m,
-                    dry_nm: dry_n,
-                    limits_rad: limits_m,
-                    armature_kg_m2: armature_kg,
-                    spring: spring.map(|s| Spring {
-                        stiffness_nm_rad: s.stiffness_n_m,
-                        rest_rad: s.rest_m,
-                    }),
-                },
-            },
-        })
-    }
 }
 
 /// A spring of a joint that turns.
