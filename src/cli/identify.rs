@@ -7,6 +7,7 @@ use realgap::calibration::identification::{
     identify_joints,
 };
 use realgap::calibration::{BestFile, Definition, Overrides, RestingOdds, StartRule, recording_id};
+use realgap::claim::flights;
 use realgap::comparison::Pose;
 use realgap::file::write_ron;
 use realgap::simulation::parameter::{Assignment, ParameterSet};
@@ -141,7 +142,7 @@ fn words_of_joints(found: &JointIdentification) -> String {
             text(verdict.estimate.low),
             text(verdict.estimate.high),
             format!("{:.2}", verdict.left_of_prior),
-            verdict.claim().word,
+            flights(verdict).word,
         ]);
     }
     let mut errors = TextTable::new([

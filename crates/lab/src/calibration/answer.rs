@@ -4,9 +4,7 @@ use std::collections::BTreeSet;
 use std::fmt;
 
 use super::audit::Audit;
-use super::emulator::Emulator;
 use super::fit::Fit;
-use super::implausibility::Doubt;
 use super::inference::Inference;
 use super::method::Method;
 use super::posterior::BestDraws;
@@ -19,6 +17,8 @@ use super::uncertainty::Uncertainty;
 use super::validation::Validation;
 use super::wave::{leading, scored_runs, settled};
 use realgap_core::error::Result;
+use realgap_emulator::Doubt;
+use realgap_emulator::Emulator;
 use realgap_optimize::{Ending, Grid, space_filling};
 
 /// Result of a sweep or of tuning; its `Display` is the report.

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use super::emulator::Emulator;
-use super::implausibility::{Doubt, Variance, implausibility};
 use super::score::{PointScore, Scores};
 use super::study::Study;
 use super::values::by_name;
 use realgap_core::statistics::mean;
+use realgap_emulator::Emulator;
+use realgap_emulator::{Doubt, Variance, implausibility};
 
 /// One engine's part in an answer of two.
 #[derive(Debug, Clone, PartialEq)]

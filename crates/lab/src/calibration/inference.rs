@@ -8,12 +8,12 @@
 
 use rand::RngExt;
 
-use super::emulator::Emulator;
-use super::implausibility::{Doubt, Variance, emulator_share, implausibility};
 use super::posterior::BestDraws;
 use super::sieve::Sieve;
 use realgap_core::random::{Generator, Once};
 use realgap_core::statistics::chi_squared_quantile;
+use realgap_emulator::Emulator;
+use realgap_emulator::{Doubt, Variance, emulator_share, implausibility};
 use realgap_optimize::Grid;
 
 /// Confidence level of the set of points that are not implausible.

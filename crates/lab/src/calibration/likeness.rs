@@ -12,11 +12,11 @@ use super::nearness::middle;
 use super::score::PointScore;
 use super::setting::Settings;
 use super::study::Study;
-use crate::prediction::ensemble::{self, mean_square_m2, rms_m};
+use crate::prediction::ensemble;
 use realgap_core::error::Result;
 use realgap_core::statistics::mean;
 use realgap_engine::Noise;
-use realgap_path::trajectory::{Prepared, prepare};
+use realgap_path::trajectory::{Prepared, mean_square_m2, prepare, rms_m};
 
 /// Runs that are repeated: two of so many may be farther from the others than reality is.
 const NEAR: usize = 40;

@@ -23,7 +23,7 @@
 //! # Ok::<(), realgap_core::Error>(())
 //! ```
 
-pub mod identification;
+pub use realgap_identify as identification;
 
 mod answer;
 mod audit;
@@ -33,7 +33,6 @@ mod case;
 mod command_file;
 mod definition;
 mod doubt;
-mod emulator;
 mod engines;
 mod estimate;
 mod evaluation;
@@ -42,12 +41,10 @@ mod fit;
 mod fitted;
 mod fleet;
 mod horizon;
-mod implausibility;
 mod inference;
 mod joint_evaluation;
 mod joints;
 mod keeping;
-mod kernel;
 mod likeness;
 mod matching;
 mod method;

@@ -7,8 +7,8 @@
 
 use std::ops::Range;
 
-use crate::prediction::ensemble::mean_square_m2;
 use realgap_core::statistics::{fisher_tail, mean};
+use realgap_path::trajectory::mean_square_m2;
 use realgap_path::trajectory::{POINTS, Prepared};
 
 /// A path in the plane, metres.

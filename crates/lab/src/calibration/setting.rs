@@ -46,6 +46,10 @@ impl Setting {
     pub fn new(number: usize) -> Self {
         Self(number as u64)
     }
+
+    pub fn number(self) -> u64 {
+        self.0
+    }
 }
 
 impl Settings {

@@ -1,6 +1,6 @@
 //! Places that may be, however narrow the valley that holds them.
 
-use super::emulator::Emulator;
+use realgap_emulator::Emulator;
 use realgap_optimize::{Grid, space_filling};
 
 /// What lies between two possible places is possible up to so many of their mean spacings.

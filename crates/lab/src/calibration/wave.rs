@@ -2,16 +2,16 @@
 
 use rayon::prelude::*;
 
-use super::emulator::Emulator;
-use super::implausibility::Doubt;
 use super::inference::Inference;
-use super::kernel::ScoredRun;
 use super::score::{PointScore, Scores};
 use super::setting::{Setting, is_large_map};
 use super::study::Study;
 use crate::prediction::ensemble::rms_m;
 use realgap_core::error::Result;
 use realgap_core::random::Numbered;
+use realgap_emulator::Doubt;
+use realgap_emulator::Emulator;
+use realgap_emulator::ScoredRun;
 use realgap_path::trajectory::Prepared;
 
 /// Waves after the first runs; every wave knows what the one before has found.
@@ -61,7 +61,7 @@ pub(super) fn scored_runs(study: &Study, scores: &Scores) -> Vec<ScoredRun> {
     scored
         .map(|run| ScoredRun {
             at: grid.place_of(&run.values),
-            setting: settings.of_trial(run.index),
+            setting: settings.of_trial(run.index).number(),
             engine: settings.engine_of_trial(run.index),
             recordings: study.part_of(&run.recordings, false),
             might_be: might_be

@@ -5,13 +5,12 @@
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 
-use super::emulator::Emulator;
-use super::implausibility::Doubt;
 use super::inference::Inference;
-use super::kernel::ScoredRun;
 use super::posterior::INTERVAL_LEVEL;
-use super::setting::Setting;
 use realgap_core::random::Generator;
+use realgap_emulator::Doubt;
+use realgap_emulator::Emulator;
+use realgap_emulator::ScoredRun;
 use realgap_engine::parameter::by_name;
 use realgap_optimize::{
     Brief, Grid, History, Proposal, Range, Told, UnitPoint, optimizer_by_name, space_filling,
@@ -177,7 +176,7 @@ fn study(world: &World, first: First, recordings: usize, seed: u64) -> Found {
         };
         runs.push(ScoredRun {
             at,
-            setting: Setting::new(setting),
+            setting: setting as u64,
             engine,
             recordings: real.iter().map(distance).collect(),
             might_be: Vec::new(),
@@ -289,7 +288,7 @@ fn where_no_parameter_does_anything_all_values_stay_open() {
         let runs: Vec<ScoredRun> = (0..grid.len())
             .map(|index| ScoredRun {
                 at: grid.place_of(&grid.values(index)),
-                setting: Setting::new(index % SETTINGS),
+                setting: (index % SETTINGS) as u64,
                 engine: 0.0,
                 recordings: (0..3).map(|_| 1.0 + 0.1 * normal(&mut rng)).collect(),
                 might_be: Vec::new(),

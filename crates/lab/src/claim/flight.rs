@@ -3,29 +3,27 @@
 use super::{About, Claim, Says};
 use crate::calibration::identification::{Interval, JointVerdict};
 
-impl JointVerdict {
-    /// Whether flights determine it.
-    pub fn claim(&self) -> Claim {
-        let Interval { value, low, high } = self.estimate;
-        let name = self.parameter;
-        let (says, word, text) = match self.is_determined {
-            true => (
-                Says::Holds,
-                "determined",
-                format!("flights say {name} = {value:.5} ({low:.5} to {high:.5})"),
+/// Whether flights determine a parameter.
+pub fn flights(verdict: &JointVerdict) -> Claim {
+    let Interval { value, low, high } = verdict.estimate;
+    let name = verdict.parameter;
+    let (says, word, text) = match verdict.is_determined {
+        true => (
+            Says::Holds,
+            "determined",
+            format!("flights say {name} = {value:.5} ({low:.5} to {high:.5})"),
+        ),
+        false => (
+            Says::Open,
+            "not determined: as stated",
+            format!(
+                "{name} is not determined by flights: {} as stated",
+                verdict.stated
             ),
-            false => (
-                Says::Open,
-                "not determined: as stated",
-                format!(
-                    "{name} is not determined by flights: {} as stated",
-                    self.stated
-                ),
-            ),
-        };
-        Claim::new(About::Parameter, says, word, text)
-            .of(name)
-            .resting_on(0, &[("value", value), ("low", low), ("high", high)])
-            .at_level(0.95)
-    }
+        ),
+    };
+    Claim::new(About::Parameter, says, word, text)
+        .of(name)
+        .resting_on(0, &[("value", value), ("low", low), ("high", high)])
+        .at_level(0.95)
 }

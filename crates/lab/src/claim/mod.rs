@@ -18,6 +18,7 @@ use serde::{Deserialize, Serialize};
 
 pub(crate) use ensemble::{recorded, region};
 pub(crate) use fit::{engines, model, nearest, set};
+pub use flight::flights;
 pub(crate) use forecast::{reach, success};
 pub(crate) use gap::{called, distance, floor, likeness, over_time};
 pub(crate) use parameter::{Found, NAMED, least_squares, parameter, summary};

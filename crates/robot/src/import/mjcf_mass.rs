@@ -9,7 +9,7 @@ use mjcf_rs::compiler::InertiaFromGeom;
 use nalgebra::{Isometry3, Matrix3, SymmetricEigen, Translation3, UnitQuaternion, Vector3};
 
 use super::Options;
-use super::mesh::Mesh;
+use super::mesh::forms;
 use super::mjcf::isometry;
 use super::note::Notes;
 use super::package::locate;
@@ -17,6 +17,7 @@ use crate::morphology::Shape;
 use crate::morphology::body::{Body, Form, Structure, Tensor, UniformMass, uniform};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::Source;
+use realgap_solid::Mesh;
 
 /// Density of a shape that states neither mass nor density, kg/m³.
 const DENSITY_KG_M3: f64 = 1000.0;
@@ -145,7 +146,7 @@ impl Weighing<'_> {
                     return Vec::new();
                 };
                 let name = geom.mesh.clone().unwrap_or_default();
-                let forms = mesh.forms(self.options.hulls, &name, None, notes);
+                let forms = forms(&mesh, self.options.hulls, &name, None, notes);
                 let posed = forms.into_iter();
                 return posed
                     .map(|(form, middle_m)| (form, pose * Translation3::from(middle_m)))

@@ -7,11 +7,12 @@ use roxmltree::Node;
 
 use super::Options;
 use super::element::{Place, child, children};
-use super::mesh::Mesh;
+use super::mesh::forms;
 use super::note::Notes;
 use super::package::locate;
 use crate::morphology::body::{Body, Form, Piece, Pose, Tensor, Triple};
 use realgap_core::error::{Error, Result};
+use realgap_solid::Mesh;
 
 /// Density of what has no mass, and of a ball that stands in for what has no shape, kg/m³: that of water, as MuJoCo assumes.
 pub(super) const DENSITY_KG_M3: f64 = 1000.0;
@@ -298,7 +299,7 @@ impl Reader<'_> {
             return Ok(Vec::new());
         };
         match Mesh::read(&path, &scale) {
-            Ok(mesh) => Ok(mesh.forms(self.options.hulls, name, line, notes)),
+            Ok(mesh) => Ok(forms(&mesh, self.options.hulls, name, line, notes)),
             Err(why) => {
                 notes.doubt(
                     line,

@@ -6,8 +6,8 @@ use super::Morphology;
 use super::assembly::{Assembly, Bearing, Freedom, Hinge, Part, Role, Solid};
 use super::layout::{Placement, plate_box};
 use super::module::{Drive, DriveAxis, Module};
-use super::shape::Shape;
 use super::tree::{Edge, is_glued};
+use realgap_solid::Shape;
 
 /// Parts in the making: where the cube and the driven face of every module went.
 struct Workshop<'a> {

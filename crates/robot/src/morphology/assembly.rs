@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::motor::Motor;
 use super::servo_file::{LawFile, is_unlimited, is_zero, limit, unlimited};
-use super::shape::Shape;
+use realgap_solid::Shape;
 
 /// What a solid stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

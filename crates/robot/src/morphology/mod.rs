@@ -125,9 +125,7 @@ mod motor;
 mod pivot;
 mod plausibility;
 mod servo_file;
-mod shape;
 mod summary;
-mod surface;
 mod sweep;
 mod tree;
 
@@ -148,9 +146,8 @@ pub use glue::Glue;
 pub use module::{Drive, DriveAxis, Module, ModuleBox, Plate};
 pub use motor::{GearFriction, MOST_LOAD, Motor};
 pub use pivot::Pivot;
-pub use shape::Shape;
+pub use realgap_solid::{Facet, Shape, Surface};
 pub use summary::Summary;
-pub use surface::{Facet, Surface};
 
 use crate::import::{Note, Options, import, is_foreign};
 use body::Structure;

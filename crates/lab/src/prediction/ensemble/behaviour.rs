@@ -3,10 +3,10 @@
 use kodama::{Method, linkage};
 use serde::{Deserialize, Serialize};
 
-use super::distance::rms_m;
 use super::run::{Ensemble, Motion};
 use realgap_core::statistics::{Proportion, mean, median};
 use realgap_path::trajectory::Prepared;
+use realgap_path::trajectory::rms_m;
 
 /// At most so many behaviours: more are no description any more.
 pub const BEHAVIOURS: usize = 5;

@@ -22,7 +22,6 @@
 //! same as repeat k of the ensemble ([`Noise::perturb`](realgap_engine::Noise::perturb)).
 
 mod behaviour;
-mod distance;
 mod envelope;
 mod forecast;
 mod forecast_text;
@@ -31,12 +30,11 @@ mod reality;
 mod run;
 
 pub use behaviour::{BEHAVIOURS, Behaviour, Behaviours, Kind, behaviours, cut_m};
-pub(crate) use distance::mean_square_m2;
-pub use distance::rms_m;
 pub use envelope::{Envelope, LEAST_PATHS, LEVELS, Region};
 pub use forecast::Forecast;
 pub use forecast_text::percent;
 pub use quantiles::{QUANTILES, Quantiles};
+pub use realgap_path::trajectory::rms_m;
 pub(super) use reality::REPEATS_TESTED;
 pub use reality::{Coverage, RealRun, Reality};
 pub(super) use run::must_repeat;

@@ -3,7 +3,6 @@
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::distance::rms_m;
 use super::envelope::LEVELS;
 use super::forecast::Forecast;
 use super::run::Ensemble;
@@ -11,6 +10,7 @@ use crate::claim::{self, Claim, Says};
 use realgap_core::error::Result;
 use realgap_core::statistics::{EnergyTest, Proportion, energy_test, mean};
 use realgap_path::trajectory::Prepared;
+use realgap_path::trajectory::rms_m;
 
 /// Confidence level of the coverages' intervals.
 const INTERVAL: f64 = 0.95;

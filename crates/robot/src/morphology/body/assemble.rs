@@ -7,13 +7,13 @@ use nalgebra::{Isometry3, Matrix3, Point3, SymmetricEigen, Unit, Vector3};
 use super::super::assembly::{Actuator, Assembly, Gait, Hinge, Mark, Part, Role, Solid};
 use super::super::flaw::{Checked, Flaw};
 use super::super::module::{check_actuator, check_name};
-use super::super::shape::Shape;
 use super::check::{SINGULAR, check_body, check_joint, check_pose};
 use super::motion::Motion;
 use super::tree::{Tree, by_name, look_up};
 use super::{Structure, vector};
 use realgap_core::Error;
 use realgap_core::file::unknown_name;
+use realgap_solid::Shape;
 
 /// Most bodies of one robot.
 pub(crate) const MAX_BODIES: usize = 1000;

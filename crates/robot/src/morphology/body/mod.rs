@@ -32,8 +32,6 @@
 
 mod assemble;
 mod check;
-mod hull;
-mod mass;
 mod motion;
 mod piece;
 mod tree;
@@ -47,8 +45,9 @@ use super::servo_file::is_zero;
 use realgap_core::file::Source;
 
 pub(crate) use assemble::MAX_BODIES;
-pub use hull::{MOST_CORNERS, convex_hull, simplified, solid_surface};
-pub use mass::{UniformMass, uniform};
+pub use realgap_solid::{
+    MOST_CORNERS, UniformMass, convex_hull, simplified, solid_surface, uniform,
+};
 
 /// Three numbers along x, y and z.
 pub type Triple = (f64, f64, f64);

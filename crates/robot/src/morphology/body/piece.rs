@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, Matrix3, Vector3};
 
-use super::super::shape::Shape;
-use super::hull::ellipsoid;
-use super::mass::{UniformMass, uniform};
 use super::{Body, Form, vector};
+use realgap_solid::Shape;
+use realgap_solid::ellipsoid;
+use realgap_solid::{UniformMass, uniform};
 
 impl Form {
     /// The shape, and where its own frame lies in the frame of the form.

@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use parry3d_f64::math::Vector;
 use parry3d_f64::shape::SharedShape;
 
-use crate::morphology::shape::Shape;
+use crate::shape::Shape;
 
 /// Volume, centre and inertia per density of a shape.
 #[derive(Debug, Clone, Copy, PartialEq)]

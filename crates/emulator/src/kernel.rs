@@ -8,7 +8,6 @@ use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
-use super::setting::Setting;
 use realgap_core::error::Result;
 use realgap_core::random::Once;
 use realgap_core::statistics::{matern_5_2, mean};
@@ -16,12 +15,12 @@ use realgap_optimize::{Brief, default_optimizer, minimise};
 
 /// One run at one point.
 #[derive(Debug, Clone)]
-pub(super) struct ScoredRun {
+pub struct ScoredRun {
     /// Coordinates of the point, 0 to 1.
     pub at: Vec<f64>,
-    /// The setting that it had.
-    pub setting: Setting,
-    /// Which engine it ran in, as [`Settings::engine_of_trial`](super::setting::Settings::engine_of_trial) tells it.
+    /// Number of the setting that it had.
+    pub setting: u64,
+    /// Which engine it ran in: 1 or -1 where there are two, or else 0.
     pub engine: f64,
     /// One score a fitted recording.
     pub recordings: Vec<f64>,
@@ -39,7 +38,8 @@ impl ScoredRun {
 
 /// Sizes of the parts.
 #[derive(Debug, Clone)]
-pub(super) struct Kernel {
+pub struct Kernel {
+    /// Over how much of an axis scores stay alike, in shares of its range.
     pub lengths: Vec<f64>,
     /// Variance of the score over the parameters.
     pub variance: f64,

@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use super::body::convex_hull;
-use super::shape::Shape;
+use crate::hull::convex_hull;
+use crate::shape::Shape;
 
 /// Corners round a circle.
 const ROUND: usize = 24;

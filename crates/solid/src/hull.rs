@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use parry3d_f64::math::{Pose as Placed, Rotation, Vector};
 use parry3d_f64::shape::SharedShape;
 
-use crate::morphology::shape::Shape;
+use crate::shape::Shape;
 
 /// Most corners of a hull that is made from a mesh.
 pub const MOST_CORNERS: usize = 64;
@@ -36,6 +36,14 @@ fn farthest(points: &[Vector3<f64>], directions: &[Vector3<f64>]) -> Vec<(usize,
         }
     }
     found
+}
+
+/// The lowest and the highest corner of the box around points; zero of none.
+pub fn bounds(points: &[Vector3<f64>]) -> [Vector3<f64>; 2] {
+    let first = points.first().copied().unwrap_or_default();
+    points.iter().fold([first; 2], |[low, high], point| {
+        [low.inf(point), high.sup(point)]
+    })
 }
 
 /// Points whose hull is nearly that of all points, at most [`MOST_CORNERS`] of them, and how far the whole hull reaches beyond
@@ -113,7 +121,7 @@ pub fn convex_hull(points_m: &[Vector3<f64>]) -> Option<Triangles> {
 }
 
 /// Points on an ellipsoid.
-pub(super) fn ellipsoid(radii_m: &Vector3<f64>) -> Vec<Vector3<f64>> {
+pub fn ellipsoid(radii_m: &Vector3<f64>) -> Vec<Vector3<f64>> {
     let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
     let axes = axes.into_iter().flat_map(|axis| [axis, -axis]);
     let points = axes.chain(directions(MOST_CORNERS - 6));

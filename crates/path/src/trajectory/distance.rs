@@ -1,6 +1,6 @@
-//! Distances between the outcomes of repeats.
+//! Distances of prepared paths, point by point.
 
-use realgap_path::trajectory::Prepared;
+use super::prepare::Prepared;
 
 /// Root mean square distance of corresponding points of two prepared paths in the plane, metres: the metric `rms`.
 pub fn rms_m(a: &Prepared, b: &Prepared) -> f64 {
@@ -8,7 +8,7 @@ pub fn rms_m(a: &Prepared, b: &Prepared) -> f64 {
 }
 
 /// Mean square distance of corresponding points, m².
-pub(crate) fn mean_square_m2(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
+pub fn mean_square_m2(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
     let sum: f64 = a
         .iter()
         .zip(b)

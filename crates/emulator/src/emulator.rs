@@ -1,7 +1,7 @@
 //! What runs at some points say about the score at every point, those that nobody visited included.
 //!
 //! The score of a run is, on a logarithmic scale, a smooth function of the parameters, plus a smooth deviation of the
-//! [setting](super::setting) that the run has, plus what is left: the ruggedness of a single run. Where settings are of two
+//! setting that the run has, plus what is left: the ruggedness of a single run. Where settings are of two
 //! engines, their half difference is one more smooth function, added in one and subtracted in the other, so that the first is the
 //! mean of both, whichever ran where. All but the last are Gaussian processes with one kernel shape (Matérn 5/2, a length scale a
 //! parameter; Rasmussen & Williams 2006, sums of processes: section 4.2.4). Their sizes are not known either: several
@@ -9,7 +9,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use super::kernel::{Fitted, Kernel, ScoredRun, mean_weights};
+use crate::kernel::{Fitted, Kernel, ScoredRun, mean_weights};
 use realgap_core::error::Result;
 use realgap_core::statistics::{mean, median, standard_deviation};
 use realgap_optimize::thin;
@@ -86,7 +86,7 @@ struct Member {
 
 /// The score over the parameters.
 #[derive(Debug, Clone)]
-pub(super) struct Emulator {
+pub struct Emulator {
     scale: Scale,
     /// Coordinates of the runs.
     at: Vec<Vec<f64>>,
@@ -98,7 +98,8 @@ pub(super) struct Emulator {
 }
 
 /// What the emulator says about some places together. All standardised: mean 0 and standard deviation 1 over the runs.
-pub(super) struct Field {
+pub struct Field {
+    /// Expected scores.
     pub means: DVector<f64>,
     /// Covariance of what the runs leave open.
     pub emulator: DMatrix<f64>,
@@ -108,9 +109,11 @@ pub(super) struct Field {
     pub parts: DMatrix<f64>,
     /// Correlation of the score's own variation.
     pub alike: DMatrix<f64>,
-    /// Variances of single runs: about their setting, of settings, of recordings.
+    /// Variance of single runs about their setting.
     pub noise: f64,
+    /// Variance of settings.
     pub setting: f64,
+    /// Variance of recordings.
     pub recording: f64,
 }
 

@@ -1,6 +1,6 @@
 //! How implausible places are: how much better another one scores, in standard deviations of what is unknown about the two.
 
-use super::emulator::Field;
+use crate::emulator::Field;
 use realgap_core::statistics::mean;
 
 /// Recordings that the pooled variance of all recordings is worth beside what each pair of points shows itself.
@@ -13,16 +13,18 @@ const AS_MUCH_AGAIN: f64 = 2.0;
 
 /// What keeps scores apart beside the emulator and numerics.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Doubt {
+pub struct Doubt {
     /// Recordings that are fitted.
     pub recordings: usize,
     /// Variance of the model's discrepancy, in those of a recording; 0 where the model fits.
     pub discrepancy: f64,
 }
 
-/// Variances between places: of everything, and of the recordings with the discrepancy alone.
-pub(super) struct Variance {
+/// Variances between places.
+pub struct Variance {
+    /// Of everything.
     pub all: nalgebra::DMatrix<f64>,
+    /// Of the recordings with the discrepancy.
     pub recordings: nalgebra::DMatrix<f64>,
     /// Degrees of freedom of the second.
     freedom: f64,
@@ -64,6 +66,7 @@ impl Variance {
         }
     }
 
+    /// Variance of the difference of two places.
     pub fn between(matrix: &nalgebra::DMatrix<f64>, a: usize, b: usize) -> f64 {
         matrix[(a, a)] + matrix[(b, b)] - 2.0 * matrix[(a, b)]
     }
@@ -72,7 +75,9 @@ impl Variance {
 /// Rounding: smaller variances between two places are none.
 const ROUNDING: f64 = 1e-8;
 
-pub(super) fn implausibility(field: &Field, variance: &Variance) -> Vec<f64> {
+/// How much better, for each place, the place scores that is better than it by most standard deviations of what is unknown about
+/// the two: 0 for the best.
+pub fn implausibility(field: &Field, variance: &Variance) -> Vec<f64> {
     let n = field.means.len();
     let worse_by = |place: usize, other: usize| {
         let difference = field.means[place] - field.means[other];
@@ -96,7 +101,8 @@ fn as_normal(t: f64, freedom: f64) -> f64 {
     correction * (freedom * libm::log1p(t * t / freedom)).sqrt()
 }
 
-pub(super) fn emulator_share(
+/// Share that the emulator has in what is unknown of the best place and another, mean over the places within a limit.
+pub fn emulator_share(
     field: &Field,
     variance: &Variance,
     implausibility: &[f64],
