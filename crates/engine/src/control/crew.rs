@@ -122,7 +122,15 @@ pub(in super::super) fn steered(
             return Ok((crew[0].rollout.told(outcome), log));
         }
     }
-    let own_from_arena = arena_from_start(start).inverse();
+    arrived(crew, &arena_from_start(start).inverse(), log)
+}
+
+/// What the robot did, and the others in its frame.
+fn arrived(
+    crew: Vec<Member<'_>>,
+    own_from_arena: &Isometry3<f64>,
+    mut log: Log,
+) -> Result<(Run, Log)> {
     let mut own = None;
     for mut member in crew {
         let path = member.course.finish()?;
