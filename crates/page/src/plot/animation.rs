@@ -104,17 +104,12 @@ pub fn draw_animation(animation: &Animation) -> Result<Vec<u8>> {
     let count = animation.moments.len();
     let mut file = Animated::new(&mut bytes, [width, height], count, animation.shown_s)?;
     for moments in animation.moments.chunks(AT_ONCE) {
-        let drawn: Vec<Result<Vec<u8>>> = moments
-            .par_iter()
-            .map(|moment| {
-                let room = &room;
-                picture::pixels(&Frame {
-                    animation,
-                    room,
-                    moment,
-                })
-            })
-            .collect();
+        let frames = moments.par_iter().map(|moment| Frame {
+            animation,
+            room: &room,
+            moment,
+        });
+        let drawn: Vec<_> = frames.map(|frame| picture::pixels(&frame)).collect();
         for pixels in drawn {
             file.push(pixels?)?;
         }
@@ -152,10 +147,8 @@ impl Animation {
         });
         let all = traces.chain(corners).chain(self.floor_m);
         let finite = all.filter(|p| p.iter().all(|v| v.is_finite())).map(project);
-        let infinite = (f64::INFINITY, f64::NEG_INFINITY);
-        let ((x0, x1), (y0, y1)) = finite.fold((infinite, infinite), |(xs, ys), (x, y)| {
-            ((xs.0.min(x), xs.1.max(x)), (ys.0.min(y), ys.1.max(y)))
-        });
+        let (xs, ys): (Vec<f64>, Vec<f64>) = finite.unzip();
+        let ((x0, x1), (y0, y1)) = (ends(xs), ends(ys));
         let (wide_m, tall_m) = ((x1 - x0).max(1e-3), (y1 - y0).max(1e-3));
         let width = WIDTH - 2.0 * MARGIN;
         let height = width * (tall_m / wide_m).clamp(*SHAPE.start(), *SHAPE.end());
@@ -200,10 +193,10 @@ impl Frame<'_> {
             })
         });
         let longest = (high[0] - low[0]).max(high[1] - low[1]);
-        let step = [0.1, 0.5, 1.0, 5.0, 10.0]
-            .into_iter()
-            .find(|step| longest / step <= 24.0);
-        let Some(step) = step else { return };
+        let mut steps = [0.1, 0.5, 1.0, 5.0, 10.0].into_iter();
+        let Some(step) = steps.find(|step| longest / step <= 24.0) else {
+            return;
+        };
         let [height, rise] = self.animation.floor_rise;
         let on_floor = |x: f64, y: f64| self.room.place([x, y, height + rise * x]);
         for axis in [0, 1] {
@@ -264,10 +257,8 @@ impl Frame<'_> {
         for trace in traces.iter().filter(|trace| trace.is_recorded) {
             let Some(at) = now(trace) else { continue };
             if let Some(run) = run {
-                canvas.path(
-                    &[run, at],
-                    Stroke::new(1.4, RECORDED).dashed(Some((5.0, 4.0))),
-                );
+                let between = Stroke::new(1.4, RECORDED).dashed(Some((5.0, 4.0)));
+                canvas.path(&[run, at], between);
             }
             canvas.disc(at, 6.5, RGBColor(255, 255, 255));
             canvas.disc(at, 5.0, RECORDED);
@@ -296,11 +287,9 @@ impl Frame<'_> {
                 continue;
             };
             let colour = colour(trace);
-            canvas.path(
-                &[(left, middle), (left + 26.0, middle)],
-                Stroke::new(3.0, colour),
-            );
-            canvas.disc((left + 26.0, middle), 4.5, colour);
+            let end = (left + 26.0, middle);
+            canvas.path(&[(left, middle), end], Stroke::new(3.0, colour));
+            canvas.disc(end, 4.5, colour);
             let label = shorten(label, Weight::Regular, 17.0, 260.0);
             canvas.text_beside(&label, (left + 38.0, middle), Align::Left, letter);
             left += 38.0 + letter.width(&label) + 28.0;
@@ -317,10 +306,9 @@ impl Frame<'_> {
         let (right, y) = (WIDTH - MARGIN, middle + 7.0);
         let left = right - length_m * self.room.scale;
         draw_length(canvas, (left, right), (y, 5.0), 2.4);
-        let text = if length_m < 1.0 {
-            format!("{:.0} cm", 100.0 * length_m)
-        } else {
-            format!("{length_m:.0} m")
+        let text = match length_m < 1.0 {
+            true => format!("{:.0} cm", 100.0 * length_m),
+            false => format!("{length_m:.0} m"),
         };
         let centre = 0.5 * (left + right);
         canvas.text(&text, (centre, y - 8.0), Align::Centre, letter);

@@ -30,11 +30,9 @@ impl AxisSpec {
 
     /// The same axis, of a count.
     #[must_use]
-    pub fn whole(self) -> Self {
-        Self {
-            whole: true,
-            ..self
-        }
+    pub fn whole(mut self) -> Self {
+        self.whole = true;
+        self
     }
 
     /// `friction`, `mass (kg)`.
@@ -86,6 +84,12 @@ pub(super) fn check_values(what: &str, values: &[f64]) -> Result<()> {
     Ok(())
 }
 
+/// Says that there is nothing to draw.
+pub(super) fn nothing(what: &str, allowed: &str) -> Error {
+    let error = Error::invalid("there is nothing to draw");
+    error.field(what).allowed(allowed)
+}
+
 /// Refuses a list whose length is not that of the grid.
 pub(super) fn check_length(what: &str, found: usize, allowed: usize) -> Result<()> {
     if found == allowed {
@@ -109,11 +113,8 @@ pub(super) fn edges(values: &[f64]) -> Vec<f64> {
             let count = values.len();
             let (last, before) = (values[count - 1], values[count - 2]);
             let mut edges = vec![first - (second - first) / 2.0];
-            edges.extend(
-                values
-                    .windows(2)
-                    .map(|pair| pair[0] + (pair[1] - pair[0]) / 2.0),
-            );
+            let pairs = values.windows(2);
+            edges.extend(pairs.map(|pair| pair[0] + (pair[1] - pair[0]) / 2.0));
             edges.push(last + (last - before) / 2.0);
             edges
         }
@@ -126,13 +127,9 @@ pub(super) fn ticks(spec: &AxisSpec, values: &[f64], scale: &Scale, count: usize
     if values.len() > VALUES_WITH_OWN_TICK || !values.iter().all(|value| is_whole(*value)) {
         return round_ticks(spec, scale, count);
     }
-    values
-        .iter()
-        .map(|&value| Tick {
-            value,
-            label: compact(value).replace('-', "−"),
-        })
-        .collect()
+    let label = |value| compact(value).replace('-', "−");
+    let own = values.iter().map(|&value| (value, label(value)));
+    own.map(|(value, label)| Tick { value, label }).collect()
 }
 
 /// Ticks at round numbers, and at whole ones only where the axis counts something.

@@ -46,11 +46,8 @@ pub fn draw_bars(chart: &BarChart, path: impl AsRef<Path>) -> Result<()> {
 
 impl BarChart {
     fn values(&self) -> impl Iterator<Item = f64> + '_ {
-        self.bars
-            .iter()
-            .flat_map(|bar| [bar.lower, bar.higher])
-            .flatten()
-            .filter(|value| value.is_finite())
+        let all = self.bars.iter().flat_map(|bar| [bar.lower, bar.higher]);
+        all.flatten().filter(|value| value.is_finite())
     }
 }
 
@@ -62,12 +59,9 @@ impl Picture for BarChart {
     fn draw(&self, canvas: &mut Canvas) {
         let height = f64::from(self.size().1);
         let unit = DisplayUnit::for_values(self.unit, self.values());
-        let (mut low, mut high) = (0.0_f64, 0.0_f64);
         let noise = self.noise.unwrap_or(0.0);
-        for value in self.values().chain([noise, -noise]) {
-            low = low.min(value * unit.factor);
-            high = high.max(value * unit.factor);
-        }
+        let all = self.values().chain([0.0, noise, -noise]);
+        let (low, high) = ends(all.map(|value| value * unit.factor));
         let room = 0.05 * (high - low);
         let noise_text = "no more than a slightly different start changes (1 sd)";
         let entries = [

@@ -100,20 +100,10 @@ impl Block {
 
     /// Corners of a rectangle on the visible face of an axis; shares of the box along the other two axes.
     fn patch(&self, axis: usize, shares: [(f64, f64); 2]) -> [[f64; 3]; 4] {
-        let level = if VISIBLE_POSITIVE[axis] {
-            self.upper_m[axis]
-        } else {
-            self.lower_m[axis]
-        };
+        let level = visible_m(axis, [self.lower_m, self.upper_m]);
         let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
-        let (first, second) = (shares[0], shares[1]);
-        [
-            (first.0, second.0),
-            (first.1, second.0),
-            (first.1, second.1),
-            (first.0, second.1),
-        ]
-        .map(|(s, t)| {
+        let [(s0, s1), (t0, t1)] = shares;
+        [(s0, t0), (s1, t0), (s1, t1), (s0, t1)].map(|(s, t)| {
             let mut corner = [level; 3];
             corner[a] = self.lower_m[a] + s * (self.upper_m[a] - self.lower_m[a]);
             corner[b] = self.lower_m[b] + t * (self.upper_m[b] - self.lower_m[b]);
@@ -127,11 +117,7 @@ pub(super) fn seen_at(blocks: &[Block], lower_m: [f64; 3], upper_m: [f64; 3]) ->
     let centre = middle(lower_m, upper_m);
     let faces = [2, 1, 0].map(|axis| {
         let mut face = centre;
-        face[axis] = if VISIBLE_POSITIVE[axis] {
-            upper_m[axis]
-        } else {
-            lower_m[axis]
-        };
+        face[axis] = visible_m(axis, [lower_m, upper_m]);
         face
     });
     let is_seen = |face: &[f64; 3]| !blocks.iter().any(|block| block.hides(*face));
@@ -143,13 +129,9 @@ pub(super) fn extent(blocks: &[Block]) -> Option<(Point, Point)> {
     let finite = blocks.iter().filter(|block| block.is_finite());
     let corners = finite.flat_map(|block| block.surface().corners_m);
     let corners = corners.map(<[f64; 3]>::from).chain(floor(blocks)?);
-    corners.map(project).fold(None, |extent, (x, y)| {
-        let (low, high) = extent.unwrap_or(((x, y), (x, y)));
-        Some((
-            (f64::min(low.0, x), f64::min(low.1, y)),
-            (f64::max(high.0, x), f64::max(high.1, y)),
-        ))
-    })
+    let (xs, ys): (Vec<f64>, Vec<f64>) = corners.map(project).unzip();
+    let ((x0, x1), (y0, y1)) = (ends(xs), ends(ys));
+    Some(((x0, y0), (x1, y1)))
 }
 
 /// Corners of the piece of floor below all boxes, and a bit around; `None` without any finite box.
@@ -159,15 +141,15 @@ fn floor(blocks: &[Block]) -> Option<[[f64; 3]; 4]> {
     let highest = |axis: usize| finite().map(|b| b.upper_m[axis]).reduce(f64::max);
     let edges = finite().flat_map(|b| (0..3).map(|axis| b.upper_m[axis] - b.lower_m[axis]));
     let margin_m = FLOOR_MARGIN * edges.reduce(f64::max)?;
-    let (low_x, low_y) = (lowest(0)? - margin_m, lowest(1)? - margin_m);
-    let (high_x, high_y) = (highest(0)? + margin_m, highest(1)? + margin_m);
+    let (x0, y0) = (lowest(0)? - margin_m, lowest(1)? - margin_m);
+    let (x1, y1) = (highest(0)? + margin_m, highest(1)? + margin_m);
     let z = lowest(2)?;
-    Some([
-        [low_x, low_y, z],
-        [high_x, low_y, z],
-        [high_x, high_y, z],
-        [low_x, high_y, z],
-    ])
+    Some([[x0, y0], [x1, y0], [x1, y1], [x0, y1]].map(|[x, y]| [x, y, z]))
+}
+
+/// Where the visible face of an axis is, of a box with these corners.
+fn visible_m(axis: usize, ends_m: [[f64; 3]; 2]) -> f64 {
+    ends_m[usize::from(VISIBLE_POSITIVE[axis])][axis]
 }
 
 fn middle(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
@@ -187,13 +169,8 @@ pub(super) fn draw_blocks(
         let block = &blocks[index];
         if block.surface.is_some() {
             let place = |point: [f64; 3]| place(project(point));
-            draw_surface(
-                canvas,
-                &surfaces[index],
-                &place,
-                colour_of(block.kind),
-                line,
-            );
+            let (surface, colour) = (&surfaces[index], colour_of(block.kind));
+            draw_surface(canvas, surface, &place, colour, line);
         } else {
             draw_block(canvas, block, place, line);
         }
@@ -231,19 +208,15 @@ fn draw_block(canvas: &mut Canvas, block: &Block, place: &impl Fn(Point) -> Poin
         let face = flat(block.patch(axis, [(0.0, 1.0), (0.0, 1.0)]));
         canvas.polygon(&face, shade(colour));
         let driven = block.driven.filter(|_| block.kind == BlockKind::Active);
-        if let Some(driven) = driven
-            && let Some(shares) = band(axis, driven)
-        {
+        if let Some((driven, shares)) = driven.and_then(|d| Some((d, band(axis, d)?))) {
             let colour = shade(motion_colour(driven.motion));
             canvas.polygon(&flat(block.patch(axis, shares)), colour);
         }
         let outline: Vec<Point> = face.iter().chain(&face[..1]).copied().collect();
         canvas.path(&outline, Stroke::new(line, INK));
-        if block.kind == BlockKind::Plate
-            && block.driven.is_some_and(|driven| {
-                driven.axis == axis && driven.positive == VISIBLE_POSITIVE[axis]
-            })
-        {
+        let turned = (axis, VISIBLE_POSITIVE[axis]);
+        let turns = block.driven.is_some_and(|d| (d.axis, d.positive) == turned);
+        if turns && block.kind == BlockKind::Plate {
             draw_turn(canvas, block, axis, place, 1.6 * line);
         }
     }
@@ -261,18 +234,15 @@ pub(super) fn motion_colour(motion: Motion) -> RGBColor {
 fn band(axis: usize, driven: DrivenFace) -> Option<[(f64, f64); 2]> {
     const WIDTH: f64 = 0.16;
     const WHOLE: (f64, f64) = (0.0, 1.0);
-    let strip = if driven.positive {
-        (1.0 - WIDTH, 1.0)
-    } else {
-        (0.0, WIDTH)
+    let strip = match driven.positive {
+        true => (1.0 - WIDTH, 1.0),
+        false => (0.0, WIDTH),
     };
-    if driven.axis == (axis + 1) % 3 {
-        Some([strip, WHOLE])
-    } else if driven.axis == (axis + 2) % 3 {
-        Some([WHOLE, strip])
-    } else {
+    match (driven.axis + 3 - axis) % 3 {
+        1 => Some([strip, WHOLE]),
+        2 => Some([WHOLE, strip]),
         // The face itself, where a module is glued onto it, shows only if nothing is.
-        (driven.positive == VISIBLE_POSITIVE[axis]).then_some([WHOLE, WHOLE])
+        _ => (driven.positive == VISIBLE_POSITIVE[axis]).then_some([WHOLE, WHOLE]),
     }
 }
 
@@ -294,10 +264,8 @@ fn draw_turn(
         let [corner, ..] = block.patch(axis, [(s, s), (t, t)]);
         place(project(corner))
     };
-    let arc: Vec<Point> = (0..=24)
-        .map(|step| at(40.0 + 10.0 * f64::from(step), 0.27))
-        .collect();
-    canvas.path(&arc, Stroke::new(line, white));
+    let arc = (0..=24).map(|step| at(40.0 + 10.0 * f64::from(step), 0.27));
+    canvas.path(&arc.collect::<Vec<_>>(), Stroke::new(line, white));
     let tip = at(318.0, 0.27);
     canvas.polygon(&[at(276.0, 0.17), tip, at(276.0, 0.38)], white);
 }

@@ -38,10 +38,9 @@ pub(super) fn stroke_of(index: usize, width: f64) -> Stroke {
 
 /// Viridis the other way round: 0 (a good score) is bright yellow, 1 (a bad one) dark violet.
 pub(super) fn score_colour(share: f64) -> RGBColor {
-    let share = if share.is_finite() {
-        share.clamp(0.0, 1.0)
-    } else {
-        1.0
+    let share = match share.is_finite() {
+        true => share.clamp(0.0, 1.0),
+        false => 1.0,
     };
     ViridisRGB.get_color((1.0 - share) as f32)
 }

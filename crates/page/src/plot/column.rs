@@ -41,9 +41,7 @@ pub fn draw_columns(chart: &ColumnChart, path: impl AsRef<Path>) -> Result<()> {
         check_length(&series.label, series.values.len(), chart.groups.len())?;
     }
     if chart.values().next().is_none() {
-        return Err(Error::invalid("there is nothing to draw")
-            .field(&chart.caption.title)
-            .allowed("at least one finite value"));
+        return Err(nothing(&chart.caption.title, "at least one finite value"));
     }
     picture::write(chart, path.as_ref())
 }
@@ -66,9 +64,7 @@ impl Picture for ColumnChart {
             entries.map(|(i, s)| (Symbol::Shade(stroke_of(i, 1.0).colour), s.label.clone()));
         let sheet = Sheet::new(&self.caption, entries.collect(), WIDTH, MARGIN);
         let bottom = sheet.draw(canvas, HEIGHT);
-        let (low, high) = self
-            .values()
-            .fold((0.0_f64, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
+        let (low, high) = ends(self.values().chain([0.0]));
         let room = 0.05 * (high - low);
         let values: Vec<f64> = self.values().collect();
         let y = match Scale::for_scores(&values, self.scale, AXIS_DECADES) {
@@ -83,10 +79,9 @@ impl Picture for ColumnChart {
         frame.draw_grid(canvas, &[], &ticks);
         let group = (frame.right - frame.left) / self.groups.len() as f64;
         let column = group * (1.0 - BETWEEN) / self.series.len().max(1) as f64;
-        let zero = if y.is_log {
-            frame.bottom
-        } else {
-            frame.at_y(0.0)
+        let zero = match y.is_log {
+            true => frame.bottom,
+            false => frame.at_y(0.0),
         };
         for (index, name) in self.groups.iter().enumerate() {
             let left = frame.left + group * (index as f64 + 0.5 * BETWEEN);
@@ -97,11 +92,8 @@ impl Picture for ColumnChart {
                     Some(value) => {
                         let top = frame.at_y(value);
                         let (from, to) = (top.min(zero - 2.0), zero.max(top));
-                        canvas.fill(
-                            (x + 1.0, from),
-                            (x + column - 1.0, to),
-                            stroke_of(place, 1.0).colour,
-                        );
+                        let (from, to) = ((x + 1.0, from), (x + column - 1.0, to));
+                        canvas.fill(from, to, stroke_of(place, 1.0).colour);
                     }
                     None => {
                         let middle = (x + 0.5 * column, zero - 8.0);
@@ -112,10 +104,8 @@ impl Picture for ColumnChart {
                 }
             }
             let name = shorten(name, Weight::Regular, TICK_SIZE, group - 6.0);
-            let anchor = (
-                frame.left + group * (index as f64 + 0.5),
-                frame.bottom + 8.0 + TICK_SIZE,
-            );
+            let middle = frame.left + group * (index as f64 + 0.5);
+            let anchor = (middle, frame.bottom + 8.0 + TICK_SIZE);
             canvas.text(&name, anchor, Align::Centre, tick_letter());
         }
         canvas.fill((frame.left, zero - 1.0), (frame.right, zero + 1.0), INK);

@@ -80,9 +80,7 @@ impl Corner {
     /// From the least to the greatest draw, the best among them.
     fn scale(&self, axis: usize) -> Scale {
         let best = self.best.iter().map(|best| best[axis]);
-        let ends = (f64::INFINITY, f64::NEG_INFINITY);
-        let all = self.values(axis).chain(best);
-        let (low, high) = all.fold(ends, |(low, high), v| (low.min(v), high.max(v)));
+        let (low, high) = ends(self.values(axis).chain(best));
         let room = ROOM * (high - low);
         Scale::linear(low - room, high + room)
     }
@@ -129,11 +127,7 @@ impl Corner {
                 (beside, below) = (beside.max(length), below.max(length));
                 continue;
             }
-            let numbers = ticks(&scales[axis]);
-            let number = numbers
-                .iter()
-                .map(|tick| number_letter().width(&tick.label));
-            let number = number.fold(0.0, f64::max);
+            let number = widest(&ticks(&scales[axis]), number_letter());
             let tall = LINE * lines.len() as f64 + 12.0;
             beside = beside.max(TICK + 6.0 + number + tall);
             below = below.max(TICK + 8.0 + NUMBER_SIZE + tall);
@@ -190,11 +184,8 @@ impl Corner {
         match row.cmp(&column) {
             std::cmp::Ordering::Less => {
                 let r = self.correlation(row, column);
-                canvas.fill(
-                    (left, top),
-                    (left + panel, top + panel),
-                    tint(correlated(r), 0.5 * r.abs()),
-                );
+                let colour = tint(correlated(r), 0.5 * r.abs());
+                canvas.fill((left, top), (left + panel, top + panel), colour);
                 let size = (0.36 * panel).min(26.0);
                 let letter = Letter::new(size, Weight::Regular, INK);
                 let text = format!("{r:.2}").replace("-0.00", "0.00").replace('-', "−");

@@ -151,16 +151,13 @@ impl Picture for Curve {
         let corner = (WIDTH - MARGIN, bottom - BELOW_LABEL);
         let left = MARGIN + left_of_label(&y_ticks);
         let frame = Frame::new((left, sheet.top() + strip), corner, [x, y]);
-        let whole = Frame {
-            top: frame.top - strip,
-            ..frame
-        };
+        let mut whole = frame;
+        whole.top -= strip;
         self.draw_shade(canvas, &whole);
         frame.draw_grid(canvas, &x_ticks, &y_ticks);
-        if let Some(truth) = &self.truth
-            && (0.0..=1.0).contains(&frame.x.share(truth.x))
-        {
-            let x = frame.at_x(truth.x);
+        let truth = self.truth.iter().map(|truth| truth.x);
+        for x in truth.filter(|x| (0.0..=1.0).contains(&frame.x.share(*x))) {
+            let x = frame.at_x(x);
             canvas.path(&[(x, whole.top), (x, whole.bottom)], truth_line());
         }
         self.draw_crosses(canvas, &whole);

@@ -115,12 +115,8 @@ impl EnsemblePlot {
         let repeats = self.groups.iter().flat_map(|group| &group.paths_m);
         let single = self.groups.iter().map(|group| &group.representative_m);
         let all = repeats.chain(single).chain(&self.real_m);
-        Above::new(
-            all.chain(std::iter::once(&self.noise_free_m)),
-            SHAPE,
-            WIDTH,
-            MARGIN,
-        )
+        let all = all.chain([&self.noise_free_m]);
+        Above::new(all, SHAPE, WIDTH, MARGIN)
     }
 
     fn draw_paths(&self, canvas: &mut Canvas, frame: &Frame) {
@@ -142,18 +138,11 @@ impl EnsemblePlot {
 
     /// One coordinate over time: bands, and the real runs over them.
     fn draw_over_time(&self, canvas: &mut Canvas, axis: usize, (from, to): (f64, f64), top: f64) {
-        let ends = self
-            .bands
-            .iter()
-            .chain(&self.whole_paths)
-            .flat_map(|b| b.low_m.iter().chain(&b.high_m));
-        let real = self.real_m.iter().flatten();
-        let values = ends
-            .chain(real)
-            .chain(&self.noise_free_m)
-            .map(|p| p[axis] * CM_PER_M)
-            .filter(|v| v.abs() < 1e8);
-        let (low, high) = values.fold((0.0_f64, 0.0_f64), |(a, b), v| (a.min(v), b.max(v)));
+        let bands = self.bands.iter().chain(&self.whole_paths);
+        let bands = bands.flat_map(|b| b.low_m.iter().chain(&b.high_m));
+        let runs = self.real_m.iter().flatten().chain(&self.noise_free_m);
+        let values = bands.chain(runs).map(|p| p[axis] * CM_PER_M);
+        let (low, high) = ends(values.filter(|v| v.abs() < 1e8).chain([0.0]));
         let room = 0.05 * (high - low).max(0.2);
         let y = Scale::linear(low - room, high + room);
         let y_ticks = y.ticks(6);
@@ -162,12 +151,9 @@ impl EnsemblePlot {
         let left = (from + left_of_label(&y_ticks)).round();
         let frame = Frame::new((left, top), (to, top + OVER_TIME), [x, y]);
         let line = |points: &[PathPoint]| -> Vec<Point> {
-            self.times_s
-                .iter()
-                .zip(points)
-                .map(|(t, p)| (*t, p[axis] * CM_PER_M))
-                .filter(|p| p.1.abs() < 1e8)
-                .collect()
+            let points = self.times_s.iter().zip(points);
+            let points = points.map(|(t, p)| (*t, p[axis] * CM_PER_M));
+            points.filter(|p| p.1.abs() < 1e8).collect()
         };
         for band in &self.bands {
             // Strip by strip: a polygon that crosses itself at the start would be filled wrongly.
@@ -184,8 +170,8 @@ impl EnsemblePlot {
             let line = line(points).into_iter().map(|point| frame.at(point));
             canvas.path(&line.collect::<Vec<_>>(), stroke);
         };
-        for ends in (self.whole_paths.iter()).flat_map(|band| [&band.low_m, &band.high_m]) {
-            draw(ends, whole_path());
+        for edge in (self.whole_paths.iter()).flat_map(|band| [&band.low_m, &band.high_m]) {
+            draw(edge, whole_path());
         }
         for path in &self.real_m {
             draw(path, Stroke::new(1.6, INK));

@@ -28,11 +28,7 @@ pub(super) fn wrap(text: &str, weight: Weight, size: f64, width: f64, lines: usi
     let mut current = String::new();
     let mut words = text.split_whitespace().peekable();
     while let Some(word) = words.next() {
-        let longer = if current.is_empty() {
-            word.to_string()
-        } else {
-            format!("{current} {word}")
-        };
+        let longer = format!("{current} {word}").trim_start().to_owned();
         if current.is_empty() || text_width(&longer, weight, size) <= width {
             current = longer;
         } else if done.len() + 1 == lines {
@@ -48,9 +44,8 @@ pub(super) fn wrap(text: &str, weight: Weight, size: f64, width: f64, lines: usi
     if !current.is_empty() {
         done.push(current);
     }
-    done.iter()
-        .map(|line| shorten(line, weight, size, width))
-        .collect()
+    let fit = |line: &String| shorten(line, weight, size, width);
+    done.iter().map(fit).collect()
 }
 
 #[cfg(test)]

@@ -15,12 +15,13 @@ pub(super) const BELOW_LABEL: f64 = BELOW_TICKS + LABEL_SIZE + 16.0;
 
 /// Room left of a frame for these ticks, and for an axis label as well.
 pub(super) fn left_of_ticks(ticks: &[Tick]) -> f64 {
-    let letter = tick_letter();
-    let widest = ticks
-        .iter()
-        .map(|t| letter.width(&t.label))
-        .fold(0.0, f64::max);
-    TICK_LENGTH + TICK_GAP + widest
+    TICK_LENGTH + TICK_GAP + widest(ticks, tick_letter())
+}
+
+/// The width of the widest of these ticks' labels.
+pub(super) fn widest(ticks: &[Tick], letter: Letter) -> f64 {
+    let widths = ticks.iter().map(|tick| letter.width(&tick.label));
+    widths.fold(0.0, f64::max)
 }
 
 pub(super) fn left_of_label(ticks: &[Tick]) -> f64 {
@@ -65,10 +66,8 @@ impl Frame {
 
     /// Says in the middle that there is nothing to see.
     pub(super) fn draw_nothing(&self, canvas: &mut Canvas) {
-        let (x, y) = (
-            (self.left + self.right) / 2.0,
-            (self.top + self.bottom) / 2.0,
-        );
+        let x = (self.left + self.right) / 2.0;
+        let y = (self.top + self.bottom) / 2.0;
         canvas.cell((x - 210.0, y - 30.0), (x + 210.0, y + 30.0), WHITE);
         let letter = Letter::new(28.0, Weight::Bold, FAINT_INK);
         canvas.text_beside("every simulation diverged", (x, y), Align::Centre, letter);

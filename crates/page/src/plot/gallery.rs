@@ -116,21 +116,17 @@ impl Gallery {
         let columns = self.columns.min(self.robots.len()) as f64;
         let rows = self.robots.len().div_ceil(self.columns) as f64;
         let cell_width = ((WIDTH - 2.0 * MARGIN - GAP * (columns - 1.0)) / columns).floor();
-        let sizes = self.robots.iter().map(|robot| {
-            let (low, high) = robot.extent();
-            (high.0 - low.0, high.1 - low.1)
-        });
-        let (widest_m, tallest_m) = sizes.fold((1e-3, 1e-3), |(width, height), size| {
-            (f64::max(width, size.0), f64::max(height, size.1))
-        });
+        let (mut widest_m, mut tallest_m) = (1e-3_f64, 1e-3_f64);
+        for (low, high) in self.robots.iter().map(GalleryRobot::extent) {
+            widest_m = widest_m.max(high.0 - low.0);
+            tallest_m = tallest_m.max(high.1 - low.1);
+        }
         let shape = (tallest_m / widest_m).clamp(*SHAPE.start(), *SHAPE.end());
         let room_height = (cell_width * shape).min(TALLEST).round();
-        let scale = ((cell_width - 2.0 * PADDING) / widest_m)
-            .min((room_height - 2.0 * PADDING) / tallest_m);
-        let notes = self
-            .robots
-            .iter()
-            .map(|robot| robot.note_lines(cell_width - 2.0 * PADDING).len());
+        let inside = cell_width - 2.0 * PADDING;
+        let scale = (inside / widest_m).min((room_height - 2.0 * PADDING) / tallest_m);
+        let robots = self.robots.iter();
+        let notes = robots.map(|robot| robot.note_lines(inside).len());
         let head = TITLE + NOTE_LINE * notes.max().unwrap_or(0) as f64 + 6.0;
         let top = (14.0 + heading.height() + 12.0).round();
         let has_gait = self.robots.iter().any(|r| !r.commands.is_empty());
@@ -155,23 +151,17 @@ impl Gallery {
         (left, top): Point,
         layout: &Layout,
     ) {
-        let (right, bottom) = (
-            left + layout.cell_width,
-            top + layout.head + layout.room_height + layout.gait_height,
-        );
+        let right = left + layout.cell_width;
+        let bottom = top + layout.head + layout.room_height + layout.gait_height;
         canvas.outline((left, top), (right, bottom), 1.5, GRID);
         let (low, high) = robot.extent();
         let middle = (0.5 * (low.0 + high.0), 0.5 * (low.1 + high.1));
-        let centre = (
+        let (x0, y0) = (
             0.5 * (left + right),
             top + layout.head + 0.5 * layout.room_height,
         );
-        let place = |(x, y): Point| {
-            (
-                centre.0 + layout.scale * (x - middle.0),
-                centre.1 + layout.scale * (y - middle.1),
-            )
-        };
+        let to = |start: f64, away: f64| start + layout.scale * away;
+        let place = |(x, y): Point| (to(x0, x - middle.0), to(y0, y - middle.1));
         let edge = (0.03 * layout.scale * 0.058).clamp(1.0, 3.0);
         draw_blocks(canvas, &robot.blocks, &place, edge);
         draw_names(canvas, robot, &place);
@@ -210,16 +200,13 @@ impl Gallery {
         for (index, command) in robot.commands.iter().enumerate() {
             let Stroke { colour, dash, .. } = stroke_of(index, 1.0);
             let last = command.angles_rad.len().saturating_sub(1).max(1) as f64;
-            let points: Vec<Point> = command
-                .angles_rad
-                .iter()
-                .enumerate()
-                .map(|(k, angle)| {
-                    let x = left + (right - left) * k as f64 / last;
-                    (x, middle - 0.5 * (high - low) * angle / largest_rad)
-                })
-                .collect();
-            canvas.path(&points, Stroke::new(2.2, colour).dashed(dash));
+            let angles = command.angles_rad.iter().enumerate();
+            let points = angles.map(|(k, angle)| {
+                let x = left + (right - left) * k as f64 / last;
+                (x, middle - 0.5 * (high - low) * angle / largest_rad)
+            });
+            let stroke = Stroke::new(2.2, colour).dashed(dash);
+            canvas.path(&points.collect::<Vec<_>>(), stroke);
         }
         let baseline = top + GAIT - 10.0;
         if robot.commands.is_empty() {
@@ -249,41 +236,30 @@ impl Gallery {
         let mut left = MARGIN;
         let blocks = || self.robots.iter().flat_map(|robot| &robot.blocks);
         let has = |kind| blocks().any(|block| block.kind == kind);
-        let bends = blocks().any(|b| b.driven.is_some_and(|d| d.motion == Motion::Bend));
-        let spins = blocks().any(|b| b.driven.is_some_and(|d| d.motion == Motion::Spin));
+        let does = |motion| blocks().any(|b| b.driven.is_some_and(|d| d.motion == motion));
+        let is_driven = has(BlockKind::DrivenBody);
         let entries = [
             (has(BlockKind::Passive), PASSIVE, "passive module"),
             (has(BlockKind::Active), ACTIVE, "active module"),
             (has(BlockKind::Body), PASSIVE, "body"),
-            (
-                has(BlockKind::DrivenBody),
-                ACTIVE,
-                "body that a servo moves",
-            ),
-            (spins, SPIN, "driven face, spins"),
-            (bends, BEND, "driven face, bends"),
+            (is_driven, ACTIVE, "body that a servo moves"),
+            (does(Motion::Spin), SPIN, "driven face, spins"),
+            (does(Motion::Bend), BEND, "driven face, bends"),
         ];
-        if self
-            .robots
-            .iter()
-            .any(|r| r.names.iter().any(|n| n.is_tracked))
-        {
-            canvas.ring((left + 11.0, middle), 6.0, 2.5, INK);
-            canvas.disc((left + 11.0, middle), 2.0, INK);
-            canvas.text_beside(
-                "recordings follow it",
-                (left + 32.0, middle),
-                Align::Left,
-                letter,
-            );
-            left += 32.0 + letter.width("recordings follow it") + 34.0;
+        let say = |canvas: &mut Canvas, text: &str, left: f64| {
+            canvas.text_beside(text, (left + 32.0, middle), Align::Left, letter);
+            left + (32.0 + letter.width(text) + 34.0)
+        };
+        let mut names = self.robots.iter().flat_map(|robot| &robot.names);
+        if names.any(|name| name.is_tracked) {
+            draw_tracked(canvas, (left + 11.0, middle));
+            left = say(canvas, "recordings follow it", left);
         }
         for (_, colour, text) in entries.into_iter().filter(|entry| entry.0) {
             let (from, to) = ((left, middle - 11.0), (left + 22.0, middle + 11.0));
             canvas.fill(from, to, colour);
             canvas.outline(from, to, 1.5, INK);
-            canvas.text_beside(text, (left + 32.0, middle), Align::Left, letter);
-            left += 32.0 + letter.width(text) + 34.0;
+            left = say(canvas, text, left);
         }
         self.draw_axes(canvas, (WIDTH - MARGIN - 70.0, middle + 18.0));
         self.draw_scale_bar(canvas, WIDTH - MARGIN - 150.0, middle, layout.scale);
@@ -356,13 +332,17 @@ fn draw_names(canvas: &mut Canvas, robot: &GalleryRobot, place: &impl Fn(Point) 
         canvas.fill((*left, *top), *to, NAME_GROUND);
         let is_tracked = robot.names[index].is_tracked;
         if is_tracked {
-            let centre = (left + 15.0, y);
-            canvas.ring(centre, 6.0, 2.5, INK);
-            canvas.disc(centre, 2.0, INK);
+            draw_tracked(canvas, (left + 15.0, y));
         }
         let start = (left + 7.0 + if is_tracked { 20.0 } else { 0.0 }, y);
         canvas.text_beside(text, start, Align::Left, letter);
     }
+}
+
+/// The mark of a module that recordings follow.
+fn draw_tracked(canvas: &mut Canvas, centre: Point) {
+    canvas.ring(centre, 6.0, 2.5, INK);
+    canvas.disc(centre, 2.0, INK);
 }
 
 impl Picture for Gallery {

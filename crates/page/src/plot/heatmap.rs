@@ -96,17 +96,12 @@ impl HeatMap {
         if !self.indistinguishable.is_empty() {
             check_length("indistinguishable", self.indistinguishable.len(), points)?;
         }
-        if let Some((ix, iy)) = self.best
-            && (ix >= self.x_values.len() || iy >= self.y_values.len())
-        {
+        let (last_x, last_y) = (self.x_values.len() - 1, self.y_values.len() - 1);
+        if let Some((ix, iy)) = self.best.filter(|b| b.0 > last_x || b.1 > last_y) {
             return Err(Error::invalid("the best point lies outside the grid")
                 .field("best")
                 .found(format!("({ix}, {iy})"))
-                .allowed(format!(
-                    "up to ({}, {})",
-                    self.x_values.len() - 1,
-                    self.y_values.len() - 1
-                )));
+                .allowed(format!("up to ({last_x}, {last_y})")));
         }
         Ok(())
     }
@@ -117,17 +112,14 @@ impl HeatMap {
 
     /// Where the best point lies, which is in the cell (ix, iy).
     fn place(&self, ix: usize, iy: usize) -> (f64, f64) {
-        self.best_at
-            .unwrap_or((self.x_values[ix], self.y_values[iy]))
+        let middle = (self.x_values[ix], self.y_values[iy]);
+        self.best_at.unwrap_or(middle)
     }
 
     fn is_indistinguishable(&self, ix: usize, iy: usize) -> bool {
-        ix < self.x_values.len()
-            && iy < self.y_values.len()
-            && self
-                .indistinguishable
-                .get(iy * self.x_values.len() + ix)
-                .is_some_and(|&inside| inside)
+        let (columns, rows) = (self.x_values.len(), self.y_values.len());
+        let is_cell = ix < columns && iy < rows;
+        is_cell && self.indistinguishable.get(iy * columns + ix) == Some(&true)
     }
 
     fn finite_scores(&self) -> Vec<f64> {
@@ -169,10 +161,7 @@ impl HeatMap {
         let xs: Vec<f64> = xs.iter().map(|&x| frame.at_x(x)).collect();
         let ys: Vec<f64> = ys.iter().map(|&y| frame.at_y(y)).collect();
         for iy in 0..self.y_values.len() {
-            let colour = |ix| {
-                self.score(ix, iy)
-                    .map(|score| self.colour(scores.share(score * factor)))
-            };
+            let colour = |ix| Some(self.colour(scores.share(self.score(ix, iy)? * factor)));
             let mut start = 0;
             while start < self.x_values.len() {
                 // Neighbours of one look become one area: smaller files, no seams.
@@ -189,21 +178,14 @@ impl HeatMap {
                 start = end;
             }
         }
-        for (width, colour) in [(6.0, WHITE), (3.0, INK)] {
-            self.draw_boundary(canvas, &xs, &ys, width, colour);
+        for line in [(6.0, WHITE), (3.0, INK)] {
+            self.draw_boundary(canvas, [&xs, &ys], line);
         }
     }
 
     /// The edges between cells inside the indistinguishable set and cells outside it.
-    fn draw_boundary(
-        &self,
-        canvas: &mut Canvas,
-        xs: &[f64],
-        ys: &[f64],
-        width: f64,
-        colour: RGBColor,
-    ) {
-        let half = width / 2.0;
+    fn draw_boundary(&self, canvas: &mut Canvas, [xs, ys]: [&[f64]; 2], line: (f64, RGBColor)) {
+        let (half, colour) = (line.0 / 2.0, line.1);
         let mut segment = |from: Point, to: Point| {
             let [(x0, y0), (x1, y1)] = [from, to].map(|(x, y)| (x.round(), y.round()));
             let low = (x0.min(x1) - half, y0.min(y1) - half);
@@ -279,10 +261,9 @@ impl Picture for HeatMap {
         let y = Scale::linear(y_edges[0], y_edges[y_edges.len() - 1]);
         let x_ticks = axis::ticks(&self.x, &self.x_values, &x, 7);
         let y_ticks = axis::ticks(&self.y, &self.y_values, &y, 8);
-        let right_of_frame = if finite.is_empty() {
-            30.0
-        } else {
-            BAR_GAP + BAR_WIDTH + left_of_ticks(&bar_ticks) + 12.0 + LABEL_SIZE
+        let right_of_frame = match finite.is_empty() {
+            true => 30.0,
+            false => BAR_GAP + BAR_WIDTH + left_of_ticks(&bar_ticks) + 12.0 + LABEL_SIZE,
         };
         let left = MARGIN + left_of_label(&y_ticks);
         let right = WIDTH - MARGIN + 8.0 - right_of_frame;

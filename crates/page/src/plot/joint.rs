@@ -61,13 +61,10 @@ pub fn draw_joints(plot: &JointPlot, path: impl AsRef<Path>) -> Result<()> {
         for column in [&joint.recorded_rad, &joint.simulated_rad] {
             check_length(&joint.name, column.len(), samples)?;
         }
-        let mut all = joint.times_s.iter().chain(&joint.recorded_rad);
-        let is_finite =
-            all.all(|v| v.is_finite()) && joint.simulated_rad.iter().all(|v| v.is_finite());
+        let all = joint.times_s.iter().chain(&joint.recorded_rad);
+        let is_finite = all.chain(&joint.simulated_rad).all(|v| v.is_finite());
         if samples < 2 || !is_finite {
-            return Err(Error::invalid("there is nothing to draw")
-                .field(&joint.name)
-                .allowed("two finite samples or more"));
+            return Err(nothing(&joint.name, "two finite samples or more"));
         }
     }
     picture::write(plot, path.as_ref())
@@ -75,8 +72,7 @@ pub fn draw_joints(plot: &JointPlot, path: impl AsRef<Path>) -> Result<()> {
 
 /// From the least to the greatest of these, at least so much, with some room.
 fn around(values: impl Iterator<Item = f64>, least: f64) -> Scale {
-    let ends = (f64::INFINITY, f64::NEG_INFINITY);
-    let (low, high) = values.fold(ends, |(low, high), v| (low.min(v), high.max(v)));
+    let (low, high) = ends(values);
     let room = (ROOM * (high - low)).max(0.5 * (least - (high - low)));
     Scale::linear(low - room, high + room)
 }
@@ -94,19 +90,15 @@ fn scales(joint: &JointPanel) -> [Scale; 2] {
 impl JointPlot {
     fn sheet(&self) -> Sheet {
         let line = |colour, width| Symbol::Line(Stroke::new(width, colour));
-        let entries = vec![
-            (line(INK, 3.5), self.reality_label.clone()),
-            (line(BLUE, 2.5), "simulation".to_owned()),
-            (
-                line(VERMILLION, 2.0),
-                "residual: simulation minus recording".to_owned(),
-            ),
-            (
-                Symbol::Shade(SHADE),
-                "90 % of the residuals of all recordings".to_owned(),
-            ),
+        let (left, spread) = (line(VERMILLION, 2.0), Symbol::Shade(SHADE));
+        let entries = [
+            (line(INK, 3.5), self.reality_label.as_str()),
+            (line(BLUE, 2.5), "simulation"),
+            (left, "residual: simulation minus recording"),
+            (spread, "90 % of the residuals of all recordings"),
         ];
-        Sheet::new(&self.caption, entries, WIDTH, MARGIN)
+        let entries = entries.map(|(symbol, text)| (symbol, text.to_owned()));
+        Sheet::new(&self.caption, entries.into(), WIDTH, MARGIN)
     }
 
     fn columns(&self) -> usize {
@@ -170,9 +162,8 @@ impl Picture for JointPlot {
         let column = (WIDTH - 2.0 * MARGIN - COLUMN_GAP * (columns as f64 - 1.0)) / columns as f64;
         // One room for the numbers of all panels, so that their frames stand below each other.
         let axes = self.joints.iter().flat_map(scales);
-        let beside = axes
-            .map(|scale| left_of_label(&scale.ticks(4)))
-            .fold(0.0, f64::max);
+        let beside = axes.map(|scale| left_of_label(&scale.ticks(4)));
+        let beside = beside.fold(0.0, f64::max);
         for (index, joint) in self.joints.iter().enumerate() {
             let (row, place) = ((index / columns) as f64, (index % columns) as f64);
             let left = MARGIN + place * (column + COLUMN_GAP);

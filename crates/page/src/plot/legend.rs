@@ -32,34 +32,22 @@ pub(super) struct Legend {
 impl Legend {
     /// Sets the entries in rows no wider than `width`.
     pub(super) fn new(entries: Vec<(Symbol, String)>, width: f64) -> Self {
-        let letter = letter();
+        let wide = |text: &str| SYMBOL_WIDTH + SYMBOL_GAP + letter().width(text);
         let mut x = 0.0;
         let mut row = 0;
         let mut set: Vec<(f64, usize, Symbol, String)> = Vec::new();
         // Several entries that need several rows stand in columns, which are easier to read.
-        let widest = entries
-            .iter()
-            .map(|(_, text)| SYMBOL_WIDTH + SYMBOL_GAP + letter.width(text))
-            .fold(0.0, f64::max);
-        let total: f64 = entries
-            .iter()
-            .map(|(_, text)| SYMBOL_WIDTH + SYMBOL_GAP + letter.width(text) + ENTRY_GAP)
-            .sum();
-        let columns = ((width + ENTRY_GAP) / (widest + ENTRY_GAP))
-            .floor()
-            .max(1.0);
-        let column =
-            (total - ENTRY_GAP > width && entries.len() > 4).then(|| (width + ENTRY_GAP) / columns);
+        let widths = || entries.iter().map(|(_, text)| wide(text));
+        let widest = widths().fold(0.0, f64::max);
+        let total: f64 = widths().map(|width| width + ENTRY_GAP).sum();
+        let fitting = (width + ENTRY_GAP) / (widest + ENTRY_GAP);
+        let columns = fitting.floor().max(1.0);
+        let is_long = total - ENTRY_GAP > width && entries.len() > 4;
+        let column = is_long.then(|| (width + ENTRY_GAP) / columns);
         for (symbol, text) in entries {
-            let text = shorten(
-                &text,
-                Weight::Regular,
-                SIZE,
-                width - SYMBOL_WIDTH - SYMBOL_GAP,
-            );
-            let entry_width = column.map_or(SYMBOL_WIDTH + SYMBOL_GAP + letter.width(&text), |c| {
-                c - ENTRY_GAP
-            });
+            let room = width - SYMBOL_WIDTH - SYMBOL_GAP;
+            let text = shorten(&text, Weight::Regular, SIZE, room);
+            let entry_width = column.map_or(wide(&text), |c| c - ENTRY_GAP);
             if x > 0.0 && x + entry_width > width + 0.5 {
                 x = 0.0;
                 row += 1;
@@ -164,10 +152,7 @@ pub(super) fn draw_cross(canvas: &mut Canvas, (x, y): Point) {
 pub(super) fn draw_diverged(canvas: &mut Canvas, from: Point, to: Point) {
     canvas.cell(from, to, DIVERGED);
     const SPACING: f64 = 9.0;
-    let ((x0, y0), (x1, y1)) = (
-        (from.0.round(), from.1.round()),
-        (to.0.round(), to.1.round()),
-    );
+    let [(x0, y0), (x1, y1)] = [from, to].map(|(x, y)| (x.round(), y.round()));
     let mut sum = ((x0 + y0) / SPACING).ceil() * SPACING;
     while sum < x1 + y1 {
         let start = (sum - y0).min(x1);

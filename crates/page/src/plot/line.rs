@@ -91,12 +91,7 @@ fn is_finite(point: &Point) -> bool {
 impl LinePlot {
     fn check(&self) -> Result<()> {
         check_bands(&self.series)?;
-        if finite_points(&self.series).next().is_none() {
-            return Err(Error::invalid("there is nothing to draw")
-                .field(&self.caption.title)
-                .allowed("at least one finite point"));
-        }
-        Ok(())
+        check_points(&self.caption.title, &self.series)
     }
 }
 
@@ -108,6 +103,13 @@ pub(super) fn check_bands(all: &[Series]) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Checks that there is something to draw of these; `field` is for the message.
+pub(super) fn check_points(field: &str, all: &[Series]) -> Result<()> {
+    let mut points = finite_points(all);
+    let missing = || nothing(field, "at least one finite point");
+    points.next().map(|_| ()).ok_or_else(missing)
 }
 
 /// Every finite point, both edges of bands.
@@ -170,9 +172,8 @@ pub(super) fn legend(series: &[Series]) -> Vec<(Symbol, String)> {
 
 /// Each value kept until the next point.
 fn stepped(run: &[Point]) -> Vec<Point> {
-    let corners = run
-        .windows(2)
-        .flat_map(|pair| [pair[0], (pair[1].0, pair[0].1)]);
+    let pairs = run.windows(2);
+    let corners = pairs.flat_map(|pair| [pair[0], (pair[1].0, pair[0].1)]);
     corners.chain(run.last().copied()).collect()
 }
 
@@ -182,12 +183,8 @@ pub(super) fn draw_series(canvas: &mut Canvas, frame: &Frame, series: &Series, f
     let at = |(x, y): Point| (frame.at_x(x), frame.within_y(y * factor));
     match &series.kind {
         SeriesKind::Band(other) => {
-            let pairs: Vec<(Point, f64)> = series
-                .points
-                .iter()
-                .copied()
-                .zip(other.iter().copied())
-                .collect();
+            let points = series.points.iter().copied();
+            let pairs: Vec<(Point, f64)> = points.zip(other.iter().copied()).collect();
             let runs = pairs.split(|(point, y)| !is_finite(point) || !y.is_finite());
             for run in runs {
                 for pair in run.windows(2) {
@@ -218,9 +215,8 @@ pub(super) fn draw_series(canvas: &mut Canvas, frame: &Frame, series: &Series, f
 impl LinePlot {
     /// Both scales for these points of a room of this width and height, its left part for labels.
     fn scales(&self, xs: &[f64], ys: &[f64], factor: f64, (wide, high): Point) -> [Scale; 2] {
-        let ends = |values: &[f64], room: f64| {
-            let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-            let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let range = |values: &[f64], room: f64| {
+            let (low, high) = ends(values.iter().copied());
             (low - room * (high - low), high + room * (high - low))
         };
         let y = match self.y_range {
@@ -228,7 +224,7 @@ impl LinePlot {
             None => with_room(Scale::for_scores(ys, self.scale, AXIS_DECADES)),
         };
         if self.scale == ScoreScale::LikeX {
-            let (across, up) = (ends(xs, 0.03), ends(ys, 0.03));
+            let (across, up) = (range(xs, 0.03), range(ys, 0.03));
             let shape = |y: &Scale| (wide - left_of_label(&y.ticks(7))) / high;
             let (_, rough) = equal_aspect(across, up, shape(&y));
             let (x, y) = equal_aspect(across, up, shape(&rough));
@@ -236,7 +232,7 @@ impl LinePlot {
         }
         // A line may end at the frame; a dot there would be cut in half.
         let only_dots = self.series.iter().all(|s| s.kind == SeriesKind::Dots);
-        let (low, high) = ends(xs, if only_dots { 0.03 } else { 0.0 });
+        let (low, high) = range(xs, if only_dots { 0.03 } else { 0.0 });
         [Scale::linear(low, high), y]
     }
 }
@@ -259,10 +255,8 @@ impl Picture for LinePlot {
         let left = MARGIN + left_of_label(&y_ticks);
         let frame = Frame::new((left, top), (WIDTH - MARGIN, bottom), [x, y]);
         // Bands lie under the grid, so that it can be read through them.
-        let (bands, above): (Vec<&Series>, Vec<&Series>) = self
-            .series
-            .iter()
-            .partition(|series| matches!(series.kind, SeriesKind::Band(_)));
+        let is_band = |series: &&Series| matches!(series.kind, SeriesKind::Band(_));
+        let (bands, above): (Vec<_>, Vec<_>) = self.series.iter().partition(is_band);
         for series in bands {
             draw_series(canvas, &frame, series, unit.factor);
         }

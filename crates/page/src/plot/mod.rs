@@ -30,7 +30,9 @@ mod kit {
     pub(super) use realgap_core::{Error, Result};
     pub(super) use realgap_paint::{Align, Canvas, Letter, Point, RGBColor, Stroke, Weight};
 
-    pub(super) use super::axis::{self, AxisSpec, Truth, check_length, check_values, edges};
+    pub(super) use super::axis::{
+        self, AxisSpec, Truth, check_length, check_values, edges, nothing,
+    };
     pub(super) use super::colour::*;
     pub(super) use super::font::{shorten, wrap};
     pub(super) use super::frame::*;
@@ -91,6 +93,6 @@ pub use picture::check_picture_path;
 pub use plane::{Cloud, plane};
 pub use realgap_core::table::{Side, TextTable};
 pub use realgap_core::unit::{DisplayUnit, number, quantity};
-pub(crate) use scale::Scale;
 pub use scale::ScoreScale;
+pub(crate) use scale::{Scale, ends};
 pub use stack::{Stack, StackRow, draw_stack};

@@ -95,9 +95,7 @@ fn is_straight(paths_m: &[&Vec<PathPoint>]) -> bool {
 /// All of the time, and the ways of all paths with some room.
 fn over_time_bounds(paths_m: &[&Vec<PathPoint>]) -> (Point, Point) {
     let ways = paths_m.iter().flat_map(|path| finite_cm(path));
-    let (low, high) = ways.fold((0.0_f64, 0.0_f64), |(low, high), (x, _)| {
-        (low.min(x), high.max(x))
-    });
+    let (low, high) = ends(ways.map(|(x, _)| x).chain([0.0]));
     let room = 0.06 * (high - low);
     ((-3.0, 103.0), (low - room, high + room))
 }
@@ -193,10 +191,9 @@ impl PanelGrid {
 
     /// One real path stands out; many are a background.
     fn reality_style(&self) -> (RGBColor, f64) {
-        if self.reality_m.len() == 1 {
-            (INK, 4.0)
-        } else {
-            (tint(INK, 0.45), 2.0)
+        match self.reality_m.len() {
+            1 => (INK, 4.0),
+            _ => (tint(INK, 0.45), 2.0),
         }
     }
 
@@ -234,11 +231,10 @@ impl PanelGrid {
         }
 
         let width = frame.right - frame.left;
-        let title = match score {
-            Some(score) => layout.unit.format(score),
-            None => "diverged".to_string(),
+        let (title, title_colour) = match score {
+            Some(score) => (layout.unit.format(score), INK),
+            None => ("diverged".to_string(), FAINT_INK),
         };
-        let title_colour = if score.is_some() { INK } else { FAINT_INK };
         let letter = Letter::new(TITLE_SIZE, Weight::Bold, title_colour);
         let mut title_left = frame.left;
         let head_top = frame.top - layout.head;

@@ -13,22 +13,18 @@ const ABSURD_M: f64 = 1e6;
 
 /// The finite points, in centimetres.
 pub(super) fn finite_cm(points_m: &[PathPoint]) -> Vec<Point> {
-    points_m
-        .iter()
-        .filter(|point| point.iter().all(|v| v.abs() < ABSURD_M))
-        .map(|&[x, y]| (x * CM_PER_M, y * CM_PER_M))
-        .collect()
+    let is_place = |point: &&PathPoint| point.iter().all(|v| v.abs() < ABSURD_M);
+    let places = points_m.iter().filter(is_place);
+    places.map(|&[x, y]| (x * CM_PER_M, y * CM_PER_M)).collect()
 }
 
 /// The ranges of x and y of all paths and the start (0, 0), in centimetres, with some room.
 pub(super) fn bounds_cm<'a>(
     paths: impl Iterator<Item = &'a [PathPoint]>,
 ) -> ((f64, f64), (f64, f64)) {
-    let (mut x, mut y) = ((0.0f64, 0.0f64), (0.0f64, 0.0f64));
-    for point in paths.flat_map(finite_cm) {
-        x = (x.0.min(point.0), x.1.max(point.0));
-        y = (y.0.min(point.1), y.1.max(point.1));
-    }
+    let points = paths.flat_map(finite_cm).chain([(0.0, 0.0)]);
+    let (xs, ys): (Vec<f64>, Vec<f64>) = points.unzip();
+    let (x, y) = (ends(xs), ends(ys));
     // A robot that stays where it is still gets two millimetres of axis.
     let size = (x.1 - x.0).max(y.1 - y.0).max(1.0);
     let room = |(low, high): (f64, f64)| {
@@ -45,10 +41,9 @@ pub(super) fn equal_aspect(x: (f64, f64), y: (f64, f64), shape: f64) -> (Scale, 
         let middle = low + (high - low) / 2.0;
         (middle - to / 2.0, middle + to / 2.0)
     };
-    let (x, y) = if width / height < shape {
-        (widen(x, height * shape), y)
-    } else {
-        (x, widen(y, width / shape))
+    let (x, y) = match width / height < shape {
+        true => (widen(x, height * shape), y),
+        false => (x, widen(y, width / shape)),
     };
     (Scale::linear(x.0, x.1), Scale::linear(y.0, y.1))
 }

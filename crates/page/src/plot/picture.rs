@@ -16,19 +16,13 @@ pub(super) trait Picture {
     fn draw(&self, canvas: &mut Canvas);
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Format {
-    Png,
-    Svg,
-}
-
-fn format_of(path: &Path) -> Result<Format> {
-    let extension = path
-        .extension()
-        .map(|extension| extension.to_string_lossy().to_lowercase());
+/// Whether a picture of this name is an SVG; a PNG otherwise.
+fn is_svg(path: &Path) -> Result<bool> {
+    let extension = path.extension();
+    let extension = extension.map(|e| e.to_string_lossy().to_lowercase());
     match extension.as_deref() {
-        Some("png") => Ok(Format::Png),
-        Some("svg") => Ok(Format::Svg),
+        Some("png") => Ok(false),
+        Some("svg") => Ok(true),
         other => Err(Error::usage("a picture can only be written as PNG or SVG")
             .at_file(path)
             .found(other.map_or("no extension".to_string(), |e| format!(".{e}")))
@@ -38,7 +32,7 @@ fn format_of(path: &Path) -> Result<Format> {
 
 /// Checks that a picture could be written under this name, before the work for it is done.
 pub fn check_picture_path(path: impl AsRef<Path>) -> Result<()> {
-    format_of(path.as_ref())?;
+    is_svg(path.as_ref())?;
     check_writable(path)
 }
 
@@ -70,23 +64,18 @@ pub(crate) fn both(folder: &Path, stem: &str, draw: impl Fn(&Path) -> Result<()>
 
 /// Draws `picture` and writes it.
 pub(super) fn write(picture: &impl Picture, path: &Path) -> Result<()> {
-    let format = format_of(path)?;
+    let is_svg = is_svg(path)?;
     font::check()?;
-    let bytes = match format {
-        Format::Png => {
-            let (width, height) = picture.size();
-            png_bytes(width, height, &pixels(picture)?)?
-        }
-        Format::Svg => {
-            let mut bytes = realgap_paint::svg(&drawn(picture), picture.size())?;
-            // Says, behind its first tag, who wrote it, so that it may be written again.
-            if let Some(end) = bytes.iter().position(|byte| *byte == b'>') {
-                let mark = *b"<!-- Written by realgap -->";
-                bytes.splice(end + 1..end + 1, mark);
-            }
-            bytes
-        }
-    };
+    if !is_svg {
+        let (width, height) = picture.size();
+        return write_atomic(path, &png_bytes(width, height, &pixels(picture)?)?);
+    }
+    let mut bytes = realgap_paint::svg(&drawn(picture), picture.size())?;
+    // Says, behind its first tag, who wrote it, so that it may be written again.
+    if let Some(end) = bytes.iter().position(|byte| *byte == b'>') {
+        let mark = *b"<!-- Written by realgap -->";
+        bytes.splice(end + 1..end + 1, mark);
+    }
     write_atomic(path, &bytes)
 }
 

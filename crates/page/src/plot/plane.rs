@@ -18,10 +18,8 @@ pub struct Cloud {
 
 /// The same unit on both axes, whatever the spread: areas are to be compared.
 fn in_cm(points_m: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    points_m
-        .iter()
-        .map(|(a, b)| (100.0 * a, 100.0 * b))
-        .collect()
+    let points = points_m.iter();
+    points.map(|(a, b)| (100.0 * a, 100.0 * b)).collect()
 }
 
 /// The plot of these clouds, later ones above earlier ones; `shares` are those of the two components in the variance, 0 to 1.
@@ -30,9 +28,8 @@ pub fn plane(caption: Caption, shares: [f64; 2], clouds: Vec<Cloud>) -> LinePlot
         let share = 100.0 * shares[number - 1];
         format!("component {number}, {share:.0} % of the variance (cm)")
     };
-    let series = clouds
-        .into_iter()
-        .filter(|cloud| !cloud.points_m.is_empty());
+    let clouds = clouds.into_iter();
+    let series = clouds.filter(|cloud| !cloud.points_m.is_empty());
     let series = series.map(|cloud| {
         Series::new(cloud.label, SeriesKind::Dots, in_cm(&cloud.points_m)).colour(cloud.colour)
     });

@@ -39,6 +39,21 @@ pub(crate) struct Tick {
     pub label: String,
 }
 
+impl Tick {
+    /// A value among multiples of `step`.
+    fn at(value: f64, step: f64) -> Self {
+        let label = label(value, step);
+        Self { value, label }
+    }
+}
+
+/// The least and the greatest of these; infinite of none.
+pub(crate) fn ends(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    let none = (f64::INFINITY, f64::NEG_INFINITY);
+    let values = values.into_iter();
+    values.fold(none, |(low, high), v| (low.min(v), high.max(v)))
+}
+
 impl Scale {
     /// A linear scale; widened where it would be empty.
     pub(crate) fn linear(low: f64, high: f64) -> Self {
@@ -66,8 +81,7 @@ impl Scale {
         let positive = sorted.iter().copied().find(|&v| v > 0.0);
         let spans_decades = positive.is_some_and(|p| (high / p).log10() > LOG_FROM_DECADES);
         let as_log = |from: f64| {
-            let floor = high * 10f64.powf(-decades);
-            let from = from.max(floor);
+            let from = from.max(high * 10f64.powf(-decades));
             Self {
                 low: from,
                 high,
@@ -79,11 +93,9 @@ impl Scale {
             (ScoreScale::Auto, Some(p)) if spans_decades && low >= 0.0 => as_log(p),
             (ScoreScale::Auto, _) if spans_decades => {
                 let last = ((sorted.len() - 1) as f64 * ROBUST_SHARE).floor() as usize;
-                let end = sorted[last];
-                Self {
-                    is_clipped: end < high,
-                    ..Self::linear(low, end)
-                }
+                let mut scale = Self::linear(low, sorted[last]);
+                scale.is_clipped = sorted[last] < high;
+                scale
             }
             // All scores 0: negative ones on the colour bar would only puzzle.
             _ if low == 0.0 && high == 0.0 => Self::linear(0.0, 1.0),
@@ -128,11 +140,9 @@ impl Scale {
 fn linear_ticks(low: f64, high: f64, count: usize) -> Vec<Tick> {
     let rough = (high - low) / count.max(1) as f64;
     let power = 10f64.powf(rough.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0]
-        .into_iter()
-        .map(|m| m * power)
-        .find(|&step| step >= 0.999 * rough)
-        .unwrap_or(10.0 * power);
+    let mut steps = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter();
+    let step = steps.find(|&step| step >= 0.999 * rough);
+    let step = step.unwrap_or(10.0 * power);
     if !(step.is_finite() && step > 0.0) {
         return Vec::new();
     }
@@ -140,15 +150,8 @@ fn linear_ticks(low: f64, high: f64, count: usize) -> Vec<Tick> {
     let last = (high / step + 1e-6).floor();
     // More than this many can only come from a range below the resolution of numbers.
     let how_many = (last - first + 1.0).clamp(0.0, 50.0) as usize;
-    (0..how_many)
-        .map(|i| {
-            let value = (first + i as f64) * step;
-            Tick {
-                value,
-                label: label(value, step),
-            }
-        })
-        .collect()
+    let values = (0..how_many).map(|i| (first + i as f64) * step);
+    values.map(|value| Tick::at(value, step)).collect()
 }
 
 /// 1, 2 and 5 of each decade where they fit, else 1 and 3, else powers of ten.
@@ -165,22 +168,14 @@ fn log_ticks(low: f64, high: f64, count: usize) -> Vec<Tick> {
             break;
         }
     }
-    chosen
-        .into_iter()
-        .map(|value| Tick {
-            value,
-            label: label(value, value),
-        })
-        .collect()
+    let chosen = chosen.into_iter();
+    chosen.map(|value| Tick::at(value, value)).collect()
 }
 
 /// `value` with the decimals that tell multiples of `step` apart.
 fn label(value: f64, step: f64) -> String {
-    let value = if value.abs() < 1e-9 * step {
-        0.0
-    } else {
-        value
-    };
+    let is_zero = value.abs() < 1e-9 * step;
+    let value = if is_zero { 0.0 } else { value };
     let size = value.abs().max(step);
     let text = if value == 0.0 && !(1e-4..1e6).contains(&step) {
         "0".to_string()
@@ -195,26 +190,17 @@ fn label(value: f64, step: f64) -> String {
 }
 
 /// Some room above and below the line; a linear scale starts at 0 where that is not far away.
-pub(super) fn with_room(scale: Scale) -> Scale {
+pub(super) fn with_room(mut scale: Scale) -> Scale {
     if scale.is_log {
         let room = (scale.high / scale.low).powf(0.06);
-        return Scale {
-            low: scale.low / room,
-            high: scale.high * room,
-            ..scale
-        };
+        (scale.low, scale.high) = (scale.low / room, scale.high * room);
+        return scale;
     }
     let room = 0.07 * (scale.high - scale.low);
-    let low = if scale.low >= 0.0 && scale.low < 0.5 * scale.high {
-        0.0
-    } else {
-        scale.low - room
-    };
-    Scale {
-        low,
-        high: scale.high + room,
-        ..scale
-    }
+    let is_near = scale.low >= 0.0 && scale.low < 0.5 * scale.high;
+    scale.low = if is_near { 0.0 } else { scale.low - room };
+    scale.high += room;
+    scale
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Several quantities over the same axis, one above the other.
 
 use super::kit::*;
-use super::line::{Series, check_bands, draw_series, finite_points, legend};
+use super::line::{Series, check_bands, check_points, draw_series, finite_points, legend};
 
 const WIDTH: f64 = 1200.0;
 const ROW_HEIGHT: f64 = 250.0;
@@ -40,11 +40,7 @@ pub fn draw_stack(stack: &Stack, path: impl AsRef<Path>) -> Result<()> {
     picture::check_rows("rows", stack.rows.len(), 1)?;
     for row in &stack.rows {
         check_bands(&row.series)?;
-        if finite_points(&row.series).next().is_none() {
-            return Err(Error::invalid("there is nothing to draw")
-                .field(&row.y_label)
-                .allowed("at least one finite point"));
-        }
+        check_points(&row.y_label, &row.series)?;
     }
     picture::write(stack, path.as_ref())
 }
@@ -67,8 +63,7 @@ impl<'a> Axis<'a> {
 }
 
 fn x_scale(points: impl Iterator<Item = Point>) -> Scale {
-    let ends = (f64::INFINITY, f64::NEG_INFINITY);
-    let (low, high) = points.fold(ends, |(low, high), (x, _)| (low.min(x), high.max(x)));
+    let (low, high) = ends(points.map(|(x, _)| x));
     match low <= high {
         true => Scale::linear(low, high),
         false => Scale::linear(0.0, 1.0),
@@ -81,10 +76,6 @@ impl Stack {
         let own = self.rows.iter().filter(|row| row.x.is_some()).count() as f64;
         let gaps = self.rows.len().saturating_sub(1) as f64;
         self.rows.len() as f64 * ROW_HEIGHT + gaps * GAP + own * BELOW_LABEL
-    }
-
-    fn is_last(&self, index: usize) -> bool {
-        index + 1 == self.rows.len()
     }
 
     fn sheet(&self) -> Sheet {
@@ -108,10 +99,8 @@ impl Picture for Stack {
         let shared = self.rows.iter().filter(|row| row.x.is_none());
         let shared_x = x_scale(shared.flat_map(|row| finite_points(&row.series)));
         let axes: Vec<Axis<'_>> = self.rows.iter().map(Axis::new).collect();
-        let left = axes
-            .iter()
-            .map(|axis| MARGIN + left_of_label(&axis.y.ticks(5)))
-            .fold(0.0, f64::max);
+        let lefts = axes.iter().map(|axis| left_of_label(&axis.y.ticks(5)));
+        let left = MARGIN + lefts.fold(0.0, f64::max);
         let mut top = sheet.top();
         for (index, axis) in axes.iter().enumerate() {
             let y_ticks = axis.y.ticks(5);
@@ -128,10 +117,10 @@ impl Picture for Stack {
             }
             frame.draw_outline(canvas);
             frame.draw_y_axis(canvas, &y_ticks, &axis.unit.label(&axis.row.y_label));
-            if axis.row.x.is_some() || self.is_last(index) {
+            let has_own = axis.row.x.is_some();
+            if has_own || index + 1 == self.rows.len() {
                 frame.draw_x_axis(canvas, &x_ticks, &spec.title());
             }
-            let has_own = axis.row.x.is_some();
             top += ROW_HEIGHT + GAP + if has_own { BELOW_LABEL } else { 0.0 };
         }
     }

@@ -66,18 +66,14 @@ fn is_beyond(far: &Surface, near: &Surface) -> bool {
 /// farthest comes first.
 pub(super) fn far_first(surfaces: &[Surface]) -> Vec<usize> {
     let nearness = |index: &usize| dot(surfaces[*index].centre_m.into(), view());
-    let mut left: Vec<usize> = (0..surfaces.len())
-        .filter(|&i| surfaces[i].is_finite())
-        .collect();
+    let all = 0..surfaces.len();
+    let mut left: Vec<usize> = all.filter(|&i| surfaces[i].is_finite()).collect();
     left.sort_by(|a, b| nearness(a).total_cmp(&nearness(b)));
-    let beyond = |far: usize| {
-        surfaces
-            .iter()
-            .map(move |near| is_beyond(&surfaces[far], near))
-    };
-    let beyond: Vec<Vec<bool>> = (0..surfaces.len())
-        .map(|far| beyond(far).collect())
-        .collect();
+    let rows = surfaces.iter().map(|far| {
+        let near = surfaces.iter();
+        near.map(|near| is_beyond(far, near)).collect()
+    });
+    let beyond: Vec<Vec<bool>> = rows.collect();
     let hides = |near: usize, far: usize| beyond[far][near] && !beyond[near][far];
     let mut order = Vec::with_capacity(left.len());
     while !left.is_empty() {
@@ -100,12 +96,9 @@ pub(super) fn draw_surface(
     let is_rounded = surface.faces.len() > 6;
     if is_rounded {
         // No seams between many small faces.
-        let all = surface
-            .corners_m
-            .iter()
-            .map(|corner| place((*corner).into()));
-        let all = hull(all.map(|(x, y)| [x, y]).collect());
-        let all: Vec<Point> = all.into_iter().map(|[x, y]| (x, y)).collect();
+        let all = surface.corners_m.iter();
+        let all = all.map(|corner| place((*corner).into()).into());
+        let all: Vec<Point> = hull(all.collect()).into_iter().map(Point::from).collect();
         canvas.polygon(&all, darken(colour, 0.84));
     }
     for index in (0..surface.faces.len()).filter(|index| is_seen(surface, *index)) {
@@ -130,9 +123,8 @@ pub(super) fn draw_outline(
 
 fn corners(surface: &Surface, face: usize, place: &impl Fn([f64; 3]) -> Point) -> Vec<Point> {
     let corners = surface.faces[face].corners.iter();
-    corners
-        .map(|&corner| place(surface.corners_m[corner].into()))
-        .collect()
+    let places = corners.map(|&corner| place(surface.corners_m[corner].into()));
+    places.collect()
 }
 
 /// The edges of a face where another meets it at an angle, and where the surface ends.
@@ -150,11 +142,8 @@ fn draw_edges(
     if beside.iter().all(is_drawn) {
         return canvas.path(&circle, stroke);
     }
-    let drawn = beside
-        .iter()
-        .enumerate()
-        .filter(|(_, beside)| is_drawn(beside));
-    for (edge, _) in drawn {
+    let edges = beside.iter().enumerate();
+    for (edge, _) in edges.filter(|(_, beside)| is_drawn(beside)) {
         canvas.path(&circle[edge..edge + 2], stroke);
     }
 }

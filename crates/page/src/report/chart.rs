@@ -95,26 +95,22 @@ impl Chart {
 
     /// Something over time.
     pub fn over_time(alt: impl Into<String>, y_label: impl Into<String>) -> Self {
-        let axes = Axes::Time;
-        Self {
-            axes,
-            ..Self::plain(alt, "time [s]", y_label)
-        }
+        let mut chart = Self::plain(alt, "time [s]", y_label);
+        chart.axes = Axes::Time;
+        chart
     }
 
     /// Paths seen from above.
     pub fn map(alt: &str) -> Self {
-        let axes = Axes::Map;
-        Self {
-            axes,
-            ..Self::plain(alt, "x [m]", "y [m]")
-        }
+        let mut chart = Self::plain(alt, "x [m]", "y [m]");
+        chart.axes = Axes::Map;
+        chart
     }
 
     /// The same with the upright axis from 0.
-    pub fn upwards(self) -> Self {
-        let from_zero = true;
-        Self { from_zero, ..self }
+    pub fn upwards(mut self) -> Self {
+        self.from_zero = true;
+        self
     }
 
     /// The same with a line above the others.
@@ -150,10 +146,7 @@ impl Chart {
         let banded = band.flat_map(|[x, low, high]| [[*x, *low], [*x, *high]]);
         let drawn = self.lines.iter().chain(&self.dots);
         let points = drawn.flat_map(|line| &line.points).copied();
-        let (mut x, mut y) = (
-            [f64::INFINITY, f64::NEG_INFINITY],
-            [f64::INFINITY, f64::NEG_INFINITY],
-        );
+        let [mut x, mut y] = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         let is_map = self.axes == Axes::Map;
         if self.from_zero && !is_map {
             y = [0.0, 0.0];
@@ -204,23 +197,21 @@ impl Chart {
     /// The chart as an `svg` element.
     pub fn svg(&self) -> String {
         let frame = self.frame();
-        let (low, high) = (
-            frame.place([frame.x[0], frame.y[0]]),
-            frame.place([frame.x[1], frame.y[1]]),
-        );
+        let [low, high] = [0, 1].map(|end| frame.place([frame.x[end], frame.y[end]]));
         let kind = match self.axes {
             Axes::Time => "time",
             Axes::Map => "map",
             Axes::Plain => "plain",
         };
+        let ([x0, x1], [y0, y1]) = (frame.x, frame.y);
         let mut svg = format!(
             "<svg class=\"chart\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{}\" data-chart=\"{kind}\" \
              data-x=\"{} {}\" data-y=\"{} {}\" data-box=\"{} {} {} {}\">",
             html(&self.alt),
-            frame.x[0],
-            frame.x[1],
-            frame.y[0],
-            frame.y[1],
+            x0,
+            x1,
+            y0,
+            y1,
             low.0,
             high.1,
             high.0,
@@ -270,22 +261,23 @@ impl Chart {
             let _infallible = write!(svg, "<path class=\"line {}\" d=\"{points}\"/>", line.class);
         }
         for dots in &self.dots {
-            for point in dots
-                .points
-                .iter()
-                .filter(|p| p[0].is_finite() && p[1].is_finite())
-            {
+            let (class, points) = (dots.class, dots.points.iter());
+            for point in points.filter(|p| p[0].is_finite() && p[1].is_finite()) {
                 let (x, y) = frame.place(*point);
-                let _infallible = write!(
-                    svg,
-                    "<circle class=\"mark {}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\"/>",
-                    dots.class
+                svg += &format!(
+                    "<circle class=\"mark {class}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\"/>"
                 );
             }
         }
         svg.push_str("</svg>");
         svg
     }
+}
+
+/// Values over times, as points.
+pub(super) fn over<'a>(times: &[f64], values: impl IntoIterator<Item = &'a f64>) -> Vec<[f64; 2]> {
+    let both = times.iter().zip(values);
+    both.map(|(t, v)| [*t, *v]).collect()
 }
 
 /// Each value kept until the next.
@@ -330,12 +322,9 @@ pub(super) fn set_width(text: &str) -> f64 {
 fn short(name: &str, room: f64) -> String {
     const LETTER: f64 = 7.6;
     let most = (room / LETTER) as usize;
+    let kept = name.chars().take(most.saturating_sub(1));
     match name.chars().count() > most {
-        true => name
-            .chars()
-            .take(most.saturating_sub(1))
-            .chain(['…'])
-            .collect(),
+        true => kept.chain(['…']).collect(),
         false => name.to_owned(),
     }
 }
@@ -344,9 +333,8 @@ fn short(name: &str, room: f64) -> String {
 fn ticks([low, high]: [f64; 2]) -> Vec<(f64, String)> {
     let ticks = Scale::linear(low, high).ticks(5).into_iter();
     // A hyphen is what screens read as a minus everywhere.
-    ticks
-        .map(|tick| (tick.value, tick.label.replace('−', "-")))
-        .collect()
+    let ticks = ticks.map(|tick| (tick.value, tick.label.replace('−', "-")));
+    ticks.collect()
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::chart::{Chart, key};
 use super::claim::{sentences, word};
-use super::section::{Section, figures, pictures};
+use super::section::{Section, figures, folded, pictures, within};
 use super::story::Story;
 use super::value::*;
 use realgap_core::error::Result;
@@ -66,6 +66,7 @@ pub(super) fn ensemble(folder: &Path, report: &Repeated) -> Result<Story> {
         let note = format!("{STARTS} of {all} starts; ensemble.json holds all.");
         motion += &format!("<p class=\"note\">{note}</p>");
     }
+    let does = behaviour_table(cases);
     let noise = cases.first().map(|case| noise(&case.summary.noise));
     let recorded = report.reality.as_ref().map(|real| recorded(report, real));
     Ok(Story {
@@ -73,22 +74,14 @@ pub(super) fn ensemble(folder: &Path, report: &Repeated) -> Result<Story> {
         name: report.study.clone().unwrap_or("ensemble".to_owned()),
         answer: sentences(&report.claims, &[About::Ensemble, About::Reach]),
         sections: vec![
-            Section::new(
-                "behaviours",
-                "What it does, and how likely",
-                behaviour_table(cases),
-            ),
+            Section::new("behaviours", "What it does, and how likely", does),
             Section::new("motion", "Where it will be", motion),
             Section::new("distance", "How far", distances(cases)),
-            Section::new(
-                "reality",
-                "What recordings say of it",
-                recorded.unwrap_or_default(),
-            ),
-            Section::new("noise", "What repeats differ by", noise.unwrap_or_default()),
+            Section::new("reality", "What recordings say of it", recorded),
+            Section::new("noise", "What repeats differ by", noise),
             pictures(folder, "pictures", "All repeats", |_| true)?,
         ],
-        said: vec!["reality", "cases"],
+        said: "reality cases",
         ..Story::default()
     })
 }
@@ -144,14 +137,12 @@ pub(super) fn charts(name: &str, summary: &Summary) -> String {
     let over_time = |axis: usize, label: &str| {
         // The ellipse's shadow on the axis.
         let band = |level: usize| -> Vec<[f64; 3]> {
-            let at_time = times_s.iter().zip(regions);
-            at_time
-                .map(|(t, region)| {
-                    let middle = region.centre_m[axis];
-                    let half = region.radii[level] * region.covariance_m2[2 * axis].max(0.0).sqrt();
-                    [*t, middle - half, middle + half]
-                })
-                .collect()
+            let at_time = times_s.iter().zip(regions).map(|(t, region)| {
+                let middle = region.centre_m[axis];
+                let half = region.radii[level] * region.covariance_m2[2 * axis].max(0.0).sqrt();
+                [*t, middle - half, middle + half]
+            });
+            at_time.collect()
         };
         let inner = band(0);
         let middle = inner.iter().map(|[t, low, high]| [*t, 0.5 * (low + high)]);
@@ -172,26 +163,15 @@ pub(super) fn charts(name: &str, summary: &Summary) -> String {
         all.push(along.figure("Along the way", dark));
         all.push(across.figure("Across it", less));
     }
-    let legend: String = behaviours
-        .iter()
-        .take(CLASSES.len())
-        .enumerate()
-        .map(|(index, behaviour)| {
-            // In a sentence it says what the interval is.
-            let share = odds(behaviour.probability).replacen('(', "(95 %: ", 1);
-            let said = format!("{}: {share}", behaviour.name);
-            key(CLASSES[index % CLASSES.len()], &said)
-        })
-        .collect();
-    let title = if name.is_empty() {
-        String::new()
-    } else {
-        format!("<h3>{}</h3>", super::page::html(name))
-    };
-    format!(
-        "{title}<div class=\"legend\">{legend}</div>{}",
-        figures(&all)
-    )
+    let legend = CLASSES.iter().zip(behaviours).map(|(class, behaviour)| {
+        // In a sentence it says what the interval is.
+        let share = odds(behaviour.probability).replacen('(', "(95 %: ", 1);
+        key(class, &format!("{}: {share}", behaviour.name))
+    });
+    let legend: String = legend.collect();
+    let title = within("h3", super::page::html(name));
+    let figures = figures(&all);
+    format!("{title}<div class=\"legend\">{legend}</div>{figures}")
 }
 
 /// The edge of a region: those points whose Mahalanobis distance is its radius.
@@ -202,13 +182,12 @@ fn ellipse(region: &Region, level: usize) -> Vec<[f64; 2]> {
     let a = xx.max(f64::MIN_POSITIVE).sqrt();
     let b = xy / a;
     let d = (yy - b * b).max(0.0).sqrt();
-    (0..=64)
-        .map(|k| {
-            let angle = std::f64::consts::TAU * f64::from(k) / 64.0;
-            let (u, v) = (radius * angle.cos(), radius * angle.sin());
-            [x + a * u, y + b * u + d * v]
-        })
-        .collect()
+    let points = (0..=64).map(|k| {
+        let angle = std::f64::consts::TAU * f64::from(k) / 64.0;
+        let (u, v) = (radius * angle.cos(), radius * angle.sin());
+        [x + a * u, y + b * u + d * v]
+    });
+    points.collect()
 }
 
 pub(super) fn distances(cases: &[Case]) -> String {
@@ -222,20 +201,19 @@ pub(super) fn distances(cases: &[Case]) -> String {
             ("speed", summary.speed_m_s, "m/s", None),
             ("turned", summary.turned_rad, "rad", None),
         ];
-        quantities
-            .into_iter()
-            .filter_map(move |(name, found, unit, free)| {
-                let found = found?;
-                let name = match many {
-                    true => format!("{}: {name}", case.case),
-                    false => name.to_owned(),
-                };
-                let spread = [found.mean, found.standard_deviation];
-                let quantiles = [found.q05, found.q50, found.q95];
-                let numbers = spread.into_iter().chain(quantiles).map(Some);
-                let cells = numbers.chain([free]).map(|value| measured(value, unit));
-                Some(std::iter::once(name).chain(cells).collect())
-            })
+        let quantities = quantities.into_iter();
+        quantities.filter_map(move |(name, found, unit, free)| {
+            let found = found?;
+            let name = match many {
+                true => format!("{}: {name}", case.case),
+                false => name.to_owned(),
+            };
+            let spread = [found.mean, found.standard_deviation];
+            let quantiles = [found.q05, found.q50, found.q95];
+            let numbers = spread.into_iter().chain(quantiles).map(Some);
+            let cells = numbers.chain([free]).map(|value| measured(value, unit));
+            Some(std::iter::once(name).chain(cells).collect())
+        })
     });
     let head = " | mean | standard deviation | 5 % | 50 % | 95 % | without noise";
     titled(head, rows)
@@ -260,6 +238,7 @@ fn recorded(report: &Repeated, reality: &Reality) -> String {
         "region of | recorded runs inside, over time | at the end (95 %) | recordings say | whole paths in their band",
         rows,
     );
+    let head = "recording | does | net displacement | from its behaviour | energy score";
     let runs = reality.runs.iter().map(|run| {
         vec![
             run.recording.clone(),
@@ -270,22 +249,17 @@ fn recorded(report: &Repeated, reality: &Reality) -> String {
         ]
     });
     format!(
-        "{first}<p class=\"note\">Energy score {}; if reality were one more repeat it would be {}. More recordings make this sharper.</p><details><summary>Recording by recording</summary>{}</details>",
+        "{first}<p class=\"note\">Energy score {}; if reality were one more repeat it would be {}. More recordings make this sharper.</p>{}",
         measured(reality.energy_score_m, "m"),
         measured(reality.expected_energy_score_m, "m"),
-        titled(
-            "recording | does | net displacement | from its behaviour | energy score",
-            runs
-        )
+        folded("Recording by recording", &titled(head, runs)),
     )
 }
 
 pub(super) fn noise(noise: &Noise) -> String {
-    let drawn = noise
-        .fields()
-        .into_iter()
-        .filter(|(_, drawn)| !drawn.is_zero());
-    let rows = drawn.map(|(name, drawn)| {
+    let fields = noise.fields().into_iter();
+    let rows = fields.filter(|(_, drawn)| !drawn.is_zero());
+    let rows = rows.map(|(name, drawn)| {
         let (kind, size) = match drawn {
             Distribution::Normal(sd) => ("Normal", number(sd)),
             Distribution::Uniform(low, high) => ("Uniform", span(low, high, "")),

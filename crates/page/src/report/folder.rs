@@ -42,18 +42,13 @@ pub fn folder_page(folder: &Path, command: &str) -> Result<String> {
         let at = story.sections.len().min(2);
         story.sections.insert(at, seen);
     }
-    let said = story.said.clone();
-    let command_again = kept
-        .map(|kept| kept.command.as_str())
-        .filter(|text| !text.is_empty());
+    let again = kept.map(|kept| kept.command.as_str());
+    let again = again.filter(|text| !text.is_empty());
+    let own = Some(command).filter(|page| Some(*page) != again);
     story.sections.extend([
         warnings(&report),
-        numbers(&report, &said),
-        provenance(
-            &report,
-            command_again,
-            Some(command).filter(|page| Some(*page) != command_again),
-        ),
+        numbers(&report, story.said),
+        provenance(&report, again, own),
     ]);
     Ok(story.page(kept))
 }

@@ -1,12 +1,12 @@
 //! A replay as an MCAP file that Foxglove shows: shapes in frames that move, paths, and poses to plot.
 
 use nalgebra::{Isometry3, Vector3};
-use serde::Serialize;
+use serde_json::{Value, json};
 
 use super::replay::Replay;
-use super::stage::{Actor, Kind, Solid, Stage};
+use super::stage::{Actor, Kind, Mover, Solid, Stage};
 use realgap_core::error::Result;
-use realgap_core::file::{McapWriter, Stamp, Topic, stamp};
+use realgap_core::file::{McapWriter, Topic, stamp};
 
 /// Most samples of one run in a file.
 const MOST_SAMPLES: usize = 20_000;
@@ -15,113 +15,8 @@ const WORLD: &str = "world";
 /// How thick paths are, metres; a point is as wide as three of them.
 const PATH_M: f64 = 0.008;
 
-// Messages, with the names of their schemas.
-
-#[derive(Serialize)]
-struct Vector {
-    x: f64,
-    y: f64,
-    z: f64,
-}
-
-#[derive(Serialize)]
-struct Turn {
-    x: f64,
-    y: f64,
-    z: f64,
-    w: f64,
-}
-
-#[derive(Serialize)]
-struct Pose {
-    position: Vector,
-    orientation: Turn,
-}
-
-#[derive(Serialize)]
-struct PoseInFrame {
-    timestamp: Stamp,
-    frame_id: &'static str,
-    pose: Pose,
-}
-
-#[derive(Serialize)]
-struct FrameTransform {
-    timestamp: Stamp,
-    parent_frame_id: &'static str,
-    child_frame_id: String,
-    translation: Vector,
-    rotation: Turn,
-}
-
-#[derive(Serialize)]
-struct FrameTransforms {
-    transforms: Vec<FrameTransform>,
-}
-
-#[derive(Serialize)]
-struct Colour {
-    r: f64,
-    g: f64,
-    b: f64,
-    a: f64,
-}
-
-/// A box or a ball.
-#[derive(Serialize)]
-struct Primitive {
-    pose: Pose,
-    size: Vector,
-    color: Colour,
-}
-
-#[derive(Serialize)]
-struct Line {
-    r#type: u8,
-    pose: Pose,
-    thickness: f64,
-    scale_invariant: bool,
-    points: Vec<Vector>,
-    color: Colour,
-    colors: Nothing,
-    indices: Nothing,
-}
-
-#[derive(Serialize)]
-struct Triangles {
-    pose: Pose,
-    points: Vec<Vector>,
-    color: Colour,
-    colors: Nothing,
-    indices: Vec<usize>,
-}
-
-#[derive(Serialize)]
-struct Entity {
-    timestamp: Stamp,
-    frame_id: String,
-    id: String,
-    lifetime: Stamp,
-    frame_locked: bool,
-    metadata: Nothing,
-    arrows: Nothing,
-    cubes: Vec<Primitive>,
-    spheres: Vec<Primitive>,
-    cylinders: Nothing,
-    lines: Vec<Line>,
-    triangles: Vec<Triangles>,
-    texts: Nothing,
-    models: Nothing,
-}
-
-#[derive(Serialize)]
-struct SceneUpdate {
-    deletions: Nothing,
-    entities: Vec<Entity>,
-}
-
-/// A list of what is never written.
-type Nothing = [u8; 0];
+/// Name of the frame of a run of which only a path is known.
+const POINT: &str = "point";
 
 impl Replay<'_> {
     /// The replay as an MCAP file for Foxglove, with its schemas in JSON: `/tf` (`FrameTransforms`) moves the frames `RUN/part0` and
@@ -145,24 +40,18 @@ impl Replay<'_> {
         let [tf, floor, first] = [0, 1, 2];
         let fixed = stage.fixed.iter().map(|solid| (solid, 1.0));
         let fixed = solid_entity("fixed", WORLD, fixed);
-        file.message(floor, 0, &SceneUpdate::of(vec![fixed]));
+        file.message(floor, 0, &scene(vec![fixed]));
         for (index, actor) in stage.actors.iter().enumerate() {
-            file.message(first + 2 * index, 0, &SceneUpdate::of(entities(actor)));
+            file.message(first + 2 * index, 0, &scene(entities(actor)));
         }
         for (time_ns, index, sample) in in_order(&stage) {
             let actor = &stage.actors[index];
             let transforms = transforms(actor, sample, time_ns);
-            file.message(tf, time_ns, &FrameTransforms { transforms });
-            let turn = actor
-                .turns
-                .as_ref()
-                .map_or_else(Default::default, |turns| turns[sample]);
-            let pose = Isometry3::from_parts(actor.places_m[sample].into(), turn);
-            let message = PoseInFrame {
-                timestamp: stamp(time_ns),
-                frame_id: WORLD,
-                pose: Pose::of(&pose),
-            };
+            file.message(tf, time_ns, &json!({ "transforms": transforms }));
+            let turns = actor.turns.as_ref();
+            let turn = turns.map_or_else(Default::default, |turns| turns[sample]);
+            let pose = pose(&Isometry3::from_parts(actor.places_m[sample].into(), turn));
+            let message = json!({ "timestamp": stamp(time_ns), "frame_id": WORLD, "pose": pose });
             file.message(first + 2 * index + 1, time_ns, &message);
         }
         Ok(file.finish())
@@ -184,74 +73,53 @@ fn frame(actor: &Actor, part: &str) -> String {
     format!("{}/{part}", actor.name)
 }
 
-fn transforms(actor: &Actor, sample: usize, time_ns: u64) -> Vec<FrameTransform> {
+fn transforms(actor: &Actor, sample: usize, time_ns: u64) -> Vec<Value> {
     let one = |name: &str, pose: &Isometry3<f64>| {
-        let Pose {
-            position,
-            orientation,
-        } = Pose::of(pose);
-        FrameTransform {
-            timestamp: stamp(time_ns),
-            parent_frame_id: WORLD,
-            child_frame_id: frame(actor, name),
-            translation: position,
-            rotation: orientation,
-        }
+        json!({
+            "timestamp": stamp(time_ns),
+            "parent_frame_id": WORLD,
+            "child_frame_id": frame(actor, name),
+            "translation": vector(&pose.translation.vector),
+            "rotation": turn(pose),
+        })
     };
-    let movers = actor.movers.iter();
-    let mut all: Vec<FrameTransform> = movers
-        .map(|mover| one(&mover.name, &mover.poses[sample]))
-        .collect();
-    if all.is_empty() {
+    if actor.movers.is_empty() {
         let place = actor.places_m[sample];
-        all.push(one(
+        return vec![one(
             POINT,
             &Isometry3::from_parts(place.into(), Default::default()),
-        ));
+        )];
     }
-    all
+    let movers = actor.movers.iter();
+    movers
+        .map(|mover| one(&mover.name, &mover.poses[sample]))
+        .collect()
 }
 
-/// Name of the frame of a run of which only a path is known.
-const POINT: &str = "point";
-
-fn entities(actor: &Actor) -> Vec<Entity> {
-    let mut all = Vec::new();
-    for mover in &actor.movers {
+fn entities(actor: &Actor) -> Vec<Value> {
+    let own = |mover: &Mover| {
         let solids = mover.solids.iter().map(|solid| (solid, actor.alpha()));
-        all.push(solid_entity(
-            &mover.name,
-            &frame(actor, &mover.name),
-            solids,
-        ));
-    }
-    let colour = actor.kind();
-    if actor.movers.is_empty() {
-        let ball = Primitive {
-            pose: Pose::of(&Isometry3::identity()),
-            size: Vector::of(&Vector3::repeat(3.0 * PATH_M)),
-            color: Colour::of(colour, 1.0),
-        };
-        all.push(Entity {
-            spheres: vec![ball],
-            ..Entity::of(POINT, &frame(actor, POINT))
-        });
-    }
-    let path = Line {
-        // A strip.
-        r#type: 0,
-        pose: Pose::of(&Isometry3::identity()),
-        thickness: PATH_M,
-        scale_invariant: false,
-        points: actor.places_m.iter().map(Vector::of).collect(),
-        color: Colour::of(colour, 1.0),
-        colors: [],
-        indices: [],
+        solid_entity(&mover.name, &frame(actor, &mover.name), solids)
     };
-    all.push(Entity {
-        lines: vec![path],
-        ..Entity::of("path", WORLD)
-    });
+    let mut all: Vec<Value> = actor.movers.iter().map(own).collect();
+    let (here, colour) = (pose(&Isometry3::identity()), colour(actor.kind(), 1.0));
+    if actor.movers.is_empty() {
+        let size = vector(&Vector3::repeat(3.0 * PATH_M));
+        let ball = json!([{ "pose": here, "size": size, "color": colour }]);
+        all.push(entity(POINT, &frame(actor, POINT), ("spheres", ball)));
+    }
+    let path = json!([{
+        // A strip.
+        "type": 0,
+        "pose": here,
+        "thickness": PATH_M,
+        "scale_invariant": false,
+        "points": actor.places_m.iter().map(vector).collect::<Vec<_>>(),
+        "color": colour,
+        "colors": [],
+        "indices": [],
+    }]);
+    all.push(entity("path", WORLD, ("lines", path)));
     all
 }
 
@@ -260,92 +128,85 @@ fn solid_entity<'a>(
     id: &str,
     frame: &str,
     solids: impl Iterator<Item = (&'a Solid, f64)>,
-) -> Entity {
-    let mut entity = Entity::of(id, frame);
+) -> Value {
+    let (mut cubes, mut others) = (Vec::new(), Vec::new());
     for (solid, alpha) in solids {
-        if solid.shape.is_box() {
-            entity.cubes.push(cube(solid, alpha));
-        } else {
-            entity.triangles.extend(triangles(solid, alpha));
+        match solid.shape.is_box() {
+            true => cubes.push(cube(solid, alpha)),
+            false => others.extend(triangles(solid, alpha)),
         }
     }
+    let mut entity = entity(id, frame, ("cubes", json!(cubes)));
+    entity["triangles"] = json!(others);
     entity
 }
 
-fn triangles(solid: &Solid, alpha: f64) -> Option<Triangles> {
+fn triangles(solid: &Solid, alpha: f64) -> Option<Value> {
     let surface = solid.shape.surface()?;
     let corners = surface.triangles().flat_map(|(_, corners)| corners);
-    Some(Triangles {
-        pose: Pose::of(&solid.pose),
-        points: surface.corners_m.iter().map(Vector::of).collect(),
-        color: Colour::of(solid.kind, alpha),
-        colors: [],
-        indices: corners.collect(),
-    })
+    Some(json!({
+        "pose": pose(&solid.pose),
+        "points": surface.corners_m.iter().map(vector).collect::<Vec<_>>(),
+        "color": colour(solid.kind, alpha),
+        "colors": [],
+        "indices": corners.collect::<Vec<_>>(),
+    }))
 }
 
-fn cube(solid: &Solid, alpha: f64) -> Primitive {
+fn cube(solid: &Solid, alpha: f64) -> Value {
     let is_floor = solid.kind == Kind::Floor;
     let alpha = if is_floor { 0.6 } else { alpha };
-    Primitive {
-        pose: Pose::of(&solid.pose),
-        size: Vector::of(&(2.0 * solid.shape.half_extents_m())),
-        color: Colour::of(solid.kind, alpha),
-    }
+    let size = vector(&(2.0 * solid.shape.half_extents_m()));
+    json!({ "pose": pose(&solid.pose), "size": size, "color": colour(solid.kind, alpha) })
 }
 
-impl SceneUpdate {
-    fn of(entities: Vec<Entity>) -> Self {
-        Self {
-            deletions: [],
-            entities,
-        }
-    }
+// Messages, with the fields that their schemas name.
+
+fn scene(entities: Vec<Value>) -> Value {
+    json!({ "deletions": [], "entities": entities })
 }
 
-impl Entity {
-    /// An entity of nothing so far.
-    fn of(id: &str, frame: &str) -> Self {
-        Self {
-            timestamp: stamp(0),
-            frame_id: frame.to_owned(),
-            id: id.to_owned(),
-            // Until it is replaced.
-            lifetime: stamp(0),
-            frame_locked: true,
-            metadata: [],
-            arrows: [],
-            cubes: Vec::new(),
-            spheres: Vec::new(),
-            cylinders: [],
-            lines: Vec::new(),
-            triangles: Vec::new(),
-            texts: [],
-            models: [],
-        }
+/// An entity with these things, and nothing else.
+fn entity(id: &str, frame: &str, (name, things): (&str, Value)) -> Value {
+    let mut entity = json!({
+        "timestamp": stamp(0),
+        "frame_id": frame,
+        "id": id,
+        // Until it is replaced.
+        "lifetime": stamp(0),
+        "frame_locked": true,
+    });
+    for list in [
+        "metadata",
+        "arrows",
+        "cubes",
+        "spheres",
+        "cylinders",
+        "lines",
+        "triangles",
+        "texts",
+        "models",
+    ] {
+        entity[list] = json!([]);
     }
+    entity[name] = things;
+    entity
 }
 
-impl Colour {
-    fn of(kind: Kind, alpha: f64) -> Self {
-        let [r, g, b] = kind.colour().map(|channel| f64::from(channel) / 255.0);
-        Self { r, g, b, a: alpha }
-    }
+fn colour(kind: Kind, alpha: f64) -> Value {
+    let [r, g, b] = kind.colour().map(|channel| f64::from(channel) / 255.0);
+    json!({ "r": r, "g": g, "b": b, "a": alpha })
 }
 
-impl Vector {
-    fn of(v: &Vector3<f64>) -> Self {
-        let [x, y, z] = (*v).into();
-        Self { x, y, z }
-    }
+fn vector(v: &Vector3<f64>) -> Value {
+    json!({ "x": v.x, "y": v.y, "z": v.z })
 }
 
-impl Pose {
-    fn of(pose: &Isometry3<f64>) -> Self {
-        let [x, y, z, w] = pose.rotation.coords.into();
-        Self {
-            position: Vector::of(&pose.translation.vector),
-            orientation: Turn { x, y, z, w },
-        }
-    }
+fn turn(pose: &Isometry3<f64>) -> Value {
+    let [x, y, z, w]: [f64; 4] = pose.rotation.coords.into();
+    json!({ "x": x, "y": y, "z": z, "w": w })
+}
+
+fn pose(pose: &Isometry3<f64>) -> Value {
+    json!({ "position": vector(&pose.translation.vector), "orientation": turn(pose) })
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use super::chart::{Chart, key};
+use super::chart::{Chart, key, over};
 use super::claim::sentences;
 use super::section::{Section, figures, pictures};
 use super::story::Story;
@@ -57,16 +57,14 @@ pub(super) fn gap(folder: &Path, report: &Gap) -> Result<Story> {
         About::OverTime,
         About::Floor,
     ];
-    let said = sentences(&report.claims, &about);
-    let is_silent = said.is_empty();
+    let answer = match sentences(&report.claims, &about) {
+        said if said.is_empty() => "Nothing was compared.".to_owned(),
+        said => said,
+    };
     Ok(Story {
         kind: if is_floor_alone { "noise floor" } else { "gap" },
         name: report.study.clone().unwrap_or("recordings".to_owned()),
-        answer: if is_silent {
-            "Nothing was compared.".to_owned()
-        } else {
-            said
-        },
+        answer,
         sections: vec![
             Section::new("metrics", "How far, in noise floors", metrics(report)),
             Section::new("sets", "Sets of repeats", sets(report)),
@@ -76,25 +74,22 @@ pub(super) fn gap(folder: &Path, report: &Gap) -> Result<Story> {
                 !["rmse", "confidence"].contains(&stem)
             })?,
         ],
-        said: vec![
-            "metrics",
-            "confidence",
-            "over_time",
-            "displacement",
-            "noise",
-            "sets",
-        ],
+        said: "metrics confidence over_time displacement noise sets",
         ..Story::default()
     })
 }
 
 fn metrics(report: &Gap) -> String {
     let rows = report.metrics.iter().flat_map(|metric| {
-        let interval = |found: Option<Estimate>, unit: &str| match found {
-            None => NOTHING.to_owned(),
-            Some(Estimate { value, low, high }) => {
-                format!("{} ({})", measured(value, unit), span(low, high, unit))
-            }
+        let interval = |found: Option<Estimate>, unit: &str| {
+            let said = |e: Estimate| {
+                format!(
+                    "{} ({})",
+                    measured(e.value, unit),
+                    span(e.low, e.high, unit)
+                )
+            };
+            shown(found.map(said))
         };
         let p = metric.alike.map(|alike| alike.p_value);
         let kinds = [
@@ -139,20 +134,14 @@ fn sets(report: &Gap) -> String {
 
 fn over_time(report: &Gap) -> String {
     let mut all = Vec::new();
-    if let Some(over) = report
-        .over_time
-        .as_ref()
-        .filter(|over| !over.times_s.is_empty())
-    {
-        let line = |values: &Option<Vec<f64>>| -> Vec<[f64; 2]> {
-            let values = over.times_s.iter().zip(values.iter().flatten());
-            values.map(|(t, v)| [*t, *v]).collect()
-        };
+    let found = report.over_time.as_ref();
+    if let Some(found) = found.filter(|found| !found.times_s.is_empty()) {
+        let line = |values: &Option<Vec<f64>>| over(&found.times_s, values.iter().flatten());
         let alt = "Distance to recorded runs over time, of the run without noise, of repeats, and of recorded runs among each other";
         let chart = Chart::over_time(alt, "distance [m]").upwards();
-        let chart = chart.line("real", line(&over.real_mean_m));
-        let chart = chart.line("b4", line(&over.simulated_mean_m));
-        let figure = chart.line("sim", line(&over.ideal_m)).figure(
+        let chart = chart.line("real", line(&found.real_mean_m));
+        let chart = chart.line("b4", line(&found.simulated_mean_m));
+        let figure = chart.line("sim", line(&found.ideal_m)).figure(
             "Distance to recorded runs",
             "Where the simulated lines leave that of recorded runs among each other, the simulation stops being one more repeat.",
         );
@@ -162,21 +151,17 @@ fn over_time(report: &Gap) -> String {
             "<div>{figure}<div class=\"legend\">{keys}</div></div>"
         ));
     }
-    if let Some(Confidence {
-        level,
-        times_s,
-        inside,
-        ..
-    }) = &report.confidence
-        && let [first, .., last] = times_s.as_slice()
+    if let Some(found) = &report.confidence
+        && let [first, .., last] = found.times_s.as_slice()
     {
-        let at_times = || times_s.iter().zip(inside);
+        let at_times = || found.times_s.iter().zip(&found.inside);
         let band = at_times().map(|(t, p)| [*t, p.low, p.high]);
         let line = at_times().map(|(t, p)| [*t, p.share]);
         let alt = "Share of recorded runs inside the predicted region over time";
         let chart = Chart::over_time(alt, "share inside").upwards();
         let chart = chart.band(band.collect());
-        let chart = chart.line("edge", [first, last].map(|t| [*t, *level]).to_vec());
+        let level = [first, last].map(|t| [*t, found.level]);
+        let chart = chart.line("edge", level.to_vec());
         let figure = chart.line("sim", line.collect()).figure(
             "Recorded runs inside the predicted region",
             "Dashed: what the region promises. Band: 95 % interval of the share, narrower with more recordings.",

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use super::chart::{LABEL, set_width};
 use super::page::html;
-use crate::plot::{Scale, score_hex as colour};
+use crate::plot::{Scale, ends, score_hex as colour};
 use realgap_core::unit::{DisplayUnit, Unit, number};
 
 /// A point of a sweep.
@@ -71,7 +71,7 @@ pub(super) fn heat_map(
     if columns * rows != points.len() || columns > 200 || rows > 200 {
         return None;
     }
-    let scores = || points.iter().filter_map(|point| point.score);
+    let (low, high) = ends(points.iter().filter_map(|point| point.score));
     let grid = Grid {
         points,
         between,
@@ -80,8 +80,8 @@ pub(super) fn heat_map(
         left: LABEL + widest(y_values.iter().map(|value| number(*value))),
         x_values,
         y_values,
-        low: scores().fold(f64::INFINITY, f64::min),
-        high: scores().fold(f64::NEG_INFINITY, f64::max),
+        low,
+        high,
     };
     let [x, y] = &grid.names;
     let (cells, axes, (bar, wide)) = (grid.cells(best), grid.axes(), grid.bar());
@@ -99,10 +99,8 @@ fn widest(texts: impl Iterator<Item = String>) -> f64 {
 impl Grid<'_> {
     /// Sides of a cell.
     fn cell(&self) -> [f64; 2] {
-        [
-            WIDE / self.x_values.len() as f64,
-            TALL / self.y_values.len() as f64,
-        ]
+        let (columns, rows) = (self.x_values.len(), self.y_values.len());
+        [WIDE / columns as f64, TALL / rows as f64]
     }
 
     /// The cells with what they stand for, and above them the frames.
@@ -110,11 +108,8 @@ impl Grid<'_> {
         let [wide, tall] = self.cell();
         // In cells from the first, between two of them as well.
         let place = |all: &[f64], value: f64| {
-            let after = all
-                .iter()
-                .position(|v| *v >= value)
-                .unwrap_or(all.len() - 1);
-            match after {
+            let after = all.iter().position(|v| *v >= value);
+            match after.unwrap_or(all.len() - 1) {
                 0 => 0.0,
                 after => {
                     let step = all[after] - all[after - 1];

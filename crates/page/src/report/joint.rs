@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::chart::{Chart, key};
+use super::chart::{Chart, key, over};
 use super::page::html;
 use super::section::figures;
 use super::sheet::Sheet;
@@ -45,16 +45,11 @@ pub(super) fn joints(folder: &Path) -> Result<String> {
 fn joint(joint: &JointPanel) -> String {
     const MRAD: f64 = 1e3;
     let name = &joint.name;
-    let over = |values: &[f64]| -> Vec<[f64; 2]> {
-        let both = joint.times_s.iter().zip(values);
-        both.map(|(t, v)| [*t, *v]).collect()
-    };
-    let angles = Chart::over_time(
-        format!("Angle of {name} over time, recorded and simulated"),
-        "angle [rad]",
-    )
-    .line("real", over(&joint.recorded_rad))
-    .line("sim", over(&joint.simulated_rad));
+    let over = |values: &[f64]| over(&joint.times_s, values);
+    let alt = format!("Angle of {name} over time, recorded and simulated");
+    let angles = Chart::over_time(alt, "angle [rad]")
+        .line("real", over(&joint.recorded_rad))
+        .line("sim", over(&joint.simulated_rad));
     let off: Vec<f64> = joint.residuals_rad().map(|rad| MRAD * rad).collect();
     let [low, high] = joint.spread_rad.map(|rad| MRAD * rad);
     let ends = joint
@@ -62,12 +57,10 @@ fn joint(joint: &JointPanel) -> String {
         .first()
         .into_iter()
         .chain(joint.times_s.last());
-    let residuals = Chart::over_time(
-        format!("Simulated minus recorded angle of {name} over time"),
-        "residual [mrad]",
-    )
-    .band(ends.map(|t| [*t, low, high]).collect())
-    .line("b1", over(&off));
+    let alt = format!("Simulated minus recorded angle of {name} over time");
+    let residuals = Chart::over_time(alt, "residual [mrad]")
+        .band(ends.map(|t| [*t, low, high]).collect())
+        .line("b1", over(&off));
     let (name, angles, residuals) = (html(name), angles.svg(), residuals.svg());
     format!("<figure><h3>{name}</h3>{angles}{residuals}</figure>")
 }

@@ -32,27 +32,19 @@ impl Leaf<'_> {
     /// A picture that cannot be read.
     pub fn page(&self) -> Result<String> {
         let mut lines = self.text.trim().lines();
-        let answer = lines
-            .next()
-            .unwrap_or("What was found is in the tables below.");
-        let rest: Vec<&str> = lines.collect();
-        let found = if rest.is_empty() {
-            String::new()
-        } else {
-            format!(
-                "<pre tabindex=\"0\">{}</pre>",
-                rest.iter()
-                    .map(|line| html(line))
-                    .collect::<Vec<_>>()
-                    .join("\n")
-            )
+        let answer = lines.next();
+        let answer = answer.unwrap_or("What was found is in the tables below.");
+        let rest: Vec<String> = lines.map(html).collect();
+        let found = match rest.is_empty() {
+            true => String::new(),
+            false => format!("<pre tabindex=\"0\">{}</pre>", rest.join("\n")),
         };
         let sections = vec![
             Section::new("found", "What was found", found),
             Section::new("pictures", "Pictures", self.figures()?),
             Section::new("tables", "Tables", self.report.tables()),
             warnings(self.report),
-            numbers(self.report, &[]),
+            numbers(self.report, ""),
             provenance(self.report, Some(self.command), None),
         ];
         let story = Story {

@@ -3,7 +3,7 @@
 use nalgebra::Isometry3;
 
 use super::motion::robot_solids;
-use super::stage::Kind;
+use super::stage::{Kind, Solid};
 use realgap_engine::SceneBody;
 use realgap_robot::morphology::{Morphology, Shape};
 
@@ -22,10 +22,12 @@ pub struct ShownSolid {
 pub fn shown_parts(robot: &Morphology) -> Vec<Vec<ShownSolid>> {
     let mut parts = vec![Vec::new(); robot.assemble().parts.len()];
     for one in robot_solids(robot) {
+        let Solid { shape, pose, kind } = one.solid;
+        let colour = kind.light();
         parts[one.part].push(ShownSolid {
-            shape: one.shape,
-            pose: one.part_from_solid,
-            colour: one.kind.light(),
+            shape,
+            pose,
+            colour,
         });
     }
     parts

@@ -4,9 +4,9 @@ use nalgebra::Isometry3;
 use serde::{Deserialize, Serialize};
 
 use super::block::Block;
-use super::stage::{Kind, continuous, picks};
+use super::stage::{Kind, Solid, continuous, picks};
 use realgap_engine::{Film, Floor, SceneBody, SceneMotion, part_from_solid};
-use realgap_robot::morphology::{Drive, DriveAxis, Morphology, Role, Shape};
+use realgap_robot::morphology::{Drive, DriveAxis, Morphology, Role};
 
 /// Steps that numbers in the page are rounded to; also said on the page.
 const LENGTH_STEP_M: f64 = 2e-5;
@@ -132,12 +132,10 @@ fn numbers(pose: &Isometry3<f64>) -> [f64; 7] {
     [t.x, t.y, t.z, q.w, q.i, q.j, q.k]
 }
 
-/// A solid of a robot.
+/// A solid of a robot, in the frame of its part.
 pub(super) struct RobotSolid<'a> {
     pub(super) part: usize,
-    pub(super) shape: Shape,
-    pub(super) part_from_solid: Isometry3<f64>,
-    pub(super) kind: Kind,
+    pub(super) solid: Solid,
     /// Of the first cube of a module: its name.
     name: &'a str,
     drive: Option<Drive>,
@@ -154,15 +152,18 @@ pub(super) fn robot_solids(robot: &Morphology) -> Vec<RobotSolid<'_>> {
             let module = &robot.modules()[solid.module];
             let is_first = solid.number == 0 && solid.role == Role::Cube;
             let drive = module.drive.filter(|_| is_first);
-            all.push(RobotSolid {
-                part,
+            let shown = Solid {
                 shape: solid.shape.clone(),
-                part_from_solid: part_from_solid(&assembly, part, solid),
+                pose: part_from_solid(&assembly, part, solid),
                 kind: match solid.role {
                     Role::Plate => Kind::Plate,
                     Role::Cube if drive.is_some() || assembly.drives(part) => Kind::Active,
                     Role::Cube => Kind::Passive,
                 },
+            };
+            all.push(RobotSolid {
+                part,
+                solid: shown,
                 name: if is_first { &module.name } else { "" },
                 drive,
                 is_tracked: solid.module == robot.track() && solid.role == Role::Cube,
@@ -174,37 +175,34 @@ pub(super) fn robot_solids(robot: &Morphology) -> Vec<RobotSolid<'_>> {
 
 /// The same as the page has them.
 fn robot_boxes(robot: &Morphology) -> Vec<ShownBox> {
-    let solids = robot_solids(robot).into_iter();
-    solids
-        .map(|one| {
-            let kind = match one.kind {
-                Kind::Plate => "plate",
-                Kind::Active => "active",
-                _ => "passive",
-            };
-            let surface = one.shape.surface().filter(|_| !one.shape.is_box());
-            let (corners, triangles) = surface.map_or_else(Default::default, |surface| {
-                let corners = surface.corners_m.iter().flatten();
-                let triangles = surface.triangles().flat_map(|(_, corners)| corners);
-                let in_steps = corners.map(|m| (m / CORNER_STEP_M).round());
-                (in_steps.collect(), triangles.collect())
-            });
-            ShownBox {
-                part: one.part,
-                half: one.shape.half_extents_m().into(),
-                pose: numbers(&one.part_from_solid),
-                name: one.name.to_owned(),
-                kind: kind.to_owned(),
-                tracked: one.is_tracked,
-                normal: one.drive.map(|drive| drive.face.normal().into()),
-                spins: one
-                    .drive
-                    .map(|drive| matches!(drive.axis, DriveAxis::Normal { .. })),
-                corners,
-                triangles,
-            }
-        })
-        .collect()
+    let shown = |one: RobotSolid<'_>| {
+        let Solid { shape, pose, kind } = &one.solid;
+        let kind = match kind {
+            Kind::Plate => "plate",
+            Kind::Active => "active",
+            _ => "passive",
+        };
+        let surface = shape.surface().filter(|_| !shape.is_box());
+        let (corners, triangles) = surface.map_or_else(Default::default, |surface| {
+            let corners = surface.corners_m.iter().flatten();
+            let triangles = surface.triangles().flat_map(|(_, corners)| corners);
+            let in_steps = corners.map(|m| (m / CORNER_STEP_M).round());
+            (in_steps.collect(), triangles.collect())
+        });
+        ShownBox {
+            part: one.part,
+            half: shape.half_extents_m().into(),
+            pose: numbers(pose),
+            name: one.name.to_owned(),
+            kind: kind.to_owned(),
+            tracked: one.is_tracked,
+            normal: one.drive.map(|drive| drive.face.normal().into()),
+            spins: (one.drive).map(|drive| matches!(drive.axis, DriveAxis::Normal { .. })),
+            corners,
+            triangles,
+        }
+    };
+    robot_solids(robot).into_iter().map(shown).collect()
 }
 
 /// The boxes of a body that stands still, in the world.
@@ -212,29 +210,23 @@ fn fixed_boxes(body: &SceneBody) -> Vec<FixedBox> {
     let SceneMotion::Fixed { world_from_body } = &body.motion else {
         return Vec::new();
     };
-    let boxes = body.boxes.iter();
-    boxes
-        .map(|one| FixedBox {
-            half: (0.5 * one.sides_m).into(),
-            pose: numbers(&(world_from_body * one.body_from_box)),
-        })
-        .collect()
+    let boxes = body.boxes.iter().map(|one| FixedBox {
+        half: (0.5 * one.sides_m).into(),
+        pose: numbers(&(world_from_body * one.body_from_box)),
+    });
+    boxes.collect()
 }
 
 /// Other bodies that move in a film, by index.
 fn moving<'a>(scene: &'a [SceneBody], film: &'a Film) -> impl Iterator<Item = usize> + 'a {
-    let bodies = scene.iter().zip(&film.scene).enumerate();
-    bodies
-        .filter(|(_, (body, _))| !matches!(body.motion, SceneMotion::Fixed { .. }))
-        .map(|(index, _)| index)
+    let bodies = scene.iter().take(film.scene.len()).enumerate();
+    let moving = |body: &SceneBody| !matches!(body.motion, SceneMotion::Fixed { .. });
+    bodies.filter_map(move |(index, body)| moving(body).then_some(index))
 }
 
 /// What is known of a film, as parts: those of the robot, then other bodies that move.
 fn known_parts(scene: &[SceneBody], film: &Film) -> Vec<usize> {
-    let parts = film.parts.iter().enumerate();
-    let parts = parts
-        .filter(|(_, poses)| poses.is_some())
-        .map(|(part, _)| part);
+    let parts = (0..film.parts.len()).filter(|part| film.parts[*part].is_some());
     let bodies = moving(scene, film).map(|body| film.parts.len() + body);
     parts.chain(bodies).collect()
 }

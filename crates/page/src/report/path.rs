@@ -22,10 +22,8 @@ pub(super) fn from_above(
         .lines("real", recorded.iter().map(|path| path.xy_m.clone()))
         .line("sim", paths.xy_m[best].clone());
     let values = points.points[best].values.iter().zip(&points.names);
-    let title = values
-        .map(|(value, name)| format!("{name} = {}", number(*value)))
-        .collect::<Vec<_>>()
-        .join(", ");
+    let title = values.map(|(value, name)| format!("{name} = {}", number(*value)));
+    let title = title.collect::<Vec<_>>().join(", ");
     let legend = if recorded.is_empty() {
         "<span>This folder keeps no recorded paths: run the command again, or see its trajectories.png.</span>".to_owned()
     } else {
@@ -50,9 +48,8 @@ pub(super) fn over_time(paths: Option<&Paths>, best: Option<usize>, kept: Option
     let along = |xy_m: &[[f64; 2]], duration_s: f64| -> Vec<[f64; 2]> {
         let steps = xy_m.len().saturating_sub(1).max(1) as f64;
         let places = xy_m.iter().enumerate();
-        places
-            .map(|(k, place)| [duration_s * k as f64 / steps, place[0]])
-            .collect()
+        let points = places.map(|(k, place)| [duration_s * k as f64 / steps, place[0]]);
+        points.collect()
     };
     let over_time = |alt: &str, y_label: &str| {
         let mut chart = Chart::over_time(alt, y_label);
@@ -61,16 +58,11 @@ pub(super) fn over_time(paths: Option<&Paths>, best: Option<usize>, kept: Option
         }
         chart
     };
-    let chart = over_time(
-        "How far along its direction the robot is, over time",
-        "x [m]",
-    );
-    let real = recorded
-        .iter()
-        .map(|path| along(&path.xy_m, path.duration_s));
-    let chart = chart
-        .lines("real", real)
-        .line("sim", along(own, duration_s));
+    let alt = "How far along its direction the robot is, over time";
+    let real = recorded.iter();
+    let real = real.map(|path| along(&path.xy_m, path.duration_s));
+    let chart = over_time(alt, "x [m]").lines("real", real);
+    let chart = chart.line("sim", along(own, duration_s));
     let mut all = vec![figure(
         "Along the way",
         &named(&chart, "along"),
@@ -92,9 +84,8 @@ pub(super) fn over_time(paths: Option<&Paths>, best: Option<usize>, kept: Option
 
 /// A chart that the scripts draw anew.
 fn named(chart: &Chart, id: &str) -> String {
-    chart
-        .svg()
-        .replacen("<svg ", &format!("<svg id=\"{id}\" "), 1)
+    let named = format!("<svg id=\"{id}\" ");
+    chart.svg().replacen("<svg ", &named, 1)
 }
 
 /// Distance of a run to a recorded one at equal times, as long as both last.
@@ -107,15 +98,12 @@ fn apart(own: &[[f64; 2]], duration_s: f64, path: &KeptPath) -> Vec<[f64; 2]> {
         let (a, b) = (path.xy_m.get(below)?, path.xy_m.get(below + 1)?);
         Some([0, 1].map(|axis| a[axis] + (b[axis] - a[axis]) * (at - below as f64)))
     };
-    let times = own
-        .iter()
-        .enumerate()
-        .map(|(k, p)| (duration_s * k as f64 / steps, p));
-    times
-        .take_while(|(t_s, _)| *t_s <= path.duration_s + 1e-9)
-        .filter_map(|(t_s, p)| {
-            let other = place(t_s)?;
-            Some([t_s, (p[0] - other[0]).hypot(p[1] - other[1])])
-        })
-        .collect()
+    let own = own.iter().enumerate();
+    let own = own.map(|(k, p)| (duration_s * k as f64 / steps, p));
+    let both = own.take_while(|(t_s, _)| *t_s <= path.duration_s + 1e-9);
+    let apart = both.filter_map(|(t_s, p)| {
+        let other = place(t_s)?;
+        Some([t_s, (p[0] - other[0]).hypot(p[1] - other[1])])
+    });
+    apart.collect()
 }

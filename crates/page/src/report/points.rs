@@ -62,9 +62,8 @@ impl Points {
             let values: Option<Vec<f64>> = values.collect();
             let fail = || {
                 let error = Error::invalid("a value is not a number");
-                error
-                    .at_file(folder.join(file::POINTS))
-                    .at_line(index + 2, 1)
+                let error = error.at_file(folder.join(file::POINTS));
+                error.at_line(index + 2, 1)
             };
             Ok(Point {
                 values: values.ok_or_else(fail)?,
@@ -92,16 +91,13 @@ impl Points {
         let named = report.best.as_ref().map(|best| &best.parameters);
         let is_named = |point: &Point| {
             let values = self.names.iter().map(|name| named?.get(name));
-            values
-                .zip(&point.values)
-                .all(|(named, value)| named == Some(value))
+            let mut both = values.zip(&point.values);
+            both.all(|(named, value)| named == Some(value))
         };
         let lowest = || {
             let scored = self.points.iter().enumerate();
-            scored
-                .filter_map(|(index, point)| Some((index, point.score?)))
-                .min_by(|a, b| a.1.total_cmp(&b.1))
-                .map(|(index, _)| index)
+            let scored = scored.filter_map(|(index, point)| Some((index, point.score?)));
+            Some(scored.min_by(|a, b| a.1.total_cmp(&b.1))?.0)
         };
         self.points.iter().position(is_named).or_else(lowest)
     }
@@ -126,18 +122,16 @@ impl Points {
     /// The points for the scripts, beside the paths that were recorded.
     pub fn shown<'a>(&'a self, best: usize, kept: Option<&'a Kept>) -> ShownPoints<'a> {
         let rows = self.points.iter();
+        let rows = rows.map(|p| (p.values.as_slice(), p.score, p.is_in));
         let recorded = recorded_of(kept).iter();
+        let recorded = recorded.map(|path| (path.name.as_str(), path.duration_s));
         ShownPoints {
             names: &self.names,
             best,
-            rows: rows
-                .map(|p| (p.values.as_slice(), p.score, p.is_in))
-                .collect(),
+            rows: rows.collect(),
             step: PATH_STEP_M,
             duration_s: kept.map_or(1.0, |kept| kept.duration_s),
-            recorded: recorded
-                .map(|path| (path.name.as_str(), path.duration_s))
-                .collect(),
+            recorded: recorded.collect(),
         }
     }
 }

@@ -49,7 +49,7 @@ pub(super) fn prediction(folder: &Path, report: &Predicted) -> Result<Story> {
             Section::new("noise", "What repeats differ by", noise(&summary.noise)),
             pictures(folder, "pictures", "All repeats", |_| true)?,
         ],
-        said: vec!["prediction", "model", "success", "robot"],
+        said: "prediction model success robot",
         ..Story::default()
     })
 }

@@ -8,7 +8,7 @@ use super::chart::{Chart, steps};
 use super::claim::sentences;
 use super::ensemble::Summary;
 use super::page::html;
-use super::section::{Section, figures, pictures};
+use super::section::{Section, figures, folded, pictures};
 use super::sheet::Sheet;
 use super::story::Story;
 use super::tree::read_json;
@@ -52,10 +52,9 @@ pub(super) fn search(folder: &Path, report: &SearchSummary) -> Result<Story> {
     let drawn = |stem: &str| ["gallery", "fitness", "archive", "paths"].contains(&stem);
     let picture =
         |id, title, name: &'static str| pictures(folder, id, title, move |stem| stem == name);
-    let archive = archive(folder)?;
-    let mut archive_section =
-        picture("archive", "Archive: the best robot of each kind", "archive")?;
-    archive_section.html += &archive;
+    let archive_title = "Archive: the best robot of each kind";
+    let mut archive_section = picture("archive", archive_title, "archive")?;
+    archive_section.html += &archive(folder)?;
     Ok(Story {
         kind: "search",
         name: report.search.clone(),
@@ -73,7 +72,7 @@ pub(super) fn search(folder: &Path, report: &SearchSummary) -> Result<Story> {
                 !drawn(stem)
             })?,
         ],
-        said: vec!["best", "baseline", "failures", "archive", "search"],
+        said: "best baseline failures archive search",
         ..Story::default()
     })
 }
@@ -85,14 +84,11 @@ fn answer(folder: &Path, report: &SearchSummary) -> Result<String> {
         return Ok("Not determined: no robot was looked at again. What was found so far is in the history below.".to_owned());
     };
     // The summary has the share alone; the card knows how sure it is.
-    let card = card_of(folder, first)?;
-    let odds = card.map_or_else(String::new, |card| {
-        sentences(&card.claims, &[About::Success])
-    });
-    let holds = if first.survives {
-        "and walks the same under other numerics"
-    } else {
-        "but does NOT walk the same under other numerics"
+    let card = card_of(folder, first)?.unwrap_or_default();
+    let odds = sentences(&card.claims, &[About::Success]);
+    let holds = match first.survives {
+        true => "and walks the same under other numerics",
+        false => "but does NOT walk the same under other numerics",
     };
     let base = report.baseline.as_ref().and_then(|base| base.fitness);
     let beats = base.zip(first.fitness).map(|(base, own)| {
@@ -171,8 +167,7 @@ fn cards(folder: &Path, report: &SearchSummary) -> Result<String> {
     let mut all = String::new();
     for robot in &report.best {
         if let Some(card) = card_of(folder, robot)? {
-            let (name, card) = (html(&robot.file), one_card(&card));
-            all += &format!("<details><summary>{name}</summary>{card}</details>");
+            all += &folded(&html(&robot.file), &one_card(&card));
         }
     }
     Ok(all)
@@ -192,13 +187,9 @@ fn one_card(card: &FinalistCard) -> String {
         ]
     });
     let reruns = titled("under | mean displacement | changes by | survives", reruns);
-    let behaviours = card.prediction.behaviours.list.iter();
-    let behaviours = behaviours.map(|behaviour| {
-        vec![
-            behaviour.name.clone(),
-            odds(behaviour.probability),
-            measured(behaviour.mean_displacement_m, "m"),
-        ]
+    let behaviours = card.prediction.behaviours.list.iter().map(|found| {
+        let far = measured(found.mean_displacement_m, "m");
+        vec![found.name.clone(), odds(found.probability), far]
     });
     let head = "behaviour | probability (95 %) | net displacement";
     let behaviours = titled(head, behaviours);
@@ -280,15 +271,11 @@ fn archive(folder: &Path) -> Result<String> {
         return Ok(String::new());
     }
     let rows = sheet.rows().iter().take(400).cloned();
-    Ok(format!(
-        "<details><summary>Table of {} filled cells</summary>{}</details>",
-        sheet.rows().len(),
-        table(&sheet.header(), rows)
-    ))
+    let name = format!("Table of {} filled cells", sheet.rows().len());
+    Ok(folded(&name, &table(&sheet.header(), rows)))
 }
 
 fn failures(report: &SearchSummary) -> String {
-    let rows = report.failures.iter();
-    let rows = rows.map(|(reason, count)| vec![reason.clone(), count.to_string()]);
-    noted("why | robots", rows, "")
+    let row = |(reason, count): (&String, &usize)| vec![reason.clone(), count.to_string()];
+    noted("why | robots", report.failures.iter().map(row), "")
 }

@@ -25,7 +25,8 @@ pub(super) struct Section {
 
 impl Section {
     /// A section; empty content leaves it out.
-    pub fn new(id: &'static str, title: &'static str, html: String) -> Self {
+    pub fn new(id: &'static str, title: &'static str, html: impl Into<Option<String>>) -> Self {
+        let html = html.into().unwrap_or_default();
         Self { id, title, html }
     }
 }
@@ -33,11 +34,10 @@ impl Section {
 /// Sections one after the other.
 pub(super) fn body(sections: &[Section]) -> String {
     let there = sections.iter().filter(|section| !section.html.is_empty());
-    there
-        .map(|Section { id, title, html }| {
-            format!("<section class=\"card\" id=\"{id}\"><h2>{title}</h2>{html}</section>\n")
-        })
-        .collect()
+    let there = there.map(|Section { id, title, html }| {
+        format!("<section class=\"card\" id=\"{id}\"><h2>{title}</h2>{html}</section>\n")
+    });
+    there.collect()
 }
 
 /// Links to the sections.
@@ -63,8 +63,13 @@ pub(super) fn figures(all: &[String]) -> String {
     format!("<div class=\"figures\">{}</div>", all.concat())
 }
 
+/// What is seen once its name is clicked; both are markup.
+pub(super) fn folded(name: &str, content: &str) -> String {
+    format!("<details><summary>{name}</summary>{content}</details>")
+}
+
 /// An element with this content; nothing of none.
-fn within(tag: &str, content: String) -> String {
+pub(super) fn within(tag: &str, content: String) -> String {
     match content.as_str() {
         "" => content,
         _ => format!("<{tag}>{content}</{tag}>"),
@@ -89,39 +94,31 @@ pub(super) fn warning_section<'a>(all: impl Iterator<Item = (&'a str, &'a str)>)
             None => kinds.push((code, vec![message])),
         }
     }
-    let items: String = kinds
-        .into_iter()
-        .map(|(code, messages)| {
-            let remedy = Code::by_name(code).map_or_else(String::new, |code| {
-                let remedy = html(code.remedy());
-                format!("<span class=\"remedy\">What to do: {remedy}.</span>")
-            });
-            let code = html(code);
-            let list = |messages: &[&str]| -> String {
-                let lines = messages.iter().map(|m| format!("<p>{}</p>", html(m)));
-                lines.collect()
-            };
-            let said = match messages.split_at(messages.len().min(MESSAGES)) {
-                ([one], []) => html(one),
-                (all, []) => list(all),
-                (first, rest) => format!(
-                    "{}<details><summary>{} more</summary>{}</details>",
-                    list(first),
-                    rest.len(),
-                    list(rest)
-                ),
-            };
-            format!("<li><code>{code}</code> {said} {remedy}</li>")
-        })
-        .collect();
-    Section::new("warnings", "Warnings", within("ul", items))
+    let items = kinds.into_iter().map(|(code, messages)| {
+        let remedy = Code::by_name(code).map_or_else(String::new, |code| {
+            let remedy = html(code.remedy());
+            format!("<span class=\"remedy\">What to do: {remedy}.</span>")
+        });
+        let code = html(code);
+        let list = |messages: &[&str]| -> String {
+            let lines = messages.iter().map(|m| format!("<p>{}</p>", html(m)));
+            lines.collect()
+        };
+        let said = match messages.split_at(messages.len().min(MESSAGES)) {
+            ([one], []) => html(one),
+            (all, []) => list(all),
+            (first, rest) => list(first) + &folded(&format!("{} more", rest.len()), &list(rest)),
+        };
+        format!("<li><code>{code}</code> {said} {remedy}</li>")
+    });
+    Section::new("warnings", "Warnings", within("ul", items.collect()))
 }
 
 /// Numbers of the report that no other section holds.
-pub(super) fn numbers(report: &Tree, said: &[&str]) -> Section {
-    let always = ["description", "provenance", "warnings", "engine", "version"];
-    let said: Vec<&str> = said.iter().copied().chain(always).collect();
-    let all = report.scalars(&said);
+pub(super) fn numbers(report: &Tree, said: &str) -> Section {
+    let always = "description provenance warnings engine version";
+    let said = said.split(' ').chain(always.split(' '));
+    let all = report.scalars(&said.collect::<Vec<_>>());
     Section::new("numbers", "Numbers", within("dl", entries(pairs_of(&all))))
 }
 
@@ -129,15 +126,11 @@ pub(super) fn numbers(report: &Tree, said: &[&str]) -> Section {
 pub(super) fn provenance(report: &Tree, command: Option<&str>, page: Option<&str>) -> Section {
     let named = |name: &str, text: Option<String>| Some((name.to_owned(), text?));
     let mut pairs = Vec::from_iter(named("run it again", command.map(str::to_owned)));
-    let own = [
-        ("engine", "engine"),
-        ("realgap", "version"),
-        ("seed", "seed"),
-    ];
-    pairs.extend(
-        own.iter()
-            .filter_map(|(shown, name)| named(shown, report.scalar(name))),
-    );
+    let own = ["engine", "version", "seed"].into_iter();
+    pairs.extend(own.filter_map(|name| {
+        let shown = if name == "version" { "realgap" } else { name };
+        named(shown, report.scalar(name))
+    }));
     pairs.extend(report.provenance());
     pairs.extend(named("this page", page.map(str::to_owned)));
     let shown = within("dl", entries(pairs_of(&pairs)));

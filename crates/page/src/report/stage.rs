@@ -3,6 +3,7 @@
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::motion::robot_solids;
+use crate::plot::ends;
 use realgap_engine::{Film, Floor, SceneBody, SceneMotion, part_name};
 use realgap_robot::morphology::{Morphology, Shape};
 
@@ -143,10 +144,9 @@ impl Stage {
         }
         let mut fixed = vec![slab(&actors, floor)];
         for body in scene {
-            let SceneMotion::Fixed { world_from_body } = &body.motion else {
-                continue;
-            };
-            fixed.extend(solids(body, *world_from_body));
+            if let SceneMotion::Fixed { world_from_body } = &body.motion {
+                fixed.extend(solids(body, *world_from_body));
+            }
         }
         Self {
             actors,
@@ -173,13 +173,7 @@ fn actor(robot: Option<&Morphology>, film: &Film, scene: &[SceneBody], every: us
         let own = all.iter().filter(|one| one.part == part);
         movers.push(Mover {
             name: part_name(part),
-            solids: own
-                .map(|one| Solid {
-                    shape: one.shape.clone(),
-                    pose: one.part_from_solid,
-                    kind: one.kind,
-                })
-                .collect(),
+            solids: own.map(|one| one.solid.clone()).collect(),
             poses: pick(poses),
         });
     }
@@ -228,8 +222,7 @@ pub(super) fn picks(samples: usize, every: usize) -> Vec<usize> {
 fn slab(actors: &[Actor], floor: Floor) -> Solid {
     let places = || actors.iter().flat_map(|actor| &actor.places_m);
     let range = |axis: usize| {
-        let low = places().map(|p| p[axis]).fold(f64::INFINITY, f64::min);
-        let high = places().map(|p| p[axis]).fold(f64::NEG_INFINITY, f64::max);
+        let (low, high) = ends(places().map(|p| p[axis]));
         (0.5 * (low + high), 0.5 * (high - low) + FLOOR_MARGIN_M)
     };
     let ((x, half_x), (y, half_y)) = (range(0), range(1));
@@ -238,12 +231,9 @@ fn slab(actors: &[Actor], floor: Floor) -> Solid {
     // The point of the floor above or below the middle of the paths.
     let z = floor.height_m - floor.slope_rad.tan() * x;
     let middle = Vector3::new(x, y, z) - FLOOR_HALF_M * up;
+    let half_x = half_x / floor.slope_rad.cos();
     Solid {
-        shape: Shape::cuboid(Vector3::new(
-            half_x / floor.slope_rad.cos(),
-            half_y,
-            FLOOR_HALF_M,
-        )),
+        shape: Shape::cuboid(Vector3::new(half_x, half_y, FLOOR_HALF_M)),
         pose: Isometry3::from_parts(middle.into(), turn),
         kind: Kind::Floor,
     }
@@ -256,10 +246,9 @@ pub(super) fn continuous(
     let mut last: Option<UnitQuaternion<f64>> = None;
     turns.map(move |turn| {
         let is_far = last.is_some_and(|last| last.coords.dot(&turn.coords) < 0.0);
-        let next = if is_far {
-            UnitQuaternion::new_unchecked(-turn.into_inner())
-        } else {
-            turn
+        let next = match is_far {
+            true => UnitQuaternion::new_unchecked(-turn.into_inner()),
+            false => turn,
         };
         last = Some(next);
         next

@@ -21,8 +21,8 @@ pub(super) struct Story {
     pub description: String,
     /// Parts, in order; warnings, numbers and provenance come last.
     pub sections: Vec<Section>,
-    /// Fields of the report that the sections tell.
-    pub said: Vec<&'static str>,
+    /// Fields of the report that the sections tell, a blank between two.
+    pub said: &'static str,
     /// Data for the scripts.
     pub data: Vec<(&'static str, String)>,
 }

@@ -14,7 +14,7 @@ use super::kept::{Kept, recorded_of};
 use super::page::{html, script_json};
 use super::path::{from_above, over_time};
 use super::points::{Points, push_path};
-use super::section::{Section, figures, pictures};
+use super::section::{Section, figures, folded, pictures};
 use super::sheet::Sheet;
 use super::story::Story;
 use super::value::*;
@@ -25,19 +25,8 @@ use realgap_lab::calibration::{Audit, Best, Reproduction, Validation};
 use realgap_lab::claim::{About, Claim};
 
 /// Fewer numbers than this of a report stand in the section of numbers, because others tell them.
-const SAID: [&str; 11] = [
-    "study",
-    "fit",
-    "best",
-    "verdicts",
-    "audit",
-    "validation",
-    "transfer",
-    "reproduction",
-    "uncertainty",
-    "tuning",
-    "pose",
-];
+const SAID: &str =
+    "study fit best verdicts audit validation transfer reproduction uncertainty tuning pose";
 
 /// What a page shows of the report of a sweep or a tuning.
 #[derive(Debug, Default, Deserialize)]
@@ -94,10 +83,8 @@ pub(super) fn story(folder: &Path, report: &Report, kept: Option<&Kept>) -> Resu
     let verdicts = verdicts(folder, report)?;
     let came = convergence(folder, report)?;
     let unit = report.unit.as_str();
-    let validation = report
-        .validation
-        .as_ref()
-        .map(|held| validation(held, unit));
+    let held = report.validation.as_ref();
+    let held = held.map(|held| validation(held, unit));
     let transfer = report.transfer.as_ref();
     let transfer = transfer.map(|found| fleet::transfer(found, unit));
     let reproduced = report.reproduction.as_ref().map(fleet::reproduction);
@@ -116,6 +103,8 @@ pub(super) fn story(folder: &Path, report: &Report, kept: Option<&Kept>) -> Resu
     };
     let audit_title = "Numerical audit: what no recording can tell";
     let verdict_title = "What the recordings say about each parameter";
+    let robots_title = "Does it hold for a robot that it has not seen?";
+    let reproduced_title = "In how many robots does the shared answer do what was recorded?";
     let sections = vec![
         Section::new("map", "Scores, and the path of each point", map),
         Section::new("over-time", "The chosen point over time", over_time),
@@ -124,21 +113,9 @@ pub(super) fn story(folder: &Path, report: &Report, kept: Option<&Kept>) -> Resu
         pictures(folder, "corner", corner_title, is_corner)?,
         Section::new("convergence", "How the optimizer came there", came),
         pictures(folder, "components", plane_title, is_plane)?,
-        Section::new(
-            "validation",
-            "On recordings that were held out",
-            validation.unwrap_or_default(),
-        ),
-        Section::new(
-            "robots",
-            "Does it hold for a robot that it has not seen?",
-            transfer.unwrap_or_default(),
-        ),
-        Section::new(
-            "reproduced",
-            "In how many robots does the shared answer do what was recorded?",
-            reproduced.unwrap_or_default(),
-        ),
+        Section::new("validation", "On recordings that were held out", held),
+        Section::new("robots", robots_title, transfer),
+        Section::new("reproduced", reproduced_title, reproduced),
         Section::new("audit", audit_title, audit(report)),
         pictures(folder, "pictures", "More pictures", |stem| !is_drawn(stem))?,
     ];
@@ -147,7 +124,7 @@ pub(super) fn story(folder: &Path, report: &Report, kept: Option<&Kept>) -> Resu
         name: report.study.clone().unwrap_or("results".to_owned()),
         answer: answer(report),
         sections,
-        said: SAID.to_vec(),
+        said: SAID,
         ..Story::default()
     };
     if let (Some(paths), Some(best)) = (paths, best) {
@@ -196,11 +173,8 @@ fn heat(points: &Points, report: &Report, map: Option<String>, path: &str) -> St
         row.push(if point.is_in { "yes" } else { "" }.to_owned());
         row
     });
-    let table = format!(
-        "<details><summary>Table of {} points, best first</summary>{}</details>",
-        order.len(),
-        table(&head, rows)
-    );
+    let name = format!("Table of {} points, best first", order.len());
+    let table = folded(&name, &table(&head, rows));
     let alike = match sentences(&report.claims, &[About::Set]) {
         none if none.is_empty() => none,
         alike => format!("<p class=\"note\">{}</p>", html(&alike)),
@@ -273,15 +247,13 @@ fn profiles(folder: &Path, report: &Report) -> Result<Vec<String>> {
     }
     let unit = report.unit.as_str();
     let score = format!("lowest {} [{unit}]", report.metric);
-    Ok(all
-        .into_iter()
-        .map(|(name, (points, alike, bands))| {
-            let alt = format!("Lowest score over {name}");
-            let chart = Chart::plain(alt, name, score.clone()).band(bands);
-            let chart = chart.line("sim", points);
-            chart.dots("in", alike).figure(name, "")
-        })
-        .collect())
+    let figure = |(name, (points, alike, bands)): (&str, Line)| {
+        let alt = format!("Lowest score over {name}");
+        let chart = Chart::plain(alt, name, score.clone()).band(bands);
+        let chart = chart.line("sim", points);
+        chart.dots("in", alike).figure(name, "")
+    };
+    Ok(all.into_iter().map(figure).collect())
 }
 
 /// Every score in the order of the optimizer, and the best so far as steps.
@@ -293,9 +265,8 @@ fn convergence(folder: &Path, report: &Report) -> Result<String> {
     }
     let numbered = |values: &[f64]| -> Vec<[f64; 2]> {
         let values = values.iter().enumerate();
-        values
-            .map(|(index, value)| [index as f64, *value])
-            .collect()
+        let points = values.map(|(index, value)| [index as f64, *value]);
+        points.collect()
     };
     let best = numbered(&best).into_iter();
     let best = steps(best.filter(|[_, value]| value.is_finite()));
@@ -342,11 +313,9 @@ fn audit(report: &Report) -> String {
             percent(share),
         ]
     });
+    let head = "setting | is | score then | change | of the best score";
     format!(
         "<p class=\"note\">The best point again under other settings of the engine that are as good or better, or coarser. What a finer setting changes is a floor below which no fit can be trusted.</p>{}",
-        titled(
-            "setting | is | score then | change | of the best score",
-            cells
-        )
+        titled(head, cells)
     )
 }

@@ -2,6 +2,7 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
+use crate::plot::ends;
 use realgap_core::error::Result;
 use realgap_engine::Film;
 use realgap_path::trajectory::{Interpolator, Trajectory, prepare};
@@ -17,10 +18,7 @@ pub(super) const CURVE: usize = 241;
 pub(super) fn laid_onto(film: &Film, onto: &Trajectory) -> Result<Film> {
     let turn_rad = prepare(onto)?.heading_rad() - prepare(&film.track)?.heading_rad();
     let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn_rad);
-    let (from, to) = (
-        film.track.positions_world_m()[0],
-        onto.positions_world_m()[0],
-    );
+    let [from, to] = [&film.track, onto].map(|track| track.positions_world_m()[0]);
     film.moved(turn_rad, to - turn * from)
 }
 
@@ -30,17 +28,11 @@ pub(super) fn distances(a: &Trajectory, b: &Trajectory) -> Vec<[f64; 2]> {
     let is_planar = a.is_planar() || b.is_planar();
     let end_s = a.duration_s().min(b.duration_s());
     let (mut of_a, mut of_b) = (Interpolator::new(a), Interpolator::new(b));
-    times(end_s)
-        .map(|t_s| {
-            let apart = of_a.position_world_m(t_s) - of_b.position_world_m(t_s);
-            let apart_m = if is_planar {
-                apart.xy().norm()
-            } else {
-                apart.norm()
-            };
-            [t_s, apart_m]
-        })
-        .collect()
+    let apart = times(end_s).map(|t_s| {
+        let apart = of_a.position_world_m(t_s) - of_b.position_world_m(t_s);
+        [t_s, length_m(apart, is_planar)]
+    });
+    apart.collect()
 }
 
 /// How far each of several motions is from the mean of the others at equal times: time, smallest and largest distance. Empty for
@@ -50,34 +42,26 @@ pub(super) fn spread(motions: &[&Trajectory]) -> Vec<[f64; 3]> {
         return Vec::new();
     }
     let is_planar = motions.iter().any(|motion| motion.is_planar());
-    let ends = motions.iter().map(|motion| motion.duration_s());
-    let end_s = ends.fold(f64::INFINITY, f64::min);
-    let mut all: Vec<_> = motions
-        .iter()
-        .map(|motion| Interpolator::new(motion))
-        .collect();
-    times(end_s)
-        .map(|t_s| {
-            let places: Vec<Vector3<f64>> = all
-                .iter_mut()
-                .map(|one| one.position_world_m(t_s))
-                .collect();
-            let sum: Vector3<f64> = places.iter().sum();
-            let others = (places.len() - 1) as f64;
-            let apart = places.iter().map(|place| {
-                let apart = place - (sum - place) / others;
-                if is_planar {
-                    apart.xy().norm()
-                } else {
-                    apart.norm()
-                }
-            });
-            let (low, high) = apart.fold((f64::INFINITY, 0.0_f64), |(low, high), m| {
-                (low.min(m), high.max(m))
-            });
-            [t_s, low, high]
-        })
-        .collect()
+    let (end_s, _) = ends(motions.iter().map(|motion| motion.duration_s()));
+    let all = motions.iter().map(|motion| Interpolator::new(motion));
+    let mut all: Vec<_> = all.collect();
+    let spread = times(end_s).map(|t_s| {
+        let places = all.iter_mut().map(|one| one.position_world_m(t_s));
+        let places: Vec<Vector3<f64>> = places.collect();
+        let sum: Vector3<f64> = places.iter().sum();
+        let others = (places.len() - 1) as f64;
+        let apart = places.iter().map(|place| place - (sum - place) / others);
+        let (low, high) = ends(apart.map(|apart| length_m(apart, is_planar)));
+        [t_s, low, high]
+    });
+    spread.collect()
+}
+
+fn length_m(apart_m: Vector3<f64>, is_planar: bool) -> f64 {
+    match is_planar {
+        true => apart_m.xy().norm(),
+        false => apart_m.norm(),
+    }
 }
 
 fn times(end_s: f64) -> impl Iterator<Item = f64> {

@@ -7,7 +7,8 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::page::html;
-use super::value::table;
+use super::section::folded;
+use super::value::{shown, table};
 use realgap_core::error::{Error, Result};
 use realgap_core::unit::number;
 
@@ -93,9 +94,8 @@ impl Tree {
     pub(super) fn provenance(&self) -> Vec<(String, String)> {
         let origins = fields(self.0.get("provenance").unwrap_or(&Value::Null));
         let text = |value: &Value| scalar(value).unwrap_or_else(|| value.to_string());
-        origins
-            .map(|(name, value)| (name.clone(), text(value)))
-            .collect()
+        let pairs = origins.map(|(name, value)| (name.clone(), text(value)));
+        pairs.collect()
     }
 
     /// Every list of the report whose items have fields, as a table of those that are numbers or texts.
@@ -113,19 +113,14 @@ impl Tree {
             let head: Vec<&str> = head.iter().map(String::as_str).collect();
             let rows = items.iter().take(MOST_ROWS).map(|item| {
                 let cells = columns.iter().map(|name| item.get(name).and_then(scalar));
-                cells
-                    .map(|cell| cell.unwrap_or_else(|| "–".to_owned()))
-                    .collect()
+                cells.map(shown).collect()
             });
             let title = html(&name.replace('_', " "));
-            let more = match items.len() {
-                few if few <= MOST_ROWS => String::new(),
-                many => format!(" (the first {MOST_ROWS} of {many})"),
+            let title = match items.len() {
+                few if few <= MOST_ROWS => title,
+                many => format!("{title} (the first {MOST_ROWS} of {many})"),
             };
-            all += &format!(
-                "<details><summary>{title}{more}</summary>{}</details>",
-                table(&head, rows)
-            );
+            all += &folded(&title, &table(&head, rows));
         }
         all
     }

@@ -9,7 +9,7 @@ use realgap_core::file::{write_atomic, write_ron};
 use realgap_core::unit::counted;
 use realgap_engine::parameter::{Assignment, ParameterSet};
 use realgap_lab::calibration::{Answer, Best, BestFile, Report, Study, recording_id};
-use realgap_lab::claim::{About, Claim};
+use realgap_lab::claim::About;
 
 pub(super) fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
     let report = &answer.report;
@@ -17,11 +17,8 @@ pub(super) fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<()>
         return Ok(());
     };
     // The study's fixed values belong to the answer: the best of the rest holds only with them.
-    let fixed = study
-        .definition()
-        .set
-        .iter()
-        .map(|a| (a.parameter.name.to_owned(), a.value));
+    let fixed = study.definition().set.iter();
+    let fixed = fixed.map(|a| (a.parameter.name.to_owned(), a.value));
     let file = BestFile {
         study: None,
         description: description(report, best, answer.scores.points.len()),
@@ -37,13 +34,8 @@ pub(super) fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<()>
 
 /// What the values are, the best of so many points, with what is claimed of the model and of each parameter.
 pub(crate) fn description(report: &Report, best: &Best, points: usize) -> String {
-    let is_said = |claim: &&Claim| {
-        matches!(
-            claim.about,
-            About::Model | About::Engines | About::Parameter
-        )
-    };
-    let said = report.claims.iter().filter(is_said);
+    let about = [About::Model, About::Engines, About::Parameter];
+    let said = report.claims.iter().filter(|c| about.contains(&c.about));
     let said: Vec<&str> = said.map(|claim| claim.text.as_str()).collect();
     format!(
         "Best of {} of the study {} ({}, {} = {} {}). {}.",
@@ -70,10 +62,8 @@ pub fn draws(study: &Study, answer: &Answer) -> Vec<Vec<ParameterSet>> {
     let set = |row: &Vec<f64>| -> ParameterSet {
         let values = parameters.iter().zip(row);
         let simulated = values.filter(|(parameter, _)| !parameter.name.starts_with("recording."));
-        let drawn = simulated.map(|(parameter, value)| Assignment {
-            parameter,
-            value: rounded(*value),
-        });
+        let drawn = simulated.map(|(parameter, value)| (parameter, rounded(*value)));
+        let drawn = drawn.map(|(parameter, value)| Assignment { parameter, value });
         drawn.collect()
     };
     vec![rows.map(set).collect()]

@@ -20,19 +20,22 @@ pub(super) fn cells<'a>(study: &Study, answer: &'a Answer) -> Vec<Option<&'a Poi
     }
     let nearest = |values: &[f64]| {
         let distance = |point: &PointScore| -> f64 {
-            let ranges = grid.ranges().iter();
-            ranges
-                .zip(values.iter().zip(&point.values))
-                .map(|(range, (a, b))| ((a - b) / range.step()).powi(2))
-                .sum()
+            let pairs = values.iter().zip(&point.values);
+            let steps = grid.ranges().iter().zip(pairs);
+            let steps = steps.map(|(range, (a, b))| ((a - b) / range.step()).powi(2));
+            steps.sum()
         };
-        points
-            .iter()
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        let points = points.iter();
+        points.min_by(|a, b| distance(a).total_cmp(&distance(b)))
     };
-    (0..grid.len())
-        .map(|index| nearest(&grid.values(index)))
-        .collect()
+    let cells = (0..grid.len()).map(|index| nearest(&grid.values(index)));
+    cells.collect()
+}
+
+/// Whether the point at this place of the scores cannot be told from the best.
+pub(super) fn is_alike(answer: &Answer, point: usize) -> bool {
+    let uncertainty = answer.uncertainty.as_ref();
+    uncertainty.is_some_and(|u| u.indistinguishable[point])
 }
 
 /// The cells of the grid with a point or a place that cannot be told from the best.
@@ -47,7 +50,6 @@ pub(super) fn alike(study: &Study, answer: &Answer) -> BTreeSet<usize> {
     let places = uncertainty.unvisited.iter();
     let all = visited.chain(places.map(|place| (&place.values, place.indistinguishable)));
     let inside = all.filter(|(_, is_in)| *is_in);
-    inside
-        .map(|(values, _)| grid.index(&grid.nearest(values)))
-        .collect()
+    let inside = inside.map(|(values, _)| grid.index(&grid.nearest(values)));
+    inside.collect()
 }

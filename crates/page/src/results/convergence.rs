@@ -3,8 +3,10 @@
 use std::path::Path;
 
 use super::kind::file;
-use super::table::{names, number, write};
-use crate::plot::{AxisSpec, Caption, LinePlot, ScoreScale, Series, SeriesKind, both, draw_lines};
+use super::table::{names, number, texts, write};
+use crate::plot::{
+    AxisSpec, Caption, LinePlot, ScoreScale, Series, SeriesKind, both, draw_lines, ends,
+};
 use realgap_core::error::Result;
 use realgap_core::unit::Unit;
 use realgap_lab::calibration::{Answer, PointScore, Study, Tuned};
@@ -12,16 +14,16 @@ use realgap_lab::calibration::{Answer, PointScore, Study, Tuned};
 /// Best score after each point; `None` until one has a score.
 fn best_so_far(points: &[PointScore]) -> Vec<Option<f64>> {
     let mut best: Option<f64> = None;
-    points
-        .iter()
-        .map(|point| {
-            best = match (best, point.score) {
-                (Some(best), Some(score)) => Some(best.min(score)),
-                (best, score) => best.or(score),
-            };
-            best
-        })
-        .collect()
+    let scores = points.iter().map(|point| point.score);
+    let so_far = scores.map(|score| {
+        best = best
+            .zip(score)
+            .map(|(best, score)| best.min(score))
+            .or(best)
+            .or(score);
+        best
+    });
+    so_far.collect()
 }
 
 /// The runs that the optimizer asked for, without those that complete the settings of the best point.
@@ -40,29 +42,20 @@ pub(super) fn draw(
 ) -> Result<()> {
     let points = chosen(answer, tuned);
     let numbered = |values: Vec<Option<f64>>| -> Vec<(f64, f64)> {
-        let count = 1..=values.len();
-        count
-            .zip(values)
-            .filter_map(|(n, value)| Some((n as f64, value?)))
-            .collect()
+        let all = (1..=values.len()).zip(values);
+        let known = all.filter_map(|(n, value)| Some((n as f64, value?)));
+        known.collect()
     };
     let trials = numbered(points.iter().map(|point| point.score).collect());
     if trials.is_empty() {
         return Ok(());
     }
-    let scores = || trials.iter().map(|(_, score)| *score);
-    let (lowest, highest) = (
-        scores().fold(f64::INFINITY, f64::min),
-        scores().fold(0.0, f64::max),
-    );
+    let (lowest, highest) = ends(trials.iter().map(|(_, score)| *score));
+    let highest = highest.max(0.0);
+    let best = numbered(best_so_far(points));
     let mut series = vec![
         Series::new("each point", SeriesKind::Dots, trials).colour(4),
-        Series::new(
-            "best so far",
-            SeriesKind::Steps,
-            numbered(best_so_far(points)),
-        )
-        .colour(1),
+        Series::new("best so far", SeriesKind::Steps, best).colour(1),
     ];
     if tuned.design > 0 {
         let x = tuned.design as f64 + 0.5;
@@ -99,12 +92,10 @@ pub(super) fn write_trials(
     let rows = points.iter().zip(best_so_far(points)).map(|(point, best)| {
         let is_design = point.index < tuned.design;
         let phase = if is_design { "design" } else { "search" };
-        let mut row = vec![point.index.to_string(), phase.to_owned()];
-        row.extend(point.values.iter().map(f64::to_string));
-        row.push(number(point.score));
-        row.push(answer.scores.unit.label().to_owned());
-        row.push(number(best));
-        row
+        let first = vec![point.index.to_string(), phase.to_owned()];
+        let unit = answer.scores.unit.label().to_owned();
+        let last = vec![number(point.score), unit, number(best)];
+        [first, texts(&point.values), last].concat()
     });
     write(&folder.join(file::TRIALS), &header, rows)
 }

@@ -2,10 +2,12 @@
 
 use std::path::Path;
 
-use crate::plot::{AxisSpec, Caption, Corner, both, draw_corner};
+use super::picture::axis;
+use crate::plot::{Caption, Corner, both, draw_corner};
 use realgap_core::error::Result;
 use realgap_core::unit::counted;
 use realgap_lab::calibration::{Answer, Study};
+use realgap_optimize::Range;
 
 /// Draws of the inference, where there are two parameters or more.
 pub(super) fn draw(folder: &Path, study: &Study, answer: &Answer, subtitle: &str) -> Result<()> {
@@ -18,28 +20,18 @@ pub(super) fn draw(folder: &Path, study: &Study, answer: &Answer, subtitle: &str
     if draws.len() < 2 {
         return Ok(());
     }
-    let best = answer
-        .scores
-        .best
-        .map(|best| answer.scores.points[best].values.clone());
-    let truth = ranges
-        .iter()
-        .map(|range| definition.truth.value(range.parameter.name));
-    let truth: Vec<Option<f64>> = truth.collect();
+    let best = answer.scores.best;
+    let best = best.map(|best| answer.scores.points[best].values.clone());
+    let known = |range: &Range| definition.truth.value(range.parameter.name);
+    let truth: Vec<Option<f64>> = ranges.iter().map(known).collect();
     let is_known = truth.iter().any(Option::is_some);
     let what = "what the recordings leave possible";
+    let name = &definition.name;
+    let title = format!("{name}: {what}, every parameter against every other");
+    let subtitle = format!("{subtitle}; {}", counted(draws.len(), "draw"));
     let corner = Corner {
-        caption: Caption::new(
-            format!(
-                "{}: {what}, every parameter against every other",
-                definition.name
-            ),
-            format!("{subtitle}; {}", counted(draws.len(), "draw")),
-        ),
-        axes: ranges
-            .iter()
-            .map(|range| AxisSpec::new(range.parameter.name, range.parameter.unit))
-            .collect(),
+        caption: Caption::new(title, subtitle),
+        axes: ranges.iter().map(axis).collect(),
         draws,
         best,
         truth: is_known.then(|| (truth, "hidden value of the stand-in".to_owned())),

@@ -34,11 +34,11 @@ pub(super) fn publish<T>(
     // A page of the same results is theirs: it stays until another takes its place, so that whoever is killed before that
     // has one.
     let has_page = PAGE.iter().any(|name| folder.join(name).exists());
-    let is_as_before = has_page
-        && new.iter().all(|name| {
-            let [made, there] = [&draft, folder].map(|place| fs::read(place.join(name)).ok());
-            made.is_some() && made == there
-        });
+    let is_there = |name: &PathBuf| {
+        let [made, there] = [&draft, folder].map(|place| fs::read(place.join(name)).ok());
+        made.is_some() && made == there
+    };
+    let is_as_before = has_page && new.iter().all(is_there);
     for name in &new {
         let (from, to) = (draft.join(name), folder.join(name));
         if let Some(parent) = to.parent() {
@@ -52,10 +52,8 @@ pub(super) fn publish<T>(
         let stays = |name: &str| {
             [TIMING, SEAL_FILE].contains(&name) || (is_as_before && PAGE.contains(&name))
         };
-        if name
-            .to_str()
-            .is_some_and(|name| kind.has(name) && !stays(name))
-        {
+        let text = name.to_str();
+        if text.is_some_and(|name| kind.has(name) && !stays(name)) {
             let old = folder.join(name);
             fs::remove_file(&old).map_err(|e| Error::io("remove an old result", &old, &e))?;
             removed.insert(name.clone());
@@ -91,9 +89,8 @@ pub(super) fn files(folder: &Path) -> Result<BTreeSet<PathBuf>> {
             all.insert(name);
         } else if kind.is_dir() {
             let inside = fs::read_dir(entry.path()).map_err(|e| refuse(&e))?;
-            let files = inside
-                .flatten()
-                .filter(|file| file.file_type().is_ok_and(|kind| kind.is_file()));
+            let is_file = |file: &fs::DirEntry| file.file_type().is_ok_and(|kind| kind.is_file());
+            let files = inside.flatten().filter(is_file);
             all.extend(files.map(|file| name.join(file.file_name())));
         }
     }

@@ -10,9 +10,7 @@ use super::table::{number, write};
 use crate::plot::{Caption, EnsembleBand, EnsembleGroup, EnsemblePlot, both, draw_ensemble};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{versioned_json, write_atomic};
-use realgap_lab::prediction::ensemble::{
-    Behaviours, Ensemble, Envelope, Forecast, LEVELS, Motion, Repeat,
-};
+use realgap_lab::prediction::ensemble::{Ensemble, Envelope, Forecast, LEVELS, Motion, Repeat};
 use realgap_lab::prediction::{Card, EnsembleReport};
 use realgap_path::trajectory::Source;
 
@@ -56,20 +54,17 @@ const PICTURES: usize = 12;
 /// # Errors
 /// A full disk or an unwritable folder.
 pub fn write_ensemble(folder: &Path, report: &EnsembleReport) -> Result<()> {
-    let results: Vec<(&str, EnsembleResult<'_>)> = report
-        .cases
-        .iter()
-        .map(|case| {
-            let result = EnsembleResult {
-                ensemble: &case.ensemble,
-                summary: &case.forecast,
-                real_paths_m: case.real_paths_m.clone(),
-                real_label: report.source.reality_label(),
-                title: format!("{}: repeats under noise", case.case),
-            };
-            (case.case.as_str(), result)
-        })
-        .collect();
+    let results = report.cases.iter().map(|case| {
+        let result = EnsembleResult {
+            ensemble: &case.ensemble,
+            summary: &case.forecast,
+            real_paths_m: case.real_paths_m.clone(),
+            real_label: report.source.reality_label(),
+            title: format!("{}: repeats under noise", case.case),
+        };
+        (case.case.as_str(), result)
+    });
+    let results: Vec<_> = results.collect();
     make(folder)?;
     publish(folder, Kind::Ensemble, |draft| {
         write_report(draft, file::ENSEMBLE, report)?;
@@ -128,7 +123,9 @@ fn row(case_name: &str, case: &EnsembleResult<'_>, repeat: &Repeat) -> Vec<(Stri
         None => "completed".to_owned(),
         Some(divergence) => format!("diverged {divergence}"),
     };
-    let behaviour = behaviour(&case.summary.behaviours, repeat.number);
+    let behaviours = &case.summary.behaviours;
+    let behaviour = behaviours.of_repeat(repeat.number);
+    let behaviour = behaviour.map_or("diverged", |index| behaviours.list[index].name.as_str());
     let [net_m, path_m, turned_rad] = [
         motion.map(|m| m.net_displacement_m()),
         motion.map(|m| m.path.path_length_m()),
@@ -140,7 +137,7 @@ fn row(case_name: &str, case: &EnsembleResult<'_>, repeat: &Repeat) -> Vec<(Stri
         ("repeat", repeat.number.to_string()),
         ("seed", case.ensemble.seed.to_string()),
         ("status", status),
-        ("behaviour", behaviour),
+        ("behaviour", behaviour.to_owned()),
         ("net_displacement_m", net_m),
         ("path_length_m", path_m),
         ("turned_rad", turned_rad),
@@ -172,14 +169,6 @@ fn row(case_name: &str, case: &EnsembleResult<'_>, repeat: &Repeat) -> Vec<(Stri
     row
 }
 
-fn behaviour(behaviours: &Behaviours, number: u64) -> String {
-    behaviours
-        .of_repeat(number)
-        .map_or("diverged".to_owned(), |index| {
-            behaviours.list[index].name.clone()
-        })
-}
-
 /// Draws an ensemble as `STEM.png` and `STEM.svg`; nothing where every repeat diverged.
 ///
 /// # Errors
@@ -206,15 +195,12 @@ pub(super) fn draw_repeats(folder: &Path, stem: &str, case: &EnsembleResult<'_>)
         let [share, low, high] = [odds.share, odds.low, odds.high].map(|p| 100.0 * p);
         let alike = case.ensemble.motions();
         let alike = alike.filter(|(repeat, _)| behaviour.repeats.contains(&repeat.number));
+        let (name, is_known) = (&behaviour.name, behaviour.representative.is_some());
+        let typical = Some(&behaviour.path_xy_m).filter(|_| is_known);
         EnsembleGroup {
-            label: format!(
-                "{}: {share:.0} % (95 %: {low:.0} to {high:.0} %)",
-                behaviour.name
-            ),
+            label: format!("{name}: {share:.0} % (95 %: {low:.0} to {high:.0} %)"),
             paths_m: alike.take(PATHS_DRAWN).map(|(_, m)| path_m(m)).collect(),
-            representative_m: behaviour
-                .representative
-                .map_or(Vec::new(), |_| behaviour.path_xy_m.clone()),
+            representative_m: typical.cloned().unwrap_or_default(),
         }
     });
     let widest = LEVELS.len() - 1;
@@ -235,13 +221,11 @@ pub(super) fn draw_repeats(folder: &Path, stem: &str, case: &EnsembleResult<'_>)
 /// How far the regions of a level reach along x and along y.
 fn extent(envelope: &Envelope, level: usize) -> EnsembleBand {
     let ends = |sign: f64| {
-        let regions = envelope.regions.iter();
-        regions
-            .map(|region| {
-                let half_m = region.half_widths_m(level);
-                [0, 1].map(|axis| region.centre_m[axis] + sign * half_m[axis])
-            })
-            .collect()
+        let ends = envelope.regions.iter().map(|region| {
+            let half_m = region.half_widths_m(level);
+            [0, 1].map(|axis| region.centre_m[axis] + sign * half_m[axis])
+        });
+        ends.collect()
     };
     EnsembleBand {
         level: LEVELS[level],

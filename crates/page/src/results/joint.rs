@@ -49,23 +49,16 @@ pub(super) fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<()>
     };
     let cells = rows.iter().map(|row| {
         let numbers = [row.time_s, row.recorded_rad, row.simulated_rad];
-        let [time, recorded, simulated] = numbers.map(|v| format!("{v:.6}"));
-        vec![
-            row.recording.clone(),
-            row.joint.clone(),
-            time,
-            recorded,
-            simulated,
-        ]
+        let numbers = numbers.map(|v| format!("{v:.6}"));
+        [&[row.recording.clone(), row.joint.clone()][..], &numbers].concat()
     });
     let header = ["recording", "joint", "t_s", "recorded_rad", "simulated_rad"];
     table::write(&folder.join(file::JOINTS), &header, cells)?;
     let definition = study.definition();
+    let title = format!("{}: joints over time at the best point", definition.name);
+    let subtitle = format!("{}: {recording}", definition.morphology.name());
     let plot = JointPlot {
-        caption: Caption::new(
-            format!("{}: joints over time at the best point", definition.name),
-            format!("{}: {recording}", definition.morphology.name()),
-        ),
+        caption: Caption::new(title, subtitle),
         joints,
         reality_label: definition.source().reality_label().to_owned(),
     };
@@ -77,10 +70,8 @@ fn compared(study: &Study, values: &[f64]) -> Result<Vec<Row>> {
     let cases: Vec<usize> = (0..study.cases().len().min(RECORDINGS)).collect();
     let of_case = |case: &usize| -> Result<Vec<Row>> {
         let targets = &study.cases()[*case].targets;
-        if targets
-            .iter()
-            .all(|target| target.motion.joints().is_empty())
-        {
+        let mut motions = targets.iter().map(|target| &target.motion);
+        if motions.all(|motion| motion.joints().is_empty()) {
             return Ok(Vec::new());
         }
         let run = realgap_engine::run(&study.experiment(*case, values)?)?;

@@ -47,8 +47,8 @@ pub(crate) mod file {
 }
 
 impl Kind {
-    /// Tables and reports of this kind, and its pictures without their endings.
-    fn names(self) -> (&'static [&'static str], &'static [&'static str]) {
+    /// Tables and reports of this kind, and its pictures without their endings, a blank between two.
+    fn names(self) -> (&'static [&'static str], &'static str) {
         use file::*;
         match self {
             Self::Study => (
@@ -63,31 +63,23 @@ impl Kind {
                     JOINTS,
                     BEST,
                 ],
-                &[
-                    "heatmap",
-                    "heatmap_fitness",
-                    "curve",
-                    "trajectories",
-                    "convergence",
-                    "components",
-                    "corner",
-                    "joints",
-                ],
+                "heatmap heatmap_fitness curve trajectories convergence components corner joints",
             ),
             Self::Search => (
                 &[SUMMARY, HISTORY, ARCHIVE],
-                &["fitness", "archive", "gallery", "paths"],
+                "fitness archive gallery paths",
             ),
-            Self::Ensemble => (&[ENSEMBLE, REPEATS], &["ensemble"]),
-            Self::Gap => (&[GAP], &["confidence", "rmse"]),
-            Self::Prediction => (&[PREDICTION, REPEATS], &["prediction"]),
+            Self::Ensemble => (&[ENSEMBLE, REPEATS], "ensemble"),
+            Self::Gap => (&[GAP], "confidence rmse"),
+            Self::Prediction => (&[PREDICTION, REPEATS], "prediction"),
         }
     }
 
     /// Whether results of this kind are in a file of this name (its path inside of the folder).
     pub(super) fn has(self, name: &str) -> bool {
         let (files, pictures) = self.names();
-        let is_drawn = |stem: &str| pictures.contains(&stem) || self.draws_many(stem);
+        let is_one = |stem: &str| pictures.split(' ').any(|known| known == stem);
+        let is_drawn = |stem: &str| is_one(stem) || self.draws_many(stem);
         name == file::TIMING
             || name == SEAL_FILE
             || file::PAGE.contains(&name)
@@ -155,11 +147,9 @@ pub fn accept(folder: &Path) -> Result<()> {
     ];
     let unsealed = [file::TIMING, SEAL_FILE];
     let files = draft::files(folder)?;
-    let ours = files
-        .iter()
-        .filter_map(|name| name.to_str())
-        .filter(|name| !unsealed.contains(name) && ALL.iter().any(|kind| kind.has(name)));
-    let seal = Seal::of(folder, ours)?;
+    let is_ours = |name: &&str| !unsealed.contains(name) && ALL.iter().any(|kind| kind.has(name));
+    let ours = files.iter().filter_map(|name| name.to_str());
+    let seal = Seal::of(folder, ours.filter(is_ours))?;
     if seal.is_empty() {
         return Err(Error::invalid("no results here").at_file(folder));
     }
@@ -192,10 +182,8 @@ pub fn check_folder(folder: &Path, kind: Kind) -> Result<()> {
         return Ok(());
     }
     let files = draft::files(folder)?;
-    let others = files
-        .iter()
-        .find(|name| name.to_str().is_some_and(|name| kind.has(name)));
-    match others {
+    let mut files = files.iter();
+    match files.find(|name| name.to_str().is_some_and(|name| kind.has(name))) {
         None => Ok(()),
         Some(name) => Err(Error::conflict(
             "this file would be replaced, and nothing says that this program wrote it",

@@ -17,22 +17,19 @@ pub fn draw_odds(odds: &Odds, name: &str, path: &Path) -> Result<()> {
         bins.map(move |bin| (bin.probability, value(&bin.observed)))
     };
     let high = along(|observed| observed.high).map(|point| point.1);
-    let (ends, kind) = (
-        vec![(0.0, 0.0), (1.0, 1.0)],
-        SeriesKind::Band(high.collect()),
-    );
+    let kind = SeriesKind::Band(high.collect());
+    let ends = vec![(0.0, 0.0), (1.0, 1.0)];
     let low = along(|observed| observed.low).collect();
     let happened = along(|observed| observed.share).collect();
+    let title = format!("{name}: do odds keep what they promise?");
+    let subtitle = format!(
+        "{} recordings, {} runs each; Brier score {:.3}; bands are 95 % intervals",
+        odds.recordings, odds.runs, odds.brier.mean
+    );
     let plot = LinePlot {
         y_range: Some((0.0, 1.0)),
         ..LinePlot::new(
-            Caption::new(
-                format!("{name}: do odds keep what they promise?"),
-                format!(
-                    "{} recordings, {} runs each; Brier score {:.3}; bands are 95 % intervals",
-                    odds.recordings, odds.runs, odds.brier.mean
-                ),
-            ),
+            Caption::new(title, subtitle),
             AxisSpec::new("probability given to a pose", Unit::One),
             ("share that ended in it", Unit::One),
             vec![

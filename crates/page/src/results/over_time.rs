@@ -60,11 +60,9 @@ pub fn draw_over_time(all: &[Timed<'_>], subtitle: &str, path: impl AsRef<Path>)
         row("height", &z, all),
         row("distance", &away, others),
     ];
+    let title = format!("over time, distances from {}", reference.name);
     let stack = Stack {
-        caption: Caption::new(
-            format!("over time, distances from {}", reference.name),
-            subtitle,
-        ),
+        caption: Caption::new(title, subtitle),
         x: AxisSpec::new("time", Unit::Second),
         rows: rows.into_iter().flatten().collect(),
     };

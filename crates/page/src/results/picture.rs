@@ -11,9 +11,8 @@ use realgap_core::error::Result;
 use realgap_core::unit::{Unit, counted};
 use realgap_lab::calibration::{Answer, Method, PointScore, Study};
 use realgap_optimize::{Grid, Range};
-use realgap_path::trajectory::Prepared;
 
-use super::cell::{alike, cells};
+use super::cell::{alike, cells, is_alike};
 use super::{convergence, corner, joint, plane};
 
 /// Draws everything that the points evaluated so far allow.
@@ -41,12 +40,7 @@ pub(super) fn draw(folder: &Path, study: &Study, answer: &Answer) -> Result<()> 
             draw_map(folder, "heatmap", &map.slice(0, 1))?;
             draw_map(folder, "heatmap_fitness", &map.fitness())?;
         }
-        _ if map.cells.is_empty() => {
-            return match has_paths {
-                true => map.draw_best_panels(&folder.join("trajectories.png")),
-                false => Ok(()),
-            };
-        }
+        _ if map.cells.is_empty() => {}
         ranges => {
             for first in 0..ranges.len() {
                 for second in first + 1..ranges.len() {
@@ -57,9 +51,11 @@ pub(super) fn draw(folder: &Path, study: &Study, answer: &Answer) -> Result<()> 
             }
         }
     }
+    let path = folder.join("trajectories.png");
     match has_paths {
-        true => map.draw_panels(&folder.join("trajectories.png")),
         false => Ok(()),
+        true if map.cells.is_empty() => map.draw_best_panels(&path),
+        true => map.draw_panels(&path),
     }
 }
 
@@ -92,10 +88,8 @@ impl<'a> Map<'a> {
             subtitle += &format!("; {} points chosen by {}", report.points, tuned.optimizer);
         }
         if !report.complete {
-            subtitle += &format!(
-                " - INCOMPLETE: {} of {} points",
-                report.points, report.points_total
-            );
+            let (points, all) = (report.points, report.points_total);
+            subtitle += &format!(" - INCOMPLETE: {points} of {all} points");
         }
         Self {
             study,
@@ -177,16 +171,13 @@ impl<'a> Map<'a> {
             let fixed: Vec<String> = fixed.collect();
             subtitle += &format!("; slice through the best point at {}", fixed.join(", "));
         }
+        let place = |point: &PointScore| (point.values[first], point.values[second]);
         HeatMap {
-            best_at: self
-                .best()
-                .map(|point| (point.values[first], point.values[second])),
+            best_at: self.best().map(place),
             best_score: self.best().and_then(|point| point.score),
             evaluated: match self.answer.method {
                 Method::Sweep => Vec::new(),
-                Method::Tune(_) => (self.answer.scores.points.iter())
-                    .map(|p| (p.values[first], p.values[second]))
-                    .collect(),
+                Method::Tune(_) => self.answer.scores.points.iter().map(place).collect(),
             },
             best: best.map(|best| (best[first], best[second])),
             indistinguishable,
@@ -205,21 +196,14 @@ impl<'a> Map<'a> {
         let ranges = self.grid().ranges();
         let places = (0..ranges[1].points)
             .flat_map(|iy| (0..ranges[0].points).map(move |ix| self.grid().index(&[ix, iy])));
+        let error = |index: usize| self.cells[index]?.displacement_error_m;
+        let (name, label) = (&self.study.definition().name, &self.score_label);
+        let title = format!("{name}: difference in distance travelled (fitness)");
+        let subtitle = self.cell_subtitle();
+        let subtitle = format!("{subtitle}; star and outline are those of {label}");
         HeatMap {
-            caption: Caption::new(
-                format!(
-                    "{}: difference in distance travelled (fitness)",
-                    self.study.definition().name
-                ),
-                format!(
-                    "{}; star and outline are those of {}",
-                    self.cell_subtitle(),
-                    self.score_label
-                ),
-            ),
-            scores: places
-                .map(|index| self.cells[index].and_then(|point| point.displacement_error_m))
-                .collect(),
+            caption: Caption::new(title, subtitle),
+            scores: places.map(error).collect(),
             best_score: self.best().and_then(|point| point.displacement_error_m),
             score_label: "net displacement, mean difference".to_owned(),
             score_unit: Unit::Metre,
@@ -259,10 +243,7 @@ impl<'a> Map<'a> {
         let mut order: Vec<usize> = (0..points.len()).collect();
         order.sort_by(|a, b| points[*a].values[0].total_cmp(&points[*b].values[0]));
         order.dedup_by(|a, b| points[*a].values[0] == points[*b].values[0]);
-        let is_in = |position: &usize| {
-            let uncertainty = self.answer.uncertainty.as_ref();
-            uncertainty.is_some_and(|u| u.indistinguishable[*position])
-        };
+        let is_in = |position: &usize| is_alike(self.answer, *position);
         let best = self.answer.scores.best;
         // A run that is lucky does not lie below the best point.
         let score = |position: &usize| {
@@ -288,15 +269,11 @@ impl<'a> Map<'a> {
             let remark = "the others wherever that is; as all runs let expect";
             let points = profile.values.iter().zip(&profile.scores);
             let points = points.zip(&profile.indistinguishable);
+            let points = points.map(|((value, score), is_in)| (*value, Some(*score), *is_in));
+            let title = format!("{name}: lowest score at each {parameter}");
             let curve = Curve {
-                caption: Caption::new(
-                    format!("{name}: lowest score at each {parameter}"),
-                    format!("{}; {remark}", self.subtitle),
-                ),
-                ..self.curve(
-                    range,
-                    points.map(|((value, score), is_in)| (*value, Some(*score), *is_in)),
-                )
+                caption: Caption::new(title, format!("{}; {remark}", self.subtitle)),
+                ..self.curve(range, points)
             };
             let stem = format!("profile_{}", range.parameter.name.replace('.', "_"));
             both(folder, &stem, |path| draw_curve(&curve, path))?;
@@ -312,13 +289,10 @@ impl<'a> Map<'a> {
             let score = |point: &PointScore| point.score.unwrap_or(f64::INFINITY);
             score(a).total_cmp(&score(b))
         });
-        let panels: Vec<Panel> = points
-            .iter()
-            .take(9)
-            .enumerate()
-            .map(|(position, point)| self.panel(point, position == 0))
-            .collect();
-        self.draw_panel_grid(path, "the nine best simulated paths", 3, panels)
+        let best = points.iter().take(9).enumerate();
+        let panels = best.map(|(position, point)| self.panel(point, position == 0));
+        let what = "the nine best simulated paths";
+        self.draw_panel_grid(path, what, 3, panels.collect())
     }
 
     /// Nine panels across the first two parameters, the others at their best, reality behind; the first
@@ -362,34 +336,23 @@ impl<'a> Map<'a> {
         }
         let definition = self.study.definition();
         let settled = self.study.cases().len() == 1;
-        let real: Vec<&Prepared> = if settled {
-            self.study.real_paths()
-        } else {
-            self.study.real_paths().into_iter().take(1).collect()
+        let (most, shown) = match settled {
+            true => (usize::MAX, self.subtitle.clone()),
+            false => {
+                let first = &definition.recordings[0].name;
+                let all = counted(definition.recordings.len(), "recording");
+                let shown = format!("paths of recording {first}; scores are means over {all}");
+                (1, shown)
+            }
         };
-        let shown = if settled {
-            self.subtitle.clone()
-        } else {
-            format!(
-                "paths of recording {}; scores are means over {}",
-                definition.recordings[0].name,
-                counted(definition.recordings.len(), "recording")
-            )
-        };
+        let (name, label) = (&definition.name, &self.score_label);
+        let title = format!("{name}: {what}, {label} above each");
+        let real = self.study.real_paths().into_iter().take(most);
         let grid = PanelGrid {
-            caption: Caption::new(
-                format!(
-                    "{}: {what}, {} above each",
-                    definition.name, self.score_label
-                ),
-                shown,
-            ),
+            caption: Caption::new(title, shown),
             columns,
             panels,
-            reality_m: real
-                .iter()
-                .map(|prepared| prepared.xy_m().to_vec())
-                .collect(),
+            reality_m: real.map(|prepared| prepared.xy_m().to_vec()).collect(),
             reality_label: definition.source().reality_label().to_owned(),
             unit: self.answer.scores.unit,
         };
@@ -398,12 +361,11 @@ impl<'a> Map<'a> {
 
     fn panel(&self, point: &PointScore, is_best: bool) -> Panel {
         let shown = self.grid().ranges().iter().zip(&point.values).take(2);
-        let note: Vec<String> = shown
-            .map(|(range, value)| {
-                let name = range.parameter.name.rsplit('.').next().unwrap_or_default();
-                format!("{name} {}", short(*value))
-            })
-            .collect();
+        let note = shown.map(|(range, value)| {
+            let name = range.parameter.name.rsplit('.').next().unwrap_or_default();
+            format!("{name} {}", short(*value))
+        });
+        let note: Vec<String> = note.collect();
         let path = (!point.path_xy_m.is_empty()).then(|| point.path_xy_m.clone());
         Panel {
             score: point.score,
@@ -418,18 +380,16 @@ fn draw_map(folder: &Path, stem: &str, map: &HeatMap) -> Result<()> {
     both(folder, stem, |path| draw_heat_map(map, path))
 }
 
-fn axis(range: &Range) -> AxisSpec {
+pub(super) fn axis(range: &Range) -> AxisSpec {
     AxisSpec::new(range.parameter.name, range.parameter.unit)
 }
 
 /// Three indices spread over `0..points`, the middle of each third, one of them moved onto the best.
 fn picks(points: usize, best: Option<usize>) -> Vec<usize> {
-    let mut picks: Vec<usize> = if points < 3 {
-        (0..points).collect()
-    } else {
-        [1, 3, 5]
-            .map(|sixth| (sixth * (points - 1) + 3) / 6)
-            .to_vec()
+    let sixths = [1, 3, 5].into_iter();
+    let mut picks: Vec<usize> = match points < 3 {
+        true => (0..points).collect(),
+        false => sixths.map(|k| (k * (points - 1) + 3) / 6).collect(),
     };
     if let Some(best) = best
         && let Some(nearest) = picks.iter_mut().min_by_key(|pick| pick.abs_diff(best))
@@ -442,10 +402,10 @@ fn picks(points: usize, best: Option<usize>) -> Vec<usize> {
 /// A number as short as it can be said without losing the grid: up to four decimals.
 fn short(value: f64) -> String {
     let text = format!("{value:.4}");
-    if !text.contains('.') {
-        return text;
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
     }
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 #[cfg(test)]

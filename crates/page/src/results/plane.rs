@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::cell::is_alike;
 use super::ensemble::write_report;
 use super::kind::file;
 use crate::plot::{Caption, Cloud, both, draw_lines, plane};
@@ -21,27 +22,20 @@ pub(super) fn write_basis(folder: &Path, answer: &Answer) -> Result<()> {
 /// Every run and every recording as a dot, where there are two components.
 pub(super) fn draw(folder: &Path, study: &Study, answer: &Answer, subtitle: &str) -> Result<()> {
     let real = study.real_paths();
-    let runs: Vec<(&PointScore, Prepared)> = answer
-        .scores
-        .runs
-        .iter()
-        .filter(|run| run.score.is_some() && !run.path_xy_m.is_empty())
-        .map(|run| Ok((run, Prepared::from_xy_m(run.path_xy_m.clone())?)))
-        .collect::<Result<_>>()?;
-    let all = real
-        .iter()
-        .copied()
-        .chain(runs.iter().map(|(_, path)| path));
+    let runs = answer.scores.runs.iter();
+    let runs = runs.filter(|run| run.score.is_some() && !run.path_xy_m.is_empty());
+    let runs = runs.map(|run| Ok((run, Prepared::from_xy_m(run.path_xy_m.clone())?)));
+    let runs: Vec<(&PointScore, Prepared)> = runs.collect::<Result<_>>()?;
+    let simulated = runs.iter().map(|(_, path)| path);
+    let all = real.iter().copied().chain(simulated);
     let Some(basis) = Basis::plane(answer.scores.basis.as_ref(), all)? else {
         return Ok(());
     };
     let points = &answer.scores.points;
     let is_at = |run: &PointScore, place: usize| points[place].values == run.values;
     let is_in = |run: &PointScore| {
-        answer.uncertainty.as_ref().is_some_and(|uncertainty| {
-            let mut marked = (0..points.len()).filter(|p| uncertainty.indistinguishable[*p]);
-            marked.any(|place| is_at(run, place))
-        })
+        let mut marked = (0..points.len()).filter(|point| is_alike(answer, *point));
+        marked.any(|place| is_at(run, place))
     };
     let (mut others, mut alike, mut best) = (Vec::new(), Vec::new(), Vec::new());
     for (run, path) in &runs {
@@ -60,14 +54,10 @@ pub(super) fn draw(folder: &Path, study: &Study, answer: &Answer, subtitle: &str
         colour,
         points_m,
     };
+    let name = &definition.name;
+    let title = format!("{name}: paths in the first two principal components");
     let plot = plane(
-        Caption::new(
-            format!(
-                "{}: paths in the first two principal components",
-                definition.name
-            ),
-            subtitle,
-        ),
+        Caption::new(title, subtitle),
         basis.plane_shares(),
         vec![
             cloud("simulated", 4, others),

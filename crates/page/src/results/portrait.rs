@@ -21,13 +21,12 @@ fn commands(robot: &Morphology) -> Vec<Command> {
     let time_s = |k: usize| GAIT_S * k as f64 / (GAIT_POINTS - 1) as f64;
     let hinges = robot.assemble().hinges.into_iter();
     let told = hinges.filter_map(|hinge| Some((hinge.name, hinge.actuator?.gait)));
-    told.map(|(servo, gait)| Command {
-        servo,
-        angles_rad: (0..GAIT_POINTS)
-            .map(|k| gait.angle_rad(time_s(k)))
-            .collect(),
-    })
-    .collect()
+    let told = told.map(|(servo, gait)| {
+        let angles_rad = (0..GAIT_POINTS).map(|k| gait.angle_rad(time_s(k)));
+        let angles_rad = angles_rad.collect();
+        Command { servo, angles_rad }
+    });
+    told.collect()
 }
 
 /// Its surface, unless that is the box along the robot's axes around it.
@@ -47,18 +46,17 @@ fn names(robot: &Morphology) -> Vec<ModuleName> {
     }
     let assembly = robot.assemble();
     let solids = assembly.parts.iter().flat_map(|part| &part.solids);
-    solids
-        .filter(|solid| solid.role == Role::Cube && solid.number == 0)
-        .map(|solid| {
-            let (lower_m, upper_m) = solid.bounds_robot_m();
-            ModuleName {
-                text: modules[solid.module].name.clone(),
-                lower_m: lower_m.into(),
-                upper_m: upper_m.into(),
-                is_tracked: solid.module == robot.track(),
-            }
-        })
-        .collect()
+    let first = solids.filter(|solid| solid.role == Role::Cube && solid.number == 0);
+    let names = first.map(|solid| {
+        let (lower_m, upper_m) = solid.bounds_robot_m();
+        ModuleName {
+            text: modules[solid.module].name.clone(),
+            lower_m: lower_m.into(),
+            upper_m: upper_m.into(),
+            is_tracked: solid.module == robot.track(),
+        }
+    });
+    names.collect()
 }
 
 /// The shapes of a robot at zero servo angles, robot frame, and its gait, with a title and a note to stand above them.

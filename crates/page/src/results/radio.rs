@@ -29,16 +29,12 @@ fn blank(arena: &Arena, cell_m: f64, caption: Caption, score_label: &str) -> Hea
         let spec = AxisSpec::new(name, Unit::Metre);
         (spec, middles(length_m, cell_m))
     };
+    let (axes, score) = ([axis("x", x), axis("y", y)], (score_label, Unit::One));
     HeatMap {
         missing: "nothing heard here".to_owned(),
         scale: ScoreScale::Linear,
         lines: closed.collect(),
-        ..HeatMap::new(
-            caption,
-            [axis("x", x), axis("y", y)],
-            Vec::new(),
-            (score_label, Unit::One),
-        )
+        ..HeatMap::new(caption, axes, Vec::new(), score)
     }
 }
 
@@ -79,13 +75,13 @@ pub fn draw_strength_map(
 /// # Errors
 /// A path that is no picture's, a full disk.
 pub fn draw_error_map(found: &Evaluation, arena: &Arena, path: impl AsRef<Path>) -> Result<()> {
-    let caption = Caption::new(
-        format!("Where the radio model errs in {}", arena.name),
-        format!(
-            "{}; {:.2} dB over {} strengths",
-            found.propagation, found.rmse_db, found.readings
-        ),
+    let title = format!("Where the radio model errs in {}", arena.name);
+    let (rmse_db, count) = (found.rmse_db, found.readings);
+    let subtitle = format!(
+        "{}; {rmse_db:.2} dB over {count} strengths",
+        found.propagation
     );
+    let caption = Caption::new(title, subtitle);
     let mut map = blank(arena, CELL_M, caption, "root mean square error (dB)");
     let columns = map.x_values.len();
     map.scores = vec![None; columns * map.y_values.len()];

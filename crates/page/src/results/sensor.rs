@@ -35,9 +35,8 @@ pub fn draw_sensor(found: &Characterisation, path: impl AsRef<Path>) -> Result<(
     let model = &found.model;
     let (low, high) = model.range;
     let metres = model.distance_unit.metres();
-    let along: Vec<f64> = (0..=POINTS)
-        .map(|i| low + (high - low) * i as f64 / POINTS as f64)
-        .collect();
+    let along = (0..=POINTS).map(|i| low + (high - low) * i as f64 / POINTS as f64);
+    let along: Vec<f64> = along.collect();
     let beam = |d: &f64| Beam::straight(d * metres);
     let of = |value: &dyn Fn(&f64) -> f64| along.iter().map(|d| (*d, value(d))).collect::<Vec<_>>();
     let (mean, sd) = (|d: &f64| model.mean(&beam(d)), |d: &f64| model.sd(&beam(d)));
@@ -50,19 +49,17 @@ pub fn draw_sensor(found: &Characterisation, path: impl AsRef<Path>) -> Result<(
     let is_positive = along.iter().all(|d| mean(d) - 1.645 * sd(d) > 0.0);
     let upper = along.iter().map(|d| mean(d) + 1.645 * sd(d)).collect();
     let lower = of(&|d| mean(d) - 1.645 * sd(d));
+    let subtitle = format!(
+        "{}; mean: {}, spread: {}",
+        model.description, found.mean_form, found.spread_form
+    );
     let plot = LinePlot {
         scale: match is_positive {
             true => ScoreScale::Auto,
             false => ScoreScale::Linear,
         },
         ..LinePlot::new(
-            Caption::new(
-                "Mean and spread of readings",
-                format!(
-                    "{}; mean: {}, spread: {}",
-                    model.description, found.mean_form, found.spread_form
-                ),
-            ),
+            Caption::new("Mean and spread of readings", subtitle),
             distance_axis(model.distance_unit),
             (&reading_label("reading", &model.reading_unit), Unit::One),
             vec![
@@ -108,10 +105,9 @@ pub fn draw_histograms(
     let length = model.distance_unit.symbol();
     let (mut bars, mut lines) = (Vec::new(), Vec::new());
     for (colour, distance) in at.iter().enumerate() {
-        let same = log
-            .readings
-            .iter()
-            .filter(|r| (r.distance - distance).abs() < 1e-9 * distance.abs().max(1.0));
+        let near = 1e-9 * distance.abs().max(1.0);
+        let same = log.readings.iter();
+        let same = same.filter(|r| (r.distance - distance).abs() < near);
         let values: Vec<f64> = same.filter_map(|r| r.value).collect();
         if values.is_empty() {
             return Err(Error::usage("the log has no readings at this distance")
@@ -187,11 +183,10 @@ pub fn draw_segment(
     };
     let actual = along(&|scan| log.median_m(scan, centre, width).unwrap_or(f64::NAN));
     let predicted = along(&|scan| model.range_m(scan.position_world_m, scan.heading_rad, segment));
+    let title = format!("Range at {degrees:.0}° from straight ahead, along the way");
+    let subtitle = "medians of a segment of the scan; the model has not seen this log unless it was fitted to it";
     let plot = LinePlot::new(
-        Caption::new(
-            format!("Range at {degrees:.0}° from straight ahead, along the way"),
-            "medians of a segment of the scan; the model has not seen this log unless it was fitted to it",
-        ),
+        Caption::new(title, subtitle),
         AxisSpec::new("time", Unit::Second),
         ("range", Unit::Metre),
         vec![
@@ -243,15 +238,15 @@ pub fn draw_belief(found: &BeliefReport, index: usize, path: impl AsRef<Path>) -
             one.points = one.points[*first..=*last].to_vec();
         }
     }
+    let (count, unit) = (found.readings, &found.unit);
+    let title = format!(
+        "Belief after {count} readings at {:.4} {unit}",
+        side.distance
+    );
+    let subtitle = format!("discrete Bayes filter, {} trials", side.simulated.trials);
     let plot = LinePlot::new(
-        Caption::new(
-            format!(
-                "Belief after {} readings at {:.4} {}",
-                found.readings, side.distance, found.unit
-            ),
-            format!("discrete Bayes filter, {} trials", side.simulated.trials),
-        ),
-        AxisSpec::new(format!("distance ({})", found.unit), Unit::One),
+        Caption::new(title, subtitle),
+        AxisSpec::new(format!("distance ({unit})"), Unit::One),
         ("probability of a cell", Unit::One),
         all,
     );
@@ -284,13 +279,11 @@ pub fn draw_arena(arena: &Arena, path: impl AsRef<Path>) -> Result<()> {
         let heading = Series::new("", SeriesKind::Line, ray);
         all.extend([start.colour(1), heading.colour(1)]);
     }
+    let title = format!("Arena: {}", arena.name);
     let plot = LinePlot {
         scale: ScoreScale::LikeX,
         ..LinePlot::new(
-            Caption::new(
-                format!("Arena: {}", arena.name),
-                format!("{width} x {height} m"),
-            ),
+            Caption::new(title, format!("{width} x {height} m")),
             AxisSpec::new("x (m)", Unit::One),
             ("y (m)", Unit::One),
             all,

@@ -2,30 +2,33 @@
 
 use std::path::Path;
 
+use super::cell::is_alike;
 use super::kind::file;
 use realgap_core::error::{Error, Result};
 use realgap_core::file::write_atomic;
 use realgap_core::text::cell;
-use realgap_lab::calibration::{Answer, PointScore, Study};
+use realgap_lab::calibration::{Answer, Study};
 
 /// One row a point: parameters as columns, then score, unit, status and displacement error.
 pub(super) fn write_points(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
     let header: Vec<&str> = ["score", "unit", "status", "displacement_error_m"].to_vec();
     let header = [names(study), header, vec!["indistinguishable", "runs"]].concat();
-    let is_in = |position: usize| {
-        let uncertainty = answer.uncertainty.as_ref();
-        uncertainty.is_some_and(|u| u.indistinguishable[position])
-    };
     let points = answer.scores.points.iter().enumerate();
     let rows = points.map(|(position, point)| {
-        let mut row: Vec<String> = point.values.iter().map(f64::to_string).collect();
-        row.push(number(point.score));
-        row.push(answer.scores.unit.label().to_owned());
-        row.push(status(point).to_owned());
-        row.push(number(point.displacement_error_m));
-        row.push(is_in(position).to_string());
-        row.push(point.runs.to_string());
-        row
+        let status = if point.diverged.is_some() {
+            "diverged"
+        } else {
+            "ok"
+        };
+        let found = vec![
+            number(point.score),
+            answer.scores.unit.label().to_owned(),
+            status.to_owned(),
+            number(point.displacement_error_m),
+            is_alike(answer, position).to_string(),
+            point.runs.to_string(),
+        ];
+        [texts(&point.values), found].concat()
     });
     write(&folder.join(file::POINTS), &header, rows)
 }
@@ -39,24 +42,14 @@ pub(super) fn write_indistinguishable(folder: &Path, study: &Study, answer: &Ans
         return Ok(());
     };
     let varied = names(study);
-    let fixed: Vec<_> = study
-        .definition()
-        .set
-        .iter()
-        .filter(|a| {
-            !varied.contains(&a.parameter.name) && !a.parameter.name.starts_with("recording.")
-        })
-        .collect();
-    let header: Vec<&str> = varied
-        .iter()
-        .copied()
-        .chain(fixed.iter().map(|a| a.parameter.name))
-        .collect();
+    let is_fixed = |name: &str| !varied.contains(&name) && !name.starts_with("recording.");
+    let fixed = study.definition().set.iter();
+    let fixed = fixed.filter(|a| is_fixed(a.parameter.name));
+    let (more, fixed): (Vec<&str>, Vec<f64>) = fixed.map(|a| (a.parameter.name, a.value)).unzip();
+    let header = [&varied[..], &more].concat();
     let every = draws.rows().len().div_ceil(DRAWN);
-    let rows = draws.rows().iter().step_by(every).map(|values| {
-        let all = values.iter().copied().chain(fixed.iter().map(|a| a.value));
-        all.map(|value| value.to_string()).collect()
-    });
+    let rows = draws.rows().iter().step_by(every);
+    let rows = rows.map(|values| [texts(values), texts(&fixed)].concat());
     write(&folder.join(file::INDISTINGUISHABLE), &header, rows)
 }
 
@@ -68,16 +61,12 @@ pub(super) fn write_scores(folder: &Path, study: &Study, answer: &Answer) -> Res
     }
     let header = [names(study), vec!["recording", "score", "unit"]].concat();
     let rows = answer.scores.points.iter().flat_map(|point| {
-        recordings
-            .iter()
-            .zip(&point.recordings)
-            .map(|(recording, score)| {
-                let mut row: Vec<String> = point.values.iter().map(f64::to_string).collect();
-                row.push(recording.name.clone());
-                row.push(score.to_string());
-                row.push(answer.scores.unit.label().to_owned());
-                row
-            })
+        let scored = recordings.iter().zip(&point.recordings);
+        scored.map(|(recording, score)| {
+            let unit = answer.scores.unit.label().to_owned();
+            let found = vec![recording.name.clone(), score.to_string(), unit];
+            [texts(&point.values), found].concat()
+        })
     });
     write(&folder.join(file::SCORES), &header, rows)
 }
@@ -108,12 +97,9 @@ pub(super) fn names(study: &Study) -> Vec<&'static str> {
     ranges.map(|range| range.parameter.name).collect()
 }
 
-fn status(point: &PointScore) -> &'static str {
-    if point.diverged.is_some() {
-        "diverged"
-    } else {
-        "ok"
-    }
+/// Each as [`number`].
+pub(super) fn texts(values: &[f64]) -> Vec<String> {
+    values.iter().map(f64::to_string).collect()
 }
 
 /// Shortest text that reads back to the same bits; empty where there is no number.
@@ -127,14 +113,13 @@ pub(super) fn write(
     rows: impl Iterator<Item = Vec<String>>,
 ) -> Result<()> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let fail = |e: csv::Error| Error::invalid(format!("cannot write the table: {e}")).at_file(path);
-    writer.write_record(header).map_err(fail)?;
+    let fail = |e: &dyn std::fmt::Display| {
+        Error::invalid(format!("cannot write the table: {e}")).at_file(path)
+    };
+    writer.write_record(header).map_err(|e| fail(&e))?;
     for row in rows {
         let cells = row.iter().map(|text| cell(text).into_owned());
-        writer.write_record(cells).map_err(fail)?;
+        writer.write_record(cells).map_err(|e| fail(&e))?;
     }
-    let bytes = writer
-        .into_inner()
-        .map_err(|e| Error::invalid(format!("cannot write the table: {e}")).at_file(path))?;
-    write_atomic(path, &bytes)
+    write_atomic(path, &writer.into_inner().map_err(|e| fail(&e))?)
 }

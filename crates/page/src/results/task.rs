@@ -18,14 +18,14 @@ pub fn draw_task_times(found: &TaskComparison, path: impl AsRef<Path>) -> Result
     let numbered = || found.conditions.iter().zip(1..);
     let names = numbered().map(|(c, number)| format!("{number}: {}", c.condition));
     let mut subtitle = names.collect::<Vec<_>>().join("; ");
-    let never: Vec<String> = numbered()
-        .flat_map(|(c, number)| {
-            let sides = [(&c.real, "real"), (&c.simulated, "simulated")];
-            sides.map(|(side, world)| (side, number, world))
-        })
-        .filter(|(side, ..)| side.median_s.is_none())
-        .map(|(_, number, world)| format!("{number} {world}"))
-        .collect();
+    let never = numbered().flat_map(|(c, number)| {
+        let sides = [(&c.real, "real"), (&c.simulated, "simulated")];
+        let never = sides
+            .into_iter()
+            .filter(|(side, _)| side.median_s.is_none());
+        never.map(move |(_, world)| format!("{number} {world}"))
+    });
+    let never: Vec<String> = never.collect();
     if !never.is_empty() {
         subtitle += &format!("; not half finished: {}", never.join(", "));
     }
@@ -65,10 +65,8 @@ pub fn draw_task_times(found: &TaskComparison, path: impl AsRef<Path>) -> Result
 /// # Errors
 /// A path that is no picture's, a full disk.
 pub fn draw_task_curves(found: &TaskComparison, path: impl AsRef<Path>) -> Result<()> {
-    let sides = found
-        .conditions
-        .iter()
-        .flat_map(|c| [&c.real, &c.simulated]);
+    let conditions = found.conditions.iter();
+    let sides = conditions.flat_map(|c| [&c.real, &c.simulated]);
     let last = sides.flat_map(|side| side.curve.times_s.last().copied());
     let end_s = last.fold(0.0, f64::max);
     let steps = |side: &SideReport| {
@@ -91,13 +89,11 @@ pub fn draw_task_curves(found: &TaskComparison, path: impl AsRef<Path>) -> Resul
             of(&c.simulated, "simulated", SeriesKind::Dashed),
         ]
     });
+    let title = "Share of trials that are not finished";
     let plot = LinePlot {
         y_range: Some((0.0, 1.05)),
         ..LinePlot::new(
-            Caption::new(
-                "Share of trials that are not finished",
-                "Kaplan and Meier; simulated dashed",
-            ),
+            Caption::new(title, "Kaplan and Meier; simulated dashed"),
             AxisSpec::new("time", Unit::Second),
             ("share not finished", Unit::One),
             series.collect(),

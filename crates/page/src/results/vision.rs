@@ -6,24 +6,17 @@ use crate::plot::{Caption, ColumnChart, ColumnSeries, ScoreScale, both, draw_col
 use realgap_core::error::Result;
 use realgap_vision::{ExtractorReport, PictureSource, ViewRow, VisionReport};
 
-fn series(
-    label: &str,
-    report: &ExtractorReport,
-    value: impl Fn(&ViewRow) -> Option<f64>,
-) -> ColumnSeries {
-    ColumnSeries {
-        label: label.to_owned(),
-        values: report.views.iter().map(value).collect(),
-    }
-}
-
 /// Errors view by view; where an extractor has none, how much alike pictures are (1 − distance).
 fn chart(report: &ExtractorReport, source: PictureSource) -> ColumnChart {
     let real = match source {
         PictureSource::StandIn => "real (stand-in)",
         _ => "real",
     };
-    let alike = |distance: Option<f64>| distance.map(|d| 1.0 - d);
+    let of = |label: String, value: fn(&ViewRow) -> Option<f64>| ColumnSeries {
+        label,
+        values: report.views.iter().map(value).collect(),
+    };
+    let (lit, unlit) = (format!("{real}, well lit"), format!("{real}, badly lit"));
     let (label, mut columns) = match report.error_measure {
         Some(measure) => (
             match measure.unit {
@@ -31,25 +24,25 @@ fn chart(report: &ExtractorReport, source: PictureSource) -> ColumnChart {
                 unit => format!("{} ({unit})", measure.name),
             },
             vec![
-                series("simulated", report, |v| v.simulated_error),
-                series(&format!("{real}, well lit"), report, |v| v.real_error),
-                series(&format!("{real}, badly lit"), report, |v| v.badly_lit_error),
+                of("simulated".to_owned(), |v| v.simulated_error),
+                of(lit, |v| v.real_error),
+                of(unlit, |v| v.badly_lit_error),
             ],
         ),
         None => (
             format!("correlation of {}", report.extractor),
             vec![
-                series("simulated with itself", report, |v| {
-                    v.simulated_real.map(|_| 1.0)
+                of("simulated with itself".to_owned(), |v| {
+                    v.simulated_real.and(Some(1.0))
                 }),
-                series(&format!("simulated and {real}, well lit"), report, |v| {
-                    alike(v.simulated_real)
+                of(format!("simulated and {lit}"), |v| {
+                    Some(1.0 - v.simulated_real?)
                 }),
-                series(&format!("simulated and {real}, badly lit"), report, |v| {
-                    alike(v.simulated_badly_lit)
+                of(format!("simulated and {unlit}"), |v| {
+                    Some(1.0 - v.simulated_badly_lit?)
                 }),
-                series(&format!("{real}, well lit and badly lit"), report, |v| {
-                    alike(v.badly_lit_real)
+                of(format!("{lit} and badly lit"), |v| {
+                    Some(1.0 - v.badly_lit_real?)
                 }),
             ],
         ),
@@ -59,11 +52,9 @@ fn chart(report: &ExtractorReport, source: PictureSource) -> ColumnChart {
     if source == PictureSource::StandIn {
         subtitle += "; stand-ins in place of real pictures";
     }
+    let title = format!("{} in simulated and real pictures", report.extractor);
     ColumnChart {
-        caption: Caption::new(
-            format!("{} in simulated and real pictures", report.extractor),
-            subtitle,
-        ),
+        caption: Caption::new(title, subtitle),
         label,
         groups: report.views.iter().map(|v| v.view.clone()).collect(),
         series: columns,

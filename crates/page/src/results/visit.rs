@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use crate::plot::{
-    AxisSpec, Caption, LinePlot, ScoreScale, Series, SeriesKind, Stack, StackRow, draw_lines,
+    self, AxisSpec, Caption, LinePlot, ScoreScale, Series, SeriesKind, Stack, StackRow, draw_lines,
     draw_stack,
 };
 use realgap_core::error::Result;
@@ -42,8 +42,7 @@ pub fn draw_way(log: &ScanLog, path: impl AsRef<Path>) -> Result<()> {
 /// # Errors
 /// A path that is no picture's, a full disk.
 pub fn draw_visits(log: &ScanLog, path: impl AsRef<Path>) -> Result<()> {
-    let x: Vec<f64> = places(log).map(|(x, _)| x).collect();
-    let y: Vec<f64> = places(log).map(|(_, y)| y).collect();
+    let (x, y): (Vec<f64>, Vec<f64>) = places(log).unzip();
     let turned =
         |scan: &realgap_sense::graph::Scan| (scan.heading_rad + PI).rem_euclid(2.0 * PI) - PI;
     let headings_deg: Vec<f64> = log.scans.iter().map(|s| turned(s).to_degrees()).collect();
@@ -56,23 +55,19 @@ pub fn draw_visits(log: &ScanLog, path: impl AsRef<Path>) -> Result<()> {
             series: vec![Series::new("", SeriesKind::Band(feet), points)],
         }
     };
+    let scans = counted(log.scans.len(), "scan");
+    let subtitle = format!("{scans}; a model knows nothing of what was not visited");
+    let (heading, all) = (
+        AxisSpec::new("heading", Unit::Degree),
+        Some((-180.0, 180.0)),
+    );
     let stack = Stack {
-        caption: Caption::new(
-            "How often each place and heading was visited",
-            format!(
-                "{}; a model knows nothing of what was not visited",
-                counted(log.scans.len(), "scan")
-            ),
-        ),
+        caption: Caption::new("How often each place and heading was visited", subtitle),
         x: AxisSpec::new("", Unit::One),
         rows: vec![
             row(AxisSpec::new("x", Unit::Metre), &x, None),
             row(AxisSpec::new("y", Unit::Metre), &y, None),
-            row(
-                AxisSpec::new("heading", Unit::Degree),
-                &headings_deg,
-                Some((-180.0, 180.0)),
-            ),
+            row(heading, &headings_deg, all),
         ],
     };
     draw_stack(&stack, path)
@@ -87,8 +82,7 @@ fn places(log: &ScanLog) -> impl Iterator<Item = (f64, f64)> + '_ {
 
 /// Tops of bars from the lowest to the highest value, or between these ends, and their feet.
 fn bars(values: &[f64], ends: Option<(f64, f64)>) -> (Vec<(f64, f64)>, Vec<f64>) {
-    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let (low, high) = plot::ends(values.iter().copied());
     let (low, high) = ends.unwrap_or((low, if high > low { high } else { low + 1.0 }));
     let width = (high - low) / BARS as f64;
     let mut counts = [0_usize; BARS];
@@ -101,11 +95,8 @@ fn bars(values: &[f64], ends: Option<(f64, f64)>) -> (Vec<(f64, f64)>, Vec<f64>)
         let (from, to) = (low + bar as f64 * width, low + (bar + 1) as f64 * width);
         // A gap, so that each bar is seen.
         let inset = 0.04 * width;
-        points.extend([
-            (from + inset, count as f64),
-            (to - inset, count as f64),
-            (f64::NAN, f64::NAN),
-        ]);
+        let (from, to, top) = (from + inset, to - inset, count as f64);
+        points.extend([(from, top), (to, top), (f64::NAN, f64::NAN)]);
     }
     let feet = vec![0.0; points.len()];
     (points, feet)

@@ -34,11 +34,8 @@ pub(super) fn write(folder: &Path, search: &Search, finalist: &Finalist) -> Resu
     let exported = format_named("mjcf")?.render(&Robot::new(robot, &search.experiment(robot)));
     write_atomic(at(".xml"), exported.text.as_bytes())?;
     write_report(&best, &format!("{file}.json"), &finalist.card())?;
-    write_report(
-        &best,
-        &format!("{file}.draws.json"),
-        &draws(search, finalist)?,
-    )?;
+    let draws = draws(search, finalist)?;
+    write_report(&best, &format!("{file}.draws.json"), &draws)?;
     Ok(BestRobot::new(file, finalist))
 }
 
@@ -48,13 +45,12 @@ pub(in crate::results) fn is_ours(name: &str) -> bool {
         |text: &str, least: usize| text.len() >= least && text.bytes().all(|b| b.is_ascii_digit());
     let file = Path::new(name).strip_prefix(FOLDER).ok();
     let stem = file.and_then(Path::to_str).and_then(|file| {
-        let stems = ENDINGS
-            .iter()
-            .filter_map(|ending| file.strip_suffix(ending));
+        let endings = ENDINGS.iter();
+        let stems = endings.filter_map(|ending| file.strip_suffix(ending));
         stems.min_by_key(|stem| stem.len())
     });
-    stem.and_then(|stem| stem.split_once("_robot_"))
-        .is_some_and(|(rank, index)| digits(rank, 2) && digits(index, 5))
+    let parts = stem.and_then(|stem| stem.split_once("_robot_"));
+    parts.is_some_and(|(rank, index)| digits(rank, 2) && digits(index, 5))
 }
 
 #[cfg(test)]

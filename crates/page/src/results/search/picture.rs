@@ -37,19 +37,16 @@ pub(super) fn draw(
     let Some(best) = finalists.first() else {
         return Ok(());
     };
+    let does = match best.finals.survives {
+        true => "what the best robot will do",
+        false => "what the best robot does in these settings, and NOT in others",
+    };
     let result = EnsembleResult {
         ensemble: &best.ensemble,
         summary: best.prediction(),
         real_paths_m: Vec::new(),
         real_label: "reality",
-        title: if best.finals.survives {
-            format!("{}: what the best robot will do", best.robot.name())
-        } else {
-            format!(
-                "{}: what the best robot does in these settings, and NOT in others",
-                best.robot.name()
-            )
-        },
+        title: format!("{}: {does}", best.robot.name()),
     };
     draw_repeats(folder, "paths", &result)
 }
@@ -62,11 +59,9 @@ fn fitness(search: &Search, results: &SearchResults) -> Option<LinePlot> {
     let mut best: Vec<(f64, f64)> = Vec::new();
     let mut means = Vec::new();
     for (batch, size) in results.batches.iter().enumerate() {
-        let from = first_of(&results.batches, batch);
-        let here = results
-            .robots
-            .iter()
-            .filter(|robot| (from..from + size).contains(&robot.index));
+        let from: usize = results.batches[..batch].iter().sum();
+        let here = results.robots.iter();
+        let here = here.filter(|robot| (from..from + size).contains(&robot.index));
         let mut values = Vec::new();
         for (robot, value) in here.filter_map(|robot| Some((robot, robot.fitness()?))) {
             values.push(value);
@@ -86,11 +81,8 @@ fn fitness(search: &Search, results: &SearchResults) -> Option<LinePlot> {
         return None;
     }
     let strategy = search.strategy();
-    let failed = results
-        .robots
-        .iter()
-        .filter(|robot| robot.failure().is_some())
-        .count();
+    let robots = results.robots.iter();
+    let failed = robots.filter(|robot| robot.failure().is_some()).count();
     let is_whole = results.robots.len() >= strategy.budget();
     let incomplete = if is_whole { "" } else { "INCOMPLETE: " };
     let series = [
@@ -98,10 +90,8 @@ fn fitness(search: &Search, results: &SearchResults) -> Option<LinePlot> {
         ("mean of those that walked", means, SeriesKind::Line, 1),
         ("best so far", best, SeriesKind::Steps, 0),
     ];
-    let series = series.into_iter();
-    let series = series.filter(|(_, points, ..)| !points.is_empty());
-    let series =
-        series.map(|(label, points, kind, colour)| Series::new(label, kind, points).colour(colour));
+    let series = series.map(|(label, points, kind, n)| Series::new(label, kind, points).colour(n));
+    let series = series.into_iter().filter(|s| !s.points.is_empty());
     let batch = strategy.batch_name();
     let axis = AxisSpec::new(if one_batch { "robot" } else { batch }, Unit::One).whole();
     let objective = search.objective();
@@ -120,11 +110,6 @@ fn fitness(search: &Search, results: &SearchResults) -> Option<LinePlot> {
         ("fitness", objective.measure.unit()),
         series.collect(),
     ))
-}
-
-/// Index of the first robot of a batch.
-fn first_of(batches: &[usize], batch: usize) -> usize {
-    batches[..batch].iter().sum()
 }
 
 /// The best fitness over the first two axes, whatever the others; nothing for one axis.
@@ -150,30 +135,22 @@ fn archive(search: &Search, results: &SearchResults, archive: &Archive) -> Resul
     }
     let centres = |axis: &realgap_lab::search::Axis| -> Vec<f64> {
         let width = (axis.to - axis.from) / axis.cells as f64;
-        let centre = |cell: usize| axis.from + (cell as f64 + 0.5) * width;
-        let centres: Vec<f64> = (0..axis.cells).map(centre).collect();
-        // Where every cell holds one count, the count is what it stands for: no robot has 1.5 modules.
-        let counts: Vec<f64> = (0..axis.cells)
-            .map(|cell| (axis.from + cell as f64 * width).ceil())
-            .collect();
         let is_count = descriptor_named(&axis.name).is_ok_and(|d| d.is_count);
-        if is_count && (width - 1.0).abs() < 1e-9 {
-            counts
-        } else {
-            centres
-        }
+        let centre = |cell: usize| match is_count && (width - 1.0).abs() < 1e-9 {
+            // Where every cell holds one count, the count is what it stands for: no robot has 1.5 modules.
+            true => (axis.from + cell as f64 * width).ceil(),
+            false => axis.from + (cell as f64 + 0.5) * width,
+        };
+        (0..axis.cells).map(centre).collect()
     };
     let spec = |axis: &realgap_lab::search::Axis| -> Result<AxisSpec> {
         let descriptor = descriptor_named(&axis.name)?;
         let unit = descriptor.unit.symbol();
         let label = axis.name.strip_suffix(&format!("_{unit}"));
         let label = label.unwrap_or(&axis.name).replace('_', " ");
-        let spec = AxisSpec::new(label, descriptor.unit);
-        Ok(if descriptor.is_count {
-            spec.whole()
-        } else {
-            spec
-        })
+        let mut spec = AxisSpec::new(label, descriptor.unit);
+        spec.whole = descriptor.is_count;
+        Ok(spec)
     };
     let objective = search.objective();
     Ok(Some(HeatMap {

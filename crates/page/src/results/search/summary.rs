@@ -105,10 +105,8 @@ impl BestRobot {
         let displacement_m = finalist.prediction().displacement_m;
         let changes: Option<Vec<f64>> = finals.reruns.iter().map(|r| r.change).collect();
         let size = |rerun: &Rerun| rerun.change.map_or(f64::INFINITY, f64::abs);
-        let worst = finals
-            .reruns
-            .iter()
-            .max_by(|a, b| size(a).total_cmp(&size(b)));
+        let reruns = finals.reruns.iter();
+        let worst = reruns.max_by(|a, b| size(a).total_cmp(&size(b)));
         Self {
             rank: finals.rank,
             index: finalist.evaluated.index,
@@ -125,8 +123,7 @@ impl BestRobot {
             cost_of_transport: finals.economy.map(|economy| economy.cost_of_transport),
             survives: finals.survives,
             worst_rerun: worst.map(|rerun| rerun.settings.to_owned()),
-            largest_change: changes
-                .map(|all| all.iter().fold(0.0, |most: f64, c| most.max(c.abs()))),
+            largest_change: changes.map(|all| all.iter().map(|c| c.abs()).fold(0.0, f64::max)),
         }
     }
 }
@@ -141,10 +138,10 @@ impl SearchSummary {
         let strategy = search.strategy();
         let mut failures = BTreeMap::new();
         for failure in results.robots.iter().filter_map(|r| r.failure()) {
-            *failures
-                .entry(failure.reason.code().to_owned())
-                .or_insert(0) += 1;
+            let reason = failure.reason.code().to_owned();
+            *failures.entry(reason).or_insert(0) += 1;
         }
+        let fitness = results.robots.iter().filter_map(|r| r.fitness());
         let archive = strategy.archive(&results.history())?;
         Ok(Self {
             search: search.name().to_owned(),
@@ -158,11 +155,7 @@ impl SearchSummary {
             duration_s: search.duration_s(),
             seed: search.seed(),
             failures,
-            best_fitness: results
-                .robots
-                .iter()
-                .filter_map(|r| r.fitness())
-                .reduce(f64::max),
+            best_fitness: fitness.reduce(f64::max),
             archive: archive.map(|archive| [archive.elites().len(), archive.cells().len()]),
             warnings: warnings(search, &best, baseline),
             baseline: baseline.cloned(),
@@ -188,11 +181,8 @@ fn warnings(search: &Search, best: &[BestRobot], baseline: Option<&Baseline>) ->
         ));
     }
     let fitness = baseline.and_then(|baseline| baseline.fitness);
-    let best_again = best
-        .iter()
-        .filter_map(|robot| robot.fitness)
-        .reduce(f64::max);
-    if let (Some(start), Some(found)) = (fitness, best_again)
+    let again = best.iter().filter_map(|robot| robot.fitness);
+    if let (Some(start), Some(found)) = (fitness, again.reduce(f64::max))
         && found <= start
     {
         warnings.push(Warning::new(

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::results::kind::file;
-use crate::results::table::{number, write};
+use crate::results::table::{number, texts, write};
 use realgap_core::error::Result;
 use realgap_lab::search::{Archive, Search, SearchResults};
 
@@ -40,15 +40,10 @@ pub(super) fn write_history(folder: &Path, search: &Search, results: &SearchResu
         ];
         let values = robot.performance().map_or(&[][..], |p| &p.descriptors);
         row.extend((0..descriptors.len()).map(|index| number(values.get(index).copied())));
-        row.push(
-            parents
-                .iter()
-                .map(usize::to_string)
-                .collect::<Vec<_>>()
-                .join(" "),
-        );
+        let parents: Vec<String> = parents.iter().map(usize::to_string).collect();
         let genes = robot.genome.genes().iter().flat_map(|gene| gene.values());
-        row.push(genes.map(f64::to_string).collect::<Vec<_>>().join(" "));
+        let genes: Vec<String> = genes.map(f64::to_string).collect();
+        row.extend([parents.join(" "), genes.join(" ")]);
         row
     });
     write(&folder.join(file::HISTORY), &header, rows)
@@ -63,24 +58,18 @@ pub(super) fn write_archive(
 ) -> Result<()> {
     let axes = archive.axes();
     let cells: Vec<String> = axes.iter().map(|a| format!("{}_cell", a.name)).collect();
-    let header: Vec<&str> = cells
-        .iter()
-        .map(String::as_str)
-        .chain(axes.iter().map(|axis| axis.name.as_str()))
-        .chain(["robot", "fitness", "unit"])
-        .collect();
+    let mut header: Vec<&str> = cells.iter().map(String::as_str).collect();
+    header.extend(axes.iter().map(|axis| axis.name.as_str()));
+    header.extend(["robot", "fitness", "unit"]);
     let unit = search.objective().measure.unit().label();
     let elites = archive.elites();
     let rows = elites.iter().map(|(along, elite)| {
         let robot = &results.robots[*elite];
         let mut row: Vec<String> = along.iter().map(usize::to_string).collect();
         let values = robot.performance().map_or(&[][..], |p| &p.descriptors);
-        row.extend(values.iter().map(f64::to_string));
-        row.extend([
-            robot.index.to_string(),
-            number(robot.fitness()),
-            unit.to_owned(),
-        ]);
+        row.extend(texts(values));
+        let (index, fitness) = (robot.index.to_string(), number(robot.fitness()));
+        row.extend([index, fitness, unit.to_owned()]);
         row
     });
     write(&folder.join(file::ARCHIVE), &header, rows)
