@@ -16,4 +16,4 @@ pub mod unit;
 pub mod warning;
 
 pub use error::{Advice, Error, ErrorKind, Result};
-pub use warning::Warning;
+pub use warning::{Code, Warning};

@@ -82,13 +82,11 @@ macro_rules! ron_file {
     };
 }
 
-/// An enum whose members are words in files and options: with `ALL`, the word of each by the method that is named, reading and
-/// writing. A word that none has is refused with `$wrong` ("is no unit of length") and those that there are.
+/// An enum whose members have a word each: with `ALL`, and the word of each by the method that is named.
 #[macro_export]
-macro_rules! spelled {
-    ($(#[$doc:meta])* $name:ident.$word:ident, $wrong:expr; $($(#[$about:meta])* $member:ident $text:literal;)*) => {
-        $(#[$doc])*
-        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+macro_rules! worded {
+    ($(#[$meta:meta])* $name:ident.$word:ident; $($(#[$about:meta])* $member:ident $text:literal;)*) => {
+        $(#[$meta])*
         pub enum $name {
             $($(#[$about])* $member,)*
         }
@@ -97,12 +95,26 @@ macro_rules! spelled {
             /// All of them.
             pub const ALL: &[Self] = &[$(Self::$member),*];
 
-            /// How it is written, e.g. in a study.
+            /// How it is called in texts and files.
             pub fn $word(self) -> &'static str {
                 match self {
                     $(Self::$member => $text,)*
                 }
             }
+        }
+    };
+}
+
+/// As [`worded!`], where the word is what stands in files and options: reading and writing. A word that none has is refused with
+/// `$wrong` ("is no unit of length") and those that there are.
+#[macro_export]
+macro_rules! spelled {
+    ($(#[$doc:meta])* $name:ident.$word:ident, $wrong:expr; $($members:tt)*) => {
+        $crate::worded! {
+            $(#[$doc])*
+            #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+            $name.$word;
+            $($members)*
         }
 
         impl std::str::FromStr for $name {
@@ -129,5 +141,25 @@ macro_rules! spelled {
                 word.parse().map_err(serde::de::Error::custom)
             }
         }
+    };
+}
+
+/// Methods of a builder that take one value and give the builder back: `setters! { /// What it is. seed: u64; }` sets its field `seed`,
+/// and after `within part;` the field of its field `part`.
+#[macro_export]
+macro_rules! setters {
+    (within $part:ident; $($(#[$doc:meta])* $name:ident: $type:ty;)*) => {
+        $($(#[$doc])*
+        pub fn $name(mut self, $name: $type) -> Self {
+            self.$part.$name = $name.into();
+            self
+        })*
+    };
+    ($($(#[$doc:meta])* $name:ident: $type:ty;)*) => {
+        $($(#[$doc])*
+        pub fn $name(mut self, $name: $type) -> Self {
+            self.$name = $name.into();
+            self
+        })*
     };
 }

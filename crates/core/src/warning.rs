@@ -42,6 +42,11 @@ macro_rules! codes {
                 }
             }
 
+            /// A warning about this, with one sentence for people.
+            pub fn says(self, message: impl Into<String>) -> Warning {
+                Warning::new(self, message)
+            }
+
             /// The code of that name.
             pub fn by_name(name: &str) -> Option<Self> {
                 Self::ALL.iter().copied().find(|code| code.name() == name)

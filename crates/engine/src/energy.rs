@@ -66,13 +66,10 @@ impl EnergyBalance {
     pub(super) fn warning(&self) -> Option<Warning> {
         let share = self.residual_share();
         (share.is_nan() || share > OPEN_SHARE).then(|| {
-            Warning::new(
-                Code::EnergyOpen,
-                format!(
-                    "{:.1} % of the energy comes from nowhere or goes nowhere: shorter steps or more substeps close the balance",
-                    100.0 * share
-                ),
-            )
+            Code::EnergyOpen.says(format!(
+                "{:.1} % of the energy comes from nowhere or goes nowhere: shorter steps or more substeps close the balance",
+                100.0 * share
+            ))
         })
     }
 

@@ -85,6 +85,17 @@ impl<T> Outcome<T> {
         }
     }
 
+    /// As [`Self::map`], of what may fail.
+    ///
+    /// # Errors
+    /// What `of` says.
+    pub fn try_map<U>(self, of: impl FnOnce(T) -> Result<U>) -> Result<Outcome<U>> {
+        Ok(match self {
+            Self::Completed(result) => Outcome::Completed(of(result)?),
+            Self::Diverged(divergence) => Outcome::Diverged(divergence),
+        })
+    }
+
     /// The result, for a caller to whom a run that diverges is an error.
     ///
     /// # Errors

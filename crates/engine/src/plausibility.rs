@@ -24,15 +24,12 @@ impl Experiment {
         });
         let mut warnings: Vec<Warning> = too_fast
             .map(|(hinge, gait)| {
-                Warning::new(
-                    Code::GaitTooFast,
-                    format!(
-                        "the gait of `{}` has {} Hz, but steps of {timestep_s:.3e} s follow {most_hz:.3} Hz at most (ten a period): \
+                Code::GaitTooFast.says(format!(
+                    "the gait of `{}` has {} Hz, but steps of {timestep_s:.3e} s follow {most_hz:.3} Hz at most (ten a period): \
                          lower its frequency or timestep_s",
-                        hinge.name,
-                        gait.frequency_hz
-                    ),
-                )
+                    hinge.name,
+                    gait.frequency_hz
+                ))
             })
             .collect();
         let solids = robot.parts.iter().flat_map(|part| &part.solids);
@@ -46,18 +43,15 @@ impl Experiment {
         });
         warnings.extend(outside.map(|solid| {
             let centre_m = solid.centre_of_mass_solid_m;
-            Warning::new(
-                Code::CentreOfMassOutside,
-                format!(
-                    "the centre of mass of `{}` is shifted to ({}, {}, {}) m, out of its cube of {} m: no solid cube has it there; \
+            Code::CentreOfMassOutside.says(format!(
+                "the centre of mass of `{}` is shifted to ({}, {}, {}) m, out of its cube of {} m: no solid cube has it there; \
                      check body.com_offset_x_m, y and z",
-                    name(solid.module),
-                    centre_m.x,
-                    centre_m.y,
-                    centre_m.z,
-                    2.0 * solid.half_extents_m().x
-                ),
-            )
+                name(solid.module),
+                centre_m.x,
+                centre_m.y,
+                centre_m.z,
+                2.0 * solid.half_extents_m().x
+            ))
         }));
         warnings
     }

@@ -296,10 +296,10 @@ impl<'a> Rollout<'a> {
         let (engine, refusal) = experiment.solver.engine.able(experiment);
         if let Some(why) = refusal {
             let chosen = experiment.solver.engine;
-            warnings.push(Warning::new(
-                Code::EngineFallback,
-                format!("{} simulates in place of {chosen:?}: {why}", engine.name()),
-            ));
+            warnings.push(Code::EngineFallback.says(format!(
+                "{} simulates in place of {chosen:?}: {why}",
+                engine.name()
+            )));
         }
         let mut world = engine.build(&Setup {
             experiment,
@@ -487,12 +487,9 @@ impl<'a> Rollout<'a> {
                 before = now;
             }
         }
-        self.warnings.push(Warning::new(
-            Code::NotSettled,
-            format!(
-                "the robot was still moving after {SETTLE_LIMIT_S} s of settling; the run starts from there"
-            ),
-        ));
+        self.warnings.push(Code::NotSettled.says(format!(
+            "the robot was still moving after {SETTLE_LIMIT_S} s of settling; the run starts from there"
+        )));
         None
     }
 }

@@ -5,6 +5,30 @@ pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
+/// [`mean`] of what an iterator gives.
+pub fn mean_of(values: impl IntoIterator<Item = f64>) -> f64 {
+    mean(&values.into_iter().collect::<Vec<f64>>())
+}
+
+/// As [`mean_of`]; `None` for no values.
+pub fn mean_of_any(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let values: Vec<f64> = values.into_iter().collect();
+    (!values.is_empty()).then(|| mean(&values))
+}
+
+/// The lowest and the highest of some numbers; infinite, the lowest upwards, for none.
+pub fn ends_of(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    let none = (f64::INFINITY, f64::NEG_INFINITY);
+    let ends = values.into_iter();
+    ends.fold(none, |(low, high), v| (low.min(v), high.max(v)))
+}
+
+/// What has the least of a number, the first where several have; `None` of nothing.
+pub fn least_by<T>(all: impl IntoIterator<Item = T>, of: impl Fn(&T) -> f64) -> Option<T> {
+    let all = all.into_iter().map(|one| (of(&one), one));
+    all.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, one)| one)
+}
+
 /// Sample standard deviation (n − 1); 0 for fewer than two values.
 pub fn standard_deviation(values: &[f64]) -> f64 {
     if values.len() < 2 {

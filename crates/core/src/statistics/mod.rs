@@ -18,7 +18,9 @@ mod survival;
 
 pub use autocorrelation::{autocorrelation_time, independent_pairs};
 pub use bootstrap::{Resample, percentile_interval, resamples, smaller_resamples};
-pub use describe::{mean, median, quantile, standard_deviation};
+pub use describe::{
+    ends_of, least_by, mean, mean_of, mean_of_any, median, quantile, standard_deviation,
+};
 pub use energy::{EnergyTest, PERMUTATIONS, energy_test};
 pub use forecast::{ReliabilityBin, brier, reliability};
 pub use jackknife::jackknife_variance;

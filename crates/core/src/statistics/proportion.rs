@@ -47,6 +47,16 @@ impl Proportion {
         }
     }
 
+    /// The share of those that are, as [`Self::new`].
+    pub fn of(trials: impl IntoIterator<Item = bool>, level: f64) -> Self {
+        let (mut count, mut all) = (0, 0);
+        for is in trials {
+            count += usize::from(is);
+            all += 1;
+        }
+        Self::new(count, all, level)
+    }
+
     /// The same interval of a share that need not be a count: of a mean of shares, one a trial, it is wider than the truth.
     pub fn interval_of(share: f64, trials: usize, level: f64) -> (f64, f64) {
         let n = trials as f64;

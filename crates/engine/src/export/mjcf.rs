@@ -105,21 +105,16 @@ impl Format for Mjcf {
 
 fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
     let mut warnings = vec![
-        Warning::new(
-            Code::RestitutionNotExported,
-            format!(
-                "restitution {} (MuJoCo has no such coefficient; its contacts hardly bounce)",
-                robot.floor.restitution
-            ),
-        ),
-        Warning::new(
-            Code::SolverNotExported,
+        Code::RestitutionNotExported.says(format!(
+            "restitution {} (MuJoCo has no such coefficient; its contacts hardly bounce)",
+            robot.floor.restitution
+        )),
+        Code::SolverNotExported.says(
             "realgap's timestep, substeps and contact settings (the file has hardened MuJoCo settings of its own)",
         ),
     ];
     if robot.has_servos() {
-        warnings.push(Warning::new(
-            Code::GaitNeedsProgram,
+        warnings.push(Code::GaitNeedsProgram.says(
             "the gait as motion (it is in <custom>; tools/record_standin.py reads it and drives the servos)",
         ));
     }

@@ -60,50 +60,39 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
     let track = robot.assembly.robot_from_track.translation.vector
         - link_origin_robot_m(robot, robot.assembly.track_part);
     let mut warnings = vec![
-        Warning::new(
-            Code::FloorNotExported,
-            format!(
-                "the floor, its friction {} and restitution {}, and gravity",
-                robot.floor.friction, robot.floor.restitution
-            ),
-        ),
-        Warning::new(
-            Code::TrackNotExported,
-            format!(
-                "the tracked point (link {}, at {} m in its frame)",
-                robot.part_name(robot.assembly.track_part),
-                vector(&track)
-            ),
-        ),
+        Code::FloorNotExported.says(format!(
+            "the floor, its friction {} and restitution {}, and gravity",
+            robot.floor.friction, robot.floor.restitution
+        )),
+        Code::TrackNotExported.says(format!(
+            "the tracked point (link {}, at {} m in its frame)",
+            robot.part_name(robot.assembly.track_part),
+            vector(&track)
+        )),
     ];
     if robot.has_servos() {
-        warnings.push(Warning::new(
-            Code::GaitNotExported,
-            "gait and servo law (only the limits of torque and speed are here)",
-        ));
+        warnings.push(
+            Code::GaitNotExported
+                .says("gait and servo law (only the limits of torque and speed are here)"),
+        );
     }
     let mut bearings = robot.assembly.hinges.iter().map(|hinge| &hinge.bearing);
     if bearings.any(|bearing| bearing.spring.is_some() || bearing.armature_kg_m2 > 0.0)
         || !robot.assembly.marks.is_empty()
     {
-        warnings.push(Warning::new(
-            Code::SpringNotExported,
-            "springs and armatures of joints, and marks",
-        ));
+        warnings.push(Code::SpringNotExported.says("springs and armatures of joints, and marks"));
     }
     if !robot.assembly.hinges.is_empty() {
-        warnings.push(Warning::new(
-            Code::ExclusionNotExported,
+        warnings.push(Code::ExclusionNotExported.says(
             "that parts joined by a hinge do not collide (most readers assume it, URDF cannot say it)",
         ));
         if robot
             .driven_hinges()
             .any(|(_, driven)| driven.servo.max_speed_rad_s.is_infinite())
         {
-            warnings.push(Warning::new(
-                Code::SpeedLimitInvented,
-                format!("servos without speed limit (URDF demands one: {UNLIMITED_RAD_S} rad/s stands in)"),
-            ));
+            warnings.push(Code::SpeedLimitInvented.says(format!(
+                "servos without speed limit (URDF demands one: {UNLIMITED_RAD_S} rad/s stands in)"
+            )));
         }
     }
     warnings

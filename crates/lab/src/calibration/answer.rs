@@ -3,22 +3,15 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
-use super::audit::Audit;
-use super::fit::Fit;
 use super::inference::Inference;
-use super::method::Method;
-use super::posterior::BestDraws;
-use super::profile::Profile;
-use super::report::{Evidence, Report};
-use super::reproduction::Reproduction;
-use super::score::{PointScore, Scores};
-use super::study::Study;
-use super::uncertainty::Uncertainty;
-use super::validation::Validation;
+use super::report::Evidence;
 use super::wave::{leading, scored_runs, settled};
-use realgap_core::error::Result;
-use realgap_emulator::Doubt;
-use realgap_emulator::Emulator;
+use super::{
+    Audit, BestDraws, Fit, Method, PointScore, Profile, Report, Reproduction, Scores, Study,
+    Uncertainty, Validation,
+};
+use realgap_core::Result;
+use realgap_emulator::{Doubt, Emulator};
 use realgap_optimize::{Ending, Grid, space_filling};
 
 /// Result of a sweep or of tuning; its `Display` is the report.
@@ -103,14 +96,13 @@ impl Answer {
             _ => Vec::new(),
         };
         let profiles = profiles(study, &scores, emulator.as_ref(), uncertainty.as_ref());
-        let audit = match ending {
-            Ending::Complete => Audit::new(study, &scores, &profiles)?,
-            // Whoever interrupts does not want to wait for more simulations.
-            Ending::Interrupted => None,
-        };
-        let reproduction = match ending {
-            Ending::Complete => Reproduction::new(study, &scores)?,
-            Ending::Interrupted => None,
+        // Whoever interrupts does not want to wait for more simulations.
+        let (audit, reproduction) = match ending {
+            Ending::Complete => (
+                Audit::new(study, &scores, &profiles)?,
+                Reproduction::new(study, &scores)?,
+            ),
+            Ending::Interrupted => (None, None),
         };
         let evidence = Evidence {
             method: &method,

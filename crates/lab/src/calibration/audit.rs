@@ -2,10 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::score::Scores;
-use super::study::Study;
+use super::{Scores, Study};
 use crate::calibration::Profile;
-use realgap_core::error::Result;
+use realgap_core::Result;
 use realgap_core::unit::counted;
 use realgap_engine::{Experiment, Solver};
 

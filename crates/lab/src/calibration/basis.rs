@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use realgap_core::error::Result;
+use realgap_core::Result;
 use realgap_core::file::Source;
 use realgap_path::comparison::Basis;
 

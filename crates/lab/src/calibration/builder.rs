@@ -2,14 +2,11 @@
 
 use std::path::PathBuf;
 
-use super::basis::BasisRule;
-use super::definition::{Definition, ScoreRule, StartRule};
 use super::fitted::samples_sha256;
 use super::recording::warnings_for;
-use super::split::Split;
-use super::study::Study;
+use super::{BasisRule, Definition, ScoreRule, Split, StartRule, Study};
 use crate::calibration::identification::StartState;
-use realgap_core::error::Result;
+use realgap_core::Result;
 use realgap_core::file::check_name;
 use realgap_engine::Noise;
 use realgap_engine::parameter::{Assignment, by_name};
@@ -93,58 +90,30 @@ impl StudyBuilder {
         self
     }
 
-    /// How far apart two trajectories are; else `pca`.
-    pub fn metric(mut self, metric: &'static dyn Metric) -> Self {
-        self.definition.metric = metric;
-        self
-    }
-
-    /// Where the basis of `pca` comes from; else the recordings and the simulations.
-    pub fn basis(mut self, basis: BasisRule) -> Self {
-        self.definition.basis = basis;
-        self
-    }
-
-    /// How many principal components `pca` keeps; else those with 99 % of the variance.
-    pub fn components(mut self, components: Components) -> Self {
-        self.definition.components = components;
-        self
-    }
-
-    /// What the score of a point is the mean over; else equally valid settings.
-    pub fn score(mut self, score: ScoreRule) -> Self {
-        self.definition.score = score;
-        self
-    }
-
-    /// Length of the runs, seconds; else as long as the recordings.
-    pub fn duration_s(mut self, duration_s: f64) -> Self {
-        self.definition.duration_s = Some(duration_s);
-        self
+    realgap_core::setters! {
+        within definition;
+        /// How far apart two trajectories are; else `pca`.
+        metric: &'static dyn Metric;
+        /// Where the basis of `pca` comes from; else the recordings and the simulations.
+        basis: BasisRule;
+        /// How many principal components `pca` keeps; else those with 99 % of the variance.
+        components: Components;
+        /// What the score of a point is the mean over; else equally valid settings.
+        score: ScoreRule;
+        /// Length of the runs, seconds; else as long as the recordings.
+        duration_s: f64;
+        /// Seed of everything random; else 1.
+        seed: u64;
+        /// Which recordings are kept from the fit to check it.
+        split: Split;
+        /// How repeats differ, for ensembles and gaps.
+        noise: Noise;
     }
 
     /// Runs start from this state of each recording; else at rest on the floor.
     pub fn start_from_recordings(mut self, state: StartState) -> Self {
         self.definition.start = StartRule::FromRecording;
         self.definition.start_state = state;
-        self
-    }
-
-    /// Seed of everything random; else 1.
-    pub fn seed(mut self, seed: u64) -> Self {
-        self.definition.seed = seed;
-        self
-    }
-
-    /// Which recordings are kept from the fit to check it.
-    pub fn split(mut self, split: Split) -> Self {
-        self.definition.split = Some(split);
-        self
-    }
-
-    /// How repeats differ, for ensembles and gaps.
-    pub fn noise(mut self, noise: Noise) -> Self {
-        self.definition.noise = Some(noise);
         self
     }
 

@@ -5,15 +5,14 @@ use std::sync::{Arc, Mutex};
 
 use nalgebra::Vector3;
 
-use super::definition::{Definition, StartRule};
 use super::fleet::cases_of_all;
 use super::recording::in_short;
-use super::{doubt, joints, scene_file};
+use super::{Definition, StartRule, doubt, joints, scene_file};
 use crate::calibration::identification::{
     Body, EQUAL_MOMENTS, KnownFlight, Refined, StartState, refine,
 };
-use realgap_core::error::{Advice, Error, Result};
-use realgap_core::warning::{Code, Warning};
+use realgap_core::statistics::ends_of;
+use realgap_core::{Advice, Code, Error, Result, Warning};
 use realgap_engine::{Experiment, Sampling, Start};
 use realgap_path::trajectory::{Prepared, Recording, State, Trajectory, clip, prepare};
 
@@ -68,11 +67,9 @@ pub(super) fn cases(definition: &Definition) -> Result<(Vec<Case>, Vec<Warning>)
             definition.at_file(Error::invalid("no recordings to compare with").field("recordings"))
         );
     }
+    let mut recordings = definition.recordings.iter();
     if !definition.metric.needs().joints
-        && let Some(recording) = definition
-            .recordings
-            .iter()
-            .find(|recording| recording.trajectory.is_of_joints())
+        && let Some(recording) = recordings.find(|r| r.trajectory.is_of_joints())
     {
         return Err(Error::invalid("a recording of joints alone has no path")
             .field("metric")
@@ -101,17 +98,13 @@ fn doubted(error: Error, recordings: &[Recording]) -> Error {
 
 fn settled(definition: &Definition, base: &Experiment) -> Result<(Vec<Case>, Vec<Warning>)> {
     let mut warnings = Vec::new();
-    let shortest_s = definition
-        .recordings
-        .iter()
-        .map(|r| r.trajectory.duration_s())
-        .fold(f64::INFINITY, f64::min);
+    let durations_s = definition.recordings.iter();
+    let (shortest_s, _) = ends_of(durations_s.map(|r| r.trajectory.duration_s()));
     let mut duration_s = definition.duration_s.unwrap_or(shortest_s);
     if duration_s > shortest_s + 1e-6 {
-        warnings.push(Warning::new(
-            Code::ShortRecording,
-            format!("a recording lasts only {shortest_s:.3} s; {shortest_s:.3} s are simulated and compared instead of {duration_s} s"),
-        ));
+        warnings.push(Code::ShortRecording.says(format!(
+            "a recording lasts only {shortest_s:.3} s; {shortest_s:.3} s are simulated and compared instead of {duration_s} s"
+        )));
         duration_s = shortest_s;
     }
     let mut experiment = base.clone();
@@ -122,10 +115,8 @@ fn settled(definition: &Definition, base: &Experiment) -> Result<(Vec<Case>, Vec
     experiment
         .check()
         .map_err(|e| definition.at_file(doubted(e, &definition.recordings)))?;
-    let targets = definition
-        .recordings
-        .iter()
-        .enumerate()
+    let recordings = definition.recordings.iter().enumerate();
+    let targets = recordings
         .map(|(index, recording)| target(index, recording, duration_s, &mut warnings))
         .collect::<Result<_>>()?;
     Ok((
@@ -193,16 +184,12 @@ fn start_state_warnings(definition: &Definition, cases: &[Case]) -> Result<Vec<W
     if rule == StartState::FirstSample {
         return Ok(Vec::new());
     }
-    let mut warnings = vec![Warning::new(
-        Code::RefinedStart,
-        format!("start states: {}", rule.label()),
-    )];
+    let mut warnings = vec![Code::RefinedStart.says(format!("start states: {}", rule.label()))];
     if rule == StartState::Flight
         && Body::new(&cases[0].experiment)
             .is_ok_and(|body| body.linkage.is_none() && body.moment_ratio > EQUAL_MOMENTS)
     {
-        warnings.push(Warning::new(
-            Code::UnequalMoments,
+        warnings.push(Code::UnequalMoments.says(
             "start states are fitted with a constant angular velocity, but the robot's moments of inertia differ",
         ));
     }
@@ -214,13 +201,10 @@ fn start_state_warnings(definition: &Definition, cases: &[Case]) -> Result<Vec<W
         without += usize::from(refined == Refined::NoFlight);
     }
     if without > 0 {
-        warnings.push(Warning::new(
-            Code::NoFlight,
-            format!(
-                "{without} of {} recordings have no flight to fit; their start is corrected by half a sample instead",
-                cases.len()
-            ),
-        ));
+        warnings.push(Code::NoFlight.says(format!(
+            "{without} of {} recordings have no flight to fit; their start is corrected by half a sample instead",
+            cases.len()
+        )));
     }
     Ok(warnings)
 }
@@ -265,8 +249,7 @@ fn first_state(recording: &Recording, warnings: &mut Vec<Warning>) -> Result<Sta
     };
     let dt_s = motion.times_s()[1] - motion.times_s()[0];
     let mut differences = || {
-        warnings.push(Warning::new(
-            Code::EstimatedVelocity,
+        warnings.push(Code::EstimatedVelocity.says(
             "some recordings have no velocities; their start velocity is the difference of the first two samples",
         ));
         let linear: Vector3<f64> =

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use serde::Deserialize;
 
 use super::matching::name_matches;
-use realgap_core::error::{Error, Result};
 use realgap_core::file::unknown_name;
+use realgap_core::{Error, Result};
 use realgap_engine::{Between, CommandTrack, Experiment, Quantity};
 use realgap_path::trajectory::{COMMAND, Recording, Trajectory};
 use realgap_robot::morphology::{Hinge, ServoLaw};
@@ -110,10 +110,8 @@ impl Commands {
     pub(super) fn set_up(&self, experiment: &mut Experiment, recording: &Recording) -> Result<()> {
         let motion = &recording.trajectory;
         let start_s = motion.times_s()[0];
-        let off = self
-            .off
-            .iter()
-            .find(|off| name_matches(&off.recordings, &recording.name));
+        let mut off = self.off.iter();
+        let off = off.find(|off| name_matches(&off.recordings, &recording.name));
         let columns = self.columns_of(&experiment.assembly.hinges, motion);
         for CommandColumn { hinge, column } in &columns {
             let hinges = experiment.assembly.hinges.iter();
@@ -161,10 +159,7 @@ impl Commands {
         }
         if let Some(gain) = self.gain(&recording.name)? {
             let hinges = &mut Arc::make_mut(&mut experiment.assembly).hinges;
-            for actuator in hinges
-                .iter_mut()
-                .filter_map(|hinge| hinge.actuator.as_mut())
-            {
+            for actuator in hinges.iter_mut().filter_map(|h| h.actuator.as_mut()) {
                 if let Some(motor) = actuator.servo.law.motor_mut() {
                     motor.position_gain = gain;
                 }

@@ -6,17 +6,11 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize, Serializer};
 
-use super::basis::BasisRule;
-use super::command_file::Commands;
-use super::fleet::Member;
-use super::horizon::Horizon;
-use super::split::Split;
-use super::steering::Steering;
+use super::{BasisRule, Commands, Horizon, Member, Split, Steering};
 use crate::calibration::identification::StartState;
-use realgap_core::error::Error;
 use realgap_core::file::sha256;
 use realgap_core::range::Range;
-use realgap_core::warning::Warning;
+use realgap_core::{Error, Warning};
 use realgap_engine::parameter::{Parameter, ParameterSet};
 use realgap_engine::{Experiment, Noise, SceneBody, Vehicle};
 use realgap_optimize::Grid;

@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Translation3};
 
 use realgap_core::unit::{LengthUnit, number};
-use realgap_core::warning::{Code, Warning};
+use realgap_core::{Code, Warning};
 use realgap_engine::{Experiment, Posture};
 use realgap_path::trajectory::{COMMAND, Recording, odd_axes};
 use realgap_robot::morphology::Morphology;
@@ -40,14 +40,11 @@ pub(super) fn lengths(robot: &Morphology, recordings: &[Recording]) -> Vec<Warni
         } else {
             others.join(", ")
         };
-        Some(Warning::new(
-            Code::UnlikelyLength,
-            format!(
-                "{}: the robot goes {} body lengths from where it starts; {remedy}",
-                recording.name,
-                number(far)
-            ),
-        ))
+        Some(Code::UnlikelyLength.says(format!(
+            "{}: the robot goes {} body lengths from where it starts; {remedy}",
+            recording.name,
+            number(far)
+        )))
     });
     unlikely.collect()
 }
@@ -55,10 +52,7 @@ pub(super) fn lengths(robot: &Morphology, recordings: &[Recording]) -> Vec<Warni
 /// Axes that hardly are x forward, y to the left, z up.
 pub(super) fn axes(robot: &Morphology, recordings: &[Recording]) -> Option<Warning> {
     let body_m = robot.summary().body_length_m;
-    Some(Warning::new(
-        Code::UnknownAxes,
-        odd_axes(recordings, body_m)?,
-    ))
+    Some(Code::UnknownAxes.says(odd_axes(recordings, body_m)?))
 }
 
 /// A recorded angle is doubted where it lies beyond its joint's limits by more than this share of their size.
@@ -88,7 +82,7 @@ pub(super) fn angles(robot: &Morphology, recordings: &[Recording]) -> Vec<Warnin
                 number(high_rad)
             ))
         })?;
-        Some(Warning::new(Code::UnlikelyAngle, found))
+        Some(Code::UnlikelyAngle.says(found))
     };
     recordings.iter().filter_map(of).collect()
 }
@@ -109,7 +103,7 @@ pub(super) fn held(robot: &Morphology, recordings: &[Recording]) -> Vec<Warning>
             number(motion.extent_m()),
             robot.name()
         );
-        Some(Warning::new(Code::OtherRobot, message))
+        Some(Code::OtherRobot.says(message))
     };
     recordings.iter().filter_map(of).collect()
 }
@@ -124,7 +118,7 @@ pub(super) fn twins(recordings: &[Recording]) -> Vec<Warning> {
             recording.name,
             alike.next()?.name
         );
-        Some(Warning::new(Code::SameRun, message))
+        Some(Code::SameRun.says(message))
     };
     recordings.iter().enumerate().filter_map(twin_of).collect()
 }
@@ -167,13 +161,10 @@ pub(super) fn floor(experiment: &Experiment, recording: &Recording) -> Option<Wa
     } else {
         return None;
     };
-    Some(Warning::new(
-        Code::OffFloor,
-        format!(
-            "{}: by its recorded poses the robot {found}: are its size, the unit of lengths, the axes, the order of the quaternion and the floor's height as recorded?",
-            recording.name
-        ),
-    ))
+    Some(Code::OffFloor.says(format!(
+        "{}: by its recorded poses the robot {found}: are its size, the unit of lengths, the axes, the order of the quaternion and the floor's height as recorded?",
+        recording.name
+    )))
 }
 
 #[cfg(test)]

@@ -2,12 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::score::{PointScore, Scores};
-use super::study::Study;
-use super::values::by_name;
-use realgap_core::statistics::mean;
-use realgap_emulator::Emulator;
-use realgap_emulator::{Doubt, Variance, implausibility};
+use super::{PointScore, Scores, Study, by_name};
+use realgap_core::statistics::mean_of;
+use realgap_emulator::{Doubt, Emulator, Variance, implausibility};
 
 /// One engine's part in an answer of two.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,11 +70,11 @@ impl Study {
             let places: Vec<Vec<f64>> = places.chain([here.clone()]).collect();
             let field = emulator.field_in(&places, engine);
             let all = implausibility(&field, &Variance::new(&field, doubt));
-            let values: Vec<f64> = runs.iter().filter_map(|run| run.score).collect();
+
             Some(EngineWish {
                 engine: engine_name,
-                score: mean(&values),
-                settings: values.len(),
+                score: mean_of(runs.iter().filter_map(|run| run.score)),
+                settings: runs.len(),
                 parameters: by_name(&self.parameter_set(&grid.values_at(&own))),
                 expected,
                 implausibility: *all.last()?,

@@ -4,16 +4,12 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::definition::{Definition, StartUsed};
-use super::recording::few_recordings;
-use super::rest::{FaceOdds, face_at_end};
-use super::study::Study;
-use super::values::by_name;
+use super::rest::face_at_end;
+use super::{Definition, FaceOdds, StartUsed, Study, by_name, few_recordings};
 use crate::calibration::identification::is_at_rest;
-use realgap_core::error::{Error, Result};
 use realgap_core::file::sha256;
 use realgap_core::statistics::{mean, median, standard_deviation};
-use realgap_core::warning::{Code, Warning};
+use realgap_core::{Code, Error, Result, Warning};
 use realgap_engine::Experiment;
 use realgap_engine::parameter::ParameterSet;
 use realgap_optimize::RunOptions;
@@ -156,10 +152,11 @@ fn evaluate_case(
                 recording: recording.name.clone(),
                 position_percent: errors.as_ref().map(|e| 100.0 * e.position_fraction_mean),
                 rotation_deg: errors.as_ref().map(|e| e.rotation_rad_mean.to_degrees()),
-                hinge_deg: joint_deg(errors.as_ref().and_then(|e| e.joint_rad_mean)),
+                hinge_deg: (errors.as_ref().and_then(|e| e.joint_rad_mean)).map(f64::to_degrees),
                 final_position_percent: errors.as_ref().map(|e| 100.0 * e.position_fraction_final),
                 final_rotation_deg: errors.as_ref().map(|e| e.rotation_rad_final.to_degrees()),
-                final_hinge_deg: joint_deg(errors.as_ref().and_then(|e| e.joint_rad_final)),
+                final_hinge_deg: (errors.as_ref().and_then(|e| e.joint_rad_final))
+                    .map(f64::to_degrees),
                 real_face_down: is_at_rest(&target.motion)
                     .then(|| face_at_end(&target.motion))
                     .flatten(),
@@ -172,10 +169,6 @@ fn evaluate_case(
         .collect()
 }
 
-fn joint_deg(error_rad: Option<f64>) -> Option<f64> {
-    error_rad.map(f64::to_degrees)
-}
-
 fn summarise(study: &Study, set: &ParameterSet, rows: Vec<RecordingErrors>) -> Result<Evaluation> {
     let definition = study.definition();
     let average = |value: fn(&RecordingErrors) -> Option<f64>| {
@@ -185,32 +178,32 @@ fn summarise(study: &Study, set: &ParameterSet, rows: Vec<RecordingErrors>) -> R
     let mut warnings = study.warnings().to_vec();
     let diverged = rows.iter().filter(|r| r.rotation_deg.is_none()).count();
     if diverged > 0 {
-        warnings.push(Warning::new(
-            Code::Diverged,
-            format!("{diverged} of {} simulations diverged: they are missing from the means and count as over 45 degrees", rows.len()),
-        ));
+        warnings.push(Code::Diverged.says(format!(
+            "{diverged} of {} simulations diverged: they are missing from the means and count as over 45 degrees",
+            rows.len()
+        )));
     }
     let fixed = definition.set.clone().with_all(set);
     for range in definition.grid.ranges() {
         let name = range.parameter.name;
         if fixed.value(name).is_none() {
-            warnings.push(Warning::new(
-                Code::FreeParameter,
-                format!("{name} is free in the study and no value is given: its default is used"),
-            ));
+            warnings.push(Code::FreeParameter.says(format!(
+                "{name} is free in the study and no value is given: its default is used"
+            )));
         }
     }
     warnings.extend(few_recordings(rows.len()));
     if rows.len() == 1 {
-        warnings.push(Warning::new(
-            Code::OneRecording,
-            "one recording does not know its standard error; 0 is written",
-        ));
+        warnings.push(
+            Code::OneRecording.says("one recording does not know its standard error; 0 is written"),
+        );
     }
+    let is_over = |deg: f64| deg > FLIP_DEG;
     let over = rows
         .iter()
-        .filter(|row| row.final_rotation_deg.is_none_or(|deg| deg > FLIP_DEG))
-        .count();
+        .filter(|row| row.final_rotation_deg.is_none_or(is_over));
+    let ends = rows.iter();
+    let ends = ends.filter_map(|row| Some((row.real_face_down?, row.simulated_face_down)));
     let cpu_s: f64 = rows.iter().map(|row| row.cpu_s).sum();
     let simulated_s: f64 = rows.iter().map(|row| row.simulated_s).sum();
     Ok(Evaluation {
@@ -221,8 +214,8 @@ fn summarise(study: &Study, set: &ParameterSet, rows: Vec<RecordingErrors>) -> R
         final_position_percent: average(|row| row.final_position_percent)?,
         final_rotation_deg: average(|row| row.final_rotation_deg)?,
         final_hinge_deg: Average::of(rows.iter().filter_map(|row| row.final_hinge_deg).collect()),
-        over_45_deg: over,
-        resting_faces: resting_faces(&rows),
+        over_45_deg: over.count(),
+        resting_faces: FaceOdds::count(&ends.collect::<Vec<_>>()),
         cpu_ms_per_s: 1e3 * cpu_s / simulated_s,
         start: definition.start_used(),
         parameters: by_name(&fixed),
@@ -243,14 +236,6 @@ pub(super) fn provenance(study: &Study) -> BTreeMap<String, String> {
         .cloned()
         .chain([("recordings sha256".to_owned(), digest)])
         .collect()
-}
-
-fn resting_faces(rows: &[RecordingErrors]) -> Vec<FaceOdds> {
-    let ends: Vec<_> = rows
-        .iter()
-        .filter_map(|row| Some((row.real_face_down?, row.simulated_face_down)))
-        .collect();
-    FaceOdds::count(&ends)
 }
 
 impl Average {

@@ -2,8 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::definition::Definition;
-use super::study::Study;
+use super::{Definition, Study};
 use crate::calibration::identification::StartState;
 use realgap_core::file::sha256;
 use realgap_store::Fingerprint;

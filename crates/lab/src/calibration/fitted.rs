@@ -1,7 +1,7 @@
 //! Which recordings values were fitted on, so that nobody takes agreement with these for a prediction.
 
 use realgap_core::file::sha256;
-use realgap_core::warning::{Code, Warning};
+use realgap_core::{Code, Warning};
 use realgap_path::trajectory::Recording;
 
 /// Hexadecimal digits that tell recordings apart: 64 bits.
@@ -29,13 +29,10 @@ pub(super) fn in_sample(recordings: &[Recording], fitted_on: &[String]) -> Optio
     let known = |recording: &&Recording| fitted_on.contains(&recording_id(recording));
     let count = recordings.iter().filter(known).count();
     (count > 0).then(|| {
-        Warning::new(
-            Code::InSample,
-            format!(
-                "in-sample: the values were fitted on {count} of these {} recordings, so that agreement with them flatters; hold some out of the fit, \
+        Code::InSample.says(format!(
+            "in-sample: the values were fitted on {count} of these {} recordings, so that agreement with them flatters; hold some out of the fit, \
                  or compare with others",
-                recordings.len()
-            ),
-        )
+            recordings.len()
+        ))
     })
 }

@@ -6,14 +6,11 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use super::case::{Case, cases};
-use super::definition::{Definition, StartRule};
-use super::steering::Steering;
+use super::case::cases;
 use super::study_file::{assignments, morphology_source};
-use realgap_core::error::{Error, Result};
+use super::{Case, Definition, StartRule, Steering};
 use realgap_core::file::{Source, unique_keys};
-use realgap_core::range;
-use realgap_core::warning::Warning;
+use realgap_core::{Error, Result, Warning, range};
 use realgap_engine::Experiment;
 use realgap_engine::parameter::{Parameter, ParameterSet};
 use realgap_robot::morphology::Morphology;
@@ -118,13 +115,8 @@ impl Definition {
 /// A parameter of a robot that is not in the study.
 pub(super) fn check_owners(definition: &Definition) -> Result<()> {
     let mut names = vec![definition.morphology.name()];
-    names.extend(
-        definition
-            .robots
-            .iter()
-            .skip(1)
-            .map(|member| member.morphology.name()),
-    );
+    let others = definition.robots.iter().skip(1);
+    names.extend(others.map(|member| member.morphology.name()));
     let fixed = definition.set.iter().map(|assignment| assignment.parameter);
     for parameter in fixed.chain(definition.parameters.iter().copied()) {
         let Some(robot) = parameter.robot() else {

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use realgap_core::error::{Error, Result};
+use realgap_core::{Error, Result};
 use realgap_path::trajectory::{JointTrack, Recording, cut_out};
 
 /// Windows of this length, one every so often.

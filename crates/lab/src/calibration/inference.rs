@@ -8,12 +8,11 @@
 
 use rand::RngExt;
 
-use super::posterior::BestDraws;
+use super::BestDraws;
 use super::sieve::Sieve;
 use realgap_core::random::{Generator, Once};
-use realgap_core::statistics::chi_squared_quantile;
-use realgap_emulator::Emulator;
-use realgap_emulator::{Doubt, Variance, emulator_share, implausibility};
+use realgap_core::statistics::{chi_squared_quantile, ends_of};
+use realgap_emulator::{Doubt, Emulator, Variance, emulator_share, implausibility};
 use realgap_optimize::Grid;
 
 /// Confidence level of the set of points that are not implausible.
@@ -86,9 +85,7 @@ impl Inference {
             let near: Vec<usize> = near.collect();
             let implausible = (0..all.len()).filter(|place| !near.contains(place));
             rejected.extend(implausible.map(|place| all[place].clone()));
-            let expected = || near.iter().map(|place| field.means[*place]);
-            let lowest = expected().fold(f64::INFINITY, f64::min);
-            let highest = expected().fold(f64::NEG_INFINITY, f64::max);
+            let (lowest, highest) = ends_of(near.iter().map(|place| field.means[*place]));
             // Where it expects the same everywhere, rounding must not part one place from the others.
             let level = highest + MARGIN * (highest - lowest) + ROUNDING;
             let near: Vec<&Vec<f64>> = near.iter().map(|place| &all[*place]).collect();
@@ -166,8 +163,7 @@ impl Inference {
     /// Values in the middle of what is implausible along a parameter, between what is not.
     fn gaps(&self, axis: usize, grid: &Grid) -> Vec<f64> {
         let along = || self.places.iter().map(|place| place[axis]);
-        let low = along().fold(f64::INFINITY, f64::min);
-        let high = along().fold(f64::NEG_INFINITY, f64::max);
+        let (low, high) = ends_of(along());
         let (mut counts, mut open) = ([0; BINS], [false; BINS]);
         let bin = |at: f64| {
             let share = (at - low) / (high - low).max(f64::MIN_POSITIVE);

@@ -4,16 +4,13 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::definition::StartUsed;
-use super::evaluation::{Average, all_diverged, by_recording, provenance};
-use super::study::Study;
-use super::values::by_name;
-use realgap_core::error::Result;
-use realgap_core::statistics::mean;
-use realgap_core::warning::{Code, Warning};
+use super::evaluation::{all_diverged, by_recording, provenance};
+use super::{Average, StartUsed, Study, by_name};
+use realgap_core::statistics::{mean, mean_of};
+use realgap_core::{Code, Result, Warning};
 use realgap_engine::parameter::ParameterSet;
 use realgap_optimize::RunOptions;
-use realgap_path::comparison::{joint_error_rad, joint_errors};
+use realgap_path::comparison::{JointError, joint_error_rad, joint_errors};
 
 /// One recording and its simulation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -89,13 +86,10 @@ impl Study {
         let mut warnings = self.warnings().to_vec();
         let diverged = rows.iter().filter(|row| row.angle_mrad.is_none()).count();
         if diverged > 0 {
-            warnings.push(Warning::new(
-                Code::Diverged,
-                format!(
-                    "{diverged} of {} simulations diverged: they are missing from the mean",
-                    rows.len()
-                ),
-            ));
+            warnings.push(Code::Diverged.says(format!(
+                "{diverged} of {} simulations diverged: they are missing from the mean",
+                rows.len()
+            )));
         }
         let fixed = definition.set.clone().with_all(set);
         let cpu_s: f64 = rows.iter().map(|row| row.cpu_s).sum();
@@ -122,23 +116,17 @@ impl Study {
         targets
             .map(|target| {
                 let recording = &self.definition().recordings[target.recording];
-                let error_rad = run
-                    .outcome
-                    .get()
-                    .map(|motion| {
-                        joint_error_rad(&target.motion, motion)
-                            .map_err(|e| e.at_file(&recording.path))
-                    })
-                    .transpose()?;
                 let simulated = run.outcome.get();
+                let error_rad = simulated.map(|motion| joint_error_rad(&target.motion, motion));
+                let error_rad = error_rad.transpose();
+                let error_rad = error_rad.map_err(|e| e.at_file(&recording.path))?;
                 let errors = simulated.map(|simulated| joint_errors(&target.motion, simulated));
-                let ends = errors.as_ref().map(|errors| -> Vec<f64> {
-                    errors.iter().map(|error| error.end_rad).collect()
-                });
+                let end_rad = |errors: &Vec<JointError>| mean_of(errors.iter().map(|e| e.end_rad));
+                let end_rad = errors.as_ref().map(end_rad);
                 let errors = errors.into_iter().flatten();
                 let row = JointErrors {
                     recording: recording.name.clone(),
-                    end_mrad: ends.map(|ends| 1e3 * mean(&ends)),
+                    end_mrad: end_rad.map(|end_rad| 1e3 * end_rad),
                     joints_mrad: errors.map(|e| (e.name, 1e3 * e.mean_rad)).collect(),
                     angle_mrad: error_rad.map(|(error_rad, _)| 1e3 * error_rad),
                     simulated_s: experiment.duration_s,

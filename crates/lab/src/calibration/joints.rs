@@ -1,9 +1,9 @@
 //! Joints of recordings and of the robot that is simulated in their place.
 
-use super::command_file::{Commands, ON};
+use super::Commands;
+use super::command_file::ON;
 use super::matching::name_matches;
-use realgap_core::error::{Error, Result};
-use realgap_core::warning::{Code, Warning};
+use realgap_core::{Code, Error, Result, Warning};
 use realgap_engine::{Experiment, JointState};
 use realgap_path::trajectory::{Recording, Trajectory, may_be_attitude};
 use realgap_robot::morphology::Hinge;
@@ -136,5 +136,5 @@ fn unused(names: &[&str]) -> Warning {
         "recorded joints that the robot does not have: {}",
         names.join(", ")
     );
-    Warning::new(Code::ColumnsIgnored, message)
+    Code::ColumnsIgnored.says(message)
 }

@@ -1,8 +1,7 @@
 //! Where a study's trials go: memory, or the store of a results folder that explains itself.
 
-use super::score::PointScore;
-use super::study::Study;
-use realgap_core::error::Result;
+use super::{PointScore, Study};
+use realgap_core::Result;
 use realgap_optimize::Ending;
 use realgap_store::{Fingerprint, Memory, Mode, Part, Place, Storage, Store, Trial, TrialScore};
 
@@ -65,16 +64,13 @@ impl Keeping<'_> {
         let Self::Folder(store) = self else {
             return Ok(());
         };
-        let scores: Vec<TrialScore> = points
-            .iter()
-            .map(|point| TrialScore {
-                index: point.index,
-                score: point.score,
-                displacement_error_m: point.displacement_error_m,
-                recordings: point.recordings.clone(),
-            })
-            .collect();
-        store.insert_scores(&scores)
+        let scores = points.iter().map(|point| TrialScore {
+            index: point.index,
+            score: point.score,
+            displacement_error_m: point.displacement_error_m,
+            recordings: point.recordings.clone(),
+        });
+        store.insert_scores(&scores.collect::<Vec<_>>())
     }
 
     /// Notes how the run ended.

@@ -5,7 +5,7 @@ use std::path::{Component, Path, PathBuf};
 
 use glob::{MatchOptions, Pattern};
 
-use realgap_core::error::{Error, Result};
+use realgap_core::{Error, Result};
 
 /// How names match: `*` stops at slashes (a name has none), upper and lower case differ.
 const OPTIONS: MatchOptions = MatchOptions {

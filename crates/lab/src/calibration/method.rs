@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::motion::MotionTells;
+use super::MotionTells;
 use realgap_optimize::{Grid, Quadratic};
 
 /// How the points of an answer were chosen.
@@ -18,13 +18,9 @@ impl Method {
     /// The values that least squares chose; `None` of every other method.
     pub(super) fn fitted(&self) -> Option<Vec<f64>> {
         match self {
-            Self::Tune(tuned) if !tuned.least_squares.is_empty() => Some(
-                tuned
-                    .least_squares
-                    .iter()
-                    .map(|known| known.value)
-                    .collect(),
-            ),
+            Self::Tune(tuned) if !tuned.least_squares.is_empty() => {
+                Some(tuned.least_squares.iter().map(|e| e.value).collect())
+            }
             _ => None,
         }
     }

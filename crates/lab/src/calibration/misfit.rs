@@ -3,8 +3,7 @@
 use serde::Serialize;
 
 use super::nearness::{Nearest, QUARTERS, middle};
-use realgap_path::trajectory::mean_square_m2;
-use realgap_path::trajectory::{Prepared, turned};
+use realgap_path::trajectory::{Prepared, mean_square_m2, turned};
 
 /// Where what no parameters explain is worst, and what it looks like, in the run that comes nearest.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

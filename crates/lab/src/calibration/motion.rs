@@ -8,8 +8,7 @@ use std::path::Path;
 use nalgebra::{Cholesky, DMatrix, Dyn};
 use serde::Serialize;
 
-use super::horizon::Horizon;
-use super::study::Study;
+use super::{Horizon, Study};
 use realgap_optimize::{Quadratic, UnitPoint, slopes};
 use realgap_store::Trial;
 

@@ -7,9 +7,8 @@
 
 use std::ops::Range;
 
-use realgap_core::statistics::{fisher_tail, mean};
-use realgap_path::trajectory::mean_square_m2;
-use realgap_path::trajectory::{POINTS, Prepared};
+use realgap_core::statistics::{fisher_tail, least_by, mean_of};
+use realgap_path::trajectory::{POINTS, Prepared, mean_square_m2};
 
 /// A path in the plane, metres.
 type Path = Vec<[f64; 2]>;
@@ -140,10 +139,7 @@ impl Output {
 
 /// The mean of some paths, point by point.
 pub(super) fn middle(paths: &[&[[f64; 2]]]) -> Path {
-    let mean_at = |at: usize, axis: usize| {
-        let here = paths.iter().map(|path| path[at][axis]);
-        mean(&here.collect::<Vec<f64>>())
-    };
+    let mean_at = |at: usize, axis: usize| mean_of(paths.iter().map(|path| path[at][axis]));
     let points = 0..paths.first().map_or(0, |path| path.len());
     points
         .map(|at| [0, 1].map(|axis| mean_at(at, axis)))
@@ -179,11 +175,8 @@ impl Nearest {
         order.truncate(NEAR);
         let neighbours = order.iter().filter_map(|&(run, _)| {
             let others = (0..runs.len()).filter(|other| *other != run);
-            let far = others.map(|other| {
-                let apart = worst(&|o| mean_square_m2(&o.runs[run], &o.runs[other]));
-                (other, apart)
-            });
-            Some((run, far.min_by(|a, b| a.1.total_cmp(&b.1))?.0))
+            let apart = |other: &usize| worst(&|o| mean_square_m2(&o.runs[run], &o.runs[*other]));
+            Some((run, least_by(others, apart)?))
         });
         let neighbours: Vec<(usize, usize)> = neighbours.collect();
         let unknown = outputs.iter().map(|o| o.unknown(real.len(), &neighbours));

@@ -1,10 +1,8 @@
 //! What a caller wants different from a study's file.
 
-use super::basis::BasisRule;
-use super::definition::ScoreRule;
-use super::split::Split;
+use super::{BasisRule, ScoreRule, Split};
 use crate::calibration::identification::StartState;
-use realgap_core::error::{Error, Result};
+use realgap_core::{Error, Result};
 use realgap_engine::parameter::ParameterSet;
 use realgap_path::comparison::Metric;
 use realgap_path::trajectory::Reading;

@@ -1,6 +1,7 @@
 //! The best score that each value of one parameter allows.
 
 use realgap_core::quantity::Quantity;
+use realgap_core::statistics::ends_of;
 use realgap_optimize::Range;
 
 /// Profile of the score along one parameter, all others at their best (profile likelihood, Raue et al. 2009), as the emulator
@@ -39,20 +40,18 @@ impl Profile {
 
     /// Largest minus smallest score along the profile: how much the parameter matters over its range.
     pub fn spread(&self) -> f64 {
-        difference(self.scores.iter())
+        difference(self.scores.iter().copied())
     }
 
     /// Largest minus smallest score of the values that cannot be told from the best.
     pub fn spread_within(&self) -> f64 {
         let inside = self.scores.iter().zip(&self.indistinguishable);
-        difference(inside.filter(|(_, is_in)| **is_in).map(|(score, _)| score))
+        difference(inside.filter(|(_, is_in)| **is_in).map(|(score, _)| *score))
     }
 }
 
 /// Largest minus smallest; 0 for none.
-fn difference<'a>(known: impl Iterator<Item = &'a f64>) -> f64 {
-    let (low, high) = known.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| {
-        (low.min(*s), high.max(*s))
-    });
+fn difference(known: impl Iterator<Item = f64>) -> f64 {
+    let (low, high) = ends_of(known);
     (high - low).max(0.0)
 }

@@ -3,16 +3,12 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use super::definition::Definition;
-use super::doubt;
-use super::horizon::Horizon;
 use super::matching::matching_files;
-use super::overrides::Overrides;
+use super::{Definition, Horizon, Overrides, doubt};
 use crate::calibration::identification::is_at_rest;
-use realgap_core::error::{Advice, Error, Result};
 use realgap_core::file::sha256;
 use realgap_core::unit::counted;
-use realgap_core::warning::{Code, Warning};
+use realgap_core::{Advice, Code, Error, Result, Warning};
 use realgap_path::trajectory::{self, META_FILE, Recording, Source};
 use realgap_robot::morphology::Morphology;
 
@@ -39,11 +35,8 @@ impl Found {
     /// Leaves out what still moves at its end, and says so.
     pub fn keep_those_at_rest(&mut self) -> Result<Option<Warning>> {
         let all = self.recordings.len();
-        let rests: Vec<bool> = self
-            .recordings
-            .iter()
-            .map(|recording| is_at_rest(&recording.trajectory))
-            .collect();
+        let rests = self.recordings.iter().map(|r| is_at_rest(&r.trajectory));
+        let rests: Vec<bool> = rests.collect();
         let kept = rests.iter().filter(|rests| **rests).count();
         if kept == 0 {
             return Err(Error::invalid("all recordings end while moving")
@@ -59,13 +52,10 @@ impl Found {
         self.recordings.retain(|_| keep(&mut first));
         self.sha256.retain(|_| keep(&mut second));
         Ok((kept < all).then(|| {
-            Warning::new(
-                Code::MovingAtEnd,
-                format!(
-                    "{} of {all} recordings end while moving and are left out (only_at_rest)",
-                    all - kept
-                ),
-            )
+            Code::MovingAtEnd.says(format!(
+                "{} of {all} recordings end while moving and are left out (only_at_rest)",
+                all - kept
+            ))
         }))
     }
 }
@@ -73,11 +63,9 @@ impl Found {
 /// Reads every recording that the overrides' globs (relative to the current folder) or the study's own
 /// (relative to its file) name, in order of their paths.
 pub(super) fn find(definition: &Definition, study: &Path, overrides: &Overrides) -> Result<Found> {
-    let own_globs = definition.recording_globs.as_slice();
-    let (globs, base) = if overrides.recordings.is_empty() {
-        (own_globs, study.parent().unwrap_or(Path::new("")))
-    } else {
-        (overrides.recordings.as_slice(), Path::new(""))
+    let (globs, base) = match overrides.recordings.is_empty() {
+        true => (&definition.recording_globs, study.parent()),
+        false => (&overrides.recordings, None),
     };
     if globs.is_empty() {
         return Err(Error::invalid("the study names no recordings")
@@ -86,11 +74,8 @@ pub(super) fn find(definition: &Definition, study: &Path, overrides: &Overrides)
             .hint("name them in the file: recordings: [\"../runs/*.csv\"]")
             .advise(Advice::Recordings));
     }
-    let unique = recording_paths(globs, base)?;
-    let mut found = Found {
-        recordings: Vec::new(),
-        sha256: Vec::new(),
-    };
+    let unique = recording_paths(globs, base.unwrap_or(Path::new("")))?;
+    let mut found = Found::default();
     let limit = overrides.limit_recordings.unwrap_or(usize::MAX).max(1);
     let mut index = 0;
     let mut sets = BTreeSet::new();
@@ -173,13 +158,9 @@ pub fn recording_paths(globs: &[String], base: &Path) -> Result<Vec<PathBuf>> {
         }
         paths.extend(found);
     }
-    let mut unique: Vec<PathBuf> = Vec::new();
-    for path in paths {
-        if !unique.contains(&path) {
-            unique.push(path);
-        }
-    }
-    Ok(unique)
+    let mut seen = BTreeSet::new();
+    paths.retain(|path| seen.insert(path.clone()));
+    Ok(paths)
 }
 
 /// Whether a file lies beside recordings without being one.
@@ -203,7 +184,7 @@ pub(super) fn warnings_for(robot: &Morphology, recordings: &[Recording]) -> Vec<
             "recordings of the robot \"{recorded}\" are matched with a simulation of \"{}\"",
             robot.name()
         );
-        warnings.push(Warning::new(Code::OtherRobot, message));
+        warnings.push(Code::OtherRobot.says(message));
     }
     warnings.extend(doubt::lengths(robot, recordings));
     warnings.extend(doubt::axes(robot, recordings));
@@ -220,12 +201,9 @@ pub const FEW_RECORDINGS: usize = 5;
 /// Says so where there are several recordings, but few.
 pub fn few_recordings(count: usize) -> Option<Warning> {
     (2..FEW_RECORDINGS).contains(&count).then(|| {
-        Warning::new(
-            Code::FewRecordings,
-            format!(
-                "{count} recordings hardly know how reality repeats itself: what is said about it is wide, or a guess; {FEW_RECORDINGS} are the least, 20 are better"
-            ),
-        )
+        Code::FewRecordings.says(format!(
+            "{count} recordings hardly know how reality repeats itself: what is said about it is wide, or a guess; {FEW_RECORDINGS} are the least, 20 are better"
+        ))
     })
 }
 
@@ -237,22 +215,17 @@ fn robots(recordings: &[Recording]) -> BTreeSet<&str> {
 fn different_robots(recordings: &[Recording]) -> Option<Warning> {
     let names: Vec<&str> = robots(recordings).into_iter().collect();
     (names.len() > 1).then(|| {
-        Warning::new(
-            Code::DifferentRobots,
-            format!(
-                "the recordings are of different robots: {}",
-                names.join(", ")
-            ),
-        )
+        Code::DifferentRobots.says(format!(
+            "the recordings are of different robots: {}",
+            names.join(", ")
+        ))
     })
 }
 
 fn stand_in(recordings: &[Recording]) -> Option<Warning> {
     (Source::of(recordings) == Source::StandIn).then(|| {
-        Warning::new(
-            Code::StandIn,
-            "the recordings are stand-ins made by a simulator, not recorded from hardware",
-        )
+        Code::StandIn
+            .says("the recordings are stand-ins made by a simulator, not recorded from hardware")
     })
 }
 

@@ -2,12 +2,9 @@
 
 use std::path::Path;
 
-use super::definition::{Definition, StartRule};
-use super::overrides::Overrides;
-use super::study::Study;
-use realgap_core::error::{Error, Result};
+use super::{Definition, Overrides, StartRule, Study};
 use realgap_core::file::Source;
-use realgap_core::warning::{Code, Warning};
+use realgap_core::{Code, Error, Result, Warning};
 use realgap_engine::parameter::ParameterSet;
 use realgap_engine::{Experiment, Noise, Sampling};
 use realgap_path::trajectory::Prepared;
@@ -87,8 +84,7 @@ impl Repeatable {
         experiment.check().map_err(|e| definition.at_file(e))?;
         let mut warnings = definition.morphology.warnings();
         warnings.extend(experiment.warnings());
-        warnings.push(Warning::new(
-            Code::NoRecordings,
+        warnings.push(Code::NoRecordings.says(
             "the study names no recordings: nothing says whether these confidences are honest",
         ));
         Ok(Self {

@@ -5,25 +5,14 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::audit::Audit;
-use super::engines::EngineWish;
-use super::fit::Fit;
-use super::method::{Method, Tuned};
-use super::motion;
-use super::posterior::BestDraws;
-use super::recording::few_recordings;
-use super::reproduction::Reproduction;
-use super::score::Scores;
-use super::study::Study;
-use super::transfer::Transfer;
-use super::uncertainty::{Uncertainty, UncertaintySource, own_score};
-use super::validation::Validation;
-use super::values::by_name;
-use super::verdict::{Tables, Verdict};
+use super::uncertainty::own_score;
+use super::{
+    Audit, BestDraws, EngineWish, Fit, Method, Reproduction, Scores, Study, Tables, Transfer,
+    Tuned, Uncertainty, UncertaintySource, Validation, Verdict, by_name, few_recordings, motion,
+};
 use crate::claim::{self, About, Claim, Says};
-use realgap_core::error::Result;
 use realgap_core::unit::{Unit, counted, quantity};
-use realgap_core::warning::{Code, Warning};
+use realgap_core::{Code, Result, Warning};
 use realgap_optimize::Ending;
 use realgap_path::comparison::pose_errors;
 use realgap_path::trajectory::Source;
@@ -171,48 +160,41 @@ impl Evidence<'_> {
         let mut warnings = study.warnings().to_vec();
         let (scores, diverged) = (self.scores, self.diverged());
         if diverged > 0 {
-            warnings.push(Warning::new(
-                Code::Diverged,
-                format!(
-                    "{diverged} of {} points diverged and have no score",
-                    scores.points.len()
-                ),
-            ));
+            warnings.push(Code::Diverged.says(format!(
+                "{diverged} of {} points diverged and have no score",
+                scores.points.len()
+            )));
         }
         if self.ending == Ending::Interrupted {
-            warnings.push(Warning::new(
-                Code::Incomplete,
-                format!("only {} of {points_total} points were evaluated: the best of these may not be the best of all", scores.points.len()),
-            ));
+            warnings.push(Code::Incomplete.says(format!(
+                "only {} of {points_total} points were evaluated: the best of these may not be the best of all",
+                scores.points.len()
+            )));
         }
         if let Some(audit) = &self.audit
             && !audit.unresolved.is_empty()
         {
-            warnings.push(Warning::new(
-                Code::Unresolved,
-                format!(
-                    "finer timesteps, more substeps or hard contact change the best score by {}, more than the whole range of {}: these scores cannot tell",
-                    quantity(audit.largest_change, scores.unit),
-                    match audit.unresolved.as_slice() {
+            warnings.push(Code::Unresolved.says(format!(
+                "finer timesteps, more substeps or hard contact change the best score by {}, more than the whole range of {}: these scores cannot tell",
+                quantity(audit.largest_change, scores.unit),
+                match audit.unresolved.as_slice() {
                         [first, .., _] if audit.unresolved.len() > claim::NAMED =>
                             format!("{} parameters, such as {first}", audit.unresolved.len()),
                         few => few.join(", "),
                     }
-                ),
-            ));
+            )));
         }
         let fitted = study.fitted_recordings();
         let metric = study.definition().metric;
         let engines = claim::engines(&self.engines, (metric.name(), metric.unit()), fitted);
         let differ = engines.filter(|claim| claim.says == Says::Fails);
-        warnings.extend(differ.map(|claim| Warning::new(Code::EnginesDiffer, claim.text)));
+        warnings.extend(differ.map(|claim| Code::EnginesDiffer.says(claim.text)));
         warnings.extend(self.fit.and_then(|fit| fit.warning(fitted)));
         let validation = self.validation.as_ref();
         warnings.extend(validation.and_then(Validation::warning));
         warnings.extend(few_recordings(fitted));
         if fitted == 1 {
-            warnings.push(Warning::new(
-                Code::OneRecording,
+            warnings.push(Code::OneRecording.says(
                 "one recording says nothing about how repeatable reality is; the uncertainty is that of perturbed simulated starts",
             ));
         }

@@ -5,15 +5,15 @@ use std::fmt;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::fleet::Member;
-use super::score::Scores;
 use super::setting::Setting;
-use super::study::Study;
+use super::{Member, Scores, Study};
 use crate::prediction::ensemble::cut_m;
-use realgap_core::error::Result;
-use realgap_core::statistics::{Proportion, mean, median, standard_deviation};
+use realgap_core::Result;
+use realgap_core::statistics::{
+    Proportion, ends_of, mean, mean_of_any, median, standard_deviation,
+};
 use realgap_core::unit::counted;
-use realgap_engine::{Experiment, Outcome};
+use realgap_engine::Experiment;
 use realgap_path::comparison::{Context, METRICS, Metric, Needs, Pair, Rms};
 use realgap_path::trajectory::{Prepared, Trajectory, prepare};
 
@@ -127,17 +127,16 @@ impl Reproduction {
     fn of(seen: &[Seen], runs: usize) -> Self {
         let robots: Vec<RobotReproduction> = seen.iter().map(Seen::told).collect();
         let share = |is: &dyn Fn(&RobotReproduction) -> bool| {
-            let count = robots.iter().filter(|robot| is(robot)).count();
-            Proportion::new(count, robots.len(), INTERVAL)
+            Proportion::of(robots.iter().map(is), INTERVAL)
         };
         let like = |likeness| share(&|robot| robot.likeness == likeness);
         let metrics = (0..seen[0].distances.len()).map(|metric| {
             let floors = seen.iter().filter_map(|robot| robot.noise_floors(metric));
             let floors: Vec<f64> = floors.collect();
-            let within = floors.iter().filter(|floors| **floors <= 1.0).count();
+
             MetricFloors {
                 metric: seen[0].distances[metric].metric.name().to_owned(),
-                within_floor: Proportion::new(within, floors.len(), INTERVAL),
+                within_floor: Proportion::of(floors.iter().map(|f| *f <= 1.0), INTERVAL),
                 median_noise_floors: (!floors.is_empty()).then(|| median(&floors)),
             }
         });
@@ -220,13 +219,11 @@ struct Seen {
 impl Seen {
     /// `None` where every run diverged.
     fn new(study: &Study, member: &Member, values: &[f64]) -> Result<Option<Self>> {
-        let metrics = METRICS
-            .iter()
-            .filter(|metric| metric.needs() == Needs::POINTS);
+        let metrics = METRICS.iter().filter(|m| m.needs() == Needs::POINTS);
         let mut seen = Self {
             robot: member.morphology.name().to_owned(),
             body_length_m: 0.0,
-            distances: metrics.map(|metric| Distances::of(*metric)).collect(),
+            distances: metrics.copied().map(Distances::of).collect(),
             recorded_m: Vec::new(),
             simulated_m: Vec::new(),
         };
@@ -284,20 +281,16 @@ impl Seen {
     }
 
     fn told(&self) -> RobotReproduction {
-        let rms = self
-            .distances
-            .iter()
-            .find(|d| d.metric.name() == Rms.name());
+        let mut distances = self.distances.iter();
+        let rms = distances.find(|d| d.metric.name() == Rms.name());
         let distance_m = rms.map_or(f64::NAN, |rms| mean(&rms.runs));
         let floor_m = rms.and_then(Distances::floor);
         let alike_m = cut_m(self.body_length_m, &self.recorded_m);
-        let simulated_m: Vec<f64> = self.simulated_m.iter().map(|(net, _)| *net).collect();
-        let paths_m: Vec<f64> = self.simulated_m.iter().map(|(_, path)| *path).collect();
+        let (simulated_m, paths_m): (Vec<f64>, Vec<f64>) = self.simulated_m.iter().copied().unzip();
         let net_m = median(&simulated_m);
         let nowhere = net_m < NOWHERE_BODY_LENGTHS * self.body_length_m
             || net_m < NOWHERE_PATHS * median(&paths_m);
-        let least = simulated_m.iter().copied().fold(f64::INFINITY, f64::min);
-        let largest = simulated_m.iter().copied().fold(0.0, f64::max);
+        let (least, largest) = ends_of(simulated_m.iter().copied());
         let recorded_m = mean(&self.recorded_m);
         RobotReproduction {
             robot: self.robot.clone(),
@@ -334,29 +327,21 @@ impl Distances {
         real: (&Trajectory, &Prepared),
         other: (&Trajectory, &Prepared),
     ) -> Result<f64> {
-        let pair = Pair {
-            real: real.0,
-            simulated: other.0,
-            real_prepared: real.1,
-            simulated_prepared: other.1,
-        };
+        let pair = Pair::new(real, other);
         Ok(self.metric.compare(&pair, &Context::default())?.value)
     }
 
     /// The noise floor; `None` where no two recordings share a start, or none differ.
     fn floor(&self) -> Option<f64> {
-        let floor = (!self.recordings.is_empty()).then(|| mean(&self.recordings));
-        floor.filter(|floor| *floor > 0.0)
+        mean_of_any(self.recordings.iter().copied()).filter(|floor| *floor > 0.0)
     }
 }
 
 /// A run; `None` where it diverged.
 fn run_of(experiment: &Experiment) -> Result<Option<Moved>> {
-    match realgap_engine::run(experiment)?.outcome {
-        Outcome::Completed(motion) => Ok(Some(Moved {
-            prepared: prepare(&motion)?,
-            motion,
-        })),
-        Outcome::Diverged(_) => Ok(None),
-    }
+    let Some(motion) = realgap_engine::run(experiment)?.outcome.completed() else {
+        return Ok(None);
+    };
+    let prepared = prepare(&motion)?;
+    Ok(Some(Moved { motion, prepared }))
 }

@@ -4,12 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::definition::{Definition, StartRule, StartUsed};
-use super::study::Study;
-use super::values::by_name;
+use super::{Definition, StartRule, StartUsed, Study, by_name};
 use crate::calibration::identification::{face_down, is_at_rest};
-use realgap_core::error::{Error, Result};
-use realgap_core::warning::{Code, Warning};
+use realgap_core::{Code, Error, Result, Warning};
 use realgap_engine::Experiment;
 use realgap_engine::parameter::ParameterSet;
 use realgap_optimize::RunOptions;
@@ -141,13 +138,10 @@ impl Definition {
         values.extend(by_name(&fixed));
         let mut warnings = study.warnings().to_vec();
         if !at_default.is_empty() {
-            warnings.push(Warning::new(
-                Code::FreeParameter,
-                format!(
-                    "simulated resting faces: no value is given for {}; the defaults are used",
-                    at_default.join(", ")
-                ),
-            ));
+            warnings.push(Code::FreeParameter.says(format!(
+                "simulated resting faces: no value is given for {}; the defaults are used",
+                at_default.join(", ")
+            )));
         }
         Ok(RestingOdds {
             simulations: ends.len(),

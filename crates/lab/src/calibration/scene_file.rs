@@ -5,8 +5,8 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use serde::Deserialize;
 
-use realgap_core::error::{Error, Result};
 use realgap_core::file::{orientation, unknown_name};
+use realgap_core::{Error, Result};
 use realgap_engine::{Experiment, SceneBody, SceneBox, SceneMotion};
 use realgap_path::trajectory::Recording;
 

@@ -2,10 +2,10 @@
 
 use std::collections::HashMap;
 
+use super::Study;
 use super::setting::Settings;
-use super::study::Study;
-use realgap_core::error::Result;
-use realgap_core::statistics::mean;
+use realgap_core::Result;
+use realgap_core::statistics::mean_of_any;
 use realgap_core::unit::Unit;
 use realgap_path::comparison::Basis;
 use realgap_path::trajectory::Prepared;
@@ -153,9 +153,7 @@ fn mean_of(runs: &[&PointScore], settings: &Settings) -> PointScore {
         return runs[0].clone();
     };
     let over = |value: &dyn Fn(&PointScore) -> Option<f64>| -> Option<f64> {
-        let values = scored
-            .iter()
-            .filter_map(|run| Some((run.index, value(run)?)));
+        let values = scored.iter().filter_map(|r| Some((r.index, value(r)?)));
         let values: Vec<(usize, f64)> = values.collect();
         (!values.is_empty()).then(|| settings.mean(&values))
     };
@@ -214,10 +212,7 @@ fn score(
                 .abs();
         }
     }
-    let part = |held_out: bool| {
-        let chosen = study.part_of(&point.recordings, held_out);
-        (!chosen.is_empty()).then(|| mean(&chosen))
-    };
+    let part = |held_out: bool| mean_of_any(study.part_of(&point.recordings, held_out));
     (point.score, point.held_out) = (part(false), part(true));
     point.displacement_error_m = Some(displacement_error_m / count as f64);
     Ok(point)

@@ -5,12 +5,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::definition::StartRule;
 use super::score::result_scores;
-use super::study::Study;
-use realgap_core::error::{Advice, Error, Result};
+use super::{StartRule, Study};
 use realgap_core::statistics::{mean, standard_deviation};
-use realgap_core::warning::Warning;
+use realgap_core::{Advice, Error, Result, Warning};
 use realgap_engine::parameter::{self, Assignment, Parameter, ParameterSet};
 use realgap_engine::{Experiment, Noise};
 use realgap_optimize::RunOptions;

@@ -4,8 +4,8 @@
 //! as good a choice as the study's own, and for a robot that walks it changes the score. What all of them say on average is an
 //! answer; what one of them says is luck. Engines weigh the same, however many settings each has.
 
-use super::study::Study;
-use realgap_core::statistics::mean;
+use super::Study;
+use realgap_core::statistics::mean_of_any;
 use realgap_engine::{EngineChoice, Experiment, JointKind, Noise};
 
 /// With two engines one setting in so many runs in the study's own, which is the dear one: six of sixteen. A mean over both is as
@@ -95,10 +95,8 @@ impl Settings {
     pub fn engine_means(&self, runs: &[(usize, f64)]) -> [Option<f64>; 2] {
         let of = |is_own: bool| {
             let here = |index: usize| (self.engine_of_trial(index) >= 0.0) == is_own;
-            let values: Vec<f64> = (runs.iter())
-                .filter_map(|(index, value)| here(*index).then_some(*value))
-                .collect();
-            (!values.is_empty()).then(|| mean(&values))
+            let values = runs.iter().filter(|(index, _)| here(*index));
+            mean_of_any(values.map(|(_, value)| *value))
         };
         [of(true), of(false)]
     }
@@ -149,10 +147,9 @@ impl Study {
     pub(super) fn second_engine(&self) -> Option<EngineChoice> {
         let definition = self.definition();
         let ranges = definition.grid.ranges();
-        let is_searched = ranges
-            .iter()
-            .any(|range| range.parameter.name == "solver.engine");
-        let is_fixed = definition.set.value("solver.engine").is_some();
+        let engine = "solver.engine";
+        let is_searched = ranges.iter().any(|r| r.parameter.name == engine);
+        let is_fixed = definition.set.value(engine).is_some();
         if is_searched || is_fixed || definition.metric.needs().joints {
             return None;
         }

@@ -1,5 +1,6 @@
 //! Places that may be, however narrow the valley that holds them.
 
+use realgap_core::statistics::ends_of;
 use realgap_emulator::Emulator;
 use realgap_optimize::{Grid, space_filling};
 
@@ -51,12 +52,10 @@ impl Sieve<'_> {
         let axes = parts.iter().zip(&active).enumerate();
         axes.map(|(axis, (parts, active))| {
             let mut all: Vec<f64> = kept.iter().map(|place| place[axis]).collect();
-            let (true, Some(first)) = (*active, all.first().copied()) else {
+            if !active || all.is_empty() {
                 return parts.clone();
-            };
-            let (least, most) = all.iter().fold((first, first), |(least, most), at| {
-                (least.min(*at), most.max(*at))
-            });
+            }
+            let (least, most) = ends_of(all.iter().copied());
             let margin = apart * length(parts) + SPACINGS * (most - least) / all.len() as f64;
             all.sort_by(f64::total_cmp);
             let mut around: Parts = Vec::new();

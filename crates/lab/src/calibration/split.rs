@@ -4,8 +4,8 @@ use std::fmt;
 
 use rand::seq::SliceRandom;
 
-use realgap_core::error::{Error, Result};
 use realgap_core::random::Once;
+use realgap_core::{Error, Result};
 
 /// Which recordings are kept from the fit.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::definition::{Definition, StartRule};
-use realgap_core::error::{Error, Result};
+use super::{Definition, StartRule};
 use realgap_core::file::{Source, sha256};
+use realgap_core::{Error, Result};
 use realgap_engine::{Controller, Experiment, SceneBody};
 
 impl Definition {
@@ -56,11 +56,8 @@ impl Steering {
                 "use `start: Settled` and a morphology, or leave the controller out",
             );
         }
-        if definition
-            .scene
-            .iter()
-            .any(|body| body.name == SceneBody::ARENA)
-        {
+        let mut bodies = definition.scene.iter();
+        if bodies.any(|body| body.name == SceneBody::ARENA) {
             return refuse(
                 "the study has an arena, and so has its controller",
                 "leave `arena` out of the study",

@@ -4,17 +4,14 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::basis::BasisRule;
-use super::case::{Case, cases};
-use super::definition::{Definition, ScoreRule, StartRule};
+use super::case::cases;
 use super::fitted::in_sample;
 use super::fleet::check_owners;
-use super::overrides::Overrides;
 use super::setting::{Settings, is_large_map};
+use super::{BasisRule, Case, Definition, Overrides, ScoreRule, StartRule};
 use crate::calibration::identification::{StartState, refine_again};
-use realgap_core::error::{Error, Result};
 use realgap_core::file::Source;
-use realgap_core::warning::Warning;
+use realgap_core::{Error, Result, Warning};
 use realgap_engine::parameter::{Assignment, ParameterSet};
 use realgap_engine::{EngineChoice, Experiment, Noise};
 use realgap_path::comparison::{Basis, Context, Pair, Spread};
@@ -129,12 +126,8 @@ impl Study {
         }
         let cases = self.cases.iter();
         for (case, target) in cases.flat_map(|case| case.targets.iter().map(move |t| (case, t))) {
-            let pair = Pair {
-                real: &target.motion,
-                simulated: &target.motion,
-                real_prepared: &target.prepared,
-                simulated_prepared: &target.prepared,
-            };
+            let itself = (&target.motion, &target.prepared);
+            let pair = Pair::new(itself, itself);
             self.definition
                 .metric
                 .compare(&pair, &context(case, self.spread.as_ref()))
@@ -176,12 +169,9 @@ impl Study {
 
     /// The study's parameters with these values, in the study's order.
     pub fn parameter_set(&self, values: &[f64]) -> ParameterSet {
-        self.definition
-            .parameters
-            .iter()
-            .zip(values)
-            .map(|(&parameter, &value)| Assignment { parameter, value })
-            .collect()
+        let named = self.definition.parameters.iter().zip(values);
+        let named = named.map(|(&parameter, &value)| Assignment { parameter, value });
+        named.collect()
     }
 
     /// Simulates every case of grid point `index` and keeps what the comparison needs.
@@ -386,12 +376,7 @@ impl Study {
         if !needs_basis {
             for target in &self.cases[case].targets {
                 let target = target.in_true_lengths(experiment.recording_length_scale)?;
-                let pair = Pair {
-                    real: &target.motion,
-                    simulated: &motion,
-                    real_prepared: &target.prepared,
-                    simulated_prepared: &prepared,
-                };
+                let pair = Pair::new((&target.motion, &target.prepared), (&motion, &prepared));
                 scores.push(self.definition.metric.compare(&pair, &context)?.value);
                 if has_errors {
                     let own = self.definition.metric.errors(&pair, most)?;

@@ -6,18 +6,13 @@ use std::sync::Arc;
 
 use serde::Deserialize;
 
-use super::basis::BasisRule;
-use super::command_file::Commands;
-use super::definition::{Definition, ScoreRule, StartRule};
 use super::fitted::in_sample;
 use super::fleet::{RobotFile, members};
-use super::horizon::Horizon;
-use super::overrides::Overrides;
-use super::recording;
 use super::scene_file::BodyFile;
+use super::{BasisRule, Commands, Definition, Horizon, Overrides, ScoreRule, StartRule, recording};
 use crate::calibration::identification::StartState;
-use realgap_core::error::{Error, ErrorKind, Result};
 use realgap_core::file::{Source, name_of_file, parse_ron, sha256, unique_keys};
+use realgap_core::{Error, ErrorKind, Result};
 use realgap_engine::parameter::{Assignment, Parameter, ParameterSet, by_name};
 use realgap_engine::{Noise, SceneBody, Vehicle};
 use realgap_optimize::{Grid, MAX_POINTS, Range};

@@ -1,12 +1,9 @@
 //! The sweep: every point of a study, kept as it comes, scored at the end.
 
-use super::answer::Answer;
 use super::keeping::{Keeping, KeptRun};
-use super::method::Method;
-use super::score::Scores;
-use super::study::Study;
 use super::wave::{WAVES, next_wave, runs_a_wave};
-use realgap_core::error::Result;
+use super::{Answer, Method, Scores, Study};
+use realgap_core::Result;
 use realgap_optimize::{Batch, Ending, RunOptions, drive};
 use realgap_store::{Mode, Part, Place};
 

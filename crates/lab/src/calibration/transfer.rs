@@ -4,10 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::fleet::Member;
-use super::score::{PointScore, Scores};
-use super::study::Study;
-use realgap_core::statistics::mean;
+use super::{Member, PointScore, Scores, Study};
+use realgap_core::statistics::{least_by, mean_of};
 
 /// What a floor that was tuned on the other robots does for each of them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -97,14 +95,14 @@ impl Transfer {
         let misfit = |point: &PointScore, member: &Member| {
             let own = member.recordings.clone();
             let own = own.map(|recording| point.recordings[recording] / weights[recording]);
-            mean(&own.collect::<Vec<f64>>())
+            mean_of(own)
         };
         let mut robots = Vec::new();
         for member in &definition.robots {
             let of_others = |point: &PointScore| {
                 let all = point.recordings.iter().enumerate();
                 let others = all.filter(|(index, _)| !member.recordings.contains(index));
-                mean(&others.map(|(_, score)| *score).collect::<Vec<f64>>())
+                mean_of(others.map(|(_, score)| *score))
             };
             let own_misfit = |point: &PointScore| misfit(point, member);
             let family = best_family(families(study, &points, member), &of_others)?;
@@ -123,7 +121,7 @@ impl Transfer {
                 closed: 1.0 - after / before,
             });
         }
-        let over = |of: fn(&RobotMisfit) -> f64| mean(&robots.iter().map(of).collect::<Vec<_>>());
+        let over = |of: fn(&RobotMisfit) -> f64| mean_of(robots.iter().map(of));
         let (before, after, own) = (over(|r| r.untuned), over(|r| r.held_out), over(|r| r.own));
         Some(Self {
             untuned: untuned.values.clone(),
@@ -177,22 +175,16 @@ fn best_family<'a>(
     families: Vec<Vec<&'a PointScore>>,
     of_others: &dyn Fn(&PointScore) -> f64,
 ) -> Option<Vec<&'a PointScore>> {
-    let suits = |family: &Vec<&PointScore>| {
-        let all = family.iter().map(|point| of_others(point));
-        mean(&all.collect::<Vec<f64>>())
-    };
-    let families = families.into_iter().map(|family| (suits(&family), family));
-    families
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, family)| family)
+    least_by(families, |family| {
+        mean_of(family.iter().map(|point| of_others(point)))
+    })
 }
 
 fn lowest_of<'a>(
     points: &[&'a PointScore],
     of: &dyn Fn(&PointScore) -> f64,
 ) -> Option<&'a PointScore> {
-    let points = points.iter().copied();
-    points.min_by(|a, b| of(a).total_cmp(&of(b)))
+    least_by(points.iter().copied(), |point| of(point))
 }
 
 /// Refitted where every robot with parameters of its own was.
@@ -223,6 +215,5 @@ fn nearest_to_defaults<'a>(study: &Study, points: &[&'a PointScore]) -> Option<&
         })
         .sum()
     };
-    let points = points.iter().copied();
-    points.min_by(|a, b| away(a).total_cmp(&away(b)))
+    lowest_of(points, &away)
 }

@@ -1,16 +1,14 @@
 //! Tuning: an optimizer chooses the points, stored as they come.
 
-use super::answer::Answer;
 use super::keeping::{Keeping, KeptRun};
-use super::method::{Estimated, Method, Termination, Tuned};
-use super::motion::MotionTells;
-use super::score::{PointScore, Scores};
-use super::split::{Split, fold};
-use super::study::Study;
+use super::split::fold;
 use super::sweep::WEIGHING;
 use super::wave::widened;
-use realgap_core::error::{Advice, Error, Result};
+use super::{
+    Answer, Estimated, Method, MotionTells, PointScore, Scores, Split, Study, Termination, Tuned,
+};
 use realgap_core::statistics::median;
+use realgap_core::{Advice, Error, Result};
 use realgap_optimize::{
     Batch, Brief, Ending, History, Optimizer, Proposal, Quadratic, RunOptions, Told, UnitPoint,
     default_optimizer, drive, space_filling,

@@ -1,30 +1,20 @@
 //! Which points of a study cannot be told apart from the best one.
 
-use super::inference::{Inference, LEVEL};
-use super::score::Scores;
+use super::inference::Inference;
 use super::setting::Setting;
-use super::study::Study;
-use realgap_core::statistics::{mean, standard_deviation};
+use super::{LEVEL, Scores, Study};
+use realgap_core::statistics::{mean_of_any, standard_deviation};
 
-/// Where the uncertainty of the scores comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum UncertaintySource {
+realgap_core::worded! {
+    /// Where the uncertainty of the scores comes from.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+    #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+    #[serde(rename_all = "snake_case")]
+    UncertaintySource.label;
     /// Recordings that differ (two or more), and what the runs leave open.
-    Recordings,
+    Recordings "recordings, equally valid settings, places between runs";
     /// What the runs leave open alone (one recording).
-    Runs,
-}
-
-impl UncertaintySource {
-    /// For people.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Recordings => "recordings, equally valid settings, places between runs",
-            Self::Runs => "equally valid settings, places between runs",
-        }
-    }
+    Runs "equally valid settings, places between runs";
 }
 
 /// The set of points that fit as well as the best within the uncertainty of the scores.
@@ -103,9 +93,6 @@ impl Uncertainty {
 pub(super) fn own_score(study: &Study, scores: &Scores, best: usize) -> Option<f64> {
     let settings = study.settings();
     let runs = scores.runs_at(&scores.points[best].values);
-    let own: Vec<f64> = runs
-        .filter(|run| settings.of_trial(run.index) == Setting::OWN)
-        .filter_map(|run| run.score)
-        .collect();
-    (!own.is_empty()).then(|| mean(&own))
+    let own = runs.filter(|run| settings.of_trial(run.index) == Setting::OWN);
+    mean_of_any(own.filter_map(|run| run.score))
 }

@@ -2,12 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::score::{PointScore, Scores};
-use super::split::{Split, fold};
-use super::study::Study;
-use realgap_core::error::Result;
-use realgap_core::statistics::{mean, standard_deviation};
-use realgap_core::warning::{Code, Warning};
+use super::split::fold;
+use super::{PointScore, Scores, Split, Study};
+use realgap_core::statistics::{least_by, mean, mean_of, standard_deviation};
+use realgap_core::{Code, Result, Warning};
 
 /// How well the fit does on recordings that it has not seen.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -95,28 +93,23 @@ impl Validation {
             let over = |point: &PointScore, keep: bool| {
                 let all = point.recordings.iter().enumerate();
                 let chosen = all.filter(|(recording, _)| held_out.contains(recording) != keep);
-                mean(&chosen.map(|(_, score)| *score).collect::<Vec<f64>>())
+                mean_of(chosen.map(|(_, score)| *score))
             };
             let winner = match &refits {
                 Some(refits) => refits.get(number)?,
                 None => {
                     let scored = scores.points.iter().filter(|point| point.score.is_some());
-                    scored.min_by(|a, b| over(a, true).total_cmp(&over(b, true)))?
+                    least_by(scored, |point| over(point, true))?
                 }
             };
-            differences.extend(
-                held_out
-                    .iter()
-                    .map(|recording| winner.recordings[*recording] - best.recordings[*recording]),
-            );
+            let difference = |r: &usize| winner.recordings[*r] - best.recordings[*r];
+            differences.extend(held_out.iter().map(difference));
+            let names = held_out.iter().map(|r| recordings[*r].name.clone());
             rows.push(Fold {
                 values: winner.values.clone(),
                 fit_score: over(winner, true),
                 held_out_score: over(winner, false),
-                held_out: held_out
-                    .iter()
-                    .map(|r| recordings[*r].name.clone())
-                    .collect(),
+                held_out: names.collect(),
             });
         }
         let fit_score = mean(&best.recordings);
@@ -135,14 +128,11 @@ impl Validation {
     pub fn warning(&self) -> Option<Warning> {
         let difference = self.held_out_score - self.fit_score;
         (difference > PARTED * self.difference_standard_error && difference > 0.0).then(|| {
-            Warning::new(
-                Code::Overfitted,
-                format!(
-                    "the score on recordings not fitted is {:.3} times that on the fitted ones, more than chance explains: \
+            Code::Overfitted.says(format!(
+                "the score on recordings not fitted is {:.3} times that on the fitted ones, more than chance explains: \
                      the fit does not carry over",
-                    self.held_out_score / self.fit_score
-                ),
-            )
+                self.held_out_score / self.fit_score
+            ))
         })
     }
 }

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::study_file::assignments;
-use realgap_core::error::{Error, Result};
 use realgap_core::file::{Source, parse_ron, unique_keys};
+use realgap_core::{Error, Result};
 use realgap_engine::parameter::ParameterSet;
 
 /// Values with where they come from.

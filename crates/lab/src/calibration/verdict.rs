@@ -4,12 +4,9 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::audit::Audit;
-use super::method::Estimated;
-use super::posterior::{BestDraws, INTERVAL_LEVEL};
-use super::score::Scores;
-use super::uncertainty::Uncertainty;
+use super::{Audit, BestDraws, Estimated, INTERVAL_LEVEL, Scores, Uncertainty};
 use crate::claim::{self, Claim, Found, Says};
+use realgap_core::statistics::ends_of;
 use realgap_core::unit::quantity;
 use realgap_optimize::Range;
 
@@ -116,14 +113,14 @@ impl Verdict {
                 let intervals = intervals.unwrap_or_default();
                 // What the interval holds fits as well: many places that are each hardly likely are likely together.
                 let ends = intervals.iter().flat_map(|(low, high)| [*low, *high]);
-                let all = || values.iter().copied().chain(ends.clone());
+                let (low, high) = ends_of(values.iter().copied().chain(ends));
                 let named =
                     |names: &[String]| names.iter().any(|name| name == range.parameter.name);
                 let shaken = tables.audit.filter(|audit| named(&audit.shaken));
                 let found = Found {
                     best: scores.points[best].values[dimension],
-                    low: all().fold(f64::INFINITY, f64::min),
-                    high: all().fold(f64::NEG_INFINITY, f64::max),
+                    low,
+                    high,
                     intervals,
                     level: INTERVAL_LEVEL,
                     is_resolved: !tables.audit.is_some_and(|audit| named(&audit.unresolved)),

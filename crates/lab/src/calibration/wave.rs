@@ -3,15 +3,13 @@
 use rayon::prelude::*;
 
 use super::inference::Inference;
-use super::score::{PointScore, Scores};
 use super::setting::{Setting, is_large_map};
-use super::study::Study;
+use super::{PointScore, Scores, Study};
 use crate::prediction::ensemble::rms_m;
-use realgap_core::error::Result;
+use realgap_core::Result;
 use realgap_core::random::Numbered;
-use realgap_emulator::Doubt;
-use realgap_emulator::Emulator;
-use realgap_emulator::ScoredRun;
+use realgap_core::statistics::least_by;
+use realgap_emulator::{Doubt, Emulator, ScoredRun};
 use realgap_path::trajectory::Prepared;
 
 /// Waves after the first runs; every wave knows what the one before has found.
@@ -180,19 +178,16 @@ pub(super) fn widened(study: &Study, mut scores: Scores) -> Result<Scores> {
         if chosen.is_empty() {
             break;
         }
-        scores = scores.with_more(study, &simulated(study, from, chosen)?)?;
+        let chosen = (from..).zip(chosen).collect();
+        scores = scores.with_more(study, &simulated(study, chosen)?)?;
     }
     Ok(scores)
 }
 
-fn simulated(
-    study: &Study,
-    from: usize,
-    chosen: Vec<Vec<f64>>,
-) -> Result<Vec<realgap_store::Trial>> {
-    let numbered = chosen.into_par_iter().enumerate();
-    numbered
-        .map(|(number, values)| study.simulate_trial(from + number, values, false))
+fn simulated(study: &Study, chosen: Vec<(usize, Vec<f64>)>) -> Result<Vec<realgap_store::Trial>> {
+    let trials = chosen.into_par_iter();
+    trials
+        .map(|(index, values)| study.simulate_trial(index, values, false))
         .collect()
 }
 
@@ -239,7 +234,7 @@ pub(super) fn settled(
         let visited = open.iter().map(|at| scores.points[*at].values.clone());
         let candidates = visited.chain(unvisited(study, &scores));
         let expected = candidates.map(|values| (known.mean(&grid.place_of(&values)), values));
-        let promising = expected.min_by(|a, b| a.0.total_cmp(&b.0));
+        let promising = least_by(expected, |(score, _)| *score);
         let promising = promising.filter(|(score, _)| lowest.is_none_or(|lowest| *score < lowest));
         scores.best = best.or(scores.best);
         let Some((_, values)) = promising.filter(|_| champion < CHAMPIONS) else {
@@ -249,11 +244,8 @@ pub(super) fn settled(
         let seen: Vec<Setting> = runs.map(|run| settings.of_trial(run.index)).collect();
         let from = next_trial(study, &scores);
         let missing = (0..settings.count).filter(|number| !seen.contains(&Setting::new(*number)));
-        let trials = missing
-            .collect::<Vec<_>>()
-            .into_par_iter()
-            .map(|number| study.simulate_trial(from + number, values.clone(), false))
-            .collect::<Result<Vec<_>>>()?;
+        let missing = missing.map(|number| (from + number, values.clone()));
+        let trials = simulated(study, missing.collect())?;
         if trials.is_empty() {
             break;
         }

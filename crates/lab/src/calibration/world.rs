@@ -5,12 +5,10 @@
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 
+use super::INTERVAL_LEVEL;
 use super::inference::Inference;
-use super::posterior::INTERVAL_LEVEL;
 use realgap_core::random::Generator;
-use realgap_emulator::Doubt;
-use realgap_emulator::Emulator;
-use realgap_emulator::ScoredRun;
+use realgap_emulator::{Doubt, Emulator, ScoredRun};
 use realgap_engine::parameter::by_name;
 use realgap_optimize::{
     Brief, Grid, History, Proposal, Range, Told, UnitPoint, optimizer_by_name, space_filling,

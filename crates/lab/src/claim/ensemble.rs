@@ -1,7 +1,6 @@
 //! Do the confidences of an ensemble keep what they promise?
 
-use super::gap::called;
-use super::{About, Claim, SIGNIFICANT, Says, listed};
+use super::{About, Claim, SIGNIFICANT, Says, called, listed};
 use realgap_core::statistics::{EnergyTest, Proportion};
 use realgap_core::unit::{counted, number};
 use realgap_path::trajectory::Source;

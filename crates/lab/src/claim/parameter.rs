@@ -219,12 +219,9 @@ pub(crate) fn summary(parameters: &[Claim]) -> Option<Claim> {
     let first = parameters.first()?;
     let said = parameters
         .iter()
-        .map(|claim| format!("{} is {}", claim.name, claim.word));
+        .map(|c| format!("{} is {}", c.name, c.word));
     let mut said = said.collect::<Vec<_>>().join("; ");
-    let known = parameters
-        .iter()
-        .filter(|claim| claim.says == Says::Holds)
-        .count();
+    let known = parameters.iter().filter(|c| c.says == Says::Holds).count();
     let says = match known {
         0 => Says::Open,
         _ => Says::Holds,

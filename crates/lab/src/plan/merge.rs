@@ -2,9 +2,8 @@
 
 use serde::Serialize;
 
-use super::plan_file::Plan;
-use super::round::Round;
-use realgap_core::error::{Error, Result};
+use super::{Plan, Round};
+use realgap_core::{Error, Result};
 use realgap_store::{FolderLock, Merger, STORE_FILE, Table};
 
 /// A shard whose rows were not taken over.

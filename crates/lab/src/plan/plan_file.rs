@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::cost::Cost;
-use realgap_core::error::{Advice, Error, Result};
+use super::Cost;
 use realgap_core::file::{Source, sha256, write_atomic};
+use realgap_core::{Advice, Error, Result};
 use realgap_store::{Fingerprint, Share};
 
 /// Name of the file that makes a folder a plan.

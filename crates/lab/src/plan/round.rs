@@ -2,9 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::plan_file::{Plan, write_json};
-use realgap_core::error::{Error, Result};
+use super::Plan;
+use super::plan_file::write_json;
 use realgap_core::file::Source;
+use realgap_core::{Error, Result};
 use realgap_store::Share;
 
 /// Name of the file.

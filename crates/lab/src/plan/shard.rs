@@ -4,47 +4,33 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::cost::Cost;
-use super::plan_file::Plan;
-use super::round::Round;
-use realgap_core::error::Result;
+use super::{Cost, Plan, Round};
+use realgap_core::Result;
 use realgap_store::{FolderLock, RobotRow, RunRow, STORE_FILE, Store, Table, Trial};
 
-/// How far a shard is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum ShardState {
+realgap_core::worded! {
+    /// How far a shard is.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+    #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+    #[serde(rename_all = "snake_case")]
+    ShardState.name;
     /// Nothing of this round is its.
-    Idle,
+    Idle "idle";
     /// Its rows are merged.
-    Merged,
+    Merged "merged";
     /// All of its rows are made, and not merged yet.
-    Done,
+    Done "done";
     /// Somebody is making its rows.
-    Running,
+    Running "running";
     /// Begun, and nobody is at work.
-    Stopped,
+    Stopped "stopped";
     /// Not begun.
-    Waiting,
+    Waiting "waiting";
     /// What it has made cannot be read.
-    Damaged,
+    Damaged "DAMAGED";
 }
 
 impl ShardState {
-    /// As tables call it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Idle => "idle",
-            Self::Merged => "merged",
-            Self::Done => "done",
-            Self::Running => "running",
-            Self::Stopped => "stopped",
-            Self::Waiting => "waiting",
-            Self::Damaged => "DAMAGED",
-        }
-    }
-
     /// Whether its rows are still to be made.
     pub fn is_pending(self) -> bool {
         matches!(
@@ -91,13 +77,8 @@ pub struct Status {
 impl Status {
     /// Numbers of the shards that have to be run, as Slurm writes arrays: `0-3,7`. Nothing where all have done their part.
     pub fn pending(&self) -> String {
-        let numbers: Vec<usize> = self
-            .shards
-            .iter()
-            .filter(|shard| shard.state.is_pending())
-            .map(|shard| shard.shard)
-            .collect();
-        ranges(&numbers)
+        let pending = self.shards.iter().filter(|shard| shard.state.is_pending());
+        ranges(&pending.map(|shard| shard.shard).collect::<Vec<_>>())
     }
 }
 

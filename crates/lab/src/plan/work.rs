@@ -2,15 +2,12 @@
 
 use std::time::Instant;
 
-use super::cost::Cost;
-use super::merge::Merged;
-use super::plan_file::Plan;
-use super::round::Round;
+use super::{Cost, Merged, Plan, Round};
 use crate::calibration::{Repeatable, Study, TuneOptions};
 use crate::prediction::gap::{GapOptions, StudyGap};
 use crate::prediction::{EnsembleOptions, EnsembleReport};
 use crate::search::Search;
-use realgap_core::error::{Error, Result};
+use realgap_core::{Error, Result};
 use realgap_optimize::{Ending, RunOptions};
 use realgap_store::{Fingerprint, FolderLock, Part, RobotRow, RunRow, Share, Table, Trial};
 

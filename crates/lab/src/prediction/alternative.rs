@@ -1,6 +1,6 @@
 //! Models that are as valid as the one that was asked for: other numerics, joints, engines, and values that fit as well.
 
-use super::model::Source;
+use super::Source;
 use realgap_engine::parameter::ParameterSet;
 use realgap_engine::{EngineChoice, Experiment};
 

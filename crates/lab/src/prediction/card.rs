@@ -5,16 +5,14 @@ use std::fmt;
 
 use serde::{Serialize, Serializer};
 
-use super::economy::Economy;
 use super::ensemble::{Ensemble, Forecast, Motion, percent};
-use super::growth::Growth;
-use super::model::{self, ModelError, SuccessRange};
+use super::model::{self};
+use super::{Economy, Growth, ModelError, SuccessRange};
 use crate::calibration::by_name;
 use crate::claim::{self, Claim};
-use realgap_core::error::{Error, Result};
 use realgap_core::statistics::Proportion;
 use realgap_core::unit::{Unit, quantity};
-use realgap_core::warning::{Code, Warning};
+use realgap_core::{Code, Error, Result, Warning};
 use realgap_engine::parameter::ParameterSet;
 
 /// A robot that gets less far than this share of its body length without noise goes nowhere.
@@ -198,8 +196,7 @@ impl Card {
         let success = Success::new(ensemble, rule)?;
         let mut warnings = prediction.warnings.clone();
         if success.is_none() {
-            warnings.push(Warning::new(
-                Code::NoSuccessRule,
+            warnings.push(Code::NoSuccessRule.says(
                 "without noise the robot goes nowhere (or diverges), so half of that is no success; say which net displacement is one",
             ));
         }

@@ -2,8 +2,7 @@
 
 use serde::Serialize;
 
-use realgap_core::error::Result;
-use realgap_core::warning::{Code, Warning};
+use realgap_core::{Code, Result, Warning};
 use realgap_engine::{Experiment, run};
 
 /// Difference of the first servo's zero between the two runs, radians.
@@ -45,10 +44,8 @@ impl Growth {
         ) else {
             return Ok(None);
         };
-        let pairs = one
-            .positions_world_m()
-            .iter()
-            .zip(other.positions_world_m());
+        let other_m = other.positions_world_m();
+        let pairs = one.positions_world_m().iter().zip(other_m);
         let distances_m: Vec<f64> = pairs.map(|(a, b)| (a - b).norm()).collect();
         Ok(Some(Self {
             rate_1_s: slope(one.times_s(), &distances_m),
@@ -71,13 +68,10 @@ impl Growth {
     /// The warning that goes with it.
     pub fn warning(&self) -> Option<Warning> {
         self.only_distributions_compare().then(|| {
-            Warning::new(
-                Code::OnlyDistributions,
-                format!(
-                    "a small difference grows by a factor of {:.1} per second: single runs do not compare, between settings or engines, and distributions do",
-                    self.factor_per_s()
-                ),
-            )
+            Code::OnlyDistributions.says(format!(
+                "a small difference grows by a factor of {:.1} per second: single runs do not compare, between settings or engines, and distributions do",
+                self.factor_per_s()
+            ))
         })
     }
 }

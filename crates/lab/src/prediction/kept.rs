@@ -7,7 +7,7 @@ use std::time::Duration;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-use realgap_core::error::{Error, Result};
+use realgap_core::{Error, Result};
 use realgap_engine::{Divergence, EnergyBalance, Outcome, Run};
 use realgap_path::trajectory::{JointTrack, Trajectory};
 use realgap_store::{Fingerprint, RunRow, Store};

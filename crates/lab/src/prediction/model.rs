@@ -12,9 +12,9 @@ use serde::{Deserialize, Serialize};
 
 use super::alternative::{LIMIT, alternatives};
 use super::ensemble::{self, Ensemble, Forecast, Motion, rms_m};
-use super::other_engine::{OtherEngine, OwnEngines};
-use realgap_core::error::Result;
-use realgap_core::statistics::{mean, quantile, standard_deviation};
+use super::{OtherEngine, OwnEngines};
+use realgap_core::Result;
+use realgap_core::statistics::{mean, mean_of, quantile, standard_deviation};
 use realgap_core::unit::{Unit, quantity};
 use realgap_engine::parameter::ParameterSet;
 use realgap_engine::{Experiment, Noise, Outcome};
@@ -34,45 +34,27 @@ const NOWHERE_BODY_LENGTHS: f64 = 0.1;
 /// Level of the ranges that another engine is part of.
 pub const LEVEL: f64 = 0.9;
 
-/// What a model varies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum Source {
+realgap_core::worded! {
+    /// What a model varies.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+    #[serde(rename_all = "snake_case")]
+    Source.label;
     /// Timestep, substeps, hardness of contact.
-    Numerics,
+    Numerics "numerics";
     /// The kind of joint.
-    Joints,
+    Joints "joint kind";
     /// The engine: the second one of the program.
-    Engine,
+    Engine "second engine";
     /// The cone of friction: relaxed, as other engines have it.
-    Contact,
+    Contact "relaxed contact";
     /// Parameter values that recordings cannot tell apart.
-    Indistinguishable,
+    Indistinguishable "indistinguishable set";
 }
 
 impl Source {
-    /// In the order of the table.
-    const ALL: [Self; 5] = [
-        Self::Numerics,
-        Self::Joints,
-        Self::Engine,
-        Self::Contact,
-        Self::Indistinguishable,
-    ];
     /// What is part of what another engine may do, once, and not multiplied on the rest.
     const OTHERS: [Self; 2] = [Self::Engine, Self::Contact];
-
-    /// For people.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Numerics => "numerics",
-            Self::Joints => "joint kind",
-            Self::Engine => "second engine",
-            Self::Contact => "relaxed contact",
-            Self::Indistinguishable => "indistinguishable set",
-        }
-    }
 }
 
 /// A model that is as valid as the one that was asked for.
@@ -202,10 +184,7 @@ impl ModelError {
             let (seed, change) = (ensemble.seed, &tried[*model].2);
             let own = ensemble.uncertain.apply(experiment, seed, *repeat)?;
             let run = ensemble::repeat(&change(&own), &ensemble.noise, seed, *repeat)?;
-            Ok(Some(match run.outcome {
-                Outcome::Completed(motion) => Outcome::Completed(prepare(&motion)?),
-                Outcome::Diverged(divergence) => Outcome::Diverged(divergence),
-            }))
+            run.outcome.try_map(|motion| prepare(&motion)).map(Some)
         };
         let outcomes: Option<Vec<Outcome<Prepared>>> =
             run.install(|| jobs.par_iter().map(simulate).collect::<Result<_>>())??;
@@ -217,11 +196,11 @@ impl ModelError {
             .zip(outcomes.chunks(repeats))
             .map(|((name, source, _), outcomes)| {
                 let paths: Vec<&Prepared> = outcomes.iter().filter_map(Outcome::get).collect();
-                let far_m: Vec<f64> = paths.iter().map(|p| p.net_displacement_m()).collect();
+                let far_m = mean_of(paths.iter().map(|p| p.net_displacement_m()));
                 Model {
                     name,
                     source,
-                    ratio: (paths.len() == repeats).then(|| mean(&far_m) / own_m),
+                    ratio: (paths.len() == repeats).then(|| far_m / own_m),
                     behaviours: shares(ensemble, forecast, &paths, repeats),
                 }
             })
@@ -258,11 +237,8 @@ impl ModelError {
         other_engine: Option<OtherEngine>,
     ) -> Self {
         let mut factors = vec![1.0];
-        for source in Source::ALL
-            .into_iter()
-            .filter(|source| !Source::OTHERS.contains(source))
-        {
-            let of_source = models.iter().filter(|model| model.source == source);
+        for source in Source::ALL.iter().filter(|s| !Source::OTHERS.contains(s)) {
+            let of_source = models.iter().filter(|model| model.source == *source);
             let ratios: Vec<f64> = std::iter::once(1.0)
                 .chain(of_source.filter_map(|model| model.ratio))
                 .collect();
@@ -444,7 +420,7 @@ impl fmt::Display for ModelError {
             self.models.len(),
             self.repeats
         )?;
-        for source in Source::ALL {
+        for &source in Source::ALL {
             let of_source = || self.models.iter().filter(|m| m.source == source);
             if let Some(range) = Range::of(of_source().filter_map(|model| model.ratio)) {
                 let [low, high] = [range.low, range.high].map(|ratio| 100.0 * (ratio - 1.0));

@@ -9,15 +9,14 @@ use std::fmt;
 
 use serde::Serialize;
 
+use super::UncertainParameters;
 use super::ensemble::{LEVELS, Region};
-use super::uncertain::UncertainParameters;
 use crate::calibration::Study;
 use crate::calibration::identification::face_down;
-use realgap_core::error::{Error, Result};
 use realgap_core::statistics::{
-    Proportion, ReliabilityBin, brier, mean, percentile_interval, reliability, resamples,
+    Proportion, ReliabilityBin, brier, mean, mean_of, percentile_interval, reliability, resamples,
 };
-use realgap_core::warning::{Code, Warning};
+use realgap_core::{Code, Error, Result, Warning};
 use realgap_engine::parameter::ParameterSet;
 use realgap_engine::{Experiment, Noise};
 use realgap_optimize::RunOptions;
@@ -173,10 +172,9 @@ impl Odds {
     fn over(found: Vec<Found>, options: &OddsOptions, mut warnings: Vec<Warning>) -> Self {
         let diverged: usize = found.iter().map(|found| found.diverged).sum();
         if diverged > 0 {
-            warnings.push(Warning::new(
-                Code::Diverged,
-                format!("{diverged} runs diverged; they have no end and are left out"),
-            ));
+            warnings.push(Code::Diverged.says(format!(
+                "{diverged} runs diverged; they have no end and are left out"
+            )));
         }
         let scored = |values: Vec<f64>| {
             let again = resamples(values.len(), RESAMPLES, options.seed);
@@ -190,23 +188,16 @@ impl Odds {
                 high,
             }
         };
-        let one_run = |row: &RecordingOdds| {
-            if row.one_run.as_ref() == Some(&row.real) {
-                0.0
-            } else {
-                2.0
-            }
+        let one_run = |row: &RecordingOdds| match row.one_run.as_ref() == Some(&row.real) {
+            true => 0.0,
+            false => 2.0,
         };
         let forecasts: Vec<(f64, bool)> = found.iter().flat_map(Found::forecasts).collect();
-        let logs: Vec<f64> = found.iter().map(Found::log_probability).collect();
+        let log_score = mean_of(found.iter().map(Found::log_probability));
         let rows: Vec<RecordingOdds> = found.into_iter().map(|found| found.row).collect();
         let end_coverage = std::array::from_fn(|level| EndCoverage {
             level: LEVELS[level],
-            observed: Proportion::new(
-                rows.iter().filter(|row| row.end_inside[level]).count(),
-                rows.len(),
-                INTERVAL_LEVEL,
-            ),
+            observed: Proportion::of(rows.iter().map(|row| row.end_inside[level]), INTERVAL_LEVEL),
         });
         Self {
             recordings: rows.len(),
@@ -214,7 +205,7 @@ impl Odds {
             diverged,
             brier: scored(rows.iter().map(|row| row.brier).collect()),
             brier_one_run: scored(rows.iter().map(one_run).collect()),
-            log_score: mean(&logs),
+            log_score,
             end_coverage,
             reliability: reliability(&forecasts),
             noise: options.noise,
@@ -291,7 +282,7 @@ fn odds_of(study: &Study, case: usize, set: &ParameterSet, options: &OddsOptions
         let region = Region::of_places(&places_m, experiment.assembly.body_length_m);
         std::array::from_fn(|level| region.contains(level, real.place_m))
     };
-    let found = Found {
+    let mut found = Found {
         diverged: options.runs - ends.len(),
         poses,
         rest,
@@ -307,14 +298,8 @@ fn odds_of(study: &Study, case: usize, set: &ParameterSet, options: &OddsOptions
     let forecasts = found.forecasts();
     let happened = forecasts.iter().position(|forecast| forecast.1);
     let given: Vec<f64> = forecasts.iter().map(|forecast| forecast.0).collect();
-    let score = brier(&given, happened.unwrap_or(given.len()));
-    Ok(Found {
-        row: RecordingOdds {
-            brier: score,
-            ..found.row
-        },
-        ..found
-    })
+    found.row.brier = brier(&given, happened.unwrap_or(given.len()));
+    Ok(found)
 }
 
 impl fmt::Display for Odds {

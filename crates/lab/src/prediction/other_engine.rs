@@ -5,7 +5,7 @@
 //! were off, robot by robot, is the distribution of further ones (split conformal prediction with a normalised score: Lei et al.
 //! 2018). Doubt about numerics is part of that distance, and is not multiplied on it again.
 
-use super::model::Range;
+use super::Range;
 
 /// What MuJoCo made of random robots: tools/engine_spread.py, docs/fidelity/ensembles.md.
 const LEARNED: &str = include_str!("engines.csv");

@@ -8,14 +8,12 @@ use serde::Serialize;
 
 use super::ensemble::{self, Coverage, Draws, Ensemble, Forecast, Reality, Recall};
 use super::kept::{row_of, runs_in};
-use super::model::ModelError;
-use super::uncertain::UncertainParameters;
+use super::{ModelError, UncertainParameters};
 use crate::calibration::{RepeatCase, Repeatable, by_name, few_recordings};
 use crate::claim::{self, About, Claim};
-use realgap_core::error::Result;
 use realgap_core::file::sha256;
 use realgap_core::statistics::Proportion;
-use realgap_core::warning::Warning;
+use realgap_core::{Result, Warning};
 use realgap_engine::parameter::ParameterSet;
 use realgap_engine::{Noise, Run};
 use realgap_optimize::{Batch, Ending, Progress, RunOptions, drive};
@@ -126,11 +124,8 @@ impl EnsembleReport {
     /// Everything that decides the repeats.
     pub fn fingerprint(study: &Repeatable, options: &EnsembleOptions) -> Fingerprint {
         let definition = &study.definition;
-        let experiments = study
-            .cases
-            .iter()
-            .map(|case| format!("{:?}", case.experiment));
-        let experiments: String = experiments.collect();
+        let cases = study.cases.iter();
+        let experiments: String = cases.map(|c| format!("{:?}", c.experiment)).collect();
         let fingerprint = Fingerprint::new()
             .with("realgap", env!("CARGO_PKG_VERSION"))
             .with("engine", study.cases[0].experiment.engine_version())
@@ -234,10 +229,7 @@ impl EnsembleReport {
             .into_iter()
             .map(|(case, ensemble)| EnsembleCase::new(case, ensemble))
             .collect::<Result<Vec<_>>>()?;
-        let parts: Vec<&Reality> = cases
-            .iter()
-            .filter_map(|case| case.reality.as_ref())
-            .collect();
+        let parts: Vec<&Reality> = cases.iter().flat_map(|case| &case.reality).collect();
         let mut warnings = study.warnings.clone();
         if let Some(case) = cases.iter().find(|case| case.reality.is_some()) {
             warnings.extend(ensemble::no_camera(&case.ensemble.noise));
@@ -266,16 +258,10 @@ impl EnsembleReport {
     /// The report with what its own numbers say.
     #[must_use]
     pub fn with_claims(mut self) -> Self {
-        let reach = self
-            .cases
-            .first()
-            .and_then(|case| claim::reach(&case.forecast));
-        let reality = self.reality.iter();
-        let regions: Vec<Claim> = reality
-            .clone()
-            .flat_map(|r| &r.coverage)
-            .map(Coverage::claim)
-            .collect();
+        let first = self.cases.first();
+        let reach = first.and_then(|case| claim::reach(&case.forecast));
+        let regions = self.reality.iter().flat_map(|r| &r.coverage);
+        let regions: Vec<Claim> = regions.map(Coverage::claim).collect();
         let alike = self.reality.as_ref().and_then(|reality| reality.alike);
         let recorded = claim::recorded(&regions, alike.as_ref(), self.source);
         self.claims = reach.into_iter().chain(recorded).chain(regions).collect();
@@ -325,8 +311,8 @@ impl EnsembleCase {
         let further_run_m = self.model.as_ref().and_then(|model| model.further_run_m);
         if let (Some(range), false) = (further_run_m, case.real.is_empty()) {
             let inside = |path: &Prepared| range.contains(path.net_displacement_m());
-            let count = case.real.iter().filter(|(_, path)| inside(path)).count();
-            self.in_further_runs = Some(Proportion::new(count, case.real.len(), INTERVAL));
+            let inside = case.real.iter().map(|(_, path)| inside(path));
+            self.in_further_runs = Some(Proportion::of(inside, INTERVAL));
         }
         Ok(())
     }
@@ -354,10 +340,7 @@ impl fmt::Display for EnsembleReport {
         if let Some(reality) = &self.reality {
             write!(f, "\n{reality}")?;
         }
-        let mut said = self
-            .claims
-            .iter()
-            .filter(|claim| claim.about == About::Ensemble);
+        let mut said = self.claims.iter().filter(|c| c.about == About::Ensemble);
         said.try_for_each(|claim| write!(f, "\n  {claim}"))
     }
 }

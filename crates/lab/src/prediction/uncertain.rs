@@ -5,10 +5,9 @@ use std::path::Path;
 use rand::RngExt as _;
 use serde::{Deserialize, Serialize};
 
-use realgap_core::error::{Advice, Error, Result};
 use realgap_core::file::{Seal, read_limited};
 use realgap_core::random::Numbered;
-use realgap_core::warning::{Code, Warning};
+use realgap_core::{Advice, Code, Error, Result, Warning};
 use realgap_engine::Experiment;
 use realgap_engine::parameter::{Assignment, ParameterSet, by_name};
 use realgap_store::FolderLock;
@@ -50,11 +49,8 @@ impl UncertainParameters {
                     .allowed("low not above high")));
             }
         }
-        let groups = groups.into_iter().filter(|group| !group.is_empty());
-        Ok(Self {
-            ranges,
-            groups: groups.collect(),
-        })
+        let of_draws = Self::of_draws(&groups);
+        Ok(Self { ranges, ..of_draws })
     }
 
     /// Groups of points alone.
@@ -77,8 +73,7 @@ impl UncertainParameters {
     /// Says so where repeats differ in parameters.
     pub fn warning(&self) -> Option<Warning> {
         (!self.is_empty()).then(|| {
-            Warning::new(
-                Code::UncertainParameters,
+            Code::UncertainParameters.says(
                 "repeats differ in the parameters that tuning left open, too; the run without noise has the fixed values",
             )
         })

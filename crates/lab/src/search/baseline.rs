@@ -2,10 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::body::Body;
 use super::evaluate::Repeats;
-use super::finals::Finalist;
-use super::problem::Search;
+use super::{Body, Finalist, Search};
 use crate::prediction::ensemble::Forecast;
 use realgap_core::Result;
 use realgap_optimize::{RunOptions, pool};

@@ -2,15 +2,11 @@
 
 use std::sync::Arc;
 
-use super::body::Body;
-use super::descriptor::descriptor_named;
-use super::failure::FailureRules;
-use super::finals_settings::FinalsSettings;
-use super::gait::GaitTuning;
-use super::objective::Objective;
-use super::problem::Search;
-use super::setting::SettingsChoice;
-use super::strategy::{Space, StrategySettings, within};
+use super::strategy::within;
+use super::{
+    Body, FailureRules, FinalsSettings, GaitTuning, Objective, Search, SettingsChoice, Space,
+    StrategySettings, descriptor_named,
+};
 use crate::prediction::{UncertainParameters, UncertainRange};
 use realgap_core::file::check_name;
 use realgap_core::range::Range;
@@ -81,34 +77,31 @@ impl Search {
 }
 
 impl SearchBuilder {
-    /// Its name, for pictures and messages: `search` where nobody says.
-    pub fn name(mut self, name: impl Into<String>) -> Self {
-        self.name = name.into();
-        self
-    }
-
-    /// How genomes become robots; of a given robot the ranges of its gait.
-    pub fn development(mut self, development: Development) -> Self {
-        self.development = development;
-        self
-    }
-
-    /// Starts from this robot: its body stays, its gait may be searched.
-    pub fn robot(mut self, robot: Morphology) -> Self {
-        self.robot = Some(robot);
-        self
-    }
-
-    /// Starts from this genome.
-    pub fn genome(mut self, genome: Genome) -> Self {
-        self.genome = Some(genome);
-        self
-    }
-
-    /// Length of each run, seconds.
-    pub fn duration_s(mut self, duration_s: f64) -> Self {
-        self.duration_s = duration_s;
-        self
+    realgap_core::setters! {
+        /// Its name, for pictures and messages: `search` where nobody says.
+        name: impl Into<String>;
+        /// How genomes become robots; of a given robot the ranges of its gait.
+        development: Development;
+        /// Starts from this robot: its body stays, its gait may be searched.
+        robot: Morphology;
+        /// Starts from this genome.
+        genome: Genome;
+        /// Length of each run, seconds.
+        duration_s: f64;
+        /// What is to be made large.
+        objective: Objective;
+        /// Runs of every robot.
+        repeats: usize;
+        /// What counts as a failure.
+        failures: FailureRules;
+        /// In which settings of engine and steps repeats run.
+        settings: SettingsChoice;
+        /// Tunes the gait of every body by short runs before the body is judged.
+        gait: GaitTuning;
+        /// How the best are looked at again.
+        finals: FinalsSettings;
+        /// Seed of everything random, the strategy's choices included.
+        seed: u64;
     }
 
     /// A fixed value of a parameter, e.g. `floor.friction`.
@@ -124,57 +117,9 @@ impl SearchBuilder {
         self
     }
 
-    /// Points of which every repeat gets one, e.g. those that tuning could not tell apart.
-    pub fn uncertain_points(mut self, points: Vec<ParameterSet>) -> Self {
-        self.points.push(points);
-        self
-    }
-
     /// How else repeats differ, and who says so; an estimate for a robot that nobody has measured where nobody says.
     pub fn noise(mut self, noise: Noise, from: impl Into<String>) -> Self {
         self.noise = Some((noise, from.into()));
-        self
-    }
-
-    /// What is to be made large.
-    pub fn objective(mut self, objective: Objective) -> Self {
-        self.objective = objective;
-        self
-    }
-
-    /// Runs of every robot.
-    pub fn repeats(mut self, repeats: usize) -> Self {
-        self.repeats = repeats;
-        self
-    }
-
-    /// What counts as a failure.
-    pub fn failures(mut self, failures: FailureRules) -> Self {
-        self.failures = failures;
-        self
-    }
-
-    /// In which settings of engine and steps repeats run.
-    pub fn settings(mut self, settings: SettingsChoice) -> Self {
-        self.settings = settings;
-        self
-    }
-
-    /// Tunes the gait of every body by short runs before the body is judged.
-    pub fn gait(mut self, gait: GaitTuning) -> Self {
-        self.gait = Some(gait);
-        self
-    }
-
-    /// How the best are looked at again.
-    pub fn finals(mut self, finals: FinalsSettings) -> Self {
-        self.finals = finals;
-        self
-    }
-
-    /// Seed of everything random, the strategy's choices included.
-    pub fn seed(mut self, seed: u64) -> Self {
-        self.seed = seed;
         self
     }
 
@@ -205,11 +150,8 @@ impl SearchBuilder {
                 .found(self.objective.from_s)
                 .allowed(format!("less than the duration, {} s", self.duration_s)));
         }
-        let set: Result<ParameterSet> = self
-            .set
-            .iter()
-            .map(|(name, value)| Assignment::new(name, *value))
-            .collect();
+        let set = self.set.iter();
+        let set: Result<ParameterSet> = set.map(|(n, v)| Assignment::new(n, *v)).collect();
         let set = set.map_err(|e| e.field("set"))?.with_all(&self.overruling);
         let body = match self.robot {
             Some(robot) => Body::Fixed(Box::new(robot), self.development),

@@ -2,11 +2,11 @@
 
 use realgap_core::Result;
 use realgap_core::file::look_up;
-use realgap_core::statistics::mean;
+use realgap_core::statistics::mean_of;
 use realgap_core::unit::Unit;
 use realgap_robot::morphology::Morphology;
 
-use super::objective::Travel;
+use super::Travel;
 
 /// A robot and what its repeats did.
 #[derive(Debug, Clone, Copy)]
@@ -45,67 +45,38 @@ impl std::fmt::Debug for Descriptor {
     }
 }
 
-/// Every descriptor.
-pub const DESCRIPTORS: &[Descriptor] = &[
-    Descriptor {
-        name: "modules",
-        unit: Unit::One,
-        is_count: true,
-        doc: "number of modules",
-        value: |b| b.robot.modules().len() as f64,
-    },
-    Descriptor {
-        name: "active_faces",
-        unit: Unit::One,
-        is_count: true,
-        doc: "number of driven faces",
-        value: |b| {
-            let driven = b.robot.modules().iter().filter(|m| m.drive.is_some());
-            driven.count() as f64
-        },
-    },
-    Descriptor {
-        name: "mass_kg",
-        unit: Unit::Kilogram,
-        is_count: false,
-        doc: "mass of the whole robot",
-        value: |b| b.robot.summary().mass_kg,
-    },
-    Descriptor {
-        name: "height_m",
-        unit: Unit::Metre,
-        is_count: false,
-        doc: "height at zero servo angles",
-        value: |b| b.robot.summary().size_m().z,
-    },
-    Descriptor {
-        name: "footprint_m",
-        unit: Unit::Metre,
-        is_count: false,
-        doc: "side of the square with the area of the bounding box seen from above",
-        value: |b| {
-            let size_m = b.robot.summary().size_m();
-            (size_m.x * size_m.y).sqrt()
-        },
-    },
-    Descriptor {
-        name: "straightness",
-        unit: Unit::One,
-        is_count: false,
-        doc: "net displacement per path length, mean over the repeats",
-        value: |b| {
-            let all = b.repeats.iter().map(|t| t.straightness(b.body_length_m));
-            mean(&all.collect::<Vec<_>>())
-        },
-    },
-    Descriptor {
-        name: "turned_rad",
-        unit: Unit::Radian,
-        is_count: false,
-        doc: "change of heading over the run, mean over the repeats, left positive",
-        value: |b| mean(&b.repeats.iter().map(|t| t.turned_rad).collect::<Vec<_>>()),
-    },
-];
+/// One row a descriptor: its name, its unit, whether it counts things, what it is, and how it is told.
+macro_rules! descriptors {
+    ($($name:ident $unit:ident, $is_count:literal, $doc:literal, $value:expr;)*) => {
+        /// Every descriptor.
+        pub const DESCRIPTORS: &[Descriptor] = &[$(Descriptor {
+            name: stringify!($name),
+            unit: Unit::$unit,
+            is_count: $is_count,
+            doc: $doc,
+            value: $value,
+        }),*];
+    };
+}
+
+descriptors! {
+    modules One, true, "number of modules", |b| b.robot.modules().len() as f64;
+    active_faces One, true, "number of driven faces", |b| {
+        b.robot.modules().iter().filter(|m| m.drive.is_some()).count() as f64
+    };
+    mass_kg Kilogram, false, "mass of the whole robot", |b| b.robot.summary().mass_kg;
+    height_m Metre, false, "height at zero servo angles", |b| b.robot.summary().size_m().z;
+    footprint_m Metre, false, "side of the square with the area of the bounding box seen from above", |b| {
+        let size_m = b.robot.summary().size_m();
+        (size_m.x * size_m.y).sqrt()
+    };
+    straightness One, false, "net displacement per path length, mean over the repeats", |b| {
+        mean_of(b.repeats.iter().map(|t| t.straightness(b.body_length_m)))
+    };
+    turned_rad Radian, false, "change of heading over the run, mean over the repeats, left positive", |b| {
+        mean_of(b.repeats.iter().map(|t| t.turned_rad))
+    };
+}
 
 /// The descriptor of this name.
 ///

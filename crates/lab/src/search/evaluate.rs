@@ -2,14 +2,11 @@
 
 use rayon::prelude::*;
 
-use super::descriptor::{Behaviour, descriptor_named};
-use super::failure::{Failure, Reason};
-use super::objective::{Measure, Objective, Travel};
-use super::problem::Search;
-use super::robot::{EvaluatedRobot, Outcome, Performance};
-use super::setting::SettingsChoice;
-use realgap_core::Result;
-use realgap_core::warning::Code;
+use super::{
+    Behaviour, EvaluatedRobot, Failure, Measure, Objective, Outcome, Performance, Reason, Search,
+    SettingsChoice, Travel, descriptor_named,
+};
+use realgap_core::{Code, Result};
 use realgap_engine::{Experiment, Floor, Posture, settle, watch};
 use realgap_optimize::RunOptions;
 use realgap_path::trajectory::prepare;

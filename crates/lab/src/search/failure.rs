@@ -4,59 +4,37 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// What went wrong, by kind.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum Reason {
+realgap_core::worded! {
+    /// What went wrong, by kind.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+    #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+    #[serde(rename_all = "kebab-case")]
+    Reason.code;
     /// The genome builds no robot.
-    DoesNotDevelop,
+    DoesNotDevelop "does-not-develop";
     /// A plate hits its own robot when it follows its gait.
-    PlateBlocked,
+    PlateBlocked "plate-blocked";
     /// The robot keeps on moving when it is put down.
-    NotSettled,
+    NotSettled "not-settled";
     /// The robot falls onto another side when it is put down.
-    Toppled,
+    Toppled "toppled";
     /// The simulation's state became absurd.
-    Diverged,
+    Diverged "diverged";
     /// The robot left the floor by more than the rules allow.
-    Flying,
+    Flying "flying";
     /// Parts of the robot went into each other by more than the rules allow.
-    SelfPenetrating,
+    SelfPenetrating "self-penetrating";
     /// The best gait that was found for the body promises too little to be judged.
-    GoesNowhere,
+    GoesNowhere "goes-nowhere";
 }
 
 impl Reason {
-    /// All of them.
-    pub const ALL: [Self; 8] = [
-        Self::DoesNotDevelop,
-        Self::PlateBlocked,
-        Self::NotSettled,
-        Self::Toppled,
-        Self::Diverged,
-        Self::Flying,
-        Self::SelfPenetrating,
-        Self::GoesNowhere,
-    ];
-
     /// The reason of this short name; `None` for any other text.
     pub fn by_code(code: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|reason| reason.code() == code)
-    }
-
-    /// A stable short name, for tables and the store.
-    pub fn code(self) -> &'static str {
-        match self {
-            Self::DoesNotDevelop => "does-not-develop",
-            Self::PlateBlocked => "plate-blocked",
-            Self::NotSettled => "not-settled",
-            Self::Toppled => "toppled",
-            Self::Diverged => "diverged",
-            Self::Flying => "flying",
-            Self::SelfPenetrating => "self-penetrating",
-            Self::GoesNowhere => "goes-nowhere",
-        }
+        Self::ALL
+            .iter()
+            .copied()
+            .find(|reason| reason.code() == code)
     }
 }
 

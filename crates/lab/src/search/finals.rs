@@ -1,11 +1,8 @@
 //! The best robots, looked at again: other solver settings, and draws that the search has not seen.
 
 use super::evaluate::Repeats;
-use super::objective::Travel;
-use super::problem::Search;
-use super::robot::{EvaluatedRobot, mean_displacement_m};
-use super::run::SearchResults;
-use super::strategy::Evaluated;
+use super::robot::mean_displacement_m;
+use super::{Evaluated, EvaluatedRobot, Search, SearchResults, Travel};
 use crate::prediction::ensemble::{self, Draws, Ensemble, Forecast};
 use crate::prediction::{Card, Economy, Finals, Growth, Rerun, Success, SuccessRule};
 use realgap_core::{Error, Result};

@@ -6,9 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::failure::{Failure, Reason};
-use super::objective::{Measure, Objective};
-use super::problem::Search;
+use super::{Failure, Measure, Objective, Reason, Search};
 use realgap_core::Result;
 use realgap_core::range::Range;
 use realgap_optimize::{
@@ -88,9 +86,7 @@ impl Search {
             let genome = with_gait(genome, &driven, point)?;
             let mut promised = self.promise(tuning, index, &genome)?;
             // Whether it stands is asked of those only that may be judged: it costs as much as half a short run.
-            if promised
-                .as_ref()
-                .is_ok_and(|promised| -promised < best_score)
+            if promised.as_ref().is_ok_and(|p| -p < best_score)
                 && let Err(failure) = self.build(index, &genome)?
             {
                 promised = Err(failure);

@@ -10,20 +10,21 @@ use realgap_engine::EnergyBalance;
 use realgap_path::trajectory::Prepared;
 pub use realgap_store::TravelRow as Travel;
 
-/// What is measured in one repeat.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub enum Measure {
+realgap_core::worded! {
+    /// What is measured in one repeat.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+    Measure.label;
     /// Distance from start to end in the plane, metres: the papers' fitness.
-    Displacement,
+    Displacement "displacement";
     /// Displacement per length of the path, 0 to 1; 0 for a robot that gets less than one body length far.
-    Straightness,
+    Straightness "straightness";
     /// Displacement per time, m/s.
-    Speed,
+    Speed "speed";
     /// Displacement per joule that the servos gave, m/J: speed per power is distance per energy. What they took counts as lost
     /// ([`realgap_engine::EnergyBalance::servo_positive_j`]). 0 for a robot that gets less than one body length far: who
     /// hardly moves hardly spends.
-    SpeedPerEnergy,
+    SpeedPerEnergy "speed per energy";
 }
 
 /// One number for all repeats.
@@ -84,16 +85,6 @@ impl Measure {
             Self::Straightness => Unit::One,
             Self::Speed => Unit::MetrePerSecond,
             Self::SpeedPerEnergy => Unit::MetrePerJoule,
-        }
-    }
-
-    /// For people.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Displacement => "displacement",
-            Self::Straightness => "straightness",
-            Self::Speed => "speed",
-            Self::SpeedPerEnergy => "speed per energy",
         }
     }
 }

@@ -2,13 +2,9 @@
 
 use std::sync::Arc;
 
-use super::body::Body;
-use super::failure::FailureRules;
-use super::finals_settings::FinalsSettings;
-use super::gait::GaitTuning;
-use super::objective::Objective;
-use super::setting::SettingsChoice;
-use super::strategy::{Space, Strategy};
+use super::{
+    Body, FailureRules, FinalsSettings, GaitTuning, Objective, SettingsChoice, Space, Strategy,
+};
 use crate::prediction::UncertainParameters;
 use realgap_engine::parameter::ParameterSet;
 use realgap_engine::{EngineChoice, Experiment, Noise, Sampling};
@@ -42,11 +38,6 @@ impl Search {
         &self.name
     }
 
-    /// The file as written; empty where there is none.
-    pub fn text(&self) -> &str {
-        &self.text
-    }
-
     /// What it is for.
     pub fn description(&self) -> &str {
         &self.description
@@ -67,11 +58,6 @@ impl Search {
         self.duration_s
     }
 
-    /// Fixed values of parameters.
-    pub fn set(&self) -> &ParameterSet {
-        &self.set
-    }
-
     /// Parameters whose values differ from repeat to repeat.
     pub fn uncertain(&self) -> &UncertainParameters {
         &self.uncertain
@@ -90,21 +76,6 @@ impl Search {
     /// Runs of every robot.
     pub fn repeats(&self) -> usize {
         self.repeats
-    }
-
-    /// What counts as a failure.
-    pub fn failures(&self) -> &FailureRules {
-        &self.failures
-    }
-
-    /// In which settings repeats run.
-    pub fn settings(&self) -> SettingsChoice {
-        self.settings
-    }
-
-    /// How the gait of every body is tuned before it is judged; `None` where genomes are judged as they are.
-    pub fn gait(&self) -> Option<&GaitTuning> {
-        self.gait.as_ref()
     }
 
     /// How the best are looked at again.

@@ -1,9 +1,7 @@
 //! A robot that has been simulated: what it did, or why it failed.
 
-use super::failure::{Failure, Reason};
-use super::objective::Travel;
-use super::strategy::Evaluated;
-use realgap_core::statistics::mean;
+use super::{Evaluated, Failure, Reason, Travel};
+use realgap_core::statistics::mean_of;
 use realgap_core::{Error, Result};
 use realgap_robot::genome::{Gene, Genome, Locus};
 use realgap_store::{RobotOutcome, RobotRow};
@@ -98,7 +96,7 @@ impl EvaluatedRobot {
 
 /// Mean net displacement of some repeats, metres.
 pub(super) fn mean_displacement_m(repeats: &[Travel]) -> f64 {
-    mean(&repeats.iter().map(|t| t.displacement_m).collect::<Vec<_>>())
+    mean_of(repeats.iter().map(|t| t.displacement_m))
 }
 
 impl From<&EvaluatedRobot> for RobotRow {

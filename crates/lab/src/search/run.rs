@@ -1,8 +1,6 @@
 //! The search itself: proposals evaluated in parallel, in the strategy's order.
 
-use super::problem::Search;
-use super::robot::{EvaluatedRobot, Outcome, Performance};
-use super::strategy::{Evaluated, Strategy};
+use super::{Evaluated, EvaluatedRobot, Outcome, Performance, Search, Strategy};
 use realgap_core::{Error, Result};
 use realgap_optimize::{Batch, Ending, RunOptions, drive};
 use realgap_robot::genome::Genome;

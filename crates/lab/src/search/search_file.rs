@@ -5,14 +5,10 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use super::builder::SearchBuilder;
-use super::failure::FailureRules;
-use super::finals_settings::FinalsSettings;
-use super::gait::GaitTuning;
-use super::objective::Objective;
-use super::problem::Search;
-use super::setting::SettingsChoice;
 use super::strategy::StrategyFile;
+use super::{
+    FailureRules, FinalsSettings, GaitTuning, Objective, Search, SearchBuilder, SettingsChoice,
+};
 use crate::prediction::{UncertainRange, read_indistinguishable};
 use realgap_core::Result;
 use realgap_core::file::{Source, name_of_file, parse_ron, unique_keys};

@@ -22,6 +22,21 @@ pub struct Pair<'a> {
     pub simulated_prepared: &'a Prepared,
 }
 
+impl<'a> Pair<'a> {
+    /// Two trajectories, each with what preparing has made of it.
+    pub fn new(
+        (real, real_prepared): (&'a Trajectory, &'a Prepared),
+        (simulated, simulated_prepared): (&'a Trajectory, &'a Prepared),
+    ) -> Self {
+        Self {
+            real,
+            simulated,
+            real_prepared,
+            simulated_prepared,
+        }
+    }
+}
+
 /// What some metrics need besides the two trajectories.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Context<'a> {

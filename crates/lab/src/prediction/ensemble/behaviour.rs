@@ -3,10 +3,9 @@
 use kodama::{Method, linkage};
 use serde::{Deserialize, Serialize};
 
-use super::run::{Ensemble, Motion};
-use realgap_core::statistics::{Proportion, mean, median};
-use realgap_path::trajectory::Prepared;
-use realgap_path::trajectory::rms_m;
+use super::{Ensemble, Motion};
+use realgap_core::statistics::{Proportion, least_by, mean_of_any, median};
+use realgap_path::trajectory::{Prepared, rms_m};
 
 /// At most so many behaviours: more are no description any more.
 pub const BEHAVIOURS: usize = 5;
@@ -24,28 +23,18 @@ const IN_PLACE_PATHS: f64 = 0.1;
 /// It does where it turns at least this much, radians.
 const IN_PLACE_TURN_RAD: f64 = std::f64::consts::FRAC_PI_4;
 
-/// What a behaviour is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum Kind {
+realgap_core::worded! {
+    /// What a behaviour is.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+    #[serde(rename_all = "snake_case")]
+    Kind.label;
     /// What the simulation without noise does.
-    AsPredicted,
+    AsPredicted "as predicted";
     /// Goes nowhere while its heading changes.
-    TurnsInPlace,
+    TurnsInPlace "turns in place";
     /// Anything else.
-    OtherPath,
-}
-
-impl Kind {
-    /// For people.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::AsPredicted => "as predicted",
-            Self::TurnsInPlace => "turns in place",
-            Self::OtherPath => "other path",
-        }
-    }
+    OtherPath "other path";
 }
 
 /// A group of repeats that do the same.
@@ -96,16 +85,12 @@ pub fn cut_m(body_length_m: f64, displacements_m: &[f64]) -> f64 {
 /// The run without noise takes part in the clustering but is not counted: the group it falls into is "as
 /// predicted".
 pub fn behaviours(ensemble: &Ensemble) -> Behaviours {
-    let repeats: Vec<(u64, &Motion)> = ensemble
-        .motions()
-        .map(|(repeat, motion)| (repeat.number, motion))
-        .collect();
+    let repeats = ensemble.motions().map(|(repeat, m)| (repeat.number, m));
+    let repeats: Vec<(u64, &Motion)> = repeats.collect();
     let noise_free = ensemble.noise_free.get();
     let motions: Vec<&Motion> = repeats.iter().map(|(_, m)| *m).chain(noise_free).collect();
-    let displacements_m: Vec<f64> = repeats
-        .iter()
-        .map(|(_, m)| m.net_displacement_m())
-        .collect();
+    let displacements_m = repeats.iter().map(|(_, m)| m.net_displacement_m());
+    let displacements_m: Vec<f64> = displacements_m.collect();
     let paths: Vec<&Prepared> = motions.iter().map(|m| &m.path).collect();
     let wanted_m = cut_m(ensemble.body_length_m, &displacements_m);
     let (groups, cut_m) = groups(&paths, wanted_m);
@@ -113,11 +98,8 @@ pub fn behaviours(ensemble: &Ensemble) -> Behaviours {
         .into_iter()
         .map(|group| {
             let is_prediction = group.last().is_some_and(|&last| last >= repeats.len());
-            let members: Vec<usize> = group
-                .iter()
-                .copied()
-                .filter(|&i| i < repeats.len())
-                .collect();
+            let members = group.iter().copied().filter(|&i| i < repeats.len());
+            let members: Vec<usize> = members.collect();
             let medoid = medoid(&paths, &members);
             let shown = motions[medoid.unwrap_or(group[0])];
             let kind = if is_prediction {
@@ -165,8 +147,7 @@ impl Behaviours {
         all.filter_map(|(index, behaviour)| {
             let members = distances_m.iter();
             let of = members.filter(|(number, _)| behaviour.repeats.contains(number));
-            let of: Vec<f64> = of.map(|(_, distance_m)| *distance_m).collect();
-            (!of.is_empty()).then(|| (mean(&of), index))
+            Some((mean_of_any(of.map(|(_, distance_m)| *distance_m))?, index))
         })
         .min_by(|a, b| a.0.total_cmp(&b.0))
     }
@@ -198,11 +179,7 @@ fn number(list: &mut [Behaviour]) {
 /// The member with the least mean distance to the others; the first of equals.
 fn medoid(paths: &[&Prepared], members: &[usize]) -> Option<usize> {
     let total = |&i: &usize| -> f64 { members.iter().map(|&j| rms_m(paths[i], paths[j])).sum() };
-    members
-        .iter()
-        .map(|i| (total(i), *i))
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, i)| i)
+    least_by(members.iter().copied(), total)
 }
 
 /// Groups of indices, each in increasing order, and the distance at which they were cut.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use realgap_core::error::{Error, Result};
+use realgap_core::{Error, Result};
 use realgap_path::trajectory::{POINTS, Prepared};
 
 /// Levels of the central regions.
@@ -197,15 +197,10 @@ impl Envelope {
 
     /// At each time, how many of `paths` lie in the region of `LEVELS[level]`.
     pub fn inside(&self, level: usize, paths: &[&Prepared]) -> Vec<usize> {
-        self.regions
-            .iter()
-            .enumerate()
-            .map(|(index, region)| {
-                paths
-                    .iter()
-                    .filter(|path| region.contains(level, path.xy_m()[index]))
-                    .count()
-            })
-            .collect()
+        let count = |(index, region): (usize, &Region)| {
+            let places_m = paths.iter().map(|path| path.xy_m()[index]);
+            places_m.filter(|m| region.contains(level, *m)).count()
+        };
+        self.regions.iter().enumerate().map(count).collect()
     }
 }

@@ -2,13 +2,9 @@
 
 use serde::Serialize;
 
-use super::behaviour::{Behaviours, behaviours};
-use super::envelope::Envelope;
-use super::quantiles::Quantiles;
-use super::run::{Ensemble, Motion};
-use realgap_core::error::Result;
+use super::{Behaviours, Ensemble, Envelope, Motion, Quantiles, behaviours};
 use realgap_core::statistics::Proportion;
-use realgap_core::warning::{Code, Warning};
+use realgap_core::{Code, Result, Warning};
 use realgap_engine::Noise;
 
 /// Confidence level of the intervals.
@@ -69,6 +65,7 @@ impl Forecast {
         };
         let paths: Vec<_> = ensemble.motions().map(|(_, m)| &m.path).collect();
         let (duration_s, body_length_m) = (ensemble.duration_s, ensemble.body_length_m);
+        let repeats = ensemble.repeats.len();
         let envelope = match paths.is_empty() {
             true => None,
             false => Some(Envelope::new(&paths, duration_s, body_length_m)?),
@@ -80,32 +77,26 @@ impl Forecast {
             && !ensemble.noise.is_zero()
             && !(spread.q05..=spread.q95).contains(&alone_m)
         {
-            warnings.push(Warning::new(
-                Code::AtypicalPrediction,
-                format!(
-                    "without noise the robot gets {alone_m:.3} m far, outside what 90 % of its repeats do ({:.3} to {:.3} m): \
+            warnings.push(Code::AtypicalPrediction.says(format!(
+                "without noise the robot gets {alone_m:.3} m far, outside what 90 % of its repeats do ({:.3} to {:.3} m): \
                      the one run without noise does not predict them",
-                    spread.q05, spread.q95
-                ),
-            ));
+                spread.q05,
+                spread.q95
+            )));
         }
         Ok(Self {
-            repeats: ensemble.repeats.len(),
+            repeats,
             repeats_asked: ensemble.asked,
             complete: ensemble.is_complete(),
             seed: ensemble.seed,
-            duration_s: ensemble.duration_s,
-            body_length_m: ensemble.body_length_m,
+            duration_s,
+            body_length_m,
             displacement_m,
             speed_m_s: spread(&|m| m.net_displacement_m() / ensemble.duration_s),
             path_length_m: spread(&|m| m.path.path_length_m()),
             turned_rad: spread(&|m| m.turned_rad),
-            noise_free_displacement_m: ensemble.noise_free.get().map(Motion::net_displacement_m),
-            diverged: Proportion::new(
-                ensemble.repeats.len() - paths.len(),
-                ensemble.repeats.len(),
-                LEVEL,
-            ),
+            noise_free_displacement_m,
+            diverged: Proportion::new(repeats - paths.len(), repeats, LEVEL),
             behaviours: behaviours(ensemble),
             envelope,
             band: Envelope::of_whole_paths(&paths, duration_s, body_length_m)?,
@@ -121,8 +112,7 @@ impl Ensemble {
     pub fn success(&self, least_m: f64) -> Proportion {
         let far = self
             .motions()
-            .filter(|(_, motion)| motion.net_displacement_m() >= least_m)
-            .count();
-        Proportion::new(far, self.repeats.len(), LEVEL)
+            .filter(|(_, m)| m.net_displacement_m() >= least_m);
+        Proportion::new(far.count(), self.repeats.len(), LEVEL)
     }
 }

@@ -2,8 +2,7 @@
 
 use std::fmt;
 
-use super::forecast::Forecast;
-use super::reality::Reality;
+use super::{Forecast, Reality};
 use realgap_core::statistics::Proportion;
 use realgap_core::table::{Side, TextTable};
 use realgap_core::unit::{Unit, decimals, quantity};

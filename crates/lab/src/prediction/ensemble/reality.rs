@@ -3,14 +3,11 @@
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::envelope::LEVELS;
-use super::forecast::Forecast;
-use super::run::Ensemble;
+use super::{Ensemble, Forecast, LEVELS};
 use crate::claim::{self, Claim, Says};
-use realgap_core::error::Result;
-use realgap_core::statistics::{EnergyTest, Proportion, energy_test, mean};
-use realgap_path::trajectory::Prepared;
-use realgap_path::trajectory::rms_m;
+use realgap_core::Result;
+use realgap_core::statistics::{EnergyTest, Proportion, energy_test, mean_of};
+use realgap_path::trajectory::{Prepared, rms_m};
 
 /// Confidence level of the coverages' intervals.
 const INTERVAL: f64 = 0.95;
@@ -91,10 +88,10 @@ impl Reality {
         forecast: &Forecast,
         real: &[(&str, &Prepared)],
     ) -> Result<Option<Self>> {
-        let repeats: Vec<(u64, &Prepared)> = ensemble
+        let repeats = ensemble
             .motions()
-            .map(|(repeat, motion)| (repeat.number, &motion.path))
-            .collect();
+            .map(|(repeat, m)| (repeat.number, &m.path));
+        let repeats: Vec<(u64, &Prepared)> = repeats.collect();
         let Some(envelope) = forecast.envelope.as_ref().filter(|_| !real.is_empty()) else {
             return Ok(None);
         };
@@ -103,12 +100,10 @@ impl Reality {
         let runs: Vec<RealRun> = real
             .par_iter()
             .map(|(name, path)| {
-                let distances_m: Vec<(u64, f64)> = repeats
-                    .iter()
-                    .map(|(number, repeat)| (*number, rms_m(repeat, path)))
-                    .collect();
+                let distances_m = repeats.iter().map(|(n, repeat)| (*n, rms_m(repeat, path)));
+                let distances_m: Vec<(u64, f64)> = distances_m.collect();
                 let nearest = behaviours.nearest(&distances_m);
-                let distances_m: Vec<f64> = distances_m.iter().map(|(_, d)| *d).collect();
+
                 let distance_m = nearest.map_or(f64::NAN, |(distance_m, _)| distance_m);
                 let last = path.xy_m().len() - 1;
                 RealRun {
@@ -127,7 +122,7 @@ impl Reality {
                     }),
                     in_band: (forecast.band.as_ref())
                         .map(|band| std::array::from_fn(|level| band.holds(level, path))),
-                    energy_score_m: mean(&distances_m) - half_spread_m,
+                    energy_score_m: mean_of(distances_m.iter().map(|(_, d)| *d)) - half_spread_m,
                 }
             })
             .collect();
@@ -146,15 +141,13 @@ impl Reality {
             return None;
         }
         let runs: Vec<RealRun> = parts.iter().flat_map(|part| part.runs.clone()).collect();
-        let expected: Vec<f64> = parts
-            .iter()
-            .flat_map(|part| part.runs.iter().map(|_| part.expected_energy_score_m))
-            .collect();
+        let of_part = |part: &&Self| vec![part.expected_energy_score_m; part.runs.len()];
+        let expected = mean_of(parts.iter().flat_map(of_part));
         let alike = match parts {
             [only] => only.alike,
             _ => None,
         };
-        Some(Self::of_runs(runs, mean(&expected), alike))
+        Some(Self::of_runs(runs, expected, alike))
     }
 
     fn of_runs(
@@ -166,29 +159,25 @@ impl Reality {
             .iter()
             .enumerate()
             .map(|(index, &level)| {
-                let inside = runs.iter().filter(|run| run.ends_inside[index]).count();
-                let at_end = Proportion::new(inside, runs.len(), INTERVAL);
-                let shares: Vec<f64> = runs.iter().map(|run| run.time_inside[index]).collect();
-                let in_band: Option<Vec<bool>> =
-                    runs.iter().map(|run| Some(run.in_band?[index])).collect();
-                let whole_path = in_band.map(|held| {
-                    let count = held.iter().filter(|held| **held).count();
-                    Proportion::new(count, held.len(), INTERVAL)
-                });
+                let at_end =
+                    Proportion::of(runs.iter().map(|run| run.ends_inside[index]), INTERVAL);
+                let in_band = runs.iter().map(|run| Some(run.in_band?[index]));
+                let in_band: Option<Vec<bool>> = in_band.collect();
+                let whole_path = in_band.map(|held| Proportion::of(held, INTERVAL));
                 let claim = claim::region(level, &at_end, whole_path.as_ref());
                 Coverage {
                     is_honest: claim.says == Says::Holds,
                     whole_path,
                     level,
-                    over_time: mean(&shares),
+                    over_time: mean_of(runs.iter().map(|run| run.time_inside[index])),
                     at_end,
                 }
             })
             .collect();
-        let scores: Vec<f64> = runs.iter().map(|run| run.energy_score_m).collect();
+
         Self {
             coverage,
-            energy_score_m: mean(&scores),
+            energy_score_m: mean_of(runs.iter().map(|run| run.energy_score_m)),
             expected_energy_score_m,
             alike,
             runs,
@@ -197,10 +186,8 @@ impl Reality {
 
     /// How many runs show the behaviour of this name; `None` counts those that show none.
     pub fn showing(&self, behaviour: Option<&str>) -> usize {
-        self.runs
-            .iter()
-            .filter(|run| run.behaviour.as_deref() == behaviour)
-            .count()
+        let shown = self.runs.iter().map(|run| run.behaviour.as_deref());
+        shown.filter(|shown| *shown == behaviour).count()
     }
 }
 

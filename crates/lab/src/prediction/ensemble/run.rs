@@ -5,9 +5,8 @@ use std::time::Duration;
 
 use rayon::prelude::*;
 
-use crate::prediction::uncertain::UncertainParameters;
-use realgap_core::error::{Error, ErrorKind, Result};
-use realgap_core::warning::{Code, Warning};
+use crate::prediction::UncertainParameters;
+use realgap_core::{Code, Error, ErrorKind, Result, Warning};
 use realgap_engine::{
     Attendance, EnergyBalance, Experiment, Noise, Outcome, Perturbation, Run, attend,
 };
@@ -244,34 +243,30 @@ pub fn repeat(experiment: &Experiment, noise: &Noise, seed: u64, number: u64) ->
 
 /// The run as the noise's camera sees it.
 fn recorded(run: Run, noise: &Noise, seed: u64, number: u64) -> Result<Run> {
-    let outcome = match run.outcome {
-        Outcome::Completed(motion) => Outcome::Completed(noise.record(motion, seed, number)?),
-        diverged @ Outcome::Diverged(_) => diverged,
-    };
+    let outcome = run
+        .outcome
+        .try_map(|motion| noise.record(motion, seed, number))?;
     Ok(Run { outcome, ..run })
 }
 
 /// Repeats without a camera are nearer to each other than recordings can be.
 pub fn no_camera(noise: &Noise) -> Option<Warning> {
     (noise.camera.is_zero() && !noise.is_zero()).then(|| {
-        Warning::new(
-            Code::NoCamera,
+        Code::NoCamera.says(
             "the noise has no camera, but recordings were seen by one: where repeats differ by less than it does (at first),              regions are too narrow; add e.g. camera: (position_m: Normal(0.001))",
         )
     })
 }
 
 fn outcome(run: Run) -> Result<(Outcome<Motion>, Duration)> {
-    let servo_rms_rad = run.servo_rms_rad;
-    let outcome = match run.outcome {
-        Outcome::Completed(motion) => Outcome::Completed(Motion {
+    let outcome = run.outcome.try_map(|motion| {
+        Ok(Motion {
             path: prepare(&motion)?,
             turned_rad: motion.turned_rad().unwrap_or(0.0),
-            servo_rms_rad,
+            servo_rms_rad: run.servo_rms_rad,
             energy: run.energy,
-        }),
-        Outcome::Diverged(divergence) => Outcome::Diverged(divergence),
-    };
+        })
+    })?;
     Ok((outcome, run.cpu))
 }
 
@@ -279,34 +274,28 @@ fn warnings(ensemble: &Ensemble) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let count = ensemble.repeats.len();
     if ensemble.noise.is_zero() {
-        warnings.push(Warning::new(
-            Code::NoNoise,
+        warnings.push(Code::NoNoise.says(
             "the noise is zero, so all repeats are the same run: nothing follows from this about how sure the prediction is",
         ));
     }
     if !ensemble.is_complete() {
-        warnings.push(Warning::new(
-            Code::Incomplete,
-            format!("stopped after {count} of {} repeats", ensemble.asked),
-        ));
+        warnings.push(Code::Incomplete.says(format!(
+            "stopped after {count} of {} repeats",
+            ensemble.asked
+        )));
     } else if count < FEW_REPEATS {
-        warnings.push(Warning::new(
-            Code::FewRepeats,
-            format!("{count} repeats say little about tails and rare behaviours; {FEW_REPEATS} are the least, 200 are usual"),
-        ));
+        warnings.push(Code::FewRepeats.says(format!(
+            "{count} repeats say little about tails and rare behaviours; {FEW_REPEATS} are the least, 200 are usual"
+        )));
     }
     let diverged = count - ensemble.motions().count();
     if diverged > 0 {
-        warnings.push(Warning::new(
-            Code::Diverged,
-            format!("{diverged} of {count} repeats diverged; they count as failures and are in no other number"),
-        ));
+        warnings.push(Code::Diverged.says(format!(
+            "{diverged} of {count} repeats diverged; they count as failures and are in no other number"
+        )));
     }
     if let Some(divergence) = ensemble.noise_free.divergence() {
-        warnings.push(Warning::new(
-            Code::Diverged,
-            format!("the run without noise diverged {divergence}"),
-        ));
+        warnings.push(Code::Diverged.says(format!("the run without noise diverged {divergence}")));
     }
     warnings
 }

@@ -3,10 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::over_time::times_s;
-use super::sample::{CaseRuns, Sample};
+use super::{CaseRuns, Sample};
 use crate::prediction::ensemble::{Envelope, LEVELS};
-use realgap_core::error::Result;
-use realgap_core::statistics::{Proportion, mean};
+use realgap_core::Result;
+use realgap_core::statistics::{Proportion, mean_of};
 use realgap_path::trajectory::{POINTS, Prepared};
 
 /// Which of the ensemble's [`LEVELS`] the region has: 90 %.
@@ -74,23 +74,19 @@ impl Confidence {
             let repeats: Vec<&Prepared> = case.repeats.iter().map(|r| &r.prepared).collect();
             let duration_s = case.repeats[0].motion.duration_s();
             let envelope = Envelope::new(&repeats, duration_s, body_length_m)?;
-            let here: Vec<&Prepared> = case
-                .recordings
-                .iter()
-                .map(|&recording| &real[recording].prepared)
-                .collect();
+            let here = case.recordings.iter().map(|&r| &real[r].prepared);
+            let here: Vec<&Prepared> = here.collect();
             trials += here.len();
             for (count, inside) in counts.iter_mut().zip(envelope.inside(LEVEL_INDEX, &here)) {
                 *count += inside;
             }
         }
-        let inside: Vec<Proportion> = counts
+        let inside = counts
             .iter()
-            .map(|&count| Proportion::new(count, trials, INTERVAL))
-            .collect();
+            .map(|&count| Proportion::new(count, trials, INTERVAL));
+        let inside: Vec<Proportion> = inside.collect();
         let times_s = times_s(real);
-        let shares: Vec<f64> = inside.iter().map(|p| p.share).collect();
-        let over_time = mean(&shares);
+        let over_time = mean_of(inside.iter().map(|p| p.share));
         let first_s = |of: &dyn Fn(&Proportion) -> f64| {
             let at = inside.iter().position(|p| of(p) < HALF)?;
             Some(times_s[at])

@@ -3,14 +3,13 @@
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::estimate::Estimate;
-use super::floor::{self, NoiseFloor, Pairs};
-use super::sample::{CaseRuns, Heard, Sample, Scoring, distance};
+use super::floor::{self, Pairs};
+use super::sample::{Heard, distance};
+use super::{CaseRuns, Estimate, NoiseFloor, Sample, Scoring};
 use crate::prediction::ensemble::REPEATS_TESTED;
-use realgap_core::error::{Error, Result};
 use realgap_core::statistics::{Degree, EnergyTest, energy_test, mean};
 use realgap_core::unit::Unit;
-use realgap_core::warning::{Code, Warning};
+use realgap_core::{Code, Error, Result, Warning};
 
 /// A gap and how many noise floors it is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -149,8 +148,7 @@ fn no_common_start(recordings: usize) -> NoiseFloor {
         recordings,
         pairs: 0,
         metrics: Vec::new(),
-        warnings: vec![Warning::new(
-            Code::NoRepeats,
+        warnings: vec![Code::NoRepeats.says(
             "every recording has a start of its own, so that none repeats another: a noise floor (and a gap ratio) needs several \
              recordings of the same start",
         )],

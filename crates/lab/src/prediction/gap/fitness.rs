@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::sample::{CaseRuns, Sample};
-use realgap_core::error::Result;
+use super::{CaseRuns, Sample};
+use realgap_core::Result;
 use realgap_core::statistics::{SampleTest, kolmogorov_smirnov, mann_whitney, mean};
 
 /// Net displacements of the recordings against those of the repeats under noise.

@@ -3,13 +3,12 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::estimate::Estimate;
-use super::sample::{Heard, Sample, Scoring, distance};
+use super::sample::{Heard, distance};
+use super::{Estimate, Sample, Scoring};
 use crate::calibration::few_recordings;
-use realgap_core::error::Result;
 use realgap_core::statistics::{Degree, standard_deviation};
 use realgap_core::unit::Unit;
-use realgap_core::warning::{Code, Warning};
+use realgap_core::{Code, Result, Warning};
 use realgap_path::comparison::{Context, Metric};
 
 /// The noise floor by one metric.
@@ -125,8 +124,7 @@ pub(super) fn measure(
     let mut warnings = Vec::new();
     let count = recordings.len();
     if count < 2 {
-        warnings.push(Warning::new(
-            Code::OneRecording,
+        warnings.push(Code::OneRecording.says(
             "one recording has no repeat to be compared with: there is no noise floor, and no gap ratio",
         ));
     }

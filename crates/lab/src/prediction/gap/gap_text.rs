@@ -2,10 +2,7 @@
 
 use std::fmt;
 
-use super::distance::GapAndRatio;
-use super::estimate::Estimate;
-use super::set::FloorReport;
-use super::study::StudyGap;
+use super::{Estimate, FloorReport, GapAndRatio, StudyGap};
 use realgap_core::table::{Side, TextTable};
 use realgap_core::unit::{DisplayUnit, Unit, counted, number, quantity};
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::sample::{CaseRuns, Sample};
+use super::{CaseRuns, Sample};
 use realgap_path::trajectory::{POINTS, Prepared};
 
 /// Where a recording should be: its case, its index, and which of the prepared times.

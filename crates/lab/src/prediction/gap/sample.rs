@@ -1,7 +1,6 @@
 //! What is compared with what, and how.
 
-use realgap_core::error::Result;
-use realgap_core::warning::Warning;
+use realgap_core::{Result, Warning};
 use realgap_path::comparison::{Basis, Components, Context, Metric, Pair};
 use realgap_path::trajectory::{Prepared, Trajectory, prepare};
 
@@ -85,12 +84,8 @@ pub(super) fn distance(
     other: &Sample,
     heard: &mut Heard,
 ) -> Result<f64> {
-    let pair = Pair {
-        real: &real.motion,
-        simulated: &other.motion,
-        real_prepared: &real.prepared,
-        simulated_prepared: &other.prepared,
-    };
+    let [real, other] = [real, other].map(|sample| (&sample.motion, &sample.prepared));
+    let pair = Pair::new(real, other);
     let score = metric.compare(&pair, context)?;
     heard.hear(score.warnings);
     Ok(score.value)
@@ -127,7 +122,9 @@ impl Heard {
                 1 => String::new(),
                 _ => format!(" (and {} more like it)", times - 1),
             };
-            Warning::new(warning.code, format!("{what}: {}{more}", warning.message))
+            warning
+                .code
+                .says(format!("{what}: {}{more}", warning.message))
         });
         said.collect()
     }

@@ -4,13 +4,11 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::floor::{NoiseFloor, noise_floor};
-use super::sample::{Sample, Scoring};
+use super::{NoiseFloor, Sample, Scoring, noise_floor};
 use crate::calibration::{Overrides, recording_paths, recording_warnings};
 use crate::claim::{self, Claim};
-use realgap_core::error::{Advice, Error, Result};
 use realgap_core::unit::{Unit, counted};
-use realgap_core::warning::Warning;
+use realgap_core::{Advice, Error, Result, Warning};
 use realgap_optimize::RunOptions;
 use realgap_path::trajectory::{self, Recording};
 
@@ -141,10 +139,8 @@ impl FloorReport {
                     .hint("record the same run again, at least five times"),
             );
         }
-        let metrics = scoring.metrics.iter();
-        let metrics: Vec<_> = metrics
-            .map(|metric| (metric.name(), metric.unit()))
-            .collect();
+        let metrics = scoring.metrics.iter().map(|m| (m.name(), m.unit()));
+        let metrics: Vec<_> = metrics.collect();
         let first = metrics.first();
         let claim = first.and_then(|first| claim::floor(&floors, *first));
         Ok(Self {

@@ -7,18 +7,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::confidence::Confidence;
-use super::distance::{MetricGap, distances};
-use super::fitness::Fitness;
-use super::over_time::OverTime;
-use super::sample::{CaseRuns, Sample, Scoring};
-use crate::calibration::Study;
+use super::{CaseRuns, Confidence, Fitness, MetricGap, OverTime, Sample, Scoring, distances};
+use crate::calibration::{Study, by_name};
 use crate::claim::{self, Claim};
 use crate::prediction::UncertainParameters;
 use crate::prediction::ensemble::{self, Recall};
 use crate::prediction::kept::{row_of, runs_in};
-use realgap_core::error::{Error, Result};
-use realgap_core::warning::{Code, Warning};
+use realgap_core::statistics::ends_of;
+use realgap_core::{Code, Error, Result, Warning};
 use realgap_engine::parameter::ParameterSet;
 use realgap_engine::{Experiment, Noise, Run};
 use realgap_optimize::{Batch, Ending, RunOptions, drive};
@@ -242,16 +238,12 @@ fn study_gap(
         );
     }
     if diverged > 0 {
-        warnings.push(Warning::new(
-            Code::Diverged,
-            format!("{diverged} of {begun} runs diverged; they are in no number here"),
-        ));
+        warnings.push(Code::Diverged.says(format!(
+            "{diverged} of {begun} runs diverged; they are in no number here"
+        )));
     }
     if begun < total {
-        warnings.push(Warning::new(
-            Code::Incomplete,
-            format!("stopped after {begun} of {total} runs"),
-        ));
+        warnings.push(Code::Incomplete.says(format!("stopped after {begun} of {total} runs")));
     }
     warnings.extend(different_durations(&real));
     let body_length_m = definition.morphology.assemble().body_length_m;
@@ -268,11 +260,7 @@ fn study_gap(
     let found = StudyGap {
         study: definition.name.clone(),
         morphology: definition.morphology.name().to_owned(),
-        parameters: definition
-            .set
-            .iter()
-            .map(|a| (a.parameter.name.to_owned(), a.value))
-            .collect(),
+        parameters: by_name(&definition.set),
         complete: begun == total,
         recordings: real.len(),
         source: definition.source(),
@@ -378,7 +366,7 @@ fn usable_noise(noise: Option<Noise>, warnings: &mut Vec<Warning>) -> Result<Opt
             return Ok(Some(noise));
         }
     };
-    warnings.push(Warning::new(Code::NoNoise, message));
+    warnings.push(Code::NoNoise.says(message));
     Ok(None)
 }
 
@@ -393,15 +381,10 @@ fn completed(run: Run, number: u64) -> Result<Option<Sample>> {
 
 /// A time axis of seconds means little where runs differ in length.
 fn different_durations(real: &[Sample]) -> Option<Warning> {
-    let durations = real.iter().map(|run| run.motion.duration_s());
-    let shortest_s = durations.clone().fold(f64::INFINITY, f64::min);
-    let longest_s = durations.fold(0.0, f64::max);
+    let (shortest_s, longest_s) = ends_of(real.iter().map(|run| run.motion.duration_s()));
     (longest_s > 1.01 * shortest_s).then(|| {
-        Warning::new(
-            Code::DifferentDurations,
-            format!(
-                "recordings last {shortest_s:.2} to {longest_s:.2} s: curves over time are over the share of each run, drawn in seconds of the mean one"
-            ),
-        )
+        Code::DifferentDurations.says(format!(
+            "recordings last {shortest_s:.2} to {longest_s:.2} s: curves over time are over the share of each run, drawn in seconds of the mean one"
+        ))
     })
 }

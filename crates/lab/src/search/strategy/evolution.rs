@@ -97,18 +97,15 @@ impl StrategySettings for Evolution {
 }
 
 impl Strategy for Evolution {
-    fn name(&self) -> &'static str {
-        "evolution"
+    realgap_core::stated! {
+        name: &'static str = "evolution";
+        batch_name: &'static str = "generation";
     }
 
     fn budget(&self) -> usize {
         let children = self.population.saturating_sub(self.elites);
         let later = self.generations.saturating_sub(1).saturating_mul(children);
         self.population.saturating_add(later)
-    }
-
-    fn batch_name(&self) -> &'static str {
-        "generation"
     }
 
     fn propose(&self, history: &[Evaluated]) -> Result<Vec<Genome>> {

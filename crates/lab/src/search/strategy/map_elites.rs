@@ -83,10 +83,8 @@ impl MapElites {
                     .allowed("at least one cell, `from` below `to`, both finite"));
             }
         }
-        let cells = self
-            .axes
-            .iter()
-            .try_fold(1_usize, |all, axis| all.checked_mul(axis.cells));
+        let mut cells = self.axes.iter().map(|axis| axis.cells);
+        let cells = cells.try_fold(1_usize, usize::checked_mul);
         if cells.is_none_or(|cells| cells > CELLS_AT_MOST) {
             return Err(Error::invalid("too many cells")
                 .field("axes")

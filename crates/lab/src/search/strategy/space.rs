@@ -1,7 +1,8 @@
 //! What a strategy may know of the robots that it searches.
 
 use super::Variation;
-use crate::search::body::{Body, GAIT, driven, genome_of};
+use crate::search::Body;
+use crate::search::body::{GAIT, driven, genome_of};
 use realgap_core::{Error, Result};
 use realgap_robot::genome::{Genome, Locus};
 

@@ -10,12 +10,9 @@ use realgap_robot::genome::{Gene, Genome, Locus};
 pub(super) struct Gaussian;
 
 impl Operator for Gaussian {
-    fn name(&self) -> &'static str {
-        "gaussian"
-    }
-
-    fn doc(&self) -> &'static str {
-        "adds a normal change to each number, with the probability `rate`"
+    realgap_core::stated! {
+        name: &'static str = "gaussian";
+        doc: &'static str = "adds a normal change to each number, with the probability `rate`";
     }
 
     fn vary(&self, first: &Genome, _second: &Genome, dose: &Dose, rng: &mut dyn Rng) -> Genome {

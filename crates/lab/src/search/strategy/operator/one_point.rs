@@ -9,16 +9,10 @@ use realgap_robot::genome::Genome;
 pub(super) struct OnePoint;
 
 impl Operator for OnePoint {
-    fn name(&self) -> &'static str {
-        "one-point"
-    }
-
-    fn doc(&self) -> &'static str {
-        "the first modules of one parent and the rest of the other, with the probability `rate`"
-    }
-
-    fn is_crossover(&self) -> bool {
-        true
+    realgap_core::stated! {
+        name: &'static str = "one-point";
+        doc: &'static str = "the first modules of one parent and the rest of the other, with the probability `rate`";
+        is_crossover: bool = true;
     }
 
     fn vary(&self, first: &Genome, second: &Genome, dose: &Dose, rng: &mut dyn Rng) -> Genome {

@@ -9,16 +9,10 @@ use realgap_robot::genome::{Gene, Genome};
 pub(super) struct Uniform;
 
 impl Operator for Uniform {
-    fn name(&self) -> &'static str {
-        "uniform"
-    }
-
-    fn doc(&self) -> &'static str {
-        "every number from either parent, and the length of either, with the probability `rate`"
-    }
-
-    fn is_crossover(&self) -> bool {
-        true
+    realgap_core::stated! {
+        name: &'static str = "uniform";
+        doc: &'static str = "every number from either parent, and the length of either, with the probability `rate`";
+        is_crossover: bool = true;
     }
 
     fn vary(&self, first: &Genome, second: &Genome, dose: &Dose, rng: &mut dyn Rng) -> Genome {

@@ -35,9 +35,8 @@ pub fn selection_named(name: &str) -> Result<&'static dyn Selection> {
 
 /// Fitness as it is compared: NaN below everything.
 pub(super) fn comparable(fitness: f64) -> f64 {
-    if fitness.is_nan() {
-        f64::NEG_INFINITY
-    } else {
-        fitness
+    match fitness.is_nan() {
+        true => f64::NEG_INFINITY,
+        false => fitness,
     }
 }

@@ -8,12 +8,9 @@ use super::{Selection, comparable};
 pub(super) struct Rank;
 
 impl Selection for Rank {
-    fn name(&self) -> &'static str {
-        "rank"
-    }
-
-    fn doc(&self) -> &'static str {
-        "picks with a probability that falls linearly with the rank"
+    realgap_core::stated! {
+        name: &'static str = "rank";
+        doc: &'static str = "picks with a probability that falls linearly with the rank";
     }
 
     fn pick(&self, fitness: &[f64], rng: &mut dyn Rng) -> usize {

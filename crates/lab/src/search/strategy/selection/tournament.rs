@@ -11,12 +11,9 @@ const ENTRANTS: usize = 2;
 pub(super) struct Tournament;
 
 impl Selection for Tournament {
-    fn name(&self) -> &'static str {
-        "tournament"
-    }
-
-    fn doc(&self) -> &'static str {
-        "draws two evenly and keeps the fitter"
+    realgap_core::stated! {
+        name: &'static str = "tournament";
+        doc: &'static str = "draws two evenly and keeps the fitter";
     }
 
     fn pick(&self, fitness: &[f64], rng: &mut dyn Rng) -> usize {
