@@ -5,7 +5,7 @@
 //! engines, their half difference is one more smooth function, added in one and subtracted in the other, so that the first is the
 //! mean of both, whichever ran where. All but the last are Gaussian processes with one kernel shape (Matérn 5/2, a length scale a
 //! parameter; Rasmussen & Williams 2006, sums of processes: section 4.2.4). Their sizes are not known either: several
-//! [kernels](super::kernel) are drawn, and what they say differently is doubt, too.
+//! kernels are drawn, and what they say differently is doubt, too.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 

@@ -32,8 +32,8 @@ pub struct Variance {
 
 impl Variance {
     /// The covariance of recordings is what they show at each pair of places, drawn towards one that is alike everywhere, as far
-    /// as few recordings cannot tell (as a prior of [`POOLED`] recordings would; Ledoit & Wolf 2004). A single recording shows
-    /// none: it is taken to vary [`ALONE`] times as a single run does.
+    /// as few recordings cannot tell (as a prior of `POOLED` recordings would; Ledoit & Wolf 2004). A single recording shows
+    /// none: it is taken to vary `ALONE` times as a single run does.
     pub fn new(field: &Field, doubt: Doubt) -> Self {
         let n = field.means.len() as f64;
         let pairs = |matrix: &nalgebra::DMatrix<f64>| n * matrix.trace() - matrix.sum();

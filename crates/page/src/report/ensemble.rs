@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::chart::{Chart, key};
 use super::claim::{sentences, word};
-use super::section::{Section, figures, folded, pictures, within};
+use super::section::{Section, figures, pictures, within};
 use super::story::Story;
 use super::value::*;
 use realgap_core::error::Result;

@@ -8,7 +8,7 @@ use super::chart::{Chart, steps};
 use super::claim::sentences;
 use super::ensemble::Summary;
 use super::page::html;
-use super::section::{Section, figures, folded, pictures};
+use super::section::{Section, figures, pictures};
 use super::sheet::Sheet;
 use super::story::Story;
 use super::tree::read_json;

@@ -7,6 +7,7 @@ use std::path::Path;
 use super::base64;
 use super::page::html;
 use super::tree::Tree;
+use super::value::folded;
 use super::value::*;
 use crate::results::kind::picture_stem;
 use realgap_core::error::{Error, Result};
@@ -61,11 +62,6 @@ pub(super) fn figure(title: &str, chart: &str, caption: &str) -> String {
 /// Several figures beside each other, where there is room.
 pub(super) fn figures(all: &[String]) -> String {
     format!("<div class=\"figures\">{}</div>", all.concat())
-}
-
-/// What is seen once its name is clicked; both are markup.
-pub(super) fn folded(name: &str, content: &str) -> String {
-    format!("<details><summary>{name}</summary>{content}</details>")
 }
 
 /// An element with this content; nothing of none.

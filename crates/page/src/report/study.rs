@@ -14,7 +14,7 @@ use super::kept::{Kept, recorded_of};
 use super::page::{html, script_json};
 use super::path::{from_above, over_time};
 use super::points::{Points, push_path};
-use super::section::{Section, figures, folded, pictures};
+use super::section::{Section, figures, pictures};
 use super::sheet::Sheet;
 use super::story::Story;
 use super::value::*;

@@ -7,8 +7,7 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::page::html;
-use super::section::folded;
-use super::value::{shown, table};
+use super::value::{folded, shown, table};
 use realgap_core::error::{Error, Result};
 use realgap_core::unit::number;
 

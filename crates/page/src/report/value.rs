@@ -124,6 +124,11 @@ pub(super) fn entries<'a>(pairs: impl IntoIterator<Item = (&'a str, &'a str)>) -
     pairs.into_iter().map(entry).collect()
 }
 
+/// What is seen once its name is clicked; both are markup.
+pub(super) fn folded(name: &str, content: &str) -> String {
+    format!("<details><summary>{name}</summary>{content}</details>")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

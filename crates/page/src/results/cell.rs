@@ -2,7 +2,9 @@
 
 use std::collections::BTreeSet;
 
+use crate::plot::AxisSpec;
 use realgap_lab::calibration::{Answer, Method, PointScore, Study};
+use realgap_optimize::Range;
 
 /// What stands for each point of the grid: the point itself, or the nearest one that an optimizer chose.
 pub(super) fn cells<'a>(study: &Study, answer: &'a Answer) -> Vec<Option<&'a PointScore>> {
@@ -52,4 +54,9 @@ pub(super) fn alike(study: &Study, answer: &Answer) -> BTreeSet<usize> {
     let inside = all.filter(|(_, is_in)| *is_in);
     let inside = inside.map(|(values, _)| grid.index(&grid.nearest(values)));
     inside.collect()
+}
+
+/// A parameter as an axis.
+pub(super) fn axis(range: &Range) -> AxisSpec {
+    AxisSpec::new(range.parameter.name, range.parameter.unit)
 }

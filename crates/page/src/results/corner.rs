@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::picture::axis;
+use super::cell::axis;
 use crate::plot::{Caption, Corner, both, draw_corner};
 use realgap_core::error::Result;
 use realgap_core::unit::counted;

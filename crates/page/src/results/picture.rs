@@ -4,15 +4,15 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::plot::{
-    AxisSpec, Caption, Curve, HeatMap, Panel, PanelGrid, ScoreScale, Truth, both, draw_curve,
-    draw_heat_map, draw_panels,
+    Caption, Curve, HeatMap, Panel, PanelGrid, ScoreScale, Truth, both, draw_curve, draw_heat_map,
+    draw_panels,
 };
 use realgap_core::error::Result;
 use realgap_core::unit::{Unit, counted};
 use realgap_lab::calibration::{Answer, Method, PointScore, Study};
 use realgap_optimize::{Grid, Range};
 
-use super::cell::{alike, cells, is_alike};
+use super::cell::{alike, axis, cells, is_alike};
 use super::{convergence, corner, joint, plane};
 
 /// Draws everything that the points evaluated so far allow.
@@ -378,10 +378,6 @@ impl<'a> Map<'a> {
 
 fn draw_map(folder: &Path, stem: &str, map: &HeatMap) -> Result<()> {
     both(folder, stem, |path| draw_heat_map(map, path))
-}
-
-pub(super) fn axis(range: &Range) -> AxisSpec {
-    AxisSpec::new(range.parameter.name, range.parameter.unit)
 }
 
 /// Three indices spread over `0..points`, the middle of each third, one of them moved onto the best.
