@@ -8,4 +8,4 @@ mod kernel;
 
 pub use emulator::{Emulator, Field};
 pub use implausibility::{Doubt, Variance, emulator_share, implausibility};
-pub use kernel::{Kernel, ScoredRun};
+pub use kernel::ScoredRun;

@@ -70,7 +70,6 @@ impl Study {
             let places: Vec<Vec<f64>> = places.chain([here.clone()]).collect();
             let field = emulator.field_in(&places, engine);
             let all = implausibility(&field, &Variance::new(&field, doubt));
-
             Some(EngineWish {
                 engine: engine_name,
                 score: mean_of(runs.iter().filter_map(|run| run.score)),

@@ -47,6 +47,7 @@ impl Setting {
         Self(number as u64)
     }
 
+    /// Its number.
     pub fn number(self) -> u64 {
         self.0
     }

@@ -6,6 +6,7 @@ use super::block::{ACTIVE, FLOOR, PASSIVE, SPIN, draw_length};
 use super::kit::*;
 use super::surface::{draw_outline, draw_surface, far_first, project, shadow};
 use realgap_core::file::Animated;
+use realgap_core::statistics::ends_of;
 use realgap_robot::morphology::Surface;
 
 const WIDTH: f64 = 760.0;
@@ -148,7 +149,7 @@ impl Animation {
         let all = traces.chain(corners).chain(self.floor_m);
         let finite = all.filter(|p| p.iter().all(|v| v.is_finite())).map(project);
         let (xs, ys): (Vec<f64>, Vec<f64>) = finite.unzip();
-        let ((x0, x1), (y0, y1)) = (ends(xs), ends(ys));
+        let ((x0, x1), (y0, y1)) = (ends_of(xs), ends_of(ys));
         let (wide_m, tall_m) = ((x1 - x0).max(1e-3), (y1 - y0).max(1e-3));
         let width = WIDTH - 2.0 * MARGIN;
         let height = width * (tall_m / wide_m).clamp(*SHAPE.start(), *SHAPE.end());

@@ -1,6 +1,7 @@
 //! Bars: what each of many causes changes, largest first.
 
 use super::kit::*;
+use realgap_core::statistics::ends_of;
 
 const WIDTH: f64 = 1200.0;
 const MARGIN: f64 = 34.0;
@@ -61,7 +62,7 @@ impl Picture for BarChart {
         let unit = DisplayUnit::for_values(self.unit, self.values());
         let noise = self.noise.unwrap_or(0.0);
         let all = self.values().chain([0.0, noise, -noise]);
-        let (low, high) = ends(all.map(|value| value * unit.factor));
+        let (low, high) = ends_of(all.map(|value| value * unit.factor));
         let room = 0.05 * (high - low);
         let noise_text = "no more than a slightly different start changes (1 sd)";
         let entries = [

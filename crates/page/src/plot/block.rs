@@ -4,6 +4,7 @@ use nalgebra::Isometry3;
 
 use super::kit::*;
 use super::surface::{draw_surface, far_first, project, shadow, view};
+use realgap_core::statistics::ends_of;
 use realgap_robot::morphology::Surface;
 
 /// What a block stands for.
@@ -130,7 +131,7 @@ pub(super) fn extent(blocks: &[Block]) -> Option<(Point, Point)> {
     let corners = finite.flat_map(|block| block.surface().corners_m);
     let corners = corners.map(<[f64; 3]>::from).chain(floor(blocks)?);
     let (xs, ys): (Vec<f64>, Vec<f64>) = corners.map(project).unzip();
-    let ((x0, x1), (y0, y1)) = (ends(xs), ends(ys));
+    let ((x0, x1), (y0, y1)) = (ends_of(xs), ends_of(ys));
     Some(((x0, y0), (x1, y1)))
 }
 

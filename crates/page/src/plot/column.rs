@@ -1,6 +1,7 @@
 //! Columns: a few values for each of several things, side by side.
 
 use super::kit::*;
+use realgap_core::statistics::ends_of;
 
 const WIDTH: f64 = 1200.0;
 const HEIGHT: f64 = 760.0;
@@ -64,7 +65,7 @@ impl Picture for ColumnChart {
             entries.map(|(i, s)| (Symbol::Shade(stroke_of(i, 1.0).colour), s.label.clone()));
         let sheet = Sheet::new(&self.caption, entries.collect(), WIDTH, MARGIN);
         let bottom = sheet.draw(canvas, HEIGHT);
-        let (low, high) = ends(self.values().chain([0.0]));
+        let (low, high) = ends_of(self.values().chain([0.0]));
         let room = 0.05 * (high - low);
         let values: Vec<f64> = self.values().collect();
         let y = match Scale::for_scores(&values, self.scale, AXIS_DECADES) {

@@ -1,6 +1,7 @@
 //! Corner: what draws of many quantities leave possible of each, and which of them go together.
 
 use super::kit::*;
+use realgap_core::statistics::ends_of;
 
 const MARGIN: f64 = 34.0;
 /// All panels together are about this wide, and none of them narrower or wider than this.
@@ -80,7 +81,7 @@ impl Corner {
     /// From the least to the greatest draw, the best among them.
     fn scale(&self, axis: usize) -> Scale {
         let best = self.best.iter().map(|best| best[axis]);
-        let (low, high) = ends(self.values(axis).chain(best));
+        let (low, high) = ends_of(self.values(axis).chain(best));
         let room = ROOM * (high - low);
         Scale::linear(low - room, high + room)
     }

@@ -1,6 +1,7 @@
 //! Ensemble: many repeats of one experiment, coloured by behaviour, with their envelope over time and the real runs.
 
 use super::kit::*;
+use realgap_core::statistics::ends_of;
 
 const WIDTH: f64 = 1260.0;
 const MARGIN: f64 = 32.0;
@@ -142,7 +143,7 @@ impl EnsemblePlot {
         let bands = bands.flat_map(|b| b.low_m.iter().chain(&b.high_m));
         let runs = self.real_m.iter().flatten().chain(&self.noise_free_m);
         let values = bands.chain(runs).map(|p| p[axis] * CM_PER_M);
-        let (low, high) = ends(values.filter(|v| v.abs() < 1e8).chain([0.0]));
+        let (low, high) = ends_of(values.filter(|v| v.abs() < 1e8).chain([0.0]));
         let room = 0.05 * (high - low).max(0.2);
         let y = Scale::linear(low - room, high + room);
         let y_ticks = y.ticks(6);

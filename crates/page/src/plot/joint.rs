@@ -1,6 +1,7 @@
 //! Joints: recorded and simulated angles over time, a panel each, with what is left between the two below.
 
 use super::kit::*;
+use realgap_core::statistics::ends_of;
 
 const WIDTH: f64 = 1260.0;
 const MARGIN: f64 = 34.0;
@@ -72,7 +73,7 @@ pub fn draw_joints(plot: &JointPlot, path: impl AsRef<Path>) -> Result<()> {
 
 /// From the least to the greatest of these, at least so much, with some room.
 fn around(values: impl Iterator<Item = f64>, least: f64) -> Scale {
-    let (low, high) = ends(values);
+    let (low, high) = ends_of(values);
     let room = (ROOM * (high - low)).max(0.5 * (least - (high - low)));
     Scale::linear(low - room, high + room)
 }

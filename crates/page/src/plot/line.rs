@@ -1,6 +1,7 @@
 //! Lines, dots and bands over one quantity: convergence, errors over time, confidence over time.
 
 use super::kit::*;
+use realgap_core::statistics::ends_of;
 
 const WIDTH: f64 = 1200.0;
 const HEIGHT: f64 = 800.0;
@@ -216,7 +217,7 @@ impl LinePlot {
     /// Both scales for these points of a room of this width and height, its left part for labels.
     fn scales(&self, xs: &[f64], ys: &[f64], factor: f64, (wide, high): Point) -> [Scale; 2] {
         let range = |values: &[f64], room: f64| {
-            let (low, high) = ends(values.iter().copied());
+            let (low, high) = ends_of(values.iter().copied());
             (low - room * (high - low), high + room * (high - low))
         };
         let y = match self.y_range {

@@ -93,6 +93,6 @@ pub use picture::check_picture_path;
 pub use plane::{Cloud, plane};
 pub use realgap_core::table::{Side, TextTable};
 pub use realgap_core::unit::{DisplayUnit, number, quantity};
+pub(crate) use scale::Scale;
 pub use scale::ScoreScale;
-pub(crate) use scale::{Scale, ends};
 pub use stack::{Stack, StackRow, draw_stack};

@@ -1,6 +1,7 @@
 //! Panels: simulated paths at several parameter values, each over the real ones.
 
 use super::kit::*;
+use realgap_core::statistics::ends_of;
 
 const WIDTH: f64 = 1260.0;
 const MARGIN: f64 = 30.0;
@@ -95,7 +96,7 @@ fn is_straight(paths_m: &[&Vec<PathPoint>]) -> bool {
 /// All of the time, and the ways of all paths with some room.
 fn over_time_bounds(paths_m: &[&Vec<PathPoint>]) -> (Point, Point) {
     let ways = paths_m.iter().flat_map(|path| finite_cm(path));
-    let (low, high) = ends(ways.map(|(x, _)| x).chain([0.0]));
+    let (low, high) = ends_of(ways.map(|(x, _)| x).chain([0.0]));
     let room = 0.06 * (high - low);
     ((-3.0, 103.0), (low - room, high + room))
 }

@@ -3,6 +3,7 @@
 use std::ops::RangeInclusive;
 
 use super::kit::*;
+use realgap_core::statistics::ends_of;
 
 /// A point (x, y) of a path, in metres; points that are not finite are left out.
 pub type PathPoint = [f64; 2];
@@ -24,7 +25,7 @@ pub(super) fn bounds_cm<'a>(
 ) -> ((f64, f64), (f64, f64)) {
     let points = paths.flat_map(finite_cm).chain([(0.0, 0.0)]);
     let (xs, ys): (Vec<f64>, Vec<f64>) = points.unzip();
-    let (x, y) = (ends(xs), ends(ys));
+    let (x, y) = (ends_of(xs), ends_of(ys));
     // A robot that stays where it is still gets two millimetres of axis.
     let size = (x.1 - x.0).max(y.1 - y.0).max(1.0);
     let room = |(low, high): (f64, f64)| {

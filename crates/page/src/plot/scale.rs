@@ -47,13 +47,6 @@ impl Tick {
     }
 }
 
-/// The least and the greatest of these; infinite of none.
-pub(crate) fn ends(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
-    let none = (f64::INFINITY, f64::NEG_INFINITY);
-    let values = values.into_iter();
-    values.fold(none, |(low, high), v| (low.min(v), high.max(v)))
-}
-
 impl Scale {
     /// A linear scale; widened where it would be empty.
     pub(crate) fn linear(low: f64, high: f64) -> Self {

@@ -2,6 +2,7 @@
 
 use super::kit::*;
 use super::line::{Series, check_bands, check_points, draw_series, finite_points, legend};
+use realgap_core::statistics::ends_of;
 
 const WIDTH: f64 = 1200.0;
 const ROW_HEIGHT: f64 = 250.0;
@@ -63,7 +64,7 @@ impl<'a> Axis<'a> {
 }
 
 fn x_scale(points: impl Iterator<Item = Point>) -> Scale {
-    let (low, high) = ends(points.map(|(x, _)| x));
+    let (low, high) = ends_of(points.map(|(x, _)| x));
     match low <= high {
         true => Scale::linear(low, high),
         false => Scale::linear(0.0, 1.0),

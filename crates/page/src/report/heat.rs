@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 
 use super::chart::{LABEL, set_width};
 use super::page::html;
-use crate::plot::{Scale, ends, score_hex as colour};
+use crate::plot::{Scale, score_hex as colour};
+use realgap_core::statistics::ends_of;
 use realgap_core::unit::{DisplayUnit, Unit, number};
 
 /// A point of a sweep.
@@ -71,7 +72,7 @@ pub(super) fn heat_map(
     if columns * rows != points.len() || columns > 200 || rows > 200 {
         return None;
     }
-    let (low, high) = ends(points.iter().filter_map(|point| point.score));
+    let (low, high) = ends_of(points.iter().filter_map(|point| point.score));
     let grid = Grid {
         points,
         between,

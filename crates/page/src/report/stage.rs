@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::motion::robot_solids;
-use crate::plot::ends;
+use realgap_core::statistics::ends_of;
 use realgap_engine::{Film, Floor, SceneBody, SceneMotion, part_name};
 use realgap_robot::morphology::{Morphology, Shape};
 
@@ -222,7 +222,7 @@ pub(super) fn picks(samples: usize, every: usize) -> Vec<usize> {
 fn slab(actors: &[Actor], floor: Floor) -> Solid {
     let places = || actors.iter().flat_map(|actor| &actor.places_m);
     let range = |axis: usize| {
-        let (low, high) = ends(places().map(|p| p[axis]));
+        let (low, high) = ends_of(places().map(|p| p[axis]));
         (0.5 * (low + high), 0.5 * (high - low) + FLOOR_MARGIN_M)
     };
     let ((x, half_x), (y, half_y)) = (range(0), range(1));

@@ -2,8 +2,8 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::plot::ends;
 use realgap_core::error::Result;
+use realgap_core::statistics::ends_of;
 use realgap_engine::Film;
 use realgap_path::trajectory::{Interpolator, Trajectory, prepare};
 
@@ -42,7 +42,7 @@ pub(super) fn spread(motions: &[&Trajectory]) -> Vec<[f64; 3]> {
         return Vec::new();
     }
     let is_planar = motions.iter().any(|motion| motion.is_planar());
-    let (end_s, _) = ends(motions.iter().map(|motion| motion.duration_s()));
+    let (end_s, _) = ends_of(motions.iter().map(|motion| motion.duration_s()));
     let all = motions.iter().map(|motion| Interpolator::new(motion));
     let mut all: Vec<_> = all.collect();
     let spread = times(end_s).map(|t_s| {
@@ -51,7 +51,7 @@ pub(super) fn spread(motions: &[&Trajectory]) -> Vec<[f64; 3]> {
         let sum: Vector3<f64> = places.iter().sum();
         let others = (places.len() - 1) as f64;
         let apart = places.iter().map(|place| place - (sum - place) / others);
-        let (low, high) = ends(apart.map(|apart| length_m(apart, is_planar)));
+        let (low, high) = ends_of(apart.map(|apart| length_m(apart, is_planar)));
         [t_s, low, high]
     });
     spread.collect()

@@ -4,10 +4,9 @@ use std::path::Path;
 
 use super::kind::file;
 use super::table::{names, number, texts, write};
-use crate::plot::{
-    AxisSpec, Caption, LinePlot, ScoreScale, Series, SeriesKind, both, draw_lines, ends,
-};
+use crate::plot::{AxisSpec, Caption, LinePlot, ScoreScale, Series, SeriesKind, both, draw_lines};
 use realgap_core::error::Result;
+use realgap_core::statistics::ends_of;
 use realgap_core::unit::Unit;
 use realgap_lab::calibration::{Answer, PointScore, Study, Tuned};
 
@@ -50,7 +49,7 @@ pub(super) fn draw(
     if trials.is_empty() {
         return Ok(());
     }
-    let (lowest, highest) = ends(trials.iter().map(|(_, score)| *score));
+    let (lowest, highest) = ends_of(trials.iter().map(|(_, score)| *score));
     let highest = highest.max(0.0);
     let best = numbered(best_so_far(points));
     let mut series = vec![

@@ -4,10 +4,11 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use crate::plot::{
-    self, AxisSpec, Caption, LinePlot, ScoreScale, Series, SeriesKind, Stack, StackRow, draw_lines,
+    AxisSpec, Caption, LinePlot, ScoreScale, Series, SeriesKind, Stack, StackRow, draw_lines,
     draw_stack,
 };
 use realgap_core::error::Result;
+use realgap_core::statistics::ends_of;
 use realgap_core::unit::{Unit, counted};
 use realgap_sense::graph::ScanLog;
 
@@ -82,7 +83,7 @@ fn places(log: &ScanLog) -> impl Iterator<Item = (f64, f64)> + '_ {
 
 /// Tops of bars from the lowest to the highest value, or between these ends, and their feet.
 fn bars(values: &[f64], ends: Option<(f64, f64)>) -> (Vec<(f64, f64)>, Vec<f64>) {
-    let (low, high) = plot::ends(values.iter().copied());
+    let (low, high) = ends_of(values.iter().copied());
     let (low, high) = ends.unwrap_or((low, if high > low { high } else { low + 1.0 }));
     let width = (high - low) / BARS as f64;
     let mut counts = [0_usize; BARS];

@@ -5,6 +5,8 @@ use realgap_core::error::Result;
 use realgap_core::stated;
 use realgap_core::unit::Unit;
 
+use crate::trajectory::rms_m;
+
 /// Difference of the net displacements, metres: the error of the distance travelled (paper 003's fitness).
 #[derive(Debug, Clone, Copy)]
 pub struct Displacement;
@@ -39,10 +41,9 @@ impl Metric for Rms {
     }
 
     fn measure(&self, pair: &Pair<'_>, _: &Context<'_>) -> Result<Measurement> {
-        let a = pair.real_prepared.xy_m();
-        let b = pair.simulated_prepared.xy_m();
-        let sum: f64 = a.iter().zip(b).map(|(p, q)| squared(*p, *q)).sum();
-        Ok(Measurement::new((sum / a.len() as f64).sqrt(), a.len()))
+        let (real, simulated) = (pair.real_prepared, pair.simulated_prepared);
+        let points = real.xy_m().len();
+        Ok(Measurement::new(rms_m(real, simulated), points))
     }
 }
 
