@@ -18,7 +18,7 @@ use realgap::search::read_indistinguishable;
 use realgap::simulation::parameter::ParameterSet;
 use realgap::simulation::{Experiment, Noise, Sampling};
 use realgap::warning::Code;
-use realgap::{Error, Result, Warning};
+use realgap::{Error, Result};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
@@ -349,8 +349,7 @@ fn card(
     let (noise, noise_from) = match drawing.noise()? {
         Some(said) => said,
         None => {
-            warnings.push(Warning::new(
-                Code::EstimatedNoise,
+            warnings.push(Code::EstimatedNoise.says(
                 "the noise is an estimate for a robot that nobody has measured; say your own with noise=",
             ));
             (Noise::unmeasured_robot(), "estimate".to_owned())

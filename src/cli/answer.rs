@@ -97,10 +97,9 @@ impl StudyOptions {
             .map(|range| range.parameter.name)
             .filter(|name| overrides.set.value(name).is_some())
             .map(|name| {
-                Warning::new(
-                    Code::NoEffect,
-                    format!("{name} was set, but the study varies it: the study's range counts"),
-                )
+                Code::NoEffect.says(format!(
+                    "{name} was set, but the study varies it: the study's range counts"
+                ))
             });
         terminal::print_warnings(&overruled.collect::<Vec<_>>());
         Ok(study)

@@ -157,10 +157,9 @@ impl Compare {
             for warning in &recording.warnings {
                 // Which file is read in its own way matters where others are not.
                 said.push(match warning.code {
-                    Code::ReadAs => Warning::new(
-                        warning.code,
-                        format!("{}: {}", recording.name, warning.message),
-                    ),
+                    Code::ReadAs => warning
+                        .code
+                        .says(format!("{}: {}", recording.name, warning.message)),
                     _ => warning.clone(),
                 });
             }

@@ -198,14 +198,11 @@ impl Develop {
 fn flags(robot: &Morphology, settling: &Settling) -> Vec<Warning> {
     let name = |index: usize| &robot.modules()[index].name;
     let blocked = robot.blocked_plates().into_iter().map(|(plate, other)| {
-        Warning::new(
-            Code::PlateBlocked,
-            format!(
-                "the plate of `{}` hits `{}` when it follows its gait",
-                name(plate),
-                name(other)
-            ),
-        )
+        Code::PlateBlocked.says(format!(
+            "the plate of `{}` hits `{}` when it follows its gait",
+            name(plate),
+            name(other)
+        ))
     });
     let mut flags: Vec<Warning> = blocked.collect();
     flags.extend(robot.warnings());

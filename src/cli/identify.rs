@@ -208,10 +208,8 @@ fn simulate_rest(
         None
     };
     if let Some(why) = why_not {
-        let warning = Warning::new(
-            Code::NoSimulatedOdds,
-            format!("resting faces were not simulated: {why}"),
-        );
+        let warning =
+            Code::NoSimulatedOdds.says(format!("resting faces were not simulated: {why}"));
         return Ok((None, [study.warnings, vec![warning]].concat()));
     }
     let identified = found

@@ -394,13 +394,10 @@ pub fn recording_unused(values: &ParameterSet) -> Vec<Warning> {
         .iter()
         .filter(|a| a.parameter.name.starts_with("recording."));
     idle.map(|a| {
-        Warning::new(
-            Code::NoEffect,
-            format!(
-                "{} has no effect: no recording is read here",
-                a.parameter.name
-            ),
-        )
+        Code::NoEffect.says(format!(
+            "{} has no effect: no recording is read here",
+            a.parameter.name
+        ))
     })
     .collect()
 }

@@ -52,7 +52,7 @@ impl PageOption {
         if self.no_report {
             for name in [PAGE_FILE, Kept::FILE] {
                 if let Err(error) = remove_sealed(&folder.join(name)) {
-                    let warning = Warning::new(Code::NotWritten, error.to_string());
+                    let warning = Code::NotWritten.says(error.to_string());
                     terminal::print_warnings(&[warning]);
                 }
             }
@@ -63,7 +63,7 @@ impl PageOption {
             ..keep()
         };
         if let Err(error) = write(folder, &kept) {
-            let warning = Warning::new(Code::NotWritten, format!("no report.html: {error}"));
+            let warning = Code::NotWritten.says(format!("no report.html: {error}"));
             terminal::print_warnings(&[warning]);
             return "";
         }

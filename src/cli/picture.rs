@@ -150,13 +150,10 @@ impl Picture {
         taken?;
         album.file.write(folder)?;
         if camera.is_stand_in {
-            terminal::print_warnings(&[Warning::new(
-                Code::StandIn,
-                format!(
-                    "pictures of the camera {} stand in for real ones",
-                    camera.name
-                ),
-            )]);
+            terminal::print_warnings(&[Code::StandIn.says(format!(
+                "pictures of the camera {} stand in for real ones",
+                camera.name
+            ))]);
         }
         terminal::print(format!(
             "{} in {}",

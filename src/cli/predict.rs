@@ -79,8 +79,7 @@ impl Predict {
         let (noise, noise_from) = match &self.noise {
             Some(file) => (read_noise(file)?, file.display().to_string()),
             None => {
-                warnings.push(Warning::new(
-                    Code::EstimatedNoise,
+                warnings.push(Code::EstimatedNoise.says(
                     "the noise is an estimate for a robot that nobody has measured; name your own with --noise",
                 ));
                 (Noise::unmeasured_robot(), "estimate".to_owned())

@@ -44,7 +44,10 @@ macro_rules! codes {
 
             /// A warning about this, with one sentence for people.
             pub fn says(self, message: impl Into<String>) -> Warning {
-                Warning::new(self, message)
+                Warning {
+                    code: self,
+                    message: message.into(),
+                }
             }
 
             /// The code of that name.
@@ -192,16 +195,6 @@ pub struct Warning {
     pub code: Code,
     /// One sentence for people.
     pub message: String,
-}
-
-impl Warning {
-    /// A warning about `code`, with one sentence for people.
-    pub fn new(code: Code, message: impl Into<String>) -> Self {
-        Self {
-            code,
-            message: message.into(),
-        }
-    }
 }
 
 impl fmt::Display for Warning {

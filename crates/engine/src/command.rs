@@ -1,8 +1,6 @@
-//! What servos are told: a gait, or a recorded track.
+//! Recorded commands of servos.
 
-use super::experiment::Experiment;
 use realgap_core::error::{Error, Result};
-use realgap_robot::morphology::{Hinge, ServoLaw};
 
 /// What a recorded track asks of a servo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -110,6 +108,17 @@ impl CommandTrack {
         self.quantity
     }
 
+    /// What is in force between two commands.
+    pub(super) fn between(&self) -> Between {
+        self.between
+    }
+
+    /// Whether the servo is switched on at `t_s`.
+    pub(super) fn is_on(&self, t_s: f64) -> bool {
+        let past = self.switches.partition_point(|(at_s, _)| *at_s <= t_s);
+        past == 0 || self.switches[past - 1].1
+    }
+
     /// The command at `t_s`, in the unit of its quantity.
     pub fn value(&self, t_s: f64) -> f64 {
         let after = self.times_s.partition_point(|time_s| *time_s <= t_s);
@@ -126,7 +135,7 @@ impl CommandTrack {
     }
 
     /// The command that stands for a whole step: the mean of what is held, so that a run is a smooth function of the delay.
-    fn mean(&self, from_s: f64, to_s: f64) -> f64 {
+    pub(super) fn mean(&self, from_s: f64, to_s: f64) -> f64 {
         if self.between == Between::Interpolated || to_s <= from_s {
             return self.value(0.5 * (from_s + to_s));
         }
@@ -143,73 +152,6 @@ impl CommandTrack {
             return value;
         }
         (sum + value * (to_s - at_s)) / (to_s - from_s)
-    }
-}
-
-/// What one hinge is told.
-pub(super) enum Orders<'a> {
-    /// Nothing: there is no servo.
-    None,
-    /// A sine.
-    Gait(realgap_robot::morphology::Gait, Quantity),
-    /// What was recorded.
-    Track(&'a CommandTrack),
-}
-
-impl<'a> Orders<'a> {
-    /// The orders of a hinge.
-    pub fn new(experiment: &'a Experiment, hinge: &Hinge) -> Self {
-        match (&hinge.actuator, experiment.commands.get(&hinge.name)) {
-            (None, _) => Self::None,
-            (Some(_), Some(track)) => Self::Track(track),
-            (Some(actuator), None) => Self::Gait(
-                actuator.gait,
-                match actuator.servo.law {
-                    ServoLaw::Direct => Quantity::Torque,
-                    _ => Quantity::Position,
-                },
-            ),
-        }
-    }
-
-    /// What is commanded.
-    pub fn quantity(&self) -> Quantity {
-        match self {
-            Self::None => Quantity::Position,
-            Self::Gait(_, quantity) => *quantity,
-            Self::Track(track) => track.quantity,
-        }
-    }
-
-    /// The command at `t_s`; 0 without a servo.
-    pub fn value(&self, t_s: f64) -> f64 {
-        match self {
-            Self::None => 0.0,
-            Self::Gait(gait, _) => gait.angle_rad(t_s),
-            Self::Track(track) => track.value(t_s),
-        }
-    }
-
-    /// The command for the step from `from_s` to `to_s` of a servo that hears of it `latency_s` later. Before the first command
-    /// arrives, the servo holds where it started.
-    pub fn over(&self, from_s: f64, to_s: f64, latency_s: f64) -> f64 {
-        match self {
-            Self::Track(track) if track.between == Between::Held => {
-                track.mean((from_s - latency_s).max(0.0), (to_s - latency_s).max(0.0))
-            }
-            _ => self.value((0.5 * (from_s + to_s) - latency_s).max(0.0)),
-        }
-    }
-
-    /// Whether the servo is switched on at `t_s`.
-    pub fn is_on(&self, t_s: f64) -> bool {
-        match self {
-            Self::None | Self::Gait(..) => true,
-            Self::Track(track) => {
-                let past = track.switches.partition_point(|(at_s, _)| *at_s <= t_s);
-                past == 0 || track.switches[past - 1].1
-            }
-        }
     }
 }
 
@@ -252,33 +194,6 @@ mod tests {
                 .iter()
                 .all(|t_s| line.value(*t_s).is_finite())
         );
-    }
-
-    #[test]
-    fn over_a_step_the_mean_of_what_is_held_counts() {
-        let track = track();
-        let orders = Orders::Track(&track);
-        for (from_s, to_s, latency_s, mean) in [
-            (1.5, 2.5, 0.0, 0.5),
-            (1.75, 2.75, 0.25, 0.5),
-            (0.0, 8.0, 0.0, -0.25),
-            (2.5, 3.0, 0.0, 1.0),
-            (0.0, 0.5, 5.0, 0.0),
-        ] {
-            assert_eq!(orders.over(from_s, to_s, latency_s), mean, "{from_s}");
-        }
-    }
-
-    #[test]
-    fn a_servo_is_off_where_its_switch_says_so() {
-        let switched = track().switched(&[1.0, 0.0, 1.0]);
-        let orders = Orders::Track(&switched);
-        let on: Vec<bool> = [0.0, 1.9, 2.0, 3.9, 4.0, 9.0]
-            .map(|t| orders.is_on(t))
-            .into();
-        assert_eq!(on, [true, true, false, false, true, true]);
-        let off = CommandTrack::new(vec![0.0], vec![0.0], Some(2.0)).unwrap();
-        assert!(Orders::Track(&off).is_on(1.9) && !Orders::Track(&off).is_on(2.0));
     }
 
     #[test]

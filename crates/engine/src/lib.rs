@@ -21,6 +21,7 @@ mod kinematics;
 mod motor;
 mod noise;
 mod numerics;
+mod order;
 mod outcome;
 mod part_state;
 mod path;

@@ -7,13 +7,14 @@ use std::time::Duration;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::adjustment::HingeAdjustment;
-use super::command::{Orders, Quantity};
+use super::command::Quantity;
 use super::control::{Feedback, Log, Steer, steered};
 use super::energy::{EnergyBalance, Meter};
 use super::engine::{Motion, Setup, World};
 use super::experiment::{Experiment, JointState, Start};
 use super::kinematics::{lowest_m, part_from_track, robot_from_parts};
 use super::motor::{Effort, duty, effort};
+use super::order::Orders;
 use super::outcome::Outcome;
 use super::scene::{Guide, SceneMotion};
 use super::servo::{NOTHING, command, error_beyond_play};

@@ -340,11 +340,13 @@ fn warnings(stated: &Body, found: &Identification) -> Vec<Warning> {
             .zip(stated.centre_track_m.iter()),
     ) {
         if !interval.contains(*stated_m) {
-            warnings.push(Warning::new(
-                Code::CentreOfMassContradicted,
-                format!("the stated centre of mass is at {axis} = {:.2} mm, the flights say {:.2} mm ({:.2} to {:.2})",
-                    1e3 * stated_m, 1e3 * interval.value, 1e3 * interval.low, 1e3 * interval.high),
-            ));
+            warnings.push(Code::CentreOfMassContradicted.says(format!(
+                "the stated centre of mass is at {axis} = {:.2} mm, the flights say {:.2} mm ({:.2} to {:.2})",
+                1e3 * stated_m,
+                1e3 * interval.value,
+                1e3 * interval.low,
+                1e3 * interval.high
+            )));
         }
     }
     if !found.length_scale.contains(1.0) {
@@ -359,40 +361,38 @@ fn warnings(stated: &Body, found: &Identification) -> Vec<Warning> {
                     ratio(rest)
                 )
             });
-        warnings.push(Warning::new(
-            Code::GravityContradicted,
-            format!(
-                "the flights fall at {:.3} m/s^2 ({:.3} to {:.3}) instead of {:.3}: if gravity is right, recorded lengths are {} of true ones{rest}",
-                gravity.value, gravity.low, gravity.high, stated.gravity_m_s2, ratio(&found.length_scale)
-            ),
-        ));
+        warnings.push(Code::GravityContradicted.says(format!(
+            "the flights fall at {:.3} m/s^2 ({:.3} to {:.3}) instead of {:.3}: if gravity is right, recorded lengths are {} of true ones{rest}",
+            gravity.value,
+            gravity.low,
+            gravity.high,
+            stated.gravity_m_s2,
+            ratio(&found.length_scale)
+        )));
     }
     if let Some(lag) = found.velocity_lag_s
         && !lag.contains(0.0)
     {
-        warnings.push(Warning::new(
-            Code::VelocitiesLate,
-            format!(
-                "recorded velocities are {:.2} ms late ({:.2} to {:.2}); half a sample is {:.2} ms, which is what a backward difference gives",
-                1e3 * lag.value, 1e3 * lag.low, 1e3 * lag.high, 1e3 * found.half_sample_s
-            ),
-        ));
+        warnings.push(Code::VelocitiesLate.says(format!(
+            "recorded velocities are {:.2} ms late ({:.2} to {:.2}); half a sample is {:.2} ms, which is what a backward difference gives",
+            1e3 * lag.value,
+            1e3 * lag.low,
+            1e3 * lag.high,
+            1e3 * found.half_sample_s
+        )));
     }
     if stated.moment_ratio > EQUAL_MOMENTS {
-        warnings.push(Warning::new(
-            Code::UnequalMoments,
-            format!("the moments of inertia differ by a factor of {:.2}: the fitted start states assume a constant angular velocity", stated.moment_ratio),
-        ));
+        warnings.push(Code::UnequalMoments.says(format!(
+            "the moments of inertia differ by a factor of {:.2}: the fitted start states assume a constant angular velocity",
+            stated.moment_ratio
+        )));
     }
     if !found.grounded.is_empty() {
-        warnings.push(Warning::new(
-            Code::NoFlight,
-            format!(
-                "{} of {} recordings have no flight and say nothing here",
-                found.grounded.len(),
-                found.recordings
-            ),
-        ));
+        warnings.push(Code::NoFlight.says(format!(
+            "{} of {} recordings have no flight and say nothing here",
+            found.grounded.len(),
+            found.recordings
+        )));
     }
     warnings
 }

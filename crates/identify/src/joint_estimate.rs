@@ -148,15 +148,12 @@ pub fn identify_joints(
     let fits = fit_all(&identified, &flights)?;
     let mut warnings = warnings(&verdicts, &grounded, recordings.len());
     if !odd.is_empty() {
-        warnings.push(Warning::new(
-            Code::NoFlight,
-            format!(
-                "{} of {} flights are no free flight of this robot (more than {ODD} times as far off as most) and are left out: {}",
-                odd.len(),
-                odd.len() + flights.len(),
-                odd.join(", ")
-            ),
-        ));
+        warnings.push(Code::NoFlight.says(format!(
+            "{} of {} flights are no free flight of this robot (more than {ODD} times as far off as most) and are left out: {}",
+            odd.len(),
+            odd.len() + flights.len(),
+            odd.join(", ")
+        )));
     }
     Ok(JointIdentification {
         recordings: recordings.len(),
@@ -476,22 +473,16 @@ fn warnings(verdicts: &[JointVerdict], grounded: &[Grounded], recordings: usize)
         })
         .collect();
     if !contradicted.is_empty() {
-        warnings.push(Warning::new(
-            Code::BodyContradicted,
-            format!(
-                "flights contradict the robot's description: {}",
-                contradicted.join("; ")
-            ),
-        ));
+        warnings.push(Code::BodyContradicted.says(format!(
+            "flights contradict the robot's description: {}",
+            contradicted.join("; ")
+        )));
     }
     if !grounded.is_empty() {
-        warnings.push(Warning::new(
-            Code::NoFlight,
-            format!(
-                "{} of {recordings} recordings have no flight and say nothing here",
-                grounded.len()
-            ),
-        ));
+        warnings.push(Code::NoFlight.says(format!(
+            "{} of {recordings} recordings have no flight and say nothing here",
+            grounded.len()
+        )));
     }
     warnings
 }

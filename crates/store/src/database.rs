@@ -1,13 +1,14 @@
 //! The SQLite file of a results folder.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
 use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 
 use rusqlite::{Connection, Transaction, params};
 
 use super::checksum::Tally;
-use super::connection::{DAMAGED_HINT, settle, sql, stamp};
+use super::connection::{DAMAGED_HINT, settle, sql, stamp, with_suffix};
 use super::content::{Content, LAYOUT, content};
 use super::count::{self, Count};
 use super::description::{
@@ -15,7 +16,6 @@ use super::description::{
 };
 use super::fingerprint::Fingerprint;
 use super::lock::{FolderLock, Place};
-use super::opening::remove;
 use super::row::Table;
 use super::storage::Storage;
 use super::trial::Trial;
@@ -23,6 +23,28 @@ use realgap_core::error::{Advice, Error, Result};
 
 /// Name of the store inside a results folder.
 pub const STORE_FILE: &str = "results.sqlite";
+
+/// Removes the store in a locked folder, if there is one.
+pub(super) fn remove(folder: &Path) -> Result<()> {
+    let path = folder.join(STORE_FILE);
+    for suffix in [
+        "",
+        "-wal",
+        "-shm",
+        "-journal",
+        count::COUNT,
+        count::SET_ASIDE,
+    ] {
+        let path = with_suffix(&path, suffix);
+        match fs::remove_file(&path) {
+            Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
+                return Err(Error::io("remove old results", &path, &e));
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
 
 /// Tables of every store. `tally` says how many rows there are in all tables and what their checksums are together.
 const COMMON_TABLES: &str = "

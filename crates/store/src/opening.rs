@@ -1,14 +1,13 @@
 //! What happens to results that are already in a folder.
 
-use std::fs;
 use std::marker::PhantomData;
 use std::path::Path;
 
 use super::checksum::Tally;
-use super::connection::{connect, connect_to_read, with_suffix};
+use super::connection::{connect, connect_to_read};
 use super::content::{Content, content, is_foreign};
 use super::count::{self, Count};
-use super::database::{STORE_FILE, Store, Writer};
+use super::database::{STORE_FILE, Store, Writer, remove};
 use super::description::{COMPLETE, ENDING};
 use super::fingerprint::Fingerprint;
 use super::lock::{FolderLock, Place};
@@ -214,26 +213,4 @@ fn check_log(path: &Path) -> Result<()> {
         return Err(count::foreign_log(path));
     }
     verify_log(path)
-}
-
-/// Removes the store in a locked folder, if there is one.
-pub(super) fn remove(folder: &Path) -> Result<()> {
-    let path = folder.join(STORE_FILE);
-    for suffix in [
-        "",
-        "-wal",
-        "-shm",
-        "-journal",
-        count::COUNT,
-        count::SET_ASIDE,
-    ] {
-        let path = with_suffix(&path, suffix);
-        match fs::remove_file(&path) {
-            Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
-                return Err(Error::io("remove old results", &path, &e));
-            }
-            _ => {}
-        }
-    }
-    Ok(())
 }

@@ -15,7 +15,7 @@ pub fn known_limits(experiment: &Experiment, tuned: &[&str]) -> Vec<Warning> {
     if experiment.solver.engine != EngineChoice::default() {
         return warnings;
     }
-    let mut warn = |message: String| warnings.push(Warning::new(Code::KnownLimit, message));
+    let mut warn = |message: String| warnings.push(Code::KnownLimit.says(message));
     if tuned.contains(&"floor.restitution") {
         warn("bounces of a flat face come out 7 to 9 % low, so a fitted restitution is that much too high where faces land flat (restitution.flat)".to_owned());
     }

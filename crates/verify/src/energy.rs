@@ -9,14 +9,11 @@ use super::body::{
     no_servo, robot, tripod,
 };
 use super::check::{Check, Tolerance};
-use super::film::{Film, at_rest, centre_world_m, largest, measure, moving};
+use super::film::{ABYSS_M, Film, at_rest, centre_world_m, largest, measure, moving, weightless};
 use super::{Settings, centre, euler, pendulum, toss};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
-use realgap_engine::{Experiment, JointKind, Push, Snapshot};
-
-/// Far below everything that should not meet the floor, metres.
-const ABYSS_M: f64 = -10.0;
+use realgap_engine::{JointKind, Push, Snapshot};
 
 pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
     let mut checks = vec![fall(settings)?];
@@ -31,12 +28,6 @@ pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
     checks.extend(centre::checks(settings)?);
     checks.extend(toss::checks(settings)?);
     Ok(checks)
-}
-
-pub(super) fn weightless(mut experiment: Experiment) -> Experiment {
-    experiment.gravity_m_s2 = 0.0;
-    experiment.floor.height_m = ABYSS_M;
-    experiment
 }
 
 fn fall(settings: &Settings) -> Result<Check> {

@@ -5,8 +5,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use super::Settings;
 use super::body::{MASS_KG, block, robot};
 use super::check::{Check, Tolerance};
-use super::energy::weightless;
-use super::film::{Film, measure, moving};
+use super::film::{Film, measure, moving, weightless};
 use realgap_core::error::Result;
 use realgap_core::unit::Unit;
 

@@ -6,6 +6,9 @@ use realgap_core::error::Result;
 use realgap_engine::{Experiment, Push, Snapshot, Start, watch};
 use realgap_path::trajectory::State;
 
+/// Far below everything that should not meet the floor, metres.
+pub(super) const ABYSS_M: f64 = -10.0;
+
 /// Every step of a run, the start included.
 #[derive(Debug)]
 pub(super) struct Film(Vec<Snapshot>);
@@ -106,4 +109,11 @@ pub(super) fn moving(
         velocity_world_m_s,
         angular_velocity_body_rad_s,
     })
+}
+
+/// The experiment without gravity, its floor out of reach.
+pub(super) fn weightless(mut experiment: Experiment) -> Experiment {
+    experiment.gravity_m_s2 = 0.0;
+    experiment.floor.height_m = ABYSS_M;
+    experiment
 }

@@ -224,19 +224,15 @@ pub fn compare_folders(
     }
     warnings.extend(real.source().warning());
     if relative_to == RelativeTo::Own && !views.iter().any(|view| view.is_known) {
-        warnings.push(Warning::new(
-            Code::NoOwnPlaces,
+        warnings.push(Code::NoOwnPlaces.says(
             "views.ron of the real pictures does not say where things are in them, so that distances include where the camera stood",
         ));
     }
     if views.len() < FEW_VIEWS {
-        warnings.push(Warning::new(
-            Code::FewRecordings,
-            format!(
-                "{}: fewer than {FEW_VIEWS} cannot answer at 5 %, whatever they show",
-                counted(views.len(), "view")
-            ),
-        ));
+        warnings.push(Code::FewRecordings.says(format!(
+            "{}: fewer than {FEW_VIEWS} cannot answer at 5 %, whatever they show",
+            counted(views.len(), "view")
+        )));
     }
     Ok(VisionReport {
         real: real.source(),
@@ -300,10 +296,10 @@ fn paired(
             .hint("a real picture is NAME.png, several of one view are NAME_1.png, NAME_2.png"));
     }
     if !alone.is_empty() {
-        warnings.push(Warning::new(
-            Code::PicturesUnpaired,
-            format!("without a partner, left out: {}", alone.join(", ")),
-        ));
+        warnings.push(
+            Code::PicturesUnpaired
+                .says(format!("without a partner, left out: {}", alone.join(", "))),
+        );
     }
     Ok(views)
 }
@@ -373,9 +369,10 @@ fn look_at(view: &View, options: &VisionOptions) -> Result<(Vec<Option<ViewRow>>
                     .map_err(|e| e.at_file(path))?;
                 found[group].push(Some(extraction.feature));
                 warnings.extend(
-                    extraction.warnings.into_iter().map(|w| {
-                        Warning::new(w.code, format!("{}: {}", path.display(), w.message))
-                    }),
+                    extraction
+                        .warnings
+                        .into_iter()
+                        .map(|w| w.code.says(format!("{}: {}", path.display(), w.message))),
                 );
             }
         }

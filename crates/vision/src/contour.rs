@@ -5,7 +5,7 @@ use super::picture::Grey;
 use super::snake::{Ending, Snake, evenly, mean_distance_px};
 use realgap_core::error::{Error, Result};
 use realgap_core::stated;
-use realgap_core::warning::{Code, Warning};
+use realgap_core::warning::Code;
 
 /// A greedy snake.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,26 +74,22 @@ impl Extractor for Contour {
         };
         if !sought.outline_px.is_empty() && !sought.outline_px.iter().any(is_in) {
             let [x, y] = sought.outline_px[0];
-            warnings.push(Warning::new(
-                Code::OutlineOutside,
-                format!(
-                    "the outline that a contour should come to, from ({x}, {y}) px on, lies outside of {} x {} px",
-                    picture.width(),
-                    picture.height()
-                ),
-            ));
+            warnings.push(Code::OutlineOutside.says(format!(
+                "the outline that a contour should come to, from ({x}, {y}) px on, lies outside of {} x {} px",
+                picture.width(),
+                picture.height()
+            )));
         }
         if share > MANY_STUCK {
-            warnings.push(Warning::new(
-                Code::ContourStuck,
-                format!("{stuck} of {count} points of a contour rest where there is no edge"),
-            ));
+            warnings.push(Code::ContourStuck.says(format!(
+                "{stuck} of {count} points of a contour rest where there is no edge"
+            )));
         }
         if settled.ending == Ending::OutOfRounds {
-            warnings.push(Warning::new(
-                Code::ContourStuck,
-                format!("a contour still moves after {} rounds", settled.rounds),
-            ));
+            warnings.push(Code::ContourStuck.says(format!(
+                "a contour still moves after {} rounds",
+                settled.rounds
+            )));
         }
         let step = |name, picture| Step { name, picture };
         Ok(Extraction {

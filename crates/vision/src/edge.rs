@@ -5,7 +5,7 @@ use super::filter::{gauss, length, sobel};
 use super::picture::Grey;
 use realgap_core::error::Result;
 use realgap_core::stated;
-use realgap_core::warning::{Code, Warning};
+use realgap_core::warning::Code;
 
 /// Canny's edges.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -158,7 +158,7 @@ impl Extractor for Edges {
                 ..Feature::default()
             },
             warnings: if on == 0 {
-                vec![Warning::new(Code::NoEdges, "there are no edges")]
+                vec![Code::NoEdges.says("there are no edges")]
             } else {
                 Vec::new()
             },

@@ -5,7 +5,6 @@ use std::sync::{Arc, Mutex};
 
 use nalgebra::Vector3;
 
-use super::fleet::cases_of_all;
 use super::recording::in_short;
 use super::{Definition, StartRule, doubt, joints, scene_file};
 use crate::calibration::identification::{
@@ -85,6 +84,22 @@ pub(super) fn cases(definition: &Definition) -> Result<(Vec<Case>, Vec<Warning>)
         StartRule::Settled => settled(definition, &base),
         StartRule::FromRecording => from_recordings(definition, &base),
     }
+}
+
+/// The cases of every robot, one robot after the other.
+fn cases_of_all(definition: &Definition) -> Result<(Vec<Case>, Vec<Warning>)> {
+    let (mut all, mut warnings) = (Vec::new(), Vec::new());
+    for member in &definition.robots {
+        let (own, said) = cases(&definition.of_member(member))?;
+        all.extend(own.into_iter().map(|mut case| {
+            for target in &mut case.targets {
+                target.recording += member.recordings.start;
+            }
+            case
+        }));
+        warnings.extend(said);
+    }
+    Ok((all, warnings))
 }
 
 /// The error about a run; of recordings whose times are doubted, what would mend these.

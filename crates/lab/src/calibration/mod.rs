@@ -60,6 +60,7 @@ mod repeat;
 mod report;
 mod reproduction;
 mod rest;
+mod robot_file;
 mod scene_file;
 mod score;
 mod sensitivity;

@@ -7,12 +7,13 @@ use std::sync::Arc;
 use serde::Deserialize;
 
 use super::fitted::in_sample;
-use super::fleet::{RobotFile, members};
+use super::robot_file::{RobotFile, members, morphology_source};
 use super::scene_file::BodyFile;
+use super::values::assignments;
 use super::{BasisRule, Commands, Definition, Horizon, Overrides, ScoreRule, StartRule, recording};
 use crate::calibration::identification::StartState;
 use realgap_core::file::{Source, name_of_file, parse_ron, sha256, unique_keys};
-use realgap_core::{Error, ErrorKind, Result};
+use realgap_core::{Error, Result};
 use realgap_engine::parameter::{Assignment, Parameter, ParameterSet, by_name};
 use realgap_engine::{Noise, SceneBody, Vehicle};
 use realgap_optimize::{Grid, MAX_POINTS, Range};
@@ -444,31 +445,6 @@ impl StudyFile {
         let grid = Grid::new(ranges).map_err(|e| source.at("parameters", e))?;
         Ok((grid, parameters))
     }
-}
-
-/// Checked values of parameters.
-pub(super) fn assignments(values: &BTreeMap<String, f64>) -> Result<ParameterSet> {
-    let values = values.iter();
-    values
-        .map(|(name, value)| Assignment::new(name, *value))
-        .collect()
-}
-
-/// Reads the robot that a study names.
-pub(super) fn morphology_source(study: &Source, named: &Path) -> Result<Source> {
-    Source::read(named, "morphology").map_err(|e| {
-        let e = match e.file() {
-            Some(_) => e,
-            None => study.at("morphology", e),
-        };
-        match e.kind() {
-            ErrorKind::Io => e.hint(format!(
-                "`morphology` in {} names it; relative paths in a study start at the study's folder",
-                study.path().display()
-            )),
-            _ => e,
-        }
-    })
 }
 
 /// A cube of a vehicle's size and name, for everything that asks how large a robot is.

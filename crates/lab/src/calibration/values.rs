@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::study_file::assignments;
 use realgap_core::file::{Source, parse_ron, unique_keys};
 use realgap_core::{Error, Result};
-use realgap_engine::parameter::ParameterSet;
+use realgap_engine::parameter::{Assignment, ParameterSet};
 
 /// Values with where they come from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -139,4 +138,12 @@ pub fn read_best(path: impl AsRef<Path>) -> Result<Fitted> {
             .collect(),
         fitted_on: file.fitted_on,
     })
+}
+
+/// Checked values of parameters.
+pub(super) fn assignments(values: &BTreeMap<String, f64>) -> Result<ParameterSet> {
+    let values = values.iter();
+    values
+        .map(|(name, value)| Assignment::new(name, *value))
+        .collect()
 }

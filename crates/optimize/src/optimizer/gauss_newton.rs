@@ -210,13 +210,10 @@ impl Optimizer for GaussNewton {
         let ends = course(brief, history).0.ends;
         let rough = ends.iter().filter(|end| **end == End::Rough).count();
         (rough > 0).then(|| {
-            Warning::new(
-                Code::RoughScore,
-                format!(
-                    "{rough} of {} descents ended where steps do not keep what finite differences promise: the score is rough there, as contact, stick and slip make it",
-                    ends.len()
-                ),
-            )
+            Code::RoughScore.says(format!(
+                "{rough} of {} descents ended where steps do not keep what finite differences promise: the score is rough there, as contact, stick and slip make it",
+                ends.len()
+            ))
         })
     }
 

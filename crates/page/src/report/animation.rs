@@ -3,7 +3,8 @@
 use nalgebra::{Isometry3, Vector3};
 
 use super::replay::Replay;
-use super::stage::{Actor, Kind, Mover, Solid, Stage};
+use super::solid::{Kind, Solid};
+use super::stage::{Actor, Mover, Stage};
 use crate::plot::{Animation, Look, Moment, Trace, draw_animation};
 use realgap_core::error::Result;
 use realgap_robot::morphology::{Morphology, Surface};

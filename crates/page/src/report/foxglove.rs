@@ -4,7 +4,8 @@ use nalgebra::{Isometry3, Vector3};
 use serde_json::{Value, json};
 
 use super::replay::Replay;
-use super::stage::{Actor, Kind, Mover, Solid, Stage};
+use super::solid::{Kind, Solid};
+use super::stage::{Actor, Mover, Stage};
 use realgap_core::error::Result;
 use realgap_core::file::{McapWriter, Topic, stamp};
 

@@ -4,7 +4,8 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use serde_json::{Value, json};
 
 use super::replay::Replay;
-use super::stage::{Actor, Kind, Solid, Stage, continuous};
+use super::solid::{Kind, Solid};
+use super::stage::{Actor, Stage, continuous};
 use realgap_core::error::Result;
 use realgap_robot::morphology::{Shape, Surface};
 

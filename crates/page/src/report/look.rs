@@ -2,8 +2,7 @@
 
 use nalgebra::Isometry3;
 
-use super::motion::robot_solids;
-use super::stage::{Kind, Solid};
+use super::solid::{Kind, Solid, robot_solids};
 use realgap_engine::SceneBody;
 use realgap_robot::morphology::{Morphology, Shape};
 

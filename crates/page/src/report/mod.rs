@@ -33,11 +33,13 @@ mod replay;
 mod search;
 mod section;
 mod sheet;
+mod solid;
 mod stage;
 mod story;
 mod study;
 mod track;
 mod tree;
+mod tuning;
 mod value;
 
 pub use folder::folder_page;

@@ -4,9 +4,10 @@ use nalgebra::Isometry3;
 use serde::{Deserialize, Serialize};
 
 use super::block::Block;
-use super::stage::{Kind, Solid, continuous, picks};
-use realgap_engine::{Film, Floor, SceneBody, SceneMotion, part_from_solid};
-use realgap_robot::morphology::{Drive, DriveAxis, Morphology, Role};
+use super::solid::{Kind, RobotSolid, Solid, robot_solids};
+use super::stage::{continuous, picks};
+use realgap_engine::{Film, Floor, SceneBody, SceneMotion};
+use realgap_robot::morphology::{DriveAxis, Morphology};
 
 /// Steps that numbers in the page are rounded to; also said on the page.
 const LENGTH_STEP_M: f64 = 2e-5;
@@ -132,48 +133,7 @@ fn numbers(pose: &Isometry3<f64>) -> [f64; 7] {
     [t.x, t.y, t.z, q.w, q.i, q.j, q.k]
 }
 
-/// A solid of a robot, in the frame of its part.
-pub(super) struct RobotSolid<'a> {
-    pub(super) part: usize,
-    pub(super) solid: Solid,
-    /// Of the first cube of a module: its name.
-    name: &'a str,
-    drive: Option<Drive>,
-    is_tracked: bool,
-}
-
-/// The solids of a robot that have a surface, in the frames of their parts.
-pub(super) fn robot_solids(robot: &Morphology) -> Vec<RobotSolid<'_>> {
-    let assembly = robot.assemble();
-    let mut all = Vec::new();
-    for (part, cluster) in assembly.parts.iter().enumerate() {
-        // A plate with a module glued onto it is inside of that module.
-        for solid in cluster.solids.iter().filter(|solid| solid.has_surface()) {
-            let module = &robot.modules()[solid.module];
-            let is_first = solid.number == 0 && solid.role == Role::Cube;
-            let drive = module.drive.filter(|_| is_first);
-            let shown = Solid {
-                shape: solid.shape.clone(),
-                pose: part_from_solid(&assembly, part, solid),
-                kind: match solid.role {
-                    Role::Plate => Kind::Plate,
-                    Role::Cube if drive.is_some() || assembly.drives(part) => Kind::Active,
-                    Role::Cube => Kind::Passive,
-                },
-            };
-            all.push(RobotSolid {
-                part,
-                solid: shown,
-                name: if is_first { &module.name } else { "" },
-                drive,
-                is_tracked: solid.module == robot.track() && solid.role == Role::Cube,
-            });
-        }
-    }
-    all
-}
-
-/// The same as the page has them.
+/// The solids of a robot as the page has them.
 fn robot_boxes(robot: &Morphology) -> Vec<ShownBox> {
     let shown = |one: RobotSolid<'_>| {
         let Solid { shape, pose, kind } = &one.solid;

@@ -8,7 +8,7 @@ use super::block::Block;
 use super::heat::{Point, heat_map};
 use super::kept::{Kept, recorded_of};
 use super::sheet::Sheet;
-use super::study::Report;
+use super::tuning::Report;
 use crate::results::kind::file;
 use realgap_core::error::{Error, Result};
 use realgap_store::{STORE_FILE, Store, Trial};

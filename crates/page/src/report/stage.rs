@@ -2,68 +2,15 @@
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-use super::motion::robot_solids;
+use super::solid::{Kind, Solid, robot_solids};
 use realgap_core::statistics::ends_of;
 use realgap_engine::{Film, Floor, SceneBody, SceneMotion, part_name};
 use realgap_robot::morphology::{Morphology, Shape};
-
-/// A colour: red, green, blue.
-pub(super) type Colour = [u8; 3];
-
-/// What a shape stands for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
-    Passive,
-    Active,
-    Plate,
-    Floor,
-    /// A body beside the robot.
-    Other,
-    /// A run of which only a path is known.
-    Run,
-    /// Whatever was recorded.
-    Recorded,
-}
-
-impl Kind {
-    /// What was recorded is green everywhere, a run is blue.
-    pub(super) fn colour(self) -> Colour {
-        match self {
-            Self::Passive => [217, 211, 197],
-            Self::Active => [120, 178, 216],
-            Self::Plate => [213, 94, 0],
-            Self::Floor => [238, 238, 234],
-            Self::Other => [169, 163, 154],
-            Self::Run => [0, 114, 178],
-            Self::Recorded => [0, 138, 100],
-        }
-    }
-
-    /// The same as shares of light, as glTF and cameras have it.
-    pub(super) fn light(self) -> [f64; 3] {
-        self.colour().map(|channel| {
-            let share = f64::from(channel) / 255.0;
-            if share <= 0.04045 {
-                share / 12.92
-            } else {
-                ((share + 0.055) / 1.055).powf(2.4)
-            }
-        })
-    }
-}
 
 /// Half the height of the slab that stands for the floor, metres.
 const FLOOR_HALF_M: f64 = 0.001;
 /// How far the floor reaches beyond the paths, metres.
 const FLOOR_MARGIN_M: f64 = 0.15;
-
-/// A shape in the frame of what carries it.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Solid {
-    pub(super) shape: Shape,
-    pub(super) pose: Isometry3<f64>,
-    pub(super) kind: Kind,
-}
 
 /// Shapes that move as one.
 #[derive(Debug, Clone, PartialEq)]

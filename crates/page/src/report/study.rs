@@ -2,9 +2,6 @@
 
 use std::path::Path;
 
-use serde::Deserialize;
-use serde::de::IgnoredAny;
-
 use super::block::Block;
 use super::chart::{Chart, steps};
 use super::claim::sentences;
@@ -17,47 +14,17 @@ use super::points::{Points, push_path};
 use super::section::{Section, figures, pictures};
 use super::sheet::Sheet;
 use super::story::Story;
+use super::tuning::Report;
 use super::value::*;
 use crate::results::kind::file;
 use realgap_core::error::Result;
 use realgap_core::unit::number;
-use realgap_lab::calibration::{Audit, Best, Reproduction, Validation};
-use realgap_lab::claim::{About, Claim};
+use realgap_lab::calibration::Validation;
+use realgap_lab::claim::About;
 
 /// Fewer numbers than this of a report stand in the section of numbers, because others tell them.
 const SAID: &str =
     "study fit best verdicts audit validation transfer reproduction uncertainty tuning pose";
-
-/// What a page shows of the report of a sweep or a tuning.
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-pub(super) struct Report {
-    study: Option<String>,
-    complete: Option<bool>,
-    pub(super) points: usize,
-    tuning: Option<IgnoredAny>,
-    pub(super) metric: String,
-    pub(super) unit: String,
-    pub(super) best: Option<Best>,
-    verdicts: Vec<Verdict>,
-    pub(super) claims: Vec<Claim>,
-    audit: Option<Audit>,
-    validation: Option<Validation>,
-    transfer: Option<fleet::Transfer>,
-    reproduction: Option<Reproduction>,
-}
-
-/// What a page shows of what is said of a parameter.
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-struct Verdict {
-    parameter: String,
-    unit: String,
-    best: Option<f64>,
-    interval: Option<[f64; 2]>,
-    intervals: Vec<[f64; 2]>,
-    text: String,
-}
 
 pub(super) fn story(folder: &Path, report: &Report, kept: Option<&Kept>) -> Result<Story> {
     let points = Points::read(folder)?;

@@ -32,6 +32,7 @@ mod convergence;
 mod corner;
 mod draft;
 mod ensemble;
+mod folder;
 mod gap;
 pub(crate) mod joint;
 pub(crate) mod kind;
@@ -56,8 +57,9 @@ use realgap_lab::calibration::{Answer, Method, Study};
 
 pub use best::draws;
 pub use ensemble::{write_ensemble, write_prediction, write_report};
+pub use folder::{accept, check_folder, check_seal};
 pub use gap::{write_floor, write_gap};
-pub use kind::{Kind, accept, check_folder, check_seal};
+pub use kind::Kind;
 pub use odds::draw_odds;
 pub use over_time::{Timed, draw_over_time};
 pub use radio::{draw_error_map, draw_strength_map};

@@ -230,14 +230,11 @@ impl Basis {
         let seen_m2 = self.discrepancy_m(a, b).powi(2);
         // Below a nanometre nothing is missed.
         (total_m2 > 1e-18 && seen_m2 < 0.5 * total_m2).then(|| {
-            Warning::new(
-                Code::ComponentsMissDifference,
-                format!(
-                    "the {} kept components see {:.0} % of the squared distance: the discrepancy understates it",
-                    self.kept,
-                    100.0 * seen_m2 / total_m2
-                ),
-            )
+            Code::ComponentsMissDifference.says(format!(
+                "the {} kept components see {:.0} % of the squared distance: the discrepancy understates it",
+                self.kept,
+                100.0 * seen_m2 / total_m2
+            ))
         })
     }
 }

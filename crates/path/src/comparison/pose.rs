@@ -172,15 +172,12 @@ pub fn pose_errors(
     }
     let mut warnings = Vec::new();
     if samples < real.len() {
-        warnings.push(Warning::new(
-            Code::ShorterSimulation,
-            format!(
-                "the trajectory ends after {:.6} s: {} of {} recorded samples were not compared",
-                simulated.duration_s(),
-                real.len() - samples,
-                real.len()
-            ),
-        ));
+        warnings.push(Code::ShorterSimulation.says(format!(
+            "the trajectory ends after {:.6} s: {} of {} recorded samples were not compared",
+            simulated.duration_s(),
+            real.len() - samples,
+            real.len()
+        )));
     }
     let n = samples as f64;
     Ok(PoseErrors {

@@ -148,10 +148,9 @@ pub fn cut_to_shortest(recordings: &mut [&mut Recording]) -> Result<Option<Warni
         recording.trajectory = clip(&recording.trajectory, shortest_s)?;
     }
     Ok((longest_s > shortest_s + 1e-6).then(|| {
-        Warning::new(
-            Code::ReadAs,
-            format!("compared at equal times, over the first {shortest_s:.3} s, which all have; the longest lasts {longest_s:.3} s"),
-        )
+        Code::ReadAs.says(format!(
+            "compared at equal times, over the first {shortest_s:.3} s, which all have; the longest lasts {longest_s:.3} s"
+        ))
     }))
 }
 

@@ -10,7 +10,7 @@ use super::text::{Cell, Separator, check_rows, cut, first_line, push_number};
 use realgap_core::error::{Advice, Error, Result};
 use realgap_core::stated;
 use realgap_core::unit::counted;
-use realgap_core::warning::{Code, Warning};
+use realgap_core::warning::Code;
 
 /// The poses of the KITTI odometry benchmark, which evo and many SLAM programs read.
 ///
@@ -136,17 +136,16 @@ impl Format for Kitti {
         let mut warnings = Vec::new();
         if lost > 0 {
             let what = format!("{} without numbers left out", counted(lost, "sample"));
-            warnings.push(Warning::new(Code::LostSamples, what));
+            warnings.push(Code::LostSamples.says(what));
         }
         if odd > 0 {
             let what = format!(
                 "{odd} matrices were up to {largest:.4} off a rotation and have been renormalised"
             );
-            warnings.push(Warning::new(Code::QuaternionsRenormalised, what));
+            warnings.push(Code::QuaternionsRenormalised.says(what));
         }
         if reading.axes.is_none() {
-            warnings.push(Warning::new(
-                Code::UnknownAxes,
+            warnings.push(Code::UnknownAxes.says(
                 "KITTI files do not say which way their axes point: taken as z up; those of the benchmark are a camera's, z forward and y down",
             ));
         }

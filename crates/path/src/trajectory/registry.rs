@@ -333,7 +333,7 @@ impl<'a> File<'a> {
         let trajectory = self.brought_here(trajectory)?;
         if !self.reading.is_usual() {
             let how = format!("recordings are read with {}", self.reading);
-            warnings.push(Warning::new(Code::ReadAs, how));
+            warnings.push(Code::ReadAs.says(how));
         }
         warnings.extend(suspicion::of(
             &name,

@@ -130,13 +130,10 @@ pub(super) fn explain(error: Error, text: &str, reading: &Reading) -> Error {
 pub(super) fn several(text: &str, reading: &Reading) -> Option<Warning> {
     let (labels, path) = labels(text, reading)?;
     let shorter = labels.iter().find(|label| label.path() < SHORTER * path)?;
-    Some(Warning::new(
-        Code::SeveralRobots,
-        format!(
-            "the path jumps whenever the column `{}` changes ({}): if these are several robots, read one of them with `only: (column: \"{}\", value: ...)`",
-            excerpt(&shorter.name),
-            shorter.values(),
-            excerpt(&shorter.name)
-        ),
-    ))
+    Some(Code::SeveralRobots.says(format!(
+        "the path jumps whenever the column `{}` changes ({}): if these are several robots, read one of them with `only: (column: \"{}\", value: ...)`",
+        excerpt(&shorter.name),
+        shorter.values(),
+        excerpt(&shorter.name)
+    )))
 }

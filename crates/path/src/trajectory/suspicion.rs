@@ -57,7 +57,7 @@ pub(super) fn of(
     ];
     let found = found.into_iter().flatten();
     found
-        .map(|(code, message)| Warning::new(code, format!("{name}: {message}")))
+        .map(|(code, message)| code.says(format!("{name}: {message}")))
         .collect()
 }
 

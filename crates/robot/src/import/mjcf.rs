@@ -5,12 +5,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use mjcf_rs::Model;
 use mjcf_rs::body::{Body as Given, Geom, GeomType, Joint as GivenJoint, JointType};
 use mjcf_rs::equality::Equality;
-use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use roxmltree::Node;
 
 use super::Options;
 use super::element::Place;
-use super::mjcf_mass::Weighing;
+use super::mjcf_mass::{Weighing, isometry};
 use super::note::Notes;
 use super::urdf::file_name;
 use super::urdf_joint::{Bearing, chained};
@@ -20,14 +20,6 @@ use realgap_core::file::Source;
 
 /// What the model's root is called here where it is the world.
 const WORLD: &str = "world";
-/// A pose of the crate's as ours.
-pub(super) fn isometry(pose: &mjcf_rs::Pose) -> Isometry3<f64> {
-    let (t, q) = (pose.translation, pose.rotation);
-    Isometry3::from_parts(
-        Translation3::new(t.x, t.y, t.z),
-        UnitQuaternion::from_quaternion(Quaternion::new(q.w, q.x, q.y, q.z)),
-    )
-}
 
 /// Reads the model of a file, and of the files that it includes.
 pub(super) fn read(

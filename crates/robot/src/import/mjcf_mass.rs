@@ -6,11 +6,12 @@ use std::sync::Arc;
 use mjcf_rs::Model;
 use mjcf_rs::body::{Body as Given, Geom, GeomType, InertiaSpec};
 use mjcf_rs::compiler::InertiaFromGeom;
-use nalgebra::{Isometry3, Matrix3, SymmetricEigen, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{
+    Isometry3, Matrix3, Quaternion, SymmetricEigen, Translation3, UnitQuaternion, Vector3,
+};
 
 use super::Options;
 use super::mesh::forms;
-use super::mjcf::isometry;
 use super::note::Notes;
 use super::package::locate;
 use crate::morphology::Shape;
@@ -258,4 +259,13 @@ fn sized(geom: &Geom) -> (Vector3<f64>, Isometry3<f64>) {
         _ => Vector3::new(size.x, half_m, 0.0),
     };
     (size, Isometry3::from_parts(((a + b) / 2.0).into(), turn))
+}
+
+/// A pose of the crate's as ours.
+pub(super) fn isometry(pose: &mjcf_rs::Pose) -> Isometry3<f64> {
+    let (t, q) = (pose.translation, pose.rotation);
+    Isometry3::from_parts(
+        Translation3::new(t.x, t.y, t.z),
+        UnitQuaternion::from_quaternion(Quaternion::new(q.w, q.x, q.y, q.z)),
+    )
 }

@@ -20,6 +20,7 @@
 //! # Ok::<(), realgap_core::Error>(())
 //! ```
 
+mod assumption;
 mod element;
 mod mesh;
 mod mjcf;
@@ -37,22 +38,13 @@ use std::path::{Path, PathBuf};
 
 use roxmltree::Document;
 
+pub use assumption::AssumedLaw;
 pub use note::{Note, Sort};
 
 use crate::morphology::body::Structure;
 use note::Notes;
 use realgap_core::error::{Error, Result};
 use realgap_core::file::Source;
-
-/// What a servo is taken to be of which only the limits are known.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum AssumedLaw {
-    /// It turns to its command at a rate that is proportional to its error, whatever the load.
-    #[default]
-    Velocity,
-    /// A spring with damping, as the position loops of most small servos are: it gives way under load.
-    Torque,
-}
 
 /// What a person says about a robot beside its file.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -5,11 +5,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::Isometry3;
 use roxmltree::Node;
 
+use super::Options;
 use super::element::{Place, child, children, words};
 use super::note::Notes;
-use super::urdf_joint::{FULL_RAD, GAIN_1_S};
 use super::urdf_link::{DENSITY_KG_M3, Reader, ball};
-use super::{AssumedLaw, Options};
 use crate::morphology::body::{Body, Pose, Structure};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::Source;
@@ -138,18 +137,7 @@ impl Robot<'_> {
             );
         }
         if self.servos > 0 {
-            let law = match self.reader.options.law {
-                AssumedLaw::Velocity => {
-                    format!(
-                        "each turns to its command at {GAIN_1_S} 1/s times its error, as fast as it likes where no velocity above 0 is stated,"
-                    )
-                }
-                AssumedLaw::Torque => {
-                    format!(
-                        "each is a spring that exerts its effort at an error of {FULL_RAD}, damped to follow at {GAIN_1_S} 1/s,"
-                    )
-                }
-            };
+            let law = self.reader.options.law.words();
             notes.assumed(
                 None,
                 format!(

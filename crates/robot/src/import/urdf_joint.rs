@@ -3,20 +3,15 @@
 use nalgebra::Vector3;
 use roxmltree::Node;
 
-use super::AssumedLaw;
 use super::element::child;
 use super::note::Notes;
 use super::urdf::Robot;
+use crate::morphology::Servo;
 use crate::morphology::body::{
     Body, Driver, Follow, Joint, JointKind, Pose, SlideSpring, Structure, TurnSpring,
 };
-use crate::morphology::{Servo, ServoLaw};
 use realgap_core::error::{Error, Result};
 
-/// How strongly the servo that stands in for the one URDF does not describe answers an error of its angle, 1/s.
-pub(super) const GAIN_1_S: f64 = 20.0;
-/// Error at which an assumed spring reaches the effort, radians: position loops of small servos saturate at about ten degrees.
-pub(super) const FULL_RAD: f64 = 0.2;
 /// Limits farther away than this are none, radians or metres.
 const FAR: f64 = 1e3;
 /// Largest torque and speed that a servo may have.
@@ -236,15 +231,8 @@ impl Robot<'_> {
             );
         }
         let max_torque_nm = effort.min(MOST);
-        let law = match self.reader.options.law {
-            AssumedLaw::Velocity => ServoLaw::Velocity { gain_1_s: GAIN_1_S },
-            AssumedLaw::Torque => ServoLaw::Torque {
-                stiffness_nm_rad: max_torque_nm / FULL_RAD,
-                damping_nm_s_rad: max_torque_nm / FULL_RAD / GAIN_1_S,
-            },
-        };
         let servo = Servo {
-            law,
+            law: self.reader.options.law.of(max_torque_nm),
             max_torque_nm,
             max_speed_rad_s: if velocity > 0.0 {
                 velocity.min(MOST)

@@ -6,8 +6,8 @@
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::motor::Motor;
-use super::servo_file::{LawFile, is_unlimited, is_zero, limit, unlimited};
+use super::absent::{is_unlimited, is_zero, limit, unlimited};
+use super::law::ServoLaw;
 use realgap_solid::Shape;
 
 /// What a solid stands for.
@@ -150,45 +150,6 @@ impl Gait {
     }
 }
 
-/// How a servo turns its angle error into motion.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(from = "LawFile", into = "LawFile", rename = "law")]
-pub enum ServoLaw {
-    /// Velocity command `clamp(gain · error, ±max speed)`, followed within the torque limit.
-    Velocity {
-        /// Gain, 1/s.
-        gain_1_s: f64,
-    },
-    /// Torque `stiffness · error − damping · joint velocity`, clamped to the torque limit.
-    Torque {
-        /// Stiffness, N m/rad.
-        stiffness_nm_rad: f64,
-        /// Damping, N m s/rad.
-        damping_nm_s_rad: f64,
-    },
-    /// A motor behind a gear: what a servo is made of.
-    Motor(Motor),
-    /// The command is the torque itself, N m.
-    Direct,
-}
-
-impl ServoLaw {
-    /// Multiplies how strongly an angle error is answered: the gain of the velocity law and of a motor's position loop, the
-    /// stiffness of the torque law.
-    pub fn scale_gain(&mut self, factor: f64) {
-        match self {
-            Self::Velocity { gain_1_s } => *gain_1_s *= factor,
-            Self::Torque {
-                stiffness_nm_rad, ..
-            } => *stiffness_nm_rad *= factor,
-            Self::Motor(motor) => motor.position_gain *= factor,
-            // A command that is a torque is answered by as much.
-            Self::Direct => {}
-        }
-    }
-}
-
 /// A servo: control law and limits.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -228,7 +189,7 @@ pub struct Bearing {
     pub dry_nm: f64,
     /// Smallest and largest angle, radians; `None` where the hinge turns all round.
     pub limits_rad: Option<(f64, f64)>,
-    /// Inertia that only this joint's motion feels, e.g. of a geared rotor, kg m². That of a [`Motor`] comes on top.
+    /// Inertia that only this joint's motion feels, e.g. of a geared rotor, kg m². That of a [`Motor`](super::Motor) comes on top.
     pub armature_kg_m2: f64,
     /// A spring beside whatever drives the joint.
     pub spring: Option<Spring>,

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use nalgebra::Vector3;
 
-use super::flaw::{Checked, Flaw};
+use super::flaw::{Checked, Flaw, Range};
 use super::tree::{Links, Tree};
 use super::{Glue, Module, Morphology, Pivot, layout, module, pivot};
 use realgap_core::Error;
@@ -108,7 +108,7 @@ fn check_never_touch(pairs: &[(usize, usize)], modules: usize) -> Checked<()> {
 
 fn check_mount(mount_world_m: Option<Vector3<f64>>) -> Checked<()> {
     for (index, value) in mount_world_m.iter().flatten().enumerate() {
-        module::Range::within(-1000.0, 1000.0, "m").check(*value, &format!("mount_m[{index}]"))?;
+        Range::within(-1000.0, 1000.0, "m").check(*value, &format!("mount_m[{index}]"))?;
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! An error together with the place in the file that it belongs to.
 
-use realgap_core::Error;
 use realgap_core::file::Source;
+use realgap_core::{Error, range};
 
 /// A value, or what is wrong with it.
 pub(super) type Checked<T> = Result<T, Flaw>;
@@ -52,5 +52,23 @@ impl Flaw {
         let path = default_of(&self.path, source).unwrap_or(self.path);
         let error = source.at(&path, self.error);
         error.field(path)
+    }
+}
+
+/// What a quantity may be; a refusal names the place in the file.
+pub(super) struct Range(range::Range);
+
+impl Range {
+    pub(super) fn within(low: f64, high: f64, unit: &'static str) -> Self {
+        Self(range::Range::within(low, high, unit))
+    }
+
+    pub(super) fn above(low: f64, high: f64, unit: &'static str) -> Self {
+        Self(range::Range::above(low, high, unit))
+    }
+
+    pub(super) fn check(&self, value: f64, at: &str) -> Checked<()> {
+        let refusal = self.0.refusal(value);
+        refusal.map_or(Ok(()), |error| Err(Flaw::new(at, error)))
     }
 }

@@ -108,6 +108,7 @@
 //! faces on each other, and boxes (of modules and free plates) that overlap by more than 1 µm at zero angles, unless a stated hinge
 //! joins the two or `never_touch` names them.
 
+mod absent;
 mod assemble;
 mod assembly;
 mod blueprint;
@@ -118,13 +119,13 @@ mod file;
 mod flaw;
 mod gait;
 mod glue;
+mod law;
 mod layout;
 mod module;
 mod module_file;
 mod motor;
 mod pivot;
 mod plausibility;
-mod servo_file;
 mod summary;
 mod sweep;
 mod tree;
@@ -135,14 +136,15 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 pub use assembly::{
-    Actuator, Assembly, Bearing, ClusterMass, Freedom, Gait, Hinge, Mark, Part, Role, Servo,
-    ServoLaw, Solid, Spring,
+    Actuator, Assembly, Bearing, ClusterMass, Freedom, Gait, Hinge, Mark, Part, Role, Servo, Solid,
+    Spring,
 };
 pub use blueprint::Blueprint;
 use blueprint::names;
 pub use dynamics::Dynamics;
 pub use face::Face;
 pub use glue::Glue;
+pub use law::ServoLaw;
 pub use module::{Drive, DriveAxis, Module, ModuleBox, Plate};
 pub use motor::{GearFriction, MOST_LOAD, Motor};
 pub use pivot::Pivot;

@@ -3,9 +3,10 @@
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::assembly::{Actuator, Servo, ServoLaw};
+use super::assembly::{Actuator, Servo};
 use super::face::Face;
-use super::flaw::{Checked, Flaw};
+use super::flaw::{Checked, Flaw, Range};
+use super::law::ServoLaw;
 use super::motor::check_motor;
 use realgap_core::{Error, range};
 
@@ -368,22 +369,4 @@ fn check_inertia(moments: [f64; 3], at: &str) -> Checked<()> {
         }
     }
     Ok(())
-}
-
-/// What a quantity may be; a refusal names the place in the file.
-pub(super) struct Range(range::Range);
-
-impl Range {
-    pub(super) fn within(low: f64, high: f64, unit: &'static str) -> Self {
-        Self(range::Range::within(low, high, unit))
-    }
-
-    pub(super) fn above(low: f64, high: f64, unit: &'static str) -> Self {
-        Self(range::Range::above(low, high, unit))
-    }
-
-    pub(super) fn check(&self, value: f64, at: &str) -> Checked<()> {
-        let refusal = self.0.refusal(value);
-        refusal.map_or(Ok(()), |error| Err(Flaw::new(at, error)))
-    }
 }

@@ -2,10 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::assembly::ServoLaw;
-use super::flaw::Checked;
-use super::module::Range;
-use super::servo_file::is_zero;
+use super::absent::is_zero;
+use super::flaw::{Checked, Range};
 
 /// A position loop that sets the duty of a direct-current motor behind a gear. Everything is seen from the output shaft.
 ///
@@ -117,24 +115,6 @@ impl Default for GearFriction {
             output_load: 0.0,
             stribeck_load: 0.0,
             quadratic_1_nm: 0.0,
-        }
-    }
-}
-
-impl ServoLaw {
-    /// The motor, where this is one.
-    pub fn motor(&self) -> Option<&Motor> {
-        match self {
-            Self::Motor(motor) => Some(motor),
-            Self::Velocity { .. } | Self::Torque { .. } | Self::Direct => None,
-        }
-    }
-
-    /// The motor, where this is one.
-    pub fn motor_mut(&mut self) -> Option<&mut Motor> {
-        match self {
-            Self::Motor(motor) => Some(motor),
-            Self::Velocity { .. } | Self::Torque { .. } | Self::Direct => None,
         }
     }
 }

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use nalgebra::{Unit, Vector3};
 
 use super::assembly::{Actuator, Bearing};
-use super::flaw::{Checked, Flaw};
-use super::module::{Module, Range, check_actuator, check_name};
+use super::flaw::{Checked, Flaw, Range};
+use super::module::{Module, check_actuator, check_name};
 use realgap_core::Error;
 
 /// A hinge between two modules that are not glued. At angle 0 the axes of both frames are parallel.

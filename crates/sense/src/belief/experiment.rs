@@ -172,20 +172,16 @@ impl BeliefReport {
             options.approach != 0.0 && side.simulated.belief_sd < NARROW * cell
         };
         if let Some(side) = distances.iter().find(narrow) {
-            warnings.push(Warning::new(
-                Code::CoarseGrid,
-                format!(
-                    "cells of {cell:.3} {} are too wide for beliefs at {}: take more of them",
-                    model.distance_unit.symbol(),
-                    side.distance
-                ),
-            ));
+            warnings.push(Code::CoarseGrid.says(format!(
+                "cells of {cell:.3} {} are too wide for beliefs at {}: take more of them",
+                model.distance_unit.symbol(),
+                side.distance
+            )));
         }
         if restarts > 0 {
-            warnings.push(Warning::new(
-                Code::BeliefRestarted,
-                format!("readings were impossible at every distance {restarts} times; the belief began again from the uniform one"),
-            ));
+            warnings.push(Code::BeliefRestarted.says(format!(
+                "readings were impossible at every distance {restarts} times; the belief began again from the uniform one"
+            )));
         }
         Ok(Self {
             unit: model.distance_unit.symbol(),

@@ -118,23 +118,20 @@ pub fn fit(log: &ScanLog, options: &GraphOptions) -> Result<FittedGraph> {
     let mut model = with_polynomials(log, graph, options, &whole);
     let empty = model.polynomials.iter().filter(|p| p.samples == 0).count();
     if empty > 0 {
-        warnings.push(Warning::new(
-            Code::EmptyHeadings,
-            format!("the log has no sample for {empty} of {} polynomials; the mean of all stands in for them", model.polynomials.len()),
-        ));
+        warnings.push(Code::EmptyHeadings.says(format!(
+            "the log has no sample for {empty} of {} polynomials; the mean of all stands in for them",
+            model.polynomials.len()
+        )));
     }
     if let Stop::Terms(asked) = options.stop {
         let asked = asked.min(monomials(options.degree).len());
         let short = |p: &&Polynomial| p.samples > 0 && p.terms.len() < asked;
         let fewer = model.polynomials.iter().filter(short).count();
         if fewer > 0 {
-            warnings.push(Warning::new(
-                Code::FewerTerms,
-                format!(
-                    "{fewer} of {} polynomials have fewer than {asked} terms: a term needs {SAMPLES_PER_TERM} samples, and places that differ",
-                    model.polynomials.len()
-                ),
-            ));
+            warnings.push(Code::FewerTerms.says(format!(
+                "{fewer} of {} polynomials have fewer than {asked} terms: a term needs {SAMPLES_PER_TERM} samples, and places that differ",
+                model.polynomials.len()
+            )));
         }
     }
     model.log = logged(log, &model);

@@ -119,13 +119,10 @@ impl ScanLog {
                 .hint("both files must have the same clock"));
         }
         let warning = (log.scans.len() < all).then(|| {
-            Warning::new(
-                Code::ScansWithoutPose,
-                format!(
-                    "{} of {all} scans lie outside of the times of the poses and are left out",
-                    all - log.scans.len()
-                ),
-            )
+            Code::ScansWithoutPose.says(format!(
+                "{} of {all} scans lie outside of the times of the poses and are left out",
+                all - log.scans.len()
+            ))
         });
         Ok((log.checked(path)?, warning))
     }

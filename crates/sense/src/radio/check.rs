@@ -30,13 +30,10 @@ pub(super) fn check_places(
         );
     }
     if outside > 0 {
-        warnings.push(Warning::new(
-            Code::OutsideArena,
-            format!(
-                "{} were taken outside of the arena",
-                counted(outside, "reading")
-            ),
-        ));
+        warnings.push(Code::OutsideArena.says(format!(
+            "{} were taken outside of the arena",
+            counted(outside, "reading")
+        )));
     }
     let walled: Vec<&str> = anchors
         .iter()
@@ -48,13 +45,10 @@ pub(super) fn check_places(
         .map(|a| a.name.as_str())
         .collect();
     if !walled.is_empty() {
-        warnings.push(Warning::new(
-            Code::AnchorInWall,
-            format!(
-                "in a wall, which does not count between it and a robot: anchor {}",
-                walled.join(", ")
-            ),
-        ));
+        warnings.push(Code::AnchorInWall.says(format!(
+            "in a wall, which does not count between it and a robot: anchor {}",
+            walled.join(", ")
+        )));
     }
     Ok(warnings)
 }

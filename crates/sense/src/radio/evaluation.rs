@@ -134,8 +134,7 @@ impl Evaluation {
         let (rmse_low_db, rmse_high_db) = interval(log, &errors);
         let mut warnings = log.warnings.clone();
         if half == 0.0 {
-            warnings.push(Warning::new(
-                Code::NoInterval,
+            warnings.push(Code::NoInterval.says(
                 "the model states no interval, so that its coverage says nothing; `interval_90_db` in its file does, and a fit writes it",
             ));
         }

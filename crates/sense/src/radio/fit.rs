@@ -15,7 +15,7 @@ use crate::arena::{Anchor, Arena};
 use realgap_core::error::{Error, Result};
 use realgap_core::statistics::{mean, standard_deviation, student_quantile};
 use realgap_core::unit::counted;
-use realgap_core::warning::{Code, Warning};
+use realgap_core::warning::Code;
 
 /// Fewest places of a log.
 const FEWEST_PLACES: usize = 3;
@@ -95,8 +95,7 @@ pub fn fit(
         return Err(undetermined(most, options));
     };
     if most == 0 && options.propagation.is_none() {
-        warnings.push(Warning::new(
-            Code::NoWalls,
+        warnings.push(Code::NoWalls.says(
             "no link of the log crosses a wall of the arena, so that nothing is known of walls",
         ));
     }
@@ -234,13 +233,10 @@ fn describe(
         .iter()
         .fold(0.0, |a: f64, e| a.max(e.abs()));
     let interval_90_db = grouped_quantile(&left_out, LEVEL).unwrap_or_else(|| {
-        warnings.push(Warning::new(
-            Code::FewPlaces,
-            format!(
-                "{} are too few to say what 90 % of the strengths elsewhere will be within; the interval is the largest error here",
-                counted(material.places, "place")
-            ),
-        ));
+        warnings.push(Code::FewPlaces.says(format!(
+            "{} are too few to say what 90 % of the strengths elsewhere will be within; the interval is the largest error here",
+            counted(material.places, "place")
+        )));
         largest
     });
     let spread = shadow::estimate(material.log, &best.residuals_db, &best.rows);

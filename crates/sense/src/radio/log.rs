@@ -138,22 +138,16 @@ impl RadioLog {
                 .hint(COLUMNS));
         }
         if impossible > 0 {
-            log.warnings.push(Warning::new(
-                Code::ImpossibleReadings,
-                format!(
-                    "{} of 0 dBm or more, or under -120 dBm, counted as not heard",
-                    counted(impossible, "strength")
-                ),
-            ));
+            log.warnings.push(Code::ImpossibleReadings.says(format!(
+                "{} of 0 dBm or more, or under -120 dBm, counted as not heard",
+                counted(impossible, "strength")
+            )));
         }
         if wanted.is_none() && sessions.len() > 1 {
-            log.warnings.push(Warning::new(
-                Code::SeveralSessions,
-                format!(
-                    "sessions {} are taken together; choose one to hold the others against it",
-                    sessions.join(", ")
-                ),
-            ));
+            log.warnings.push(Code::SeveralSessions.says(format!(
+                "sessions {} are taken together; choose one to hold the others against it",
+                sessions.join(", ")
+            )));
         }
         Ok(log)
     }

@@ -182,10 +182,10 @@ impl Characterisation {
         let mut reach = vec![normal_quantile(0.5 + 0.5 * level); plan.parameters(&fitted)];
         let mut sessions = None;
         if (1..LEAST_SESSIONS).contains(&log.sessions.len()) {
-            warnings.push(Warning::new(
-                Code::FewSessions,
-                format!("{} sessions do not tell how sessions differ: intervals are those of independent readings, and too sure for another session", log.sessions.len()),
-            ));
+            warnings.push(Code::FewSessions.says(format!(
+                "{} sessions do not tell how sessions differ: intervals are those of independent readings, and too sure for another session",
+                log.sessions.len()
+            )));
         } else if !log.sessions.is_empty() {
             let found = with_sessions(plan, &fitted, &data, log.sessions.len(), level)?;
             fitted = found.fitted;
@@ -274,16 +274,17 @@ fn ends(data: &[Summary], rows: usize) -> Result<(f64, f64)> {
 fn doubts(plan: Plan, lack_of_fit_p: Option<f64>, normality: Normality) -> Vec<Warning> {
     let mut warnings = Vec::new();
     if lack_of_fit_p.is_some_and(|p| p < DOUBTFUL) {
-        warnings.push(Warning::new(
-            Code::LackOfFit,
-            format!("mean readings are further from the {} form than chance puts them: its intervals are too sure, and between the distances of the log it may be off", plan.mean.name()),
-        ));
+        warnings.push(Code::LackOfFit.says(format!(
+            "mean readings are further from the {} form than chance puts them: its intervals are too sure, and between the distances of the log it may be off",
+            plan.mean.name()
+        )));
     }
     if normality.adjusted_p < DOUBTFUL {
-        warnings.push(Warning::new(
-            Code::NotNormal,
-            format!("readings are not spread normally at {} of {} distances (rounded readings alone can be why)", normality.rejected, normality.tested),
-        ));
+        warnings.push(Code::NotNormal.says(format!(
+            "readings are not spread normally at {} of {} distances (rounded readings alone can be why)",
+            normality.rejected,
+            normality.tested
+        )));
     }
     warnings
 }
@@ -317,10 +318,10 @@ fn pick(plans: &[Plan], data: &[Summary], warnings: &mut Vec<Warning>) -> (Plan,
         // Where nothing can be fitted the first is tried, whose error says why.
         return (plans[chosen.unwrap_or(0)], candidates);
     }
-    warnings.push(Warning::new(
-        Code::FewDistances,
-        "two distances cannot tell one form from another; the line is a guess",
-    ));
+    warnings.push(
+        Code::FewDistances
+            .says("two distances cannot tell one form from another; the line is a guess"),
+    );
     let is_line = |form: &dyn Form| form.name() == Linear.name();
     let line = plans
         .iter()

@@ -125,13 +125,10 @@ impl TaskComparison {
             .filter(|name| !factors.contains(name))
             .collect();
         if !only.is_empty() {
-            warnings.push(Warning::new(
-                Code::ColumnsIgnored,
-                format!(
-                    "in one of the two logs only, and not used: {}",
-                    only.join(", ")
-                ),
-            ));
+            warnings.push(Code::ColumnsIgnored.says(format!(
+                "in one of the two logs only, and not used: {}",
+                only.join(", ")
+            )));
         }
         let (conditions, lonely) = conditions(real, simulated, &factors);
         if conditions.is_empty() {
@@ -140,13 +137,10 @@ impl TaskComparison {
                 .hint("columns and their values must be called alike in both"));
         }
         if !lonely.is_empty() {
-            warnings.push(Warning::new(
-                Code::UnmatchedConditions,
-                format!(
-                    "in one of the two logs only, and left out: {}",
-                    lonely.join("; ")
-                ),
-            ));
+            warnings.push(Code::UnmatchedConditions.says(format!(
+                "in one of the two logs only, and left out: {}",
+                lonely.join("; ")
+            )));
         }
         let conditions = conditions
             .iter()
@@ -161,10 +155,9 @@ impl TaskComparison {
             .map(|c| c.condition.as_str())
             .collect();
         if !few.is_empty() {
-            warnings.push(Warning::new(
-                Code::FewRepeats,
-                format!("fewer than {FEW} trials: {}", few.join("; ")),
-            ));
+            warnings.push(
+                Code::FewRepeats.says(format!("fewer than {FEW} trials: {}", few.join("; "))),
+            );
         }
         let medians: (Vec<f64>, Vec<f64>) = conditions
             .iter()

@@ -103,13 +103,10 @@ impl TaskLog {
         }
         let mut warnings = Vec::new();
         if trials.iter().any(|t| t.duration.time_s > LONG_S) {
-            warnings.push(Warning::new(
-                Code::LongTask,
-                format!(
-                    "{}: a task of more than a week; durations are read as seconds",
-                    path.display()
-                ),
-            ));
+            warnings.push(Code::LongTask.says(format!(
+                "{}: a task of more than a week; durations are read as seconds",
+                path.display()
+            )));
         }
         Ok(Self {
             factors: factors.iter().map(|c| table.header()[*c].clone()).collect(),

@@ -110,13 +110,10 @@ pub(super) fn split(
             .hint("intervals are by how much views differ"));
     }
     if held.is_empty() {
-        warnings.push(Warning::new(
-            Code::FewRecordings,
-            format!(
-                "{}: nothing is held out to judge the camera",
-                counted(fitted.len(), "view")
-            ),
-        ));
+        warnings.push(Code::FewRecordings.says(format!(
+            "{}: nothing is held out to judge the camera",
+            counted(fitted.len(), "view")
+        )));
     }
     Ok((fitted, held))
 }

@@ -3,8 +3,9 @@
 use nalgebra::SymmetricEigen;
 
 use super::super::assembly::Freedom;
+use super::super::flaw::Range;
 use super::super::flaw::{Checked, Flaw};
-use super::super::module::{Range, check_name};
+use super::super::module::check_name;
 use super::{Body, Form, Joint, Pose, Triple};
 use realgap_core::Error;
 

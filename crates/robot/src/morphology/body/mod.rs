@@ -39,9 +39,9 @@ mod tree;
 use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
+use super::absent::is_zero;
 use super::assembly::{Assembly, Gait, Servo, Solid};
 use super::module::Module;
-use super::servo_file::is_zero;
 use realgap_core::file::Source;
 
 pub(crate) use assemble::MAX_BODIES;

@@ -63,10 +63,11 @@ pub(super) fn crowds(distances: &[DistanceReport], step: f64, unit: &str) -> Vec
     let rounded = many.iter().filter(is_rounded).count();
     if rounded > 0 {
         let alone = many.iter().filter(|d| d.different == 1).count();
-        warnings.push(Warning::new(
-            Code::QuantisedReadings,
-            format!("readings come in steps of {} {unit}, more than half of what they spread at {rounded} of {} distances; at {alone} all are the same: the spread there is at least that of rounding", number(step), many.len()),
-        ));
+        warnings.push(Code::QuantisedReadings.says(format!(
+            "readings come in steps of {} {unit}, more than half of what they spread at {rounded} of {} distances; at {alone} all are the same: the spread there is at least that of rounding",
+            number(step),
+            many.len()
+        )));
     }
     let crowded: Vec<&DistanceReport> = distances.iter().filter(|d| !d.peaks.is_empty()).collect();
     if let Some(most) = crowded
@@ -78,10 +79,13 @@ pub(super) fn crowds(distances: &[DistanceReport], step: f64, unit: &str) -> Vec
             .iter()
             .map(|p| format!("{} ({:.0} %)", number(p.centre), 100.0 * p.share))
             .collect();
-        warnings.push(Warning::new(
-            Code::SeveralPeaks,
-            format!("readings crowd in several places at {} of {} distances, e.g. at {}: {} {unit}; one normal spread holds all of them", crowded.len(), distances.len(), most.distance, peaks.join(", ")),
-        ));
+        warnings.push(Code::SeveralPeaks.says(format!(
+            "readings crowd in several places at {} of {} distances, e.g. at {}: {} {unit}; one normal spread holds all of them",
+            crowded.len(),
+            distances.len(),
+            most.distance,
+            peaks.join(", ")
+        )));
     }
     warnings
 }

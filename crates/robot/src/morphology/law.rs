@@ -1,15 +1,70 @@
-//! The RON form of servos: how their laws are written, and what is left out.
+//! How a servo answers an error of its angle, and how files say it.
 
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
-use super::assembly::ServoLaw;
+use super::absent::{is_unlimited, limit, unlimited};
 use super::motor::{GearFriction, Motor};
+
+/// How a servo turns its angle error into motion.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(from = "LawFile", into = "LawFile", rename = "law")]
+pub enum ServoLaw {
+    /// Velocity command `clamp(gain · error, ±max speed)`, followed within the torque limit.
+    Velocity {
+        /// Gain, 1/s.
+        gain_1_s: f64,
+    },
+    /// Torque `stiffness · error − damping · joint velocity`, clamped to the torque limit.
+    Torque {
+        /// Stiffness, N m/rad.
+        stiffness_nm_rad: f64,
+        /// Damping, N m s/rad.
+        damping_nm_s_rad: f64,
+    },
+    /// A motor behind a gear: what a servo is made of.
+    Motor(Motor),
+    /// The command is the torque itself, N m.
+    Direct,
+}
+
+impl ServoLaw {
+    /// Multiplies how strongly an angle error is answered: the gain of the velocity law and of a motor's position loop, the
+    /// stiffness of the torque law.
+    pub fn scale_gain(&mut self, factor: f64) {
+        match self {
+            Self::Velocity { gain_1_s } => *gain_1_s *= factor,
+            Self::Torque {
+                stiffness_nm_rad, ..
+            } => *stiffness_nm_rad *= factor,
+            Self::Motor(motor) => motor.position_gain *= factor,
+            // A command that is a torque is answered by as much.
+            Self::Direct => {}
+        }
+    }
+
+    /// The motor, where this is one.
+    pub fn motor(&self) -> Option<&Motor> {
+        match self {
+            Self::Motor(motor) => Some(motor),
+            Self::Velocity { .. } | Self::Torque { .. } | Self::Direct => None,
+        }
+    }
+
+    /// The motor, where this is one.
+    pub fn motor_mut(&mut self) -> Option<&mut Motor> {
+        match self {
+            Self::Motor(motor) => Some(motor),
+            Self::Velocity { .. } | Self::Torque { .. } | Self::Direct => None,
+        }
+    }
+}
 
 /// A control law as files state it.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "law")]
-pub(super) enum LawFile {
+enum LawFile {
     /// Velocity command `clamp(gain error, +- max speed)`, followed within the torque.
     Velocity {
         /// Gain, 1/s.
@@ -117,22 +172,4 @@ impl From<ServoLaw> for LawFile {
             ServoLaw::Direct => Self::Direct,
         }
     }
-}
-
-/// What has no limit is left out of files.
-pub(super) fn unlimited() -> f64 {
-    f64::INFINITY
-}
-
-/// A limit, or `None` in so many words.
-pub(super) fn limit<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
-    Ok(Option::deserialize(from)?.unwrap_or_else(unlimited))
-}
-
-pub(super) fn is_unlimited(value: &f64) -> bool {
-    *value == f64::INFINITY
-}
-
-pub(super) fn is_zero(value: &f64) -> bool {
-    *value == 0.0
 }

@@ -1,0 +1,105 @@
+//! What servos are told: a gait, or a recorded track.
+
+use super::command::{Between, CommandTrack, Quantity};
+use super::experiment::Experiment;
+use realgap_robot::morphology::{Gait, Hinge, ServoLaw};
+
+/// What one hinge is told.
+pub(super) enum Orders<'a> {
+    /// Nothing: there is no servo.
+    None,
+    /// A sine.
+    Gait(Gait, Quantity),
+    /// What was recorded.
+    Track(&'a CommandTrack),
+}
+
+impl<'a> Orders<'a> {
+    /// The orders of a hinge.
+    pub fn new(experiment: &'a Experiment, hinge: &Hinge) -> Self {
+        match (&hinge.actuator, experiment.commands.get(&hinge.name)) {
+            (None, _) => Self::None,
+            (Some(_), Some(track)) => Self::Track(track),
+            (Some(actuator), None) => Self::Gait(
+                actuator.gait,
+                match actuator.servo.law {
+                    ServoLaw::Direct => Quantity::Torque,
+                    _ => Quantity::Position,
+                },
+            ),
+        }
+    }
+
+    /// What is commanded.
+    pub fn quantity(&self) -> Quantity {
+        match self {
+            Self::None => Quantity::Position,
+            Self::Gait(_, quantity) => *quantity,
+            Self::Track(track) => track.quantity(),
+        }
+    }
+
+    /// The command at `t_s`; 0 without a servo.
+    pub fn value(&self, t_s: f64) -> f64 {
+        match self {
+            Self::None => 0.0,
+            Self::Gait(gait, _) => gait.angle_rad(t_s),
+            Self::Track(track) => track.value(t_s),
+        }
+    }
+
+    /// The command for the step from `from_s` to `to_s` of a servo that hears of it `latency_s` later. Before the first command
+    /// arrives, the servo holds where it started.
+    pub fn over(&self, from_s: f64, to_s: f64, latency_s: f64) -> f64 {
+        match self {
+            Self::Track(track) if track.between() == Between::Held => {
+                track.mean((from_s - latency_s).max(0.0), (to_s - latency_s).max(0.0))
+            }
+            _ => self.value((0.5 * (from_s + to_s) - latency_s).max(0.0)),
+        }
+    }
+
+    /// Whether the servo is switched on at `t_s`.
+    pub fn is_on(&self, t_s: f64) -> bool {
+        match self {
+            Self::None | Self::Gait(..) => true,
+            Self::Track(track) => track.is_on(t_s),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn track() -> CommandTrack {
+        CommandTrack::new(vec![1.0, 2.0, 4.0], vec![0.0, 1.0, -1.0], None).unwrap()
+    }
+
+    #[test]
+    fn over_a_step_the_mean_of_what_is_held_counts() {
+        let track = track();
+        let orders = Orders::Track(&track);
+        for (from_s, to_s, latency_s, mean) in [
+            (1.5, 2.5, 0.0, 0.5),
+            (1.75, 2.75, 0.25, 0.5),
+            (0.0, 8.0, 0.0, -0.25),
+            (2.5, 3.0, 0.0, 1.0),
+            (0.0, 0.5, 5.0, 0.0),
+        ] {
+            assert_eq!(orders.over(from_s, to_s, latency_s), mean, "{from_s}");
+        }
+    }
+
+    #[test]
+    fn a_servo_is_off_where_its_switch_says_so() {
+        let switched = track().switched(&[1.0, 0.0, 1.0]);
+        let orders = Orders::Track(&switched);
+        let on: Vec<bool> = [0.0, 1.9, 2.0, 3.9, 4.0, 9.0]
+            .map(|t| orders.is_on(t))
+            .into();
+        assert_eq!(on, [true, true, false, false, true, true]);
+        let off = CommandTrack::new(vec![0.0], vec![0.0], Some(2.0)).unwrap();
+        assert!(Orders::Track(&off).is_on(1.9) && !Orders::Track(&off).is_on(2.0));
+    }
+}
