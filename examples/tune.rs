@@ -4,16 +4,15 @@
 
 use realgap::calibration::{Overrides, Study, TuneOptions};
 use realgap::optimization::optimizer_by_name;
-use realgap::{Result, RunOptions, comparison};
+use realgap::{Result, RunOptions};
 
 /// Tunes friction and restitution and prints each verdict.
 pub fn main() -> Result<()> {
     let overrides = Overrides {
-        metric: Some(comparison::by_name("rms")?),
-        limit_recordings: Some(3),
+        limit_recordings: Some(10),
         ..Overrides::default()
     };
-    let study = Study::read("sweeps/tripod_self.ron", &overrides)?;
+    let study = Study::read("sweeps/cube_toss.ron", &overrides)?;
     let options = TuneOptions {
         optimizer: optimizer_by_name("nelder-mead")?,
         budget: 30,

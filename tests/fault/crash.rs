@@ -8,7 +8,8 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use common::{
-    quick_study, read, realgap, start, start_on_one_thread, summary, text, wait_for_points,
+    crude_study, quick_study, read, realgap, start, start_on_one_thread, summary, text,
+    wait_for_points,
 };
 use realgap::store::{FolderLock, Store, Trial};
 
@@ -59,7 +60,7 @@ fn a_killed_sweep_goes_on_and_ends_with_the_same_bytes() {
 fn resuming_a_changed_study_names_the_difference() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
-    let study = quick_study(folder.path(), 2);
+    let study = crude_study(folder.path(), 2);
     realgap()
         .arg("sweep")
         .arg(&study)
@@ -67,7 +68,7 @@ fn resuming_a_changed_study_names_the_difference() {
         .arg(&out)
         .assert()
         .success();
-    quick_study(folder.path(), 3);
+    crude_study(folder.path(), 3);
     let refused = realgap()
         .arg("sweep")
         .arg(&study)
@@ -186,7 +187,7 @@ fn a_sweep_that_runs_out_of_space_keeps_what_it_has_and_can_go_on() {
 fn another_unit_of_the_recordings_is_another_study() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
-    let study = quick_study(folder.path(), 2);
+    let study = crude_study(folder.path(), 2);
     realgap()
         .arg("sweep")
         .arg(&study)
@@ -264,7 +265,7 @@ fn every_command_that_writes_a_folder_waits_for_nobody_and_says_who_holds_it_sin
 #[test]
 fn a_run_killed_in_its_first_moments_can_be_started_and_resumed() {
     let folder = tempfile::tempdir().unwrap();
-    let study = quick_study(folder.path(), 2);
+    let study = crude_study(folder.path(), 2);
     let sweep = |out: &Path, more: &[&str]| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_realgap"));
         command.arg("sweep").arg(&study).args(["--jobs", "1", "-o"]);
@@ -275,7 +276,7 @@ fn a_run_killed_in_its_first_moments_can_be_started_and_resumed() {
     let whole = folder.path().join("whole");
     assert!(sweep(&whole, &[]).status().unwrap().success());
     // `tools/faults.sh` does this at many more moments.
-    for delay_ms in [5, 30, 75] {
+    for delay_ms in [5, 50] {
         for resumes in [false, true] {
             let out = folder.path().join(format!("{delay_ms}_{resumes}"));
             let mut process = sweep(&out, &[]).spawn().unwrap();
@@ -358,7 +359,7 @@ fn what_is_complete_is_used_again_and_a_killed_second_run_takes_nothing_away() {
 #[test]
 fn a_smaller_budget_than_what_is_stored_uses_all_of_it() {
     let folder = tempfile::tempdir().unwrap();
-    let study = quick_study(folder.path(), 3);
+    let study = crude_study(folder.path(), 3);
     let out = folder.path().join("out");
     let tune = |budget: &str| {
         let mut command = realgap();

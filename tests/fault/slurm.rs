@@ -211,7 +211,7 @@ fn a_search_goes_through_its_generations_and_a_sweep_through_requeues_and_dead_n
     let study = quick_study(folder.path(), 4);
     let long = std::fs::read_to_string(&study)
         .unwrap()
-        .replace("duration_s: 1.0", "duration_s: 6.0");
+        .replace("duration_s: 0.25", "duration_s: 16.0");
     std::fs::write(&study, long).unwrap();
     let study = study.to_str().unwrap();
     let options = ["--score", "single", "--metric", "rms"];

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use common::{STANDIN_NUMERICS, project, read, realgap, study, summary, text};
 
-/// The tripod for a second, compared point by point: no basis, so that small budgets are enough. Cheap numerics: what is
+/// The tripod for some tenths of a second, compared point by point: no basis, so that small budgets are enough. Cheap numerics: what is
 /// tried is the tuning.
 fn quick(folder: &Path) -> std::path::PathBuf {
     let root = project().display();
@@ -17,9 +17,10 @@ fn quick(folder: &Path) -> std::path::PathBuf {
             "morphology: \"{root}/morphologies/tripod.ron\",
     recordings: [\"{root}/real_trajectories/tripod_standin/*.csv\"],
     start: Settled,
-    duration_s: 1.0,
+    duration_s: 0.4,
     timestep_s: 0.004166666666666667,
     joint: Impulse,
+    set: {{\"solver.sweeps\": 1}},
     parameters: [
         (name: \"floor.friction\", from: 0.1, to: 0.9),
         (name: \"servo.gain\", from: 0.5, to: 2.0),
@@ -89,39 +90,20 @@ fn tuning_leaves_everything_that_was_promised() {
 #[test]
 fn threads_and_larger_budgets_change_no_bit() {
     let folder = tempfile::tempdir().unwrap();
-    let study = quick(folder.path());
-    for optimizer in [
-        "cma-es",
-        "bayesian",
-        "nelder-mead",
-        "particle-swarm",
-        "random",
-    ] {
+    // One that asks for batches, one that learns, one that asks for one point at a time; that what they propose follows from
+    // what they were told holds the contract of all (crates/optimize).
+    for optimizer in ["cma-es", "bayesian", "nelder-mead"] {
         let out = |name: &str| folder.path().join(format!("{optimizer}-{name}"));
         let run = |name: &str, more: &[&str]| {
-            let all: Vec<&str> = ["--optimizer", optimizer]
-                .iter()
-                .chain(more)
-                .copied()
-                .collect();
-            tune(&study, &out(name), &all).success();
+            let all = [&["--optimizer", optimizer, "--limit-recordings", "6"], more].concat();
+            tune(Path::new("sweeps/cube_toss.ron"), &out(name), &all).success();
         };
-        run("one", &["--budget", "50", "-j", "1"]);
-        run("two", &["--budget", "50", "-j", "2"]);
+        run("one", &["--budget", "35", "-j", "1"]);
         // 29 ends in the middle of a batch.
-        run("parts", &["--budget", "43"]);
-        run("parts", &["--budget", "50", "--resume"]);
+        run("parts", &["--budget", "29", "-j", "2"]);
+        run("parts", &["--budget", "35", "-j", "2", "--resume"]);
         let trials = read(&out("one"), "trials.csv");
-        assert_eq!(
-            trials,
-            read(&out("two"), "trials.csv"),
-            "{optimizer}: threads"
-        );
-        assert_eq!(
-            trials,
-            read(&out("parts"), "trials.csv"),
-            "{optimizer}: resumed"
-        );
+        assert_eq!(trials, read(&out("parts"), "trials.csv"), "{optimizer}");
     }
 }
 
@@ -198,7 +180,7 @@ fn every_optimizer_finds_the_hidden_floor_of_the_stand_ins() {
     recordings: [\"{root}/real_trajectories/tripod_standin/*.csv\"],
     {STANDIN_NUMERICS}
     start: Settled,
-    duration_s: 5.0,
+    duration_s: 1.5,
     parameters: [
         (name: \"floor.friction\", from: 0.05, to: 1.0),
         (name: \"floor.restitution\", from: 0.0, to: 0.9),
@@ -216,7 +198,7 @@ fn every_optimizer_finds_the_hidden_floor_of_the_stand_ins() {
         let out = folder.path().join(optimizer);
         let more = [
             "--budget",
-            "60",
+            "50",
             "--hold-out",
             "0.3",
             "--optimizer",

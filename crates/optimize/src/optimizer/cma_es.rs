@@ -25,6 +25,9 @@ const DOUBLINGS: usize = 10;
 
 /// Scores that differ by less, and steps shorter than this share of the first, are no progress.
 const TOLERANCE: f64 = 1e-12;
+/// Nor are scores that differ by less than this share of the best: a mean over valid settings is not known better, and another
+/// start may lead to another valley.
+const RELATIVE_TOLERANCE: f64 = 1e-3;
 /// Condition of the covariance beyond which directions are lost to rounding.
 const CONDITION: f64 = 1e14;
 /// Growth of the longest axis that says that the first step was far too small, or that the search diverges.
@@ -239,7 +242,10 @@ impl Evolution {
         let n = self.mean.len();
         let candidates = self.constants.weights.len();
         let recent = 10 + (30 * n).div_ceil(candidates);
-        let flat = self.bests.len() >= recent && range(self.bests.iter().take(recent)) < TOLERANCE;
+        let least = self.bests.iter().take(recent).copied();
+        let progress = RELATIVE_TOLERANCE * least.fold(f64::INFINITY, f64::min).abs();
+        let flat = self.bests.len() >= recent
+            && range(self.bests.iter().take(recent)) < progress.max(TOLERANCE);
 
         let deviations = self
             .covariance
