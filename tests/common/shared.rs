@@ -38,6 +38,15 @@ pub fn shared_data(folder: &str) -> Option<PathBuf> {
     None
 }
 
+/// Whether the tests that take longest are asked for by `REALGAP_LONG`, as `.ci/run` does; says so where they are not.
+pub fn is_long_run(what: &str) -> bool {
+    let is_asked = std::env::var_os("REALGAP_LONG").is_some_and(|v| !v.is_empty());
+    if !is_asked {
+        skipped(&format!("{what}: long, runs where REALGAP_LONG is set"));
+    }
+    is_asked
+}
+
 /// A study file in `folder` with this body inside `Study( … )`.
 pub fn study(folder: &Path, body: &str) -> PathBuf {
     let path = folder.join("study.ron");

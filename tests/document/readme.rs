@@ -20,6 +20,9 @@ fn programs(readme: &str) -> Vec<String> {
 
 #[test]
 fn every_command_of_the_readme_works_where_it_is_shipped() {
+    if !crate::common::is_long_run("the commands of the README") {
+        return;
+    }
     let readme = std::fs::read_to_string(project().join("README.md")).unwrap();
     let programs = programs(&readme);
     assert!(programs.len() >= 20, "{programs:?}");

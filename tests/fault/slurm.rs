@@ -187,6 +187,9 @@ fn run(words: &[&str]) {
 
 #[test]
 fn a_search_goes_through_its_generations_and_a_sweep_through_requeues_and_dead_nodes() {
+    if !common::is_long_run("Slurm") {
+        return;
+    }
     let folder = tempfile::tempdir().unwrap();
     let Some(mut cluster) = Cluster::start(folder.path()) else {
         return;

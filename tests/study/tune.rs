@@ -171,6 +171,9 @@ fn what_cannot_be_tuned_is_refused_with_a_reason() {
 
 #[test]
 fn every_optimizer_finds_the_hidden_floor_of_the_stand_ins() {
+    if !common::is_long_run("optimizers and a hidden floor") {
+        return;
+    }
     let folder = tempfile::tempdir().unwrap();
     let root = project().display();
     let study = study(

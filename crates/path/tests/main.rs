@@ -7,6 +7,5 @@ mod formats;
 mod golden;
 mod guess;
 mod metric_contract;
-mod pca_reference;
 mod preparation;
 mod whitened;

@@ -105,6 +105,9 @@ fn truths(camera: &Camera) -> [f64; 8] {
 
 #[test]
 fn hidden_settings_are_found_within_their_intervals_and_held_out_views_agree() {
+    if !common::is_long_run("settings of a camera") {
+        return;
+    }
     let (truth, found) = tuned(1);
     println!("{found}");
     for (setting, value) in found.settings.iter().zip(truths(&truth)) {
@@ -165,6 +168,9 @@ fn intervals_of_camera_settings_hold_the_truth_as_often_as_they_promise() {
 /// What cannot be seen is not said: where the camera sets its own gain, pictures look the same with any.
 #[test]
 fn a_gain_that_the_camera_sets_itself_is_not_determined() {
+    if !common::is_long_run("settings of a camera") {
+        return;
+    }
     let root = tempfile::tempdir().unwrap();
     let mut scene = room("exposure_s: 0.016, most_gain: 24, jpeg_quality: 80");
     pictures(&scene, root.path(), 3);
