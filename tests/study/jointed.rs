@@ -36,6 +36,9 @@ fn the_command_says_the_same(recordings: &[Recording], residual_m: f64) {
 
 #[test]
 fn flight_says_which_robot_flew_and_what_it_cannot_say() {
+    if !common::is_long_run("a robot from its flights") {
+        return;
+    }
     let truth = [
         ("hinge.viscous_nm_s_rad", 8e-4),
         ("module.second.com_offset_x_m", 0.006),

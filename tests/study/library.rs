@@ -31,6 +31,9 @@ use realgap::{ErrorKind, Progress, RunOptions, trajectory};
 
 #[test]
 fn every_example_runs() {
+    if !common::is_long_run("the examples") {
+        return;
+    }
     for example in [
         sweep::main,
         tune::main,

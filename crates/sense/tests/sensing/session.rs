@@ -111,6 +111,9 @@ fn shares(stand: &Stand, logs: u64) -> Vec<(&'static str, f64)> {
 
 #[test]
 fn intervals_hold_for_sessions_that_are_not_in_the_log() {
+    if !crate::common::is_long_run("coverage of sessions") {
+        return;
+    }
     let stands = [
         ("mounting and target", 6, 0.5, 0.2),
         ("target alone", 12, 0.0, 0.4),
