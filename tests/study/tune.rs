@@ -122,6 +122,8 @@ fn patience_and_a_spent_grid_end_a_run_and_say_so() {
             "200",
             "--patience",
             "10",
+            "--score",
+            "single",
         ],
     )
     .success();
@@ -129,7 +131,8 @@ fn patience_and_a_spent_grid_end_a_run_and_say_so() {
     assert_eq!(patient["tuning"]["termination"], "no_improvement");
     assert!(patient["points"].as_u64().unwrap() < 200);
     let out = folder.path().join("grid");
-    tune(&study, &out, &["--optimizer", "grid", "--budget", "30"]).success();
+    let grid = ["--optimizer", "grid", "--budget", "30", "--score", "single"];
+    tune(&study, &out, &grid).success();
     let grid = summary(&out);
     assert_eq!(grid["tuning"]["termination"], "exhausted");
     assert_eq!(
