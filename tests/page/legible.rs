@@ -65,6 +65,9 @@ fn open(browser: &mut Browser, page: &Path) {
 
 #[test]
 fn no_text_of_a_page_lies_on_another_or_is_cut() {
+    if !common::is_long_run("texts of pages in a browser") {
+        return;
+    }
     let Some(mut browser) = Browser::start() else {
         return;
     };

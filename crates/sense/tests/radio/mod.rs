@@ -207,6 +207,9 @@ fn every_propagation_model_keeps_its_contract() {
 /// How often intervals hold the truth, and the 90 % interval strengths at places that nobody has been to (docs/fidelity/radio.md).
 #[test]
 fn known_parameters_lie_in_their_intervals_and_new_places_in_theirs() {
+    if !common::is_long_run("coverage of radio fits") {
+        return;
+    }
     let (arena, truth) = (rooms(), known());
     let options = RadioOptions {
         propagation: Some(propagation_by_name("walls").unwrap()),
