@@ -10,7 +10,7 @@ use realgap::{Result, RunOptions, comparison, trajectory};
 /// Sweeps friction and prints the report.
 pub fn main() -> Result<()> {
     let mut study = Study::builder("friction", Morphology::read("morphologies/tripod.ron")?)
-        .duration_s(3.0)
+        .duration_s(5.0)
         .vary("floor.friction", 0.1, 0.9, 9)
         .metric(comparison::by_name("rms")?);
     for run in ["run_00", "run_01", "run_02"] {

@@ -4,15 +4,16 @@
 
 use realgap::calibration::{Overrides, Study, TuneOptions};
 use realgap::optimization::optimizer_by_name;
-use realgap::{Result, RunOptions};
+use realgap::{Result, RunOptions, comparison};
 
 /// Tunes friction and restitution and prints each verdict.
 pub fn main() -> Result<()> {
     let overrides = Overrides {
-        limit_recordings: Some(10),
+        metric: Some(comparison::by_name("rms")?),
+        limit_recordings: Some(3),
         ..Overrides::default()
     };
-    let study = Study::read("sweeps/cube_toss.ron", &overrides)?;
+    let study = Study::read("sweeps/tripod_self.ron", &overrides)?;
     let options = TuneOptions {
         optimizer: optimizer_by_name("nelder-mead")?,
         budget: 30,

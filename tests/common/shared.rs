@@ -28,9 +28,8 @@ pub fn shared_data(folder: &str) -> Option<PathBuf> {
     if path.is_dir() {
         return Some(path);
     }
-    let is_required = std::env::var_os("REALGAP_REQUIRE_DATA").is_some_and(|v| !v.is_empty());
     assert!(
-        !is_required,
+        !is_set("REALGAP_REQUIRE_DATA"),
         "{} is not here, and REALGAP_REQUIRE_DATA is set",
         path.display()
     );
@@ -38,9 +37,14 @@ pub fn shared_data(folder: &str) -> Option<PathBuf> {
     None
 }
 
+/// Whether an environment variable says something.
+fn is_set(variable: &str) -> bool {
+    std::env::var_os(variable).is_some_and(|value| !value.is_empty())
+}
+
 /// Whether the tests that take longest are asked for by `REALGAP_LONG`, as `.ci/run` does; says so where they are not.
 pub fn is_long_run(what: &str) -> bool {
-    let is_asked = std::env::var_os("REALGAP_LONG").is_some_and(|v| !v.is_empty());
+    let is_asked = is_set("REALGAP_LONG");
     if !is_asked {
         skipped(&format!("{what}: long, runs where REALGAP_LONG is set"));
     }
@@ -67,6 +71,15 @@ pub const STANDIN_NUMERICS: &str = "timestep_s: 0.004166666666666667,
 
 /// A quick study: the tripod for some tenths of a second on a small grid, with cheap numerics, against shipped stand-ins.
 pub fn quick_study(folder: &Path, points: usize) -> PathBuf {
+    study_of_tripod(folder, points, "")
+}
+
+/// The same with one run a point, for tests of everything but scores.
+pub fn crude_study(folder: &Path, points: usize) -> PathBuf {
+    study_of_tripod(folder, points, "score: Single,")
+}
+
+fn study_of_tripod(folder: &Path, points: usize, more: &str) -> PathBuf {
     let root = project().display();
     study(
         folder,
@@ -76,24 +89,13 @@ pub fn quick_study(folder: &Path, points: usize) -> PathBuf {
     {STANDIN_NUMERICS}
     start: Settled,
     duration_s: 0.25,
+    {more}
     parameters: [
         (name: \"floor.friction\", from: 0.1, to: 0.9, points: {points}),
         (name: \"floor.restitution\", from: 0.0, to: 0.8, points: {points}),
     ],"
         ),
     )
-}
-
-/// The same with one run a point, for tests of everything but scores.
-pub fn crude_study(folder: &Path, points: usize) -> PathBuf {
-    let path = quick_study(folder, points);
-    let study = std::fs::read_to_string(&path).unwrap();
-    let single = study.replace(
-        "    start: Settled,",
-        "    start: Settled,\n    score: Single,",
-    );
-    std::fs::write(&path, single).unwrap();
-    path
 }
 
 /// A Python that can import this package and numpy (`REALGAP_PYTHON`, else `python3`); says so where there is none.

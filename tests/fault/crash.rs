@@ -276,7 +276,7 @@ fn a_run_killed_in_its_first_moments_can_be_started_and_resumed() {
     let whole = folder.path().join("whole");
     assert!(sweep(&whole, &[]).status().unwrap().success());
     // `tools/faults.sh` does this at many more moments.
-    for delay_ms in [5, 50] {
+    for delay_ms in [5, 30, 75] {
         for resumes in [false, true] {
             let out = folder.path().join(format!("{delay_ms}_{resumes}"));
             let mut process = sweep(&out, &[]).spawn().unwrap();

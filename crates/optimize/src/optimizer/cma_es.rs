@@ -13,6 +13,7 @@ use super::random::space_filling;
 use super::replay::{Replay, Unknown};
 use super::{Brief, History, Optimizer, Proposal, UnitPoint};
 use realgap_core::error::Result;
+use realgap_core::statistics::ends_of;
 
 /// CMA-ES with restarts of growing population.
 pub(super) struct CmaEs;
@@ -242,10 +243,9 @@ impl Evolution {
         let n = self.mean.len();
         let candidates = self.constants.weights.len();
         let recent = 10 + (30 * n).div_ceil(candidates);
-        let least = self.bests.iter().take(recent).copied();
-        let progress = RELATIVE_TOLERANCE * least.fold(f64::INFINITY, f64::min).abs();
-        let flat = self.bests.len() >= recent
-            && range(self.bests.iter().take(recent)) < progress.max(TOLERANCE);
+        let (low, high) = ends_of(self.bests.iter().take(recent).copied());
+        let progress = (RELATIVE_TOLERANCE * low.abs()).max(TOLERANCE);
+        let flat = self.bests.len() >= recent && high - low < progress;
 
         let deviations = self
             .covariance
@@ -283,11 +283,6 @@ impl Evolution {
 
 fn normal(random: &mut ChaCha8Rng) -> f64 {
     StandardNormal.sample(random)
-}
-
-fn range<'a>(values: impl Iterator<Item = &'a f64> + Clone) -> f64 {
-    let largest = values.clone().copied().fold(f64::NEG_INFINITY, f64::max);
-    largest - values.copied().fold(f64::INFINITY, f64::min)
 }
 
 fn median<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
@@ -456,16 +451,26 @@ mod tests {
         }
     }
 
-    #[test]
-    fn a_flat_function_ends_the_search_instead_of_drifting_for_ever() {
+    fn generations_until_the_end(function: Function) -> usize {
         let mut evolution = Evolution::new(vec![0.5; 2], WIDE, population(2), 1);
-        let mut generations = 0;
         while !evolution.ended {
             let directions = evolution.directions();
-            evolution.learn(&directions, &vec![1.0; directions.len()]);
-            generations += 1;
+            let candidates = directions.iter().map(|d| evolution.candidate(d));
+            let scores: Vec<f64> = candidates.map(|point| function(&point)).collect();
+            evolution.learn(&directions, &scores);
         }
-        assert_eq!(generations, 20);
+        evolution.generation
+    }
+
+    #[test]
+    fn a_flat_function_ends_the_search_instead_of_drifting_for_ever() {
+        assert_eq!(generations_until_the_end(|_| 1.0), 20);
+    }
+
+    #[test]
+    fn a_valley_whose_scores_are_hardly_told_apart_is_left_for_another_start() {
+        let shallow: Function = |x| 1.0 + 1e-4 * x.iter().map(|x| x * x).sum::<f64>();
+        assert_eq!(generations_until_the_end(shallow), 20);
     }
 
     #[test]

@@ -161,21 +161,19 @@ impl<'a> Comparison<'a> {
     pub fn warnings(&self) -> Vec<Warning> {
         let extent_m = |recording: &Recording| recording.trajectory.extent_m();
         let reference_m = extent_m(self.reference);
-        let unlike =
-            self.others.iter().filter_map(|other| {
-                let factor = extent_m(other) / reference_m;
-                let size = factor.max(factor.recip());
-                let unit = ANOTHER_UNIT.iter().find(|(sizes, _)| sizes.contains(&size));
-                let (_, unit) = unit.filter(|_| extent_m(other).min(reference_m) > STILL_M)?;
-                let larger = if factor > 1.0 { other } else { self.reference };
-                Some(Code::UnlikelyLength.says(format!(
-                "{} goes {} times as far as {}: if it is in {unit}, read it with `length: \"{}\"`",
-                larger.name,
+        let unlike = self.others.iter().filter_map(|other| {
+            let factor = extent_m(other) / reference_m;
+            let size = factor.max(factor.recip());
+            let unit = ANOTHER_UNIT.iter().find(|(sizes, _)| sizes.contains(&size));
+            let (_, unit) = unit.filter(|_| extent_m(other).min(reference_m) > STILL_M)?;
+            let ends = (&other.name, &self.reference.name);
+            let (larger, smaller) = if factor > 1.0 { ends } else { (ends.1, ends.0) };
+            Some(Code::UnlikelyLength.says(format!(
+                "{larger} goes {} times as far as {smaller}: if it is in {unit}, read it with `length: \"{}\"`",
                 number(size),
-                if factor > 1.0 { &self.reference.name } else { &other.name },
                 unit.symbol()
             )))
-            });
+        });
         unlike.collect()
     }
 
