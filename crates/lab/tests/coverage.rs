@@ -198,10 +198,11 @@ fn study(plan: Plan, seed: u64) -> ([Said; 2], bool) {
         true => said[axis].determined,
         false => !said[axis].interval,
     };
-    if std::env::var("REALGAP_VERBOSE").is_ok() && (is_odd(0) || is_odd(1)) {
+    let contradicted = answer.report.fit.is_some_and(|fit| !fit.explains);
+    if std::env::var("REALGAP_VERBOSE").is_ok() && (is_odd(0) || is_odd(1) || contradicted) {
         println!("seed {seed}, truth {truth:?}: {answer}");
     }
-    (said, answer.report.fit.is_some_and(|fit| !fit.explains))
+    (said, contradicted)
 }
 
 /// What the studies of one plan said, in counts.
@@ -277,6 +278,23 @@ fn a_coarse_sweep_finds_what_acts_and_leaves_open_what_does_not() {
     assert!(row.widths[0] < 0.3, "{} of the range", row.widths[0]);
 }
 
+/// Repeats of points that crowd where an optimizer ended are alike, and reality, which lies off them by what its numerics do, is not.
+/// At one false alarm in twenty more than 3 of 12 come in 2 of a thousand cases.
+#[test]
+fn points_that_an_optimizer_crowds_together_do_not_contradict_the_right_model() {
+    if !common::is_long_run("coverage of twelve searches") {
+        return;
+    }
+    let plan = Plan {
+        robot: Robot::Walk,
+        search: Search::Tune("nelder-mead", 100),
+        recordings: 3,
+    };
+    let row = table_row(plan, 0..12);
+    assert!(row.contradicted <= 3, "{} contradicted", row.contradicted);
+    assert!(row.held >= 18, "{} of {}", row.held, row.of);
+}
+
 /// The table of docs/fidelity/intervals.md, with its command.
 #[test]
 #[ignore = "hours: the whole table"]
@@ -284,6 +302,7 @@ fn the_table_of_coverage() {
     let text =
         |name: &str, default: &str| std::env::var(name).unwrap_or_else(|_| default.to_owned());
     let studies: u64 = text("REALGAP_STUDIES", "16").parse().unwrap();
+    let first: u64 = text("REALGAP_FIRST", "0").parse().unwrap();
     let only = text("REALGAP_ROWS", "");
     println!(
         "| robot, search | recordings | seeds | intervals (95 %) | ranges | inert, stated | contradicted | median widths |"
@@ -304,7 +323,7 @@ fn the_table_of_coverage() {
                     recordings,
                 };
                 if format!("{plan:?}").contains(&only) {
-                    table_row(plan, 0..studies);
+                    table_row(plan, first..first + studies);
                 }
             }
         }

@@ -73,7 +73,7 @@ impl Answer {
             1 => emulator.map(|known| known.again(&scored_runs(study, &scores))),
             _ => emulator,
         };
-        let fit = Fit::new(study, &scores)?;
+        let fit = Fit::new(study, &scores, &method)?;
         let definition = study.definition();
         let doubt = Doubt {
             recordings: study.fitted_recordings(),

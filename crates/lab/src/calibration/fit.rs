@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::likeness::likeness;
+use super::method::Method;
 use super::misfit::Misfit;
 use super::nearness::Nearest;
 use super::score::{PointScore, Scores};
@@ -52,7 +53,7 @@ impl Fit {
     ///
     /// # Errors
     /// Paths that cannot be compared.
-    pub(super) fn new(study: &Study, scores: &Scores) -> Result<Option<Self>> {
+    pub(super) fn new(study: &Study, scores: &Scores, method: &Method) -> Result<Option<Self>> {
         let Some(best) = scores.best else {
             return Ok(None);
         };
@@ -93,7 +94,11 @@ impl Fit {
         let is_far = nearest.is_some_and(|nearest| nearest.p_value < SIGNIFICANT);
         let neighbours_p_value = match !fit.explains && is_far {
             true => None,
-            false => likeness(study, &real, &runs.zip(&paths).collect::<Vec<_>>())?,
+            false => {
+                let all = runs.zip(&paths);
+                let spread = all.filter(|(run, _)| !method.crowds(run.index));
+                likeness(study, &real, &spread.collect::<Vec<_>>())?
+            }
         };
         let explains =
             neighbours_p_value.is_none_or(|p| p >= SIGNIFICANT) && (fit.explains || !is_far);

@@ -30,7 +30,7 @@ const FEWEST: usize = 20;
 const REPEATS: usize = 10;
 
 /// How likely the recordings are so unlike every set of repeats near them, if they are one more such set; `None` where there are too few
-/// runs. `runs` are those with a score, with their paths.
+/// runs. `runs` are those with a score whose points no optimizer chose for theirs, with their paths.
 ///
 /// # Errors
 /// Noise that cannot be, and motions that cannot be prepared.

@@ -24,6 +24,15 @@ impl Method {
             _ => None,
         }
     }
+
+    /// Whether an optimizer chose the point of the run with this index for its score: such points crowd where the best is, and are no
+    /// sample of what may be.
+    pub(super) fn crowds(&self, run: usize) -> bool {
+        match self {
+            Self::Sweep => false,
+            Self::Tune(tuned) => (tuned.design..tuned.evaluated).contains(&run),
+        }
+    }
 }
 
 /// Why tuning ended.
