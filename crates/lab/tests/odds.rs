@@ -121,8 +121,28 @@ fn without_noise_only_other_numerics_make_odds() {
         assert!((row.probabilities[&row.real] - 7.0 / 12.0).abs() < 1e-12);
     }
     assert_eq!(found.brier_one_run.mean, 0.0);
+    let off = found.run_errors.unwrap();
+    assert!(off.position_percent.mean < 1e-6 && off.rotation_deg.mean < 1e-3);
+    assert!(off.hinge_deg.is_none());
     let by_hand = (5.0_f64 / 12.0).powi(2) + 5.0 / 144.0;
     assert!((found.brier.mean - by_hand).abs() < 1e-12);
+}
+
+#[test]
+fn a_single_run_without_noise_is_off_as_evaluation_says() {
+    let study = study(3, &Noise::default());
+    let floor = Assignment::new("floor.friction", 0.3).unwrap();
+    let (set, run) = (ParameterSet::from_iter([floor]), RunOptions::default());
+    let options = OddsOptions {
+        noise: Noise::default(),
+        runs: 1,
+        seed: 1,
+    };
+    let off = Odds::new(&study, &set, &options, &run).unwrap().run_errors;
+    let (off, one) = (off.unwrap(), study.evaluate(&set, &run).unwrap());
+    assert!(off.position_percent.mean > 1.0);
+    assert_eq!(off.position_percent.mean, one.position_percent.mean);
+    assert_eq!(off.rotation_deg.mean, one.rotation_deg.mean);
 }
 
 #[test]

@@ -41,7 +41,7 @@ pub use card::{Card, Finals, Rerun, Success, SuccessRule};
 pub use economy::Economy;
 pub use growth::Growth;
 pub use model::{LEVEL, Model, ModelError, Range, Source, SuccessRange};
-pub use odds::{EndCoverage, Odds, OddsOptions, RecordingOdds, Scored};
+pub use odds::{EndCoverage, Odds, OddsOptions, RecordingOdds, RunErrors, Scored};
 pub use other_engine::{Judged, OtherEngine, OwnEngines};
 pub use report::{EnsembleCase, EnsembleOptions, EnsembleReport};
 pub use uncertain::{UncertainParameters, UncertainRange, read_indistinguishable};

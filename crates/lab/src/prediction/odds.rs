@@ -14,12 +14,14 @@ use super::ensemble::{LEVELS, Region};
 use crate::calibration::Study;
 use crate::calibration::identification::face_down;
 use realgap_core::statistics::{
-    Proportion, ReliabilityBin, brier, mean, mean_of, percentile_interval, reliability, resamples,
+    Proportion, ReliabilityBin, brier, mean, mean_of, mean_of_any, percentile_interval,
+    reliability, resamples,
 };
 use realgap_core::{Code, Error, Result, Warning};
 use realgap_engine::parameter::ParameterSet;
 use realgap_engine::{Experiment, Noise};
 use realgap_optimize::RunOptions;
+use realgap_path::comparison::{PoseErrors, pose_errors};
 use realgap_path::trajectory::Trajectory;
 
 /// Faces that may be down.
@@ -71,6 +73,19 @@ pub struct RecordingOdds {
     pub end_inside: [bool; LEVELS.len()],
 }
 
+/// How far the runs are off from their recordings: means over the runs of a recording, then over recordings.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RunErrors {
+    /// Position, percent of the body length, mean over the samples.
+    pub position_percent: Scored,
+    /// Rotation, degrees, mean over the samples.
+    pub rotation_deg: Scored,
+    /// Joints, degrees, mean over the samples; missing without joints.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hinge_deg: Option<Scored>,
+}
+
 /// How often the real end lies in a region of the runs' ends.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -97,6 +112,8 @@ pub struct Odds {
     pub brier_one_run: Scored,
     /// Mean logarithm of the probability of what happened; 0 would be certain and right.
     pub log_score: f64,
+    /// How far the runs are off on average: one run may be lucky.
+    pub run_errors: Option<RunErrors>,
     /// How often regions of the ends' places in the plane hold the real end.
     pub end_coverage: [EndCoverage; LEVELS.len()],
     /// Given probabilities and how often it happened.
@@ -194,6 +211,7 @@ impl Odds {
         };
         let forecasts: Vec<(f64, bool)> = found.iter().flat_map(Found::forecasts).collect();
         let log_score = mean_of(found.iter().map(Found::log_probability));
+        let run_errors = RunErrors::over(&found, &scored);
         let rows: Vec<RecordingOdds> = found.into_iter().map(|found| found.row).collect();
         let end_coverage = std::array::from_fn(|level| EndCoverage {
             level: LEVELS[level],
@@ -206,6 +224,7 @@ impl Odds {
             brier: scored(rows.iter().map(|row| row.brier).collect()),
             brier_one_run: scored(rows.iter().map(one_run).collect()),
             log_score,
+            run_errors,
             end_coverage,
             reliability: reliability(&forecasts),
             noise: options.noise,
@@ -215,10 +234,29 @@ impl Odds {
     }
 }
 
+impl RunErrors {
+    /// `None` where no run has an end.
+    fn over(found: &[Found], scored: &impl Fn(Vec<f64>) -> Scored) -> Option<Self> {
+        let over_runs = |of: &dyn Fn(&PoseErrors) -> Option<f64>| {
+            let each = found.iter();
+            let known = each.filter_map(|found| mean_of_any(found.errors.iter().filter_map(of)));
+            let known: Vec<f64> = known.collect();
+            (!known.is_empty()).then(|| scored(known))
+        };
+        Some(Self {
+            position_percent: over_runs(&|e| Some(100.0 * e.position_fraction_mean))?,
+            rotation_deg: over_runs(&|e| Some(e.rotation_rad_mean.to_degrees()))?,
+            hinge_deg: over_runs(&|e| e.joint_rad_mean.map(f64::to_degrees)),
+        })
+    }
+}
+
 /// The odds of one recording, and what is only needed to judge them.
 struct Found {
     row: RecordingOdds,
     diverged: usize,
+    /// How far off each run is.
+    errors: Vec<PoseErrors>,
     /// Poses that there are.
     poses: usize,
     /// Probability of each pose that has no entry in the row.
@@ -250,20 +288,28 @@ fn odds_of(study: &Study, case: usize, set: &ParameterSet, options: &OddsOptions
             .at_file(&recording.path)
     };
     let real = End::of(&target.motion, &experiment).ok_or_else(faceless)?;
-    let end_of = |experiment: &Experiment| -> Result<Option<End>> {
+    let body_length_m = experiment.assembly.body_length_m;
+    let end_of = |experiment: &Experiment| -> Result<Option<(End, PoseErrors)>> {
         let run = realgap_engine::run(experiment)?;
-        let motion = run.outcome.get();
-        Ok(motion.and_then(|motion| End::of(motion, experiment)))
+        let Some(motion) = run.outcome.get() else {
+            return Ok(None);
+        };
+        let errors = pose_errors(&target.motion, motion, body_length_m)
+            .map_err(|e| e.at_file(&recording.path))?;
+        Ok(End::of(motion, experiment).map(|end| (end, errors)))
     };
-    let one_run = end_of(&experiment)?;
-    let mut ends = Vec::with_capacity(options.runs);
+    let one_run = end_of(&experiment)?.map(|(end, _)| end);
+    let (mut ends, mut errors) = (Vec::with_capacity(options.runs), Vec::new());
     let uncertain = UncertainParameters::of_draws(&study.definition().draws);
     for number in 0..options.runs as u64 {
         // Draws of their own for every recording, or else all would err alike.
         let draw = number + case as u64 * (1 << 32);
         let own = uncertain.apply(&experiment, options.seed, number)?;
         let other = options.noise.perturb(&own, options.seed, draw);
-        ends.extend(end_of(&other.with_numerics(number))?);
+        if let Some((end, off)) = end_of(&other.with_numerics(number))? {
+            ends.push(end);
+            errors.push(off);
+        }
     }
     let joints = target.motion.joints().len() as u32;
     let poses = FACES * QUARTERS.pow(joints);
@@ -279,11 +325,12 @@ fn odds_of(study: &Study, case: usize, set: &ParameterSet, options: &OddsOptions
     let end_inside = if places_m.is_empty() {
         [false; LEVELS.len()]
     } else {
-        let region = Region::of_places(&places_m, experiment.assembly.body_length_m);
+        let region = Region::of_places(&places_m, body_length_m);
         std::array::from_fn(|level| region.contains(level, real.place_m))
     };
     let mut found = Found {
         diverged: options.runs - ends.len(),
+        errors,
         poses,
         rest,
         row: RecordingOdds {
@@ -314,6 +361,21 @@ impl fmt::Display for Odds {
             scored(&self.brier_one_run),
             self.log_score
         )?;
+        if let Some(off) = &self.run_errors {
+            let within = |s: &Scored, unit: &str| {
+                format!("{:.1}{unit} ({:.1} to {:.1})", s.mean, s.low, s.high)
+            };
+            write!(
+                f,
+                "\n  a run is off by    {}, {}",
+                within(&off.position_percent, " % of the body"),
+                within(&off.rotation_deg, " deg")
+            )?;
+            if let Some(hinge) = &off.hinge_deg {
+                write!(f, ", joints {}", within(hinge, " deg"))?;
+            }
+            write!(f, ", mean over the runs")?;
+        }
         for coverage in &self.end_coverage {
             let Proportion {
                 share, low, high, ..
