@@ -19,8 +19,8 @@ use super::option::STARTS;
 /// odd-numbered ones.
 ///
 /// --odds says how likely each final pose is (the face that is down, and the quarter turn of every hinge), scored by
-/// Brier and log score, how often the end lies in the 50, 80 and 90 % regions, and how often what had a probability
-/// happened.
+/// Brier and log score, how far the runs are off on average, how often the end lies in the 50, 80 and 90 % regions, and
+/// how often what had a probability happened.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
