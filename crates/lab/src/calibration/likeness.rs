@@ -1,7 +1,7 @@
 //! Are the recordings drawn like repeats of the runs that come nearest to them?
 //!
 //! Where repeats differ much, a run is soon as near as one more recording, whatever made them: only what is drawn tells them apart.
-//! So the nearest runs, each with its point and setting, are repeated under the study's noise as often as there are recordings. If
+//! So the nearest points, each with the setting that came nearest, are repeated under the study's noise as often as there are recordings. If
 //! the model is right, reality is one more point and setting among them, and its recordings are no farther from the set that is most
 //! like them than these sets are from one another: the rank among them is a p-value (a permutation test of one against the others). It is
 //! cautious, for the sets were chosen around the recordings.
@@ -22,7 +22,7 @@ use realgap_core::statistics::mean;
 use realgap_engine::Noise;
 use realgap_path::trajectory::{Prepared, mean_square_m2, prepare};
 
-/// Runs that are repeated: two of so many may be farther from the others than reality is.
+/// Points that are repeated: two of so many may be farther from the others than reality is.
 const NEAR: usize = 40;
 /// Fewer of them never tell anything at 5 %.
 const FEWEST: usize = 20;
@@ -30,7 +30,7 @@ const FEWEST: usize = 20;
 const REPEATS: usize = 10;
 
 /// How likely the recordings are so unlike every set of repeats near them, if they are one more such set; `None` where there are too few
-/// runs. `runs` are those with a score whose points no optimizer chose for theirs, with their paths.
+/// points. `runs` are those with a score whose points no optimizer chose for theirs, with their paths.
 ///
 /// # Errors
 /// Noise that cannot be, and motions that cannot be prepared.
@@ -44,7 +44,13 @@ pub(super) fn likeness(
     let mut near: Vec<(&PointScore, f64)> =
         runs.iter().map(|(run, path)| (*run, far(path))).collect();
     near.sort_by(|a, b| a.1.total_cmp(&b.1));
-    near.truncate(NEAR);
+    // Runs of one point are alike, however many settings it was given: its nearest stands for it.
+    let mut points: Vec<(&PointScore, f64)> = Vec::new();
+    for run in near {
+        if points.len() < NEAR && points.iter().all(|(other, _)| other.values != run.0.values) {
+            points.push(run);
+        }
+    }
     let repeats = real.len().min(REPEATS);
     // Starts differ by the noise alone.
     let settings = Settings {
@@ -64,7 +70,7 @@ pub(super) fn likeness(
         });
         paths.filter_map(Result::transpose).collect()
     };
-    let sets = near.par_iter().enumerate().map(set_of);
+    let sets = points.par_iter().enumerate().map(set_of);
     let mut sets = sets.collect::<Result<Vec<_>>>()?;
     sets.retain(|set| set.len() > 1);
     let sets: Vec<Vec<&Prepared>> = sets.iter().map(|set| set.iter().collect()).collect();
