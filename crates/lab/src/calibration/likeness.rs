@@ -1,10 +1,10 @@
 //! Are the recordings drawn like repeats of the runs that come nearest to them?
 //!
 //! Where repeats differ much, a run is soon as near as one more recording, whatever made them: only what is drawn tells them apart.
-//! So the nearest points, each with the setting that came nearest, are repeated under the study's noise as often as there are recordings. If
-//! the model is right, reality is one more point and setting among them, and its recordings are no farther from the set that is most
-//! like them than these sets are from one another: the rank among them is a p-value (a permutation test of one against the others). It is
-//! cautious, for the sets were chosen around the recordings.
+//! So the nearest points, each with the setting that came nearest, are repeated under the study's noise as often as there are
+//! recordings. If the model is right, reality is one more point and setting among them, and its recordings are no farther from the
+//! set that is most like them than these sets are from one another: the rank among them is a p-value (a permutation test of one
+//! against the others). It is cautious, for the sets were chosen around the recordings.
 //!
 //! It is asked of where paths lie and of how they bend over short and long strides: small differences early put later points
 //! anywhere, while each stride of a gait stays what it is. The product of the ranks (Fisher 1925) has a rank among those of the sets,

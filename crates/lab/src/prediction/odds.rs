@@ -289,16 +289,10 @@ fn odds_of(study: &Study, case: usize, set: &ParameterSet, options: &OddsOptions
     };
     let real = End::of(&target.motion, &experiment).ok_or_else(faceless)?;
     let body_length_m = experiment.assembly.body_length_m;
-    let end_of = |experiment: &Experiment| -> Result<Option<(End, PoseErrors)>> {
-        let run = realgap_engine::run(experiment)?;
-        let Some(motion) = run.outcome.get() else {
-            return Ok(None);
-        };
-        let errors = pose_errors(&target.motion, motion, body_length_m)
-            .map_err(|e| e.at_file(&recording.path))?;
-        Ok(End::of(motion, experiment).map(|end| (end, errors)))
+    let simulated = |experiment: &Experiment| -> Result<Option<Trajectory>> {
+        Ok(realgap_engine::run(experiment)?.outcome.completed())
     };
-    let one_run = end_of(&experiment)?.map(|(end, _)| end);
+    let one_run = simulated(&experiment)?.and_then(|motion| End::of(&motion, &experiment));
     let (mut ends, mut errors) = (Vec::with_capacity(options.runs), Vec::new());
     let uncertain = UncertainParameters::of_draws(&study.definition().draws);
     for number in 0..options.runs as u64 {
@@ -306,9 +300,11 @@ fn odds_of(study: &Study, case: usize, set: &ParameterSet, options: &OddsOptions
         let draw = number + case as u64 * (1 << 32);
         let own = uncertain.apply(&experiment, options.seed, number)?;
         let other = options.noise.perturb(&own, options.seed, draw);
-        if let Some((end, off)) = end_of(&other.with_numerics(number))? {
-            ends.push(end);
-            errors.push(off);
+        let other = other.with_numerics(number);
+        if let Some(motion) = simulated(&other)? {
+            let off = pose_errors(&target.motion, &motion, body_length_m);
+            errors.push(off.map_err(|e| e.at_file(&recording.path))?);
+            ends.extend(End::of(&motion, &other));
         }
     }
     let joints = target.motion.joints().len() as u32;
