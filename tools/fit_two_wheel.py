@@ -28,6 +28,7 @@ PARAMETERS = [
     ("threshold_m", 0.02, 0.2),
     ("reaction_s", 0.0, 0.3),
     ("sampling_s", 0.01, 0.3),
+    ("false_alarm_hz", 0.0, 0.5),
     ("start_s", -0.3, 0.2),
     ("start_sd_s", 0.0, 0.1),
     ("late_share", 0.0, 0.7),

@@ -142,18 +142,16 @@ impl Emulator {
         let runs = thinned(runs, KNOWN);
         let values = runs.iter().map(|run| scale.of(run.score()));
         let values = DVector::from_iterator(runs.len(), values);
-        let might_be = runs[0].might_be.len();
-        let parts = match might_be {
-            0 => DMatrix::from_fn(runs.len(), runs[0].recordings.len(), |run, recording| {
+        let parts = match runs[0].might_be.as_slice() {
+            [] => DMatrix::from_fn(runs.len(), runs[0].recordings.len(), |run, recording| {
                 let score = runs[run].score();
                 scale.slope(score) * (runs[run].recordings[recording] - score)
             }),
-            // What might have been is as far from what was as from each other, so that no slope holds for all of it.
-            _ => DMatrix::from_fn(runs.len(), might_be, |run, recording| {
-                let scores = runs[run].might_be.iter().map(|score| scale.of(*score));
-                let scores: Vec<f64> = scores.collect();
-                scores[recording] - mean(&scores)
-            }),
+            engines => {
+                let columns = engines.iter().map(Vec::len).sum();
+                let rows = runs.iter().flat_map(|run| deviations(scale, &run.might_be));
+                DMatrix::from_row_iterator(runs.len(), columns, rows)
+            }
         };
         let members = kernels.iter().filter_map(|kernel| {
             let factor = kernel.factor(&runs)?;
@@ -315,6 +313,23 @@ impl Emulator {
         let doubt = between * share - across.tr_mul(&member.factor.solve(&across));
         &half * half.transpose() + doubt
     }
+}
+
+/// How far each of what might have been recorded is, by the score, from the mean of its engine: as if all were of one engine that
+/// varies as much as either does on average. Reality is like one of them. What might have been is as far from what was as from each
+/// other, so that no slope holds for all of it.
+fn deviations(scale: Scale, engines: &[Vec<f64>]) -> Vec<f64> {
+    let freedom = |count: usize| count as f64 - 1.0;
+    let all = freedom(engines.iter().map(Vec::len).sum());
+    let of = |scores: &Vec<f64>| {
+        let scores: Vec<f64> = scores.iter().map(|score| scale.of(*score)).collect();
+        let middle = mean(&scores);
+        let share = (all / (engines.len() as f64 * freedom(scores.len()))).sqrt();
+        scores
+            .into_iter()
+            .map(move |score| share * (score - middle))
+    };
+    engines.iter().flat_map(of).collect()
 }
 
 /// At most `most` of the runs, of each engine its share: the better half, the others spread evenly over the rest.

@@ -223,6 +223,7 @@ fn case(parameter: &Parameter) -> (Vec<Make>, f64, f64) {
         "vehicle.tag_ahead_m" | "vehicle.tag_left_m" => (vec![driven], 0.0, 0.02),
         "vehicle.sensor_ahead_m" => (vec![driven], 0.08, 0.02),
         "vehicle.stale_s" => (vec![driven], 0.0, 0.3),
+        "vehicle.false_alarm_hz" => (vec![driven], 0.0, 5.0),
         "vehicle.late_share" => (vec![late], 0.0, 1.0),
         "vehicle.late_s" => (vec![late], 0.0, 0.3),
         "vehicle.speed_m_s" => (vec![driven], 0.2, 0.3),

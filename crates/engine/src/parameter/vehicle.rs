@@ -29,6 +29,7 @@ drive! {
     "vehicle.sampling_s" sampling_s Second (0.01, 10.0) Nudge::Share(0.2), false, "Time from one reading of the sensor to the next.";
     "vehicle.reaction_s" reaction_s Second (0.0, 10.0) Nudge::Absolute(0.02), false, "Time from a decision to what follows.";
     "vehicle.filter_readings" filter_readings One (0.0, 1000.0) Nudge::Absolute(1.0), true, "Readings of one belief of the Bayes filter; 0 decides by single readings.";
+    "vehicle.false_alarm_hz" false_alarm_hz Hertz (0.0, 100.0) Nudge::Absolute(0.5), false, "How often it turns where nothing stands, a second of driving straight.";
     "vehicle.start_s" start_s Second (-10.0, 10.0) Nudge::Absolute(0.02), false, "When it begins to move, on the recording's clock.";
     "vehicle.start_sd_s" start_sd_s Second (0.0, 10.0) Nudge::Absolute(0.02), false, "Standard deviation of when it begins to move.";
     "vehicle.late_share" late_share One (0.0, 1.0) Nudge::Absolute(0.5), false, "Share of the runs that begin later, as by another clock.";

@@ -38,6 +38,8 @@ pub struct Drive {
     pub reaction_s: f64,
     /// Readings of one belief; 0 decides by single readings.
     pub filter_readings: f64,
+    /// How often it turns where nothing stands, false alarms a second of driving straight.
+    pub false_alarm_hz: f64,
     /// When it begins to move, on the recording's clock, seconds.
     pub start_s: f64,
     /// Standard deviation of that.
@@ -88,6 +90,7 @@ impl Default for Drive {
             sampling_s: 0.1,
             reaction_s: 0.0,
             filter_readings: 0.0,
+            false_alarm_hz: 0.0,
             start_s: 0.0,
             start_sd_s: 0.0,
             late_share: 0.0,
@@ -122,6 +125,9 @@ impl Drive {
                 actuator_noise: 0.0,
                 ..drive
             };
+        }
+        if self.ideal_sensor > 0.5 {
+            drive.false_alarm_hz = 0.0;
         }
         if self.ideal_control > 0.5 {
             drive = Self {

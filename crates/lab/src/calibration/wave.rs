@@ -64,7 +64,8 @@ pub(super) fn scored_runs(study: &Study, scores: &Scores) -> Vec<ScoredRun> {
             recordings: study.part_of(&run.recordings, false),
             might_be: might_be
                 .iter()
-                .map(|real| apart(study, scores, real, run))
+                .map(|engine| engine.iter().map(|real| apart(study, scores, real, run)))
+                .map(Iterator::collect)
                 .collect(),
         })
         .collect()
@@ -73,27 +74,26 @@ pub(super) fn scored_runs(study: &Study, scores: &Scores) -> Vec<ScoredRun> {
 /// Fewer runs of the best point than this do not tell how recordings might differ.
 const TELLING: usize = 8;
 
-/// Paths that a single recording might have had; none where there are more, or where a metric needs more than paths.
-fn might_be(study: &Study, scores: &Scores) -> Vec<Prepared> {
+/// Paths that a single recording might have had, by engine; none where there are more, or where a metric needs more than paths.
+fn might_be(study: &Study, scores: &Scores) -> Vec<Vec<Prepared>> {
     let is_of_paths = scores.basis.is_some() || study.definition().metric.name() == "rms";
     let best = scores
         .best
         .filter(|_| is_of_paths && study.fitted_recordings() == 1);
-    let best = best.filter(|_| study.cases().len() == 1);
-    // Reality repeats in one engine: that which shows more repeats.
-    let engines = best.map(|best| scores.runs_by_engine(&study.settings(), best));
-    let runs = engines.map(|[own, second]| {
-        if own.len() < second.len() {
-            second
-        } else {
-            own
-        }
-    });
+    let Some(best) = best.filter(|_| study.cases().len() == 1) else {
+        return Vec::new();
+    };
     let path = |run: &PointScore| Prepared::from_xy_m(run.path_xy_m.clone()).ok();
-    let paths: Option<Vec<Prepared>> = runs.and_then(|runs| runs.into_iter().map(path).collect());
-    paths
-        .filter(|paths| paths.len() >= TELLING)
-        .unwrap_or_default()
+    let engines = scores.runs_by_engine(&study.settings(), best);
+    let engines = engines
+        .iter()
+        .map(|runs| runs.iter().filter_map(|run| path(run)));
+    let engines = engines.map(Iterator::collect::<Vec<Prepared>>);
+    let engines: Vec<Vec<Prepared>> = engines.filter(|runs| runs.len() > 1).collect();
+    match engines.iter().map(Vec::len).sum::<usize>() {
+        TELLING.. => engines,
+        _ => Vec::new(),
+    }
 }
 
 /// How far a run is from such a path, by the study's metric.
