@@ -1,9 +1,10 @@
 """Fits what paper 000 leaves open of its two-wheel robot to half of the recorded runs of one condition.
 
-python3 tools/fit_two_wheel.py CONDITION RUNS.csv [EVALUATIONS [OFFSET]]     (needs numpy; REALGAP names the program)
+python3 tools/fit_two_wheel.py CONDITION RUNS.csv [EVALUATIONS [OFFSET [FROM]]]     (needs numpy; REALGAP names the program)
 
 Makes the energy score (Gneiting & Raftery 2007) of 100 simulated repeats for every second run (from OFFSET, 0 or 1) small: it rewards repeats that lie where
-the runs lie and spread as they spread. CMA-ES without restarts; the other runs are not looked at. Prints the values for the study.
+the runs lie and spread as they spread. CMA-ES without restarts; the other runs are not looked at. It
+begins at the study's values, or at those of the condition FROM, which know nothing of these runs. Prints the values for the study.
 """
 
 import json
@@ -16,7 +17,7 @@ import tempfile
 import numpy as np
 
 PROGRAM = os.environ.get("REALGAP", "target/release/realgap")
-# name, lowest, highest; the search begins at what the study says
+# name, lowest, highest
 PARAMETERS = [
     ("speed_m_s", 0.18, 0.24),
     ("drift_rad_s", -0.3, 0.05),
@@ -38,11 +39,19 @@ PARAMETERS = [
     ("tag_ahead_m", -0.06, 0.02),
     ("tag_left_m", -0.03, 0.03),
 ]
-with open(f"sweeps/two_wheel_{sys.argv[1]}.ron") as study:
-    SAID = {name: float(value) for name, value in re.findall(r'"vehicle\.(\w+)": ([-\d.]+)', study.read())}
+
+
+def said(condition):
+    with open(f"sweeps/two_wheel_{condition}.ron") as study:
+        return {name: float(value) for name, value in re.findall(r'"vehicle\.(\w+)": ([-\d.]+)', study.read())}
+
+
+SAID = said(sys.argv[1])
+FROM = said(sys.argv[5]) if len(sys.argv) > 5 else SAID
 PARAMETERS = [p for p in PARAMETERS if p[0] in SAID]
 LOW, HIGH = (np.array([p[i] for p in PARAMETERS]) for i in (1, 2))
-START = np.array([SAID[p[0]] for p in PARAMETERS])
+# What another condition does not say begins in the middle.
+START = np.array([FROM.get(p[0], 0.5 * (p[1] + p[2])) for p in PARAMETERS])
 
 
 def score(values, condition, runs, folder, repeats=100, offset=0):

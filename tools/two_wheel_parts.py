@@ -21,8 +21,8 @@ PARTS = [
     ("all three ideal", ["ideal_actuator", "ideal_sensor", "ideal_control"]),
 ]
 
-# The half that each study was not fitted to.
-HELD_OUT = {"us1": "1", "us_bayesian": "0", "ir": "1", "ir_bayesian": "1"}
+# The half that the studies were not fitted to.
+HELD_OUT = "1"
 
 print("| condition | " + " | ".join(name for name, _ in PARTS) + " |")
 print("|---" * (len(PARTS) + 1) + "|")
@@ -31,7 +31,7 @@ for condition in ["us1", "us_bayesian", "ir", "ir_bayesian"]:
     for _, switched in PARTS:
         with tempfile.TemporaryDirectory() as folder:
             command = [PROGRAM, "ensemble", f"sweeps/two_wheel_{condition}.ron", "--recordings", sys.argv[1]]
-            command += ["--every", "2", "--offset", HELD_OUT[condition], "--format", "json", "--jobs", "1", "-o", folder]
+            command += ["--every", "2", "--offset", HELD_OUT, "--format", "json", "--jobs", "1", "-o", folder]
             for name in switched:
                 command += ["--set", f"vehicle.{name}=1"]
             done = subprocess.run(command, capture_output=True, text=True, check=True)

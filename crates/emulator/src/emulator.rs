@@ -343,3 +343,23 @@ fn thinned(runs: &[ScoredRun], most: usize) -> Vec<&ScoredRun> {
     let kept = of(false).into_iter().chain(of(true));
     kept.map(|(run, _)| run).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_might_have_been_varies_as_either_engine_does_on_average_however_many_runs_each_has() {
+        let scale = Scale::new(&[1.0, 2.0, 4.0]);
+        let engines = [vec![1.0, 3.0], vec![2.0, 2.1, 2.2, 2.1, 2.0]];
+        let deviations = deviations(scale, &engines);
+        let squares = deviations.iter().map(|deviation| deviation * deviation);
+        let variance = squares.sum::<f64>() / (deviations.len() - 1) as f64;
+        let of = |scores: &Vec<f64>| {
+            let scores: Vec<f64> = scores.iter().map(|score| scale.of(*score)).collect();
+            standard_deviation(&scores).powi(2)
+        };
+        let expected = 0.5 * (of(&engines[0]) + of(&engines[1]));
+        assert!((variance - expected).abs() < 1e-12, "{variance}, {expected}");
+    }
+}
