@@ -360,6 +360,9 @@ mod tests {
             standard_deviation(&scores).powi(2)
         };
         let expected = 0.5 * (of(&engines[0]) + of(&engines[1]));
-        assert!((variance - expected).abs() < 1e-12, "{variance}, {expected}");
+        assert!(
+            (variance - expected).abs() < 1e-12,
+            "{variance}, {expected}"
+        );
     }
 }
