@@ -31,7 +31,7 @@ PARAMETERS = [
     ("sampling_s", 0.01, 0.3),
     ("false_alarm_hz", 0.0, 0.5),
     ("start_s", -0.3, 0.2),
-    ("start_sd_s", 0.0, 0.1),
+    ("start_sd_s", 0.0, 0.3),
     ("late_share", 0.0, 0.7),
     ("late_s", 0.15, 0.45),
     ("frame_sd_s", 0.0, 0.06),
@@ -43,7 +43,7 @@ PARAMETERS = [
 
 def said(condition):
     with open(f"sweeps/two_wheel_{condition}.ron") as study:
-        return {name: float(value) for name, value in re.findall(r'"vehicle\.(\w+)": ([-\d.]+)', study.read())}
+        return {name: float(value) for name, value in re.findall(r'"vehicle\.(\w+)": ([-+\d.eE]+)', study.read())}
 
 
 SAID = said(sys.argv[1])
@@ -51,7 +51,7 @@ FROM = said(sys.argv[5]) if len(sys.argv) > 5 else SAID
 PARAMETERS = [p for p in PARAMETERS if p[0] in SAID]
 LOW, HIGH = (np.array([p[i] for p in PARAMETERS]) for i in (1, 2))
 # What another condition does not say begins in the middle.
-START = np.array([FROM.get(p[0], 0.5 * (p[1] + p[2])) for p in PARAMETERS])
+START = np.clip([FROM.get(p[0], 0.5 * (p[1] + p[2])) for p in PARAMETERS], LOW, HIGH)
 
 
 def score(values, condition, runs, folder, repeats=100, offset=0):

@@ -79,6 +79,8 @@ streams! {
     SensorSession = 32;
     /// What a sensor on a robot in an engine's hands reads.
     MountedSensor = 33;
+    /// When a sensor warns of what is not there.
+    FalseAlarm = 34;
     /// Errors of wheels: how far a command goes, how far it turns.
     Actuator = 31;
     /// What places add to the strength of a radio signal.

@@ -25,7 +25,7 @@ pub struct ScoredRun {
     /// One score a fitted recording.
     pub recordings: Vec<f64>,
     /// Where a single recording is fitted, scores against runs of the best point in its place: other recordings that might have
-    /// been, each with a setting of its own, two or more of each engine. Empty where nothing says what they would be.
+    /// been, each with a setting of its own, some of each engine. Empty where nothing says what they would be.
     pub might_be: Vec<Vec<f64>>,
 }
 

@@ -91,11 +91,16 @@ fn false_alarms_come_as_often_as_they_are_set_and_never_of_themselves() {
     };
     assert_eq!(turned(0.0), 0.0);
     // It coasts for 0.06 s, and has turned by 0.2 rad more than it drifts 0.06 s later.
-    let (found, expected) = (turned(0.5), 1.0 - (-0.5_f64 * 0.88).exp());
-    assert!((found - expected).abs() < 0.06, "{found}, {expected}");
-    // The run without draws does what most do.
+    for rate_hz in [0.5, 2.0] {
+        let (found, expected) = (turned(rate_hz), 1.0 - (-rate_hz * 0.88).exp());
+        assert!((found - expected).abs() < 0.06, "{found}, {expected}");
+    }
     experiment.drive.false_alarm_hz = 5.0;
-    assert!(motion(&experiment).turned_rad().unwrap() > -0.3);
+    let without_draws = motion(&experiment).turned_rad().unwrap();
+    assert!(without_draws > -0.3, "{without_draws}");
+    experiment.drive.ideal_sensor = 1.0;
+    let ideal = motion(&Noise::default().perturb(&experiment, 7, 1));
+    assert!(ideal.turned_rad().unwrap() > -0.3);
 }
 
 #[test]

@@ -29,7 +29,7 @@ drive! {
     "vehicle.sampling_s" sampling_s Second (0.01, 10.0) Nudge::Share(0.2), false, "Time from one reading of the sensor to the next.";
     "vehicle.reaction_s" reaction_s Second (0.0, 10.0) Nudge::Absolute(0.02), false, "Time from a decision to what follows.";
     "vehicle.filter_readings" filter_readings One (0.0, 1000.0) Nudge::Absolute(1.0), true, "Readings of one belief of the Bayes filter; 0 decides by single readings.";
-    "vehicle.false_alarm_hz" false_alarm_hz Hertz (0.0, 100.0) Nudge::Absolute(0.5), false, "How often it turns where nothing stands, a second of driving straight.";
+    "vehicle.false_alarm_hz" false_alarm_hz Hertz (0.0, 100.0) Nudge::Absolute(0.5), false, "How often it turns where nothing stands, a second of driving straight; never in a run without draws.";
     "vehicle.start_s" start_s Second (-10.0, 10.0) Nudge::Absolute(0.02), false, "When it begins to move, on the recording's clock.";
     "vehicle.start_sd_s" start_sd_s Second (0.0, 10.0) Nudge::Absolute(0.02), false, "Standard deviation of when it begins to move.";
     "vehicle.late_share" late_share One (0.0, 1.0) Nudge::Absolute(0.5), false, "Share of the runs that begin later, as by another clock.";
@@ -42,7 +42,7 @@ drive! {
     "vehicle.sensor_ahead_m" sensor_ahead_m Metre (-10.0, 10.0) Nudge::Absolute(0.005), false, "The sensor ahead of the middle of the axle.";
     "vehicle.sensor_noise" sensor_noise One (0.0, 100.0) Nudge::Share(0.2), false, "Factor on the spread of the sensor's readings.";
     "vehicle.actuator_noise" actuator_noise One (0.0, 100.0) Nudge::Share(0.2), false, "Factor on all standard deviations of the actuators.";
-    "vehicle.ideal_sensor" ideal_sensor One (0.0, 1.0) Nudge::Absolute(1.0), true, "1: a sensor that reads the distance.";
+    "vehicle.ideal_sensor" ideal_sensor One (0.0, 1.0) Nudge::Absolute(1.0), true, "1: a sensor that reads the distance, without false alarms.";
     "vehicle.ideal_actuator" ideal_actuator One (0.0, 1.0) Nudge::Absolute(1.0), true, "1: actuators without drift, coast and error, whose turns are right angles.";
     "vehicle.ideal_control" ideal_control One (0.0, 1.0) Nudge::Absolute(1.0), true, "1: control that decides in every epoch, at once and by single readings.";
 }

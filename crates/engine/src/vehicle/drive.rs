@@ -38,7 +38,7 @@ pub struct Drive {
     pub reaction_s: f64,
     /// Readings of one belief; 0 decides by single readings.
     pub filter_readings: f64,
-    /// How often it turns where nothing stands, false alarms a second of driving straight.
+    /// How often it turns where nothing stands, false alarms a second of driving straight; none in a run without draws.
     pub false_alarm_hz: f64,
     /// When it begins to move, on the recording's clock, seconds.
     pub start_s: f64,
@@ -64,7 +64,7 @@ pub struct Drive {
     pub sensor_noise: f64,
     /// Factor on all standard deviations of the actuators.
     pub actuator_noise: f64,
-    /// 1: a sensor that reads the distance.
+    /// 1: a sensor that reads the distance, without false alarms.
     pub ideal_sensor: f64,
     /// 1: actuators without drift, coast and error.
     pub ideal_actuator: f64,

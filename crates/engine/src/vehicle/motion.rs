@@ -28,7 +28,11 @@ pub(crate) fn run(experiment: &Experiment, vehicle: &Vehicle) -> Result<Run> {
         rng: stream(Numbered::Actuator),
         factor: drive.actuator_noise,
     };
-    let eye = Eye::new(vehicle, drive, stream(Numbered::SensorReading));
+    let eye = Eye::new(
+        vehicle,
+        drive,
+        [Numbered::SensorReading, Numbered::FalseAlarm].map(stream),
+    );
     let [x, y, heading] = vehicle.arena.start.unwrap_or([0.0; 3]);
     let shift = experiment.perturbation.shift_world_m;
     // Where the tracked point starts is what is known.
@@ -60,7 +64,11 @@ pub(crate) fn run(experiment: &Experiment, vehicle: &Vehicle) -> Result<Run> {
             rng: stream(Numbered::Actuator),
             factor: drive.actuator_noise,
         };
-        let eye = Eye::new(vehicle, drive, stream(Numbered::SensorReading));
+        let eye = Eye::new(
+            vehicle,
+            drive,
+            [Numbered::SensorReading, Numbered::FalseAlarm].map(stream),
+        );
         let start = Pose {
             place_m: [*x, *y],
             heading_rad: *heading_rad,

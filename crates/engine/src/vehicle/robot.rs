@@ -66,14 +66,6 @@ impl Dice {
         chance < share
     }
 
-    /// Time until what happens so often, seconds; without draws, it never does.
-    fn waits_s(&mut self, rate_hz: f64) -> f64 {
-        match &mut self.rng {
-            Some(rng) if rate_hz > 0.0 => -libm::log(1.0 - rng.random::<f64>()) / rate_hz,
-            _ => f64::INFINITY,
-        }
-    }
-
     /// What follows a straight command.
     fn coast(&mut self, drive: &Drive) -> Doing {
         Doing::Coasting {
@@ -88,8 +80,6 @@ pub(super) struct Robot<'a> {
     doing: Doing,
     dice: Dice,
     eye: Eye<'a>,
-    /// Time of driving straight until the next false alarm, seconds.
-    alarm_s: f64,
     /// The arena with the other robots in it as circles, the last objects; none where it is alone.
     crowd: Option<Arena>,
     /// Poses at every epoch.
@@ -121,7 +111,6 @@ impl<'a> Robot<'a> {
         Self {
             pose,
             doing: Doing::Forward,
-            alarm_s: dice.waits_s(drive.false_alarm_hz),
             dice,
             eye,
             crowd,
@@ -148,13 +137,11 @@ impl<'a> Robot<'a> {
         match self.doing {
             Doing::Forward => {
                 pose.heading_rad += drive.drift_rad_s * EPOCH_S;
-                self.alarm_s -= EPOCH_S;
-                let is_false = self.alarm_s <= 0.0;
-                if is_false {
-                    self.alarm_s = self.dice.waits_s(drive.false_alarm_hz);
-                }
-                let sees = (self.eye).is_near(arena, time_s, pose.place_m, pose.heading_rad);
-                if is_false || sees == Some(true) {
+                if self
+                    .eye
+                    .is_near(arena, time_s, pose.place_m, pose.heading_rad)
+                    == Some(true)
+                {
                     self.doing = if drive.reaction_s > 0.0 {
                         Doing::Reacting {
                             until_s: time_s + drive.reaction_s,

@@ -3,7 +3,7 @@
 use rand::RngExt as _;
 
 use super::Vehicle;
-use super::drive::Drive;
+use super::drive::{Drive, EPOCH_S};
 use realgap_core::random::Generator;
 use realgap_sense::arena::Arena;
 use realgap_sense::belief::Belief;
@@ -19,11 +19,20 @@ pub(super) struct Eye<'a> {
     next_s: f64,
     belief: Option<(Belief, usize)>,
     rng: Option<Generator>,
+    alarms: Option<Generator>,
+    /// Time of driving straight until the next false alarm, seconds.
+    alarm_s: f64,
 }
 
 impl<'a> Eye<'a> {
-    /// An eye whose first reading comes at a random moment of its sampling time; at once without randomness.
-    pub(super) fn new(vehicle: &'a Vehicle, drive: Drive, mut rng: Option<Generator>) -> Self {
+    /// An eye whose first reading comes at a random moment of its sampling time; at once without randomness, and then it gives no
+    /// false alarms.
+    pub(super) fn new(
+        vehicle: &'a Vehicle,
+        drive: Drive,
+        [mut rng, mut alarms]: [Option<Generator>; 2],
+    ) -> Self {
+        let alarm_s = until_alarm_s(&drive, &mut alarms);
         let share: f64 = rng.as_mut().map_or(0.0, |rng| rng.random());
         Self {
             vehicle,
@@ -31,6 +40,8 @@ impl<'a> Eye<'a> {
             next_s: share * drive.sampling_s,
             belief: None,
             rng,
+            alarms,
+            alarm_s,
         }
     }
 
@@ -39,8 +50,24 @@ impl<'a> Eye<'a> {
         self.belief = None;
     }
 
-    /// Whether something is near, as far as the robot can tell; `None` where there is no reading, or no decision yet.
+    /// Whether something is near, as far as the robot can tell in this epoch; `None` where there is no reading, or no decision yet.
     pub(super) fn is_near(
+        &mut self,
+        arena: &Arena,
+        time_s: f64,
+        place_m: [f64; 2],
+        heading_rad: f64,
+    ) -> Option<bool> {
+        let sees = self.sees(arena, time_s, place_m, heading_rad);
+        self.alarm_s -= EPOCH_S;
+        if self.alarm_s > 0.0 {
+            return sees;
+        }
+        self.alarm_s = until_alarm_s(&self.drive, &mut self.alarms);
+        Some(true)
+    }
+
+    fn sees(
         &mut self,
         arena: &Arena,
         time_s: f64,
@@ -114,5 +141,15 @@ impl<'a> Eye<'a> {
         let mean_m = belief.mean_m();
         self.belief = None;
         Some(mean_m < self.drive.threshold_m)
+    }
+}
+
+/// Time until the next false alarm, seconds: exponential, as alarms know nothing of each other.
+fn until_alarm_s(drive: &Drive, alarms: &mut Option<Generator>) -> f64 {
+    match alarms {
+        Some(rng) if drive.false_alarm_hz > 0.0 => {
+            -libm::log(1.0 - rng.random::<f64>()) / drive.false_alarm_hz
+        }
+        _ => f64::INFINITY,
     }
 }

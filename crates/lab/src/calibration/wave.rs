@@ -71,8 +71,9 @@ pub(super) fn scored_runs(study: &Study, scores: &Scores) -> Vec<ScoredRun> {
         .collect()
 }
 
-/// Fewer runs of the best point than this do not tell how recordings might differ.
+/// Fewer runs of the best point than this, or of an engine than that, do not tell how recordings might differ.
 const TELLING: usize = 8;
+const TELLING_OF_AN_ENGINE: usize = 4;
 
 /// Paths that a single recording might have had, by engine; none where there are more, or where a metric needs more than paths.
 fn might_be(study: &Study, scores: &Scores) -> Vec<Vec<Prepared>> {
@@ -89,7 +90,9 @@ fn might_be(study: &Study, scores: &Scores) -> Vec<Vec<Prepared>> {
         .iter()
         .map(|runs| runs.iter().filter_map(|run| path(run)));
     let engines = engines.map(Iterator::collect::<Vec<Prepared>>);
-    let engines: Vec<Vec<Prepared>> = engines.filter(|runs| runs.len() > 1).collect();
+    let engines: Vec<Vec<Prepared>> = engines
+        .filter(|runs| runs.len() >= TELLING_OF_AN_ENGINE)
+        .collect();
     match engines.iter().map(Vec::len).sum::<usize>() {
         TELLING.. => engines,
         _ => Vec::new(),
