@@ -364,5 +364,9 @@ mod tests {
             (variance - expected).abs() < 1e-12,
             "{variance}, {expected}"
         );
+        // One engine alone deviates as it does.
+        let alone = super::deviations(scale, &engines[..1]);
+        let apart = alone[1] - alone[0];
+        assert!((apart - (scale.of(3.0) - scale.of(1.0))).abs() < 1e-12);
     }
 }
