@@ -2,8 +2,8 @@
 
 python3 tools/fit_two_wheel.py CONDITION RUNS.csv [EVALUATIONS [OFFSET [FROM]]]     (needs numpy; REALGAP names the program)
 
-Makes the energy score (Gneiting & Raftery 2007) of 100 simulated repeats for every second run (from OFFSET, 0 or 1) small: it rewards repeats that lie where
-the runs lie and spread as they spread. CMA-ES without restarts; the other runs are not looked at. It
+Makes the energy score (Gneiting & Raftery 2007) of 100 simulated repeats for every second run (from OFFSET, 0 or 1) small: it
+rewards repeats that lie where the runs lie and spread as they spread. CMA-ES without restarts; the other runs are not looked at. It
 begins at the study's values, or at those of the condition FROM, which know nothing of these runs. Prints the values for the study.
 """
 

@@ -23,16 +23,19 @@ pub(crate) fn run(experiment: &Experiment, vehicle: &Vehicle) -> Result<Run> {
     let drive = experiment.drive.resolved();
     vehicle.sensor.check()?;
     let draw = experiment.perturbation.draw;
-    let stream = |stream: Numbered| draw.map(|(seed, repeat)| stream.generator(seed, repeat));
-    let mut dice = Dice {
-        rng: stream(Numbered::Actuator),
-        factor: drive.actuator_noise,
+    // Every robot has streams of its own, so that the first draws what it draws alone.
+    let parts = |index: u64| {
+        let stream = |stream: Numbered| {
+            draw.map(|(seed, repeat)| stream.generator(seed, repeat + (index << 40)))
+        };
+        let dice = Dice {
+            rng: stream(Numbered::Actuator),
+            factor: drive.actuator_noise,
+        };
+        let streams = [Numbered::SensorReading, Numbered::FalseAlarm].map(stream);
+        (dice, Eye::new(vehicle, drive, streams))
     };
-    let eye = Eye::new(
-        vehicle,
-        drive,
-        [Numbered::SensorReading, Numbered::FalseAlarm].map(stream),
-    );
+    let (mut dice, eye) = parts(0);
     let [x, y, heading] = vehicle.arena.start.unwrap_or([0.0; 3]);
     let shift = experiment.perturbation.shift_world_m;
     // Where the tracked point starts is what is known.
@@ -56,19 +59,7 @@ pub(crate) fn run(experiment: &Experiment, vehicle: &Vehicle) -> Result<Run> {
     };
     let mut robots = vec![Robot::new(vehicle, &drive, start, dice, eye)];
     for (index, [x, y, heading_rad]) in (1_u64..).zip(&vehicle.others) {
-        // Streams of their own, so that the first draws what it draws alone.
-        let stream = |stream: Numbered| {
-            draw.map(|(seed, repeat)| stream.generator(seed, repeat + (index << 40)))
-        };
-        let dice = Dice {
-            rng: stream(Numbered::Actuator),
-            factor: drive.actuator_noise,
-        };
-        let eye = Eye::new(
-            vehicle,
-            drive,
-            [Numbered::SensorReading, Numbered::FalseAlarm].map(stream),
-        );
+        let (dice, eye) = parts(index);
         let start = Pose {
             place_m: [*x, *y],
             heading_rad: *heading_rad,

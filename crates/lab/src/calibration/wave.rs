@@ -86,13 +86,9 @@ fn might_be(study: &Study, scores: &Scores) -> Vec<Vec<Prepared>> {
     };
     let path = |run: &PointScore| Prepared::from_xy_m(run.path_xy_m.clone()).ok();
     let engines = scores.runs_by_engine(&study.settings(), best);
-    let engines = engines
-        .iter()
-        .map(|runs| runs.iter().filter_map(|run| path(run)));
-    let engines = engines.map(Iterator::collect::<Vec<Prepared>>);
-    let engines: Vec<Vec<Prepared>> = engines
-        .filter(|runs| runs.len() >= TELLING_OF_AN_ENGINE)
-        .collect();
+    let engines = engines.map(|runs| runs.into_iter().filter_map(path).collect());
+    let telling = |runs: &Vec<Prepared>| runs.len() >= TELLING_OF_AN_ENGINE;
+    let engines: Vec<Vec<Prepared>> = engines.into_iter().filter(telling).collect();
     match engines.iter().map(Vec::len).sum::<usize>() {
         TELLING.. => engines,
         _ => Vec::new(),
