@@ -100,6 +100,8 @@ impl JointKind {
             has_gear || a.min(b) < Self::LIGHT * a.max(b)
         });
         match self {
+            // What cannot part cannot give way.
+            Self::Auto if assembly.is_compliant() => Self::Impulse,
             // Links without mass, springs and slides are at home in reduced coordinates.
             Self::Auto if !assembly.is_modular => Self::Multibody,
             Self::Auto if is_uneven && assembly.hinges.len() <= Self::MOST_HINGES => {

@@ -41,10 +41,13 @@ impl Engine for Tree {
     }
 
     fn refusal(&self, experiment: &Experiment) -> Option<String> {
+        if experiment.vehicle.is_some() {
+            return Some("a vehicle is not a tree of links".to_owned());
+        }
         experiment
-            .vehicle
-            .is_some()
-            .then(|| "a vehicle is not a tree of links".to_owned())
+            .assembly
+            .is_compliant()
+            .then(|| "its hinges cannot give way (hinge.compliance_hz)".to_owned())
     }
 
     fn build(&self, setup: &Setup<'_>) -> Result<Box<dyn World>> {

@@ -6,6 +6,7 @@ mod bodies;
 mod change;
 #[path = "../../../tests/common/shared.rs"]
 mod common;
+mod compliance;
 mod control;
 mod energy;
 mod engines;

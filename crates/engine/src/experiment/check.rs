@@ -23,6 +23,7 @@ impl Experiment {
         self.check_edges()?;
         self.check_energy()?;
         self.check_friction()?;
+        self.check_compliance()?;
         for body in &self.scene {
             body.check()?;
             body.check_clear(self)?;
@@ -84,6 +85,13 @@ impl Experiment {
                 "a vehicle has no servos whose work could be counted",
             ));
         }
+        if self.assembly.is_compliant() {
+            return Err(
+                Error::invalid("energy in bearings that give way is not counted")
+                    .field("hinge.compliance_hz")
+                    .allowed("0"),
+            );
+        }
         let is_pyramid = self.contact.friction_model == FrictionModel::Simplified;
         if is_pyramid && self.joint_kind() == JointKind::Impulse {
             return Err(
@@ -94,6 +102,16 @@ impl Experiment {
             );
         }
         Ok(())
+    }
+
+    /// Bearings give way only where hinges are constraints.
+    fn check_compliance(&self) -> Result<()> {
+        if !self.assembly.is_compliant() || self.joint_kind() == JointKind::Impulse {
+            return Ok(());
+        }
+        Err(Error::invalid("multibody joints cannot give way")
+            .field("hinge.compliance_hz")
+            .allowed("0, or impulse joints (solver.joint 0)"))
     }
 
     /// Rapier's cones are exact.

@@ -113,6 +113,9 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
             "realgap's timestep, substeps and contact settings (the file has hardened MuJoCo settings of its own)",
         ),
     ];
+    if robot.assembly.is_compliant() {
+        warnings.push(Code::SpringNotExported.says("how bearings give way (hinge.compliance_hz)"));
+    }
     if robot.has_servos() {
         warnings.push(Code::GaitNeedsProgram.says(
             "the gait as motion (it is in <custom>; tools/record_standin.py reads it and drives the servos)",

@@ -7,7 +7,7 @@ use super::robot::{Robot, origin_robot_m};
 use super::xml::{Element, numbers, vector};
 use realgap_core::warning::{Code, Warning};
 use realgap_robot::morphology::body::convex_hull;
-use realgap_robot::morphology::{Freedom, Hinge, Shape, Solid};
+use realgap_robot::morphology::{Bearing, Freedom, Hinge, Shape, Solid};
 
 /// The Unified Robot Description Format.
 pub(super) struct Urdf;
@@ -77,10 +77,13 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
         );
     }
     let mut bearings = robot.assembly.hinges.iter().map(|hinge| &hinge.bearing);
-    if bearings.any(|bearing| bearing.spring.is_some() || bearing.armature_kg_m2 > 0.0)
-        || !robot.assembly.marks.is_empty()
-    {
-        warnings.push(Code::SpringNotExported.says("springs and armatures of joints, and marks"));
+    let springs = |bearing: &Bearing| {
+        bearing.spring.is_some() || bearing.armature_kg_m2 > 0.0 || bearing.is_compliant()
+    };
+    if bearings.any(springs) || !robot.assembly.marks.is_empty() {
+        warnings.push(
+            Code::SpringNotExported.says("springs, armatures and compliance of joints, and marks"),
+        );
     }
     if !robot.assembly.hinges.is_empty() {
         warnings.push(Code::ExclusionNotExported.says(

@@ -18,7 +18,7 @@ fn pusher_friction(experiment: &Experiment) -> Option<f64> {
 
 /// A number of the bearing of stated hinges.
 macro_rules! bearing {
-    ($name:literal, $unit:ident, $doc:literal, $field:ident) => {
+    ($name:literal, $unit:ident, $doc:literal, $($field:ident).+) => {
         entry!(
             $name,
             $unit,
@@ -26,11 +26,11 @@ macro_rules! bearing {
             Linear,
             Nudge::Share(0.1),
             $doc,
-            |e, of| shared(e, of, |h, _| h.is_stated.then_some(h.bearing.$field)),
+            |e, of| shared(e, of, |h, _| h.is_stated.then_some(h.bearing.$($field).+)),
             |e, of, value| {
                 change(e, of, |hinge| {
                     if hinge.is_stated {
-                        hinge.bearing.$field = value;
+                        hinge.bearing.$($field).+ = value;
                     }
                 })
             }
@@ -46,6 +46,10 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         "Dry friction of every stated hinge, in place of the robot file's. Also called hinge.dry_friction_nm.", dry_nm),
     bearing!("hinge.armature_kg_m2", KilogramSquareMetre,
         "Inertia of every stated hinge that only its own motion feels, in place of the robot file's.", armature_kg_m2),
+    bearing!("hinge.compliance_hz", Hertz,
+        "How the bearing of every stated hinge gives way where it should hold, as the natural frequency of the parts on it; 0: not at all. In Rapier's impulse joints only.", compliance.frequency_hz),
+    bearing!("hinge.compliance_ratio", One,
+        "Damping ratio of a bearing that gives way, hinge.compliance_hz.", compliance.damping_ratio),
     field!("pusher.offset_x_m", Metre, (-1.0, 1.0), Linear, Nudge::Absolute(0.001),
         "Shift of the boxes of every driven body of the scene along the body's own x axis.", adjustment.pusher_offset_m.x),
     field!("pusher.offset_y_m", Metre, (-1.0, 1.0), Linear, Nudge::Absolute(0.001),

@@ -7,7 +7,7 @@ use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use super::precision::prelude::{
     GenericJoint, GenericJointBuilder, ImpulseJointHandle, ImpulseJointSet, IntegrationParameters,
     JointAxesMask, JointAxis, MotorModel, MultibodyJointHandle, MultibodyJointSet, RigidBody,
-    RigidBodyHandle, RigidBodySet,
+    RigidBodyHandle, RigidBodySet, SpringCoefficients,
 };
 use super::precision::{Real, narrow, wide};
 use super::{from_rotation, from_vector, to_pose, to_vector};
@@ -117,6 +117,12 @@ impl Axle {
                 axis,
                 [low_rad, high_rad].map(|limit_rad| narrow(limit_rad - start_rad)),
             );
+        }
+        if bearing.is_compliant() {
+            data = data.softness(SpringCoefficients::new(
+                narrow(bearing.compliance.frequency_hz),
+                narrow(bearing.compliance.damping_ratio),
+            ));
         }
         let data: GenericJoint = data.build();
         let (parent, child) = (seats[0].body, seats[1].body);

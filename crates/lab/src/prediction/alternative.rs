@@ -52,7 +52,8 @@ fn other_physics(experiment: &Experiment) -> Vec<(String, Source, Change)> {
         Source::Numerics,
         Box::new(move |own| own.at_limit(kind)),
     ));
-    if !experiment.assembly.hinges.is_empty() {
+    let assembly = &experiment.assembly;
+    if !assembly.hinges.is_empty() && !assembly.is_compliant() {
         models.push((
             format!("{:?} joints at their limit", kind.other()).to_lowercase(),
             Source::Joints,

@@ -193,6 +193,27 @@ pub struct Bearing {
     pub armature_kg_m2: f64,
     /// A spring beside whatever drives the joint.
     pub spring: Option<Spring>,
+    /// How it gives way where it should hold.
+    pub compliance: Compliance,
+}
+
+/// How a bearing gives way in the directions that it holds: a spring and a damper each, as stiff as the two parts between them
+/// swing with this frequency.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Compliance {
+    /// Natural frequency, Hz; 0 where it is rigid.
+    pub frequency_hz: f64,
+    /// Damping ratio, dimensionless.
+    pub damping_ratio: f64,
+}
+
+impl Default for Compliance {
+    fn default() -> Self {
+        Self {
+            frequency_hz: 0.0,
+            damping_ratio: 1.0,
+        }
+    }
 }
 
 /// A spring at a joint: torque `stiffness · (rest − angle)`.
@@ -218,6 +239,11 @@ impl Bearing {
     /// Whether it holds the hinge back at all, limits apart.
     pub fn has_friction(&self) -> bool {
         self.viscous_nm_s_rad > 0.0 || self.dry_nm > 0.0
+    }
+
+    /// Whether it gives way where it should hold.
+    pub fn is_compliant(&self) -> bool {
+        self.compliance.frequency_hz > 0.0
     }
 }
 
@@ -329,6 +355,11 @@ impl Assembly {
     pub fn drives(&self, part: usize) -> bool {
         let mut hinges = self.hinges.iter();
         !self.is_modular && hinges.any(|hinge| hinge.child_part == part && hinge.actuator.is_some())
+    }
+
+    /// Whether any hinge gives way where it should hold.
+    pub fn is_compliant(&self) -> bool {
+        self.hinges.iter().any(|hinge| hinge.bearing.is_compliant())
     }
 
     /// Whether two modules are stated never to touch.

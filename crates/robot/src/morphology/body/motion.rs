@@ -37,6 +37,7 @@ impl JointKind {
                         stiffness_nm_rad: s.stiffness_nm_rad,
                         rest_rad: s.rest_rad,
                     }),
+                    ..Bearing::default()
                 },
             },
             Self::Slide {
@@ -59,6 +60,7 @@ impl JointKind {
                         stiffness_nm_rad: s.stiffness_n_m,
                         rest_rad: s.rest_m,
                     }),
+                    ..Bearing::default()
                 },
             },
         })
