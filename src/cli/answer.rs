@@ -30,6 +30,9 @@ pub struct StudyOptions {
     /// ensemble or ensemble:N (N of them with the study's noise; 16), single (one run, luck included)
     #[arg(long, value_name = "RULE", value_parser = parse_score)]
     score: Option<ScoreRule>,
+    /// Simulate and compare only the first S seconds of every recording, before one early error spoils the rest
+    #[arg(long, value_name = "S")]
+    duration: Option<f64>,
     /// Seed in place of the study's own
     #[arg(long, value_name = "S")]
     seed: Option<u64>,
@@ -80,6 +83,7 @@ impl StudyOptions {
             metric: metric_option(self.metric.as_deref())?,
             basis: self.basis.as_deref().map(basis_rule).transpose()?,
             score: self.score,
+            duration_s: self.duration,
             points,
             seed: self.seed,
             set: self.values.parameter_set()?,

@@ -51,6 +51,8 @@ pub struct Overrides {
     pub basis: Option<BasisRule>,
     /// What a score is the mean over, in place of the file's.
     pub score: Option<ScoreRule>,
+    /// Time of each run in place of the file's, seconds.
+    pub duration_s: Option<f64>,
     /// Points per parameter in place of the file's.
     pub points: Option<usize>,
     /// Seed in place of the file's.

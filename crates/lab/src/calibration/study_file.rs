@@ -317,7 +317,7 @@ impl Definition {
             commands: file.commands,
             left_out: file.left_out,
             horizon: file.horizon.filter(|_| !overrides.whole_runs),
-            duration_s: file.duration_s,
+            duration_s: overrides.duration_s.or(file.duration_s),
             reading: overrides.reading.clone().or(&file.reading),
             set,
             draws: overrides.draws.clone(),
