@@ -42,6 +42,27 @@ fn tune(study: &Path, out: &Path, more: &[&str]) -> assert_cmd::assert::Assert {
 }
 
 #[test]
+fn a_shorter_duration_on_the_command_line_is_that_of_the_study() {
+    let folder = tempfile::tempdir().unwrap();
+    let long = quick(folder.path());
+    let text = std::fs::read_to_string(&long).unwrap();
+    let short = folder.path().join("short.ron");
+    std::fs::write(&short, text.replace("duration_s: 0.4", "duration_s: 0.2")).unwrap();
+    let trials = |study: &Path, name: &str, more: &[&str]| {
+        let out = folder.path().join(name);
+        let few = ["--budget", "4", "--optimizer", "random", "--score", "single"];
+        tune(study, &out, &[&few, more].concat()).success();
+        read(&out, "trials.csv")
+    };
+    let told = trials(&long, "told", &["--duration", "0.2"]);
+    assert_eq!(told, trials(&short, "stated", &[]));
+    assert_ne!(told, trials(&long, "whole", &[]));
+    let refused = tune(&long, &folder.path().join("none"), &["--duration", "0"]).failure();
+    let said = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+    assert!(said.contains("duration_s"), "{said}");
+}
+
+#[test]
 fn tuning_leaves_everything_that_was_promised() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");

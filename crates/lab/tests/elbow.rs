@@ -36,7 +36,9 @@ pub fn toss(mut experiment: Experiment, k: u32, seconds: f64) -> Trajectory {
         angle_rad: turn(0.8),
         speed_rad_s: 6.0 * turn(2.3).sin(),
     }];
-    experiment.solver.joint = JointKind::Multibody;
+    if !experiment.assembly.is_compliant() {
+        experiment.solver.joint = JointKind::Multibody;
+    }
     experiment.solver.timestep_s = 1.0 / (148.0 * 32.0);
     experiment.duration_s = seconds;
     let samples = (seconds * 148.0).floor() as u32;

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
 use crate::common;
-use crate::elbow::{elbow, toss};
+use crate::elbow::{elbow, set, toss};
 
 use std::fmt::Write as _;
 
@@ -10,9 +10,11 @@ use realgap_core::unit::LengthUnit;
 use realgap_engine::Start;
 use realgap_engine::parameter::ParameterSet;
 use realgap_lab::calibration::identification::{LengthReading, StartState, identify_joints};
-use realgap_lab::calibration::{Overrides, Study};
+use realgap_lab::calibration::{Overrides, ScoreRule, Study};
+use realgap_optimize::RunOptions;
 use realgap_path::comparison::pose_errors;
 use realgap_path::trajectory::{self};
+use realgap_robot::morphology::Morphology;
 
 #[test]
 fn joints_of_any_number_are_read_by_name_written_back_and_part_of_the_pose() {
@@ -144,6 +146,31 @@ fn a_body_of_the_scene_follows_its_columns_in_every_recording() {
         .unwrap_err()
         .to_string();
     assert!(error.contains("tap") && error.contains("tip"), "{error}");
+}
+
+#[test]
+fn what_follows_an_impact_tells_how_a_hinge_gives_way() {
+    let robot = Morphology::read(common::project().join("morphologies/elbow.ron")).unwrap();
+    let mut builder = Study::builder("struck", robot);
+    for k in 1..=6 {
+        // Dropped from 0.6 m they meet the floor after 0.4 s.
+        let path = toss(set(&elbow(), &[("hinge.compliance_hz", 140.0)]), k, 0.5);
+        builder = builder.trajectory(format!("toss_{k}"), path);
+    }
+    let study = builder
+        .metric(realgap_path::comparison::by_name("pose").unwrap())
+        .start_from_recordings(StartState::FirstSample)
+        .score(ScoreRule::Single)
+        .set("timestep_s", 1.0 / (148.0 * 16.0))
+        .vary("hinge.compliance_hz", 50.0, 250.0, 5)
+        .build()
+        .unwrap();
+    let answer = study.sweep(&RunOptions::default()).unwrap();
+    let best = answer.report.best.as_ref().unwrap();
+    assert!(
+        (120.0..160.0).contains(&best.parameters["hinge.compliance_hz"]),
+        "{best:?}"
+    );
 }
 
 /// Real tosses: flight alone explains them to 3 mm and 2 degrees at the last sample before contact.
