@@ -59,6 +59,7 @@ class Study:
         offset: int = 0,
         limit_recordings: Optional[int] = None,
         metric: Optional[AnyMetric] = None,
+        duration_s: Optional[float] = None,
         points: Optional[int] = None,
         seed: Optional[int] = None,
         score: Optional[str] = None,
@@ -71,17 +72,17 @@ class Study:
     ) -> "Study":
         """A study from its RON file, as `realgap sweep` reads it; what is named here is different from the file.
 
-        `recordings` are globs, of which every `every`-th from `offset` on is taken, at most `limit_recordings`; `points` is the
-        number of each range; `score` is "valid", "ensemble:N" or "single"; `basis` is "recordings" or a file, for metrics that
-        project; `set` fixes values by name, `parameters` those of files; `folds` or `hold_out` (a share) keep recordings for a
-        check; `reading` says how files are read.
+        `recordings` are globs, of which every `every`-th from `offset` on is taken, at most `limit_recordings`; of each run the
+        first `duration_s` are simulated; `points` is the number of each range; `score` is "valid", "ensemble:N" or "single";
+        `basis` is "recordings" or a file, for metrics that project; `set` fixes values by name, `parameters` those of files;
+        `folds` or `hold_out` (a share) keep recordings for a check; `reading` says how files are read.
 
         >>> realgap.Study.read("sweeps/tripod_floor.ron", points=3, recordings="real_trajectories/tripod_standin/run_0*.csv")
         Study tripod_floor: tripod, 10 recordings, floor.friction, floor.restitution by pca
         """
         wishes = _wishes(
-            recordings, every, offset, limit_recordings, points, seed, score, basis, set, parameters, folds,
-            hold_out, reading,
+            recordings, every, offset, limit_recordings, duration_s, points, seed, score, basis, set, parameters,
+            folds, hold_out, reading,
         )  # fmt: skip
         return cls(_native.Study.parse(os.fspath(path), None, False, native_metric(metric), wishes))
 
@@ -97,6 +98,7 @@ class Study:
         offset: int = 0,
         limit_recordings: Optional[int] = None,
         metric: Optional[AnyMetric] = None,
+        duration_s: Optional[float] = None,
         points: Optional[int] = None,
         seed: Optional[int] = None,
         score: Optional[str] = None,
@@ -114,8 +116,8 @@ class Study:
         'floor'
         """
         wishes = _wishes(
-            recordings, every, offset, limit_recordings, points, seed, score, basis, set, parameters, folds,
-            hold_out, reading,
+            recordings, every, offset, limit_recordings, duration_s, points, seed, score, basis, set, parameters,
+            folds, hold_out, reading,
         )  # fmt: skip
         path = file_name(folder, name)
         return cls(_native.Study.parse(path, text, False, native_metric(metric), wishes))
@@ -132,6 +134,7 @@ class Study:
         offset: int = 0,
         limit_recordings: Optional[int] = None,
         metric: Optional[AnyMetric] = None,
+        duration_s: Optional[float] = None,
         points: Optional[int] = None,
         seed: Optional[int] = None,
         score: Optional[str] = None,
@@ -156,8 +159,8 @@ class Study:
         True
         """
         wishes = _wishes(
-            recordings, every, offset, limit_recordings, points, seed, score, basis, set, parameters, folds,
-            hold_out, reading,
+            recordings, every, offset, limit_recordings, duration_s, points, seed, score, basis, set, parameters,
+            folds, hold_out, reading,
         )  # fmt: skip
         path, text = file_name(folder, name), asked("a study", **dict(fields))
         return cls(_native.Study.parse(path, text, True, native_metric(metric), wishes))
@@ -367,6 +370,7 @@ def _wishes(
     every: Optional[int],
     offset: int,
     limit_recordings: Optional[int],
+    duration_s: Optional[float],
     points: Optional[int],
     seed: Optional[int],
     score: Optional[str],
@@ -384,6 +388,7 @@ def _wishes(
         every=every,
         offset=offset,
         limit_recordings=limit_recordings,
+        duration_s=duration_s,
         points=points,
         seed=seed,
         score=score,

@@ -30,7 +30,7 @@ pub struct StudyOptions {
     /// ensemble or ensemble:N (N of them with the study's noise; 16), single (one run, luck included)
     #[arg(long, value_name = "RULE", value_parser = parse_score)]
     score: Option<ScoreRule>,
-    /// Simulate and compare only the first S seconds of every recording, before one early error spoils the rest
+    /// Simulate and compare only the first S seconds of every run, before one early error spoils the rest
     #[arg(long, value_name = "S")]
     duration: Option<f64>,
     /// Seed in place of the study's own

@@ -50,7 +50,14 @@ fn a_shorter_duration_on_the_command_line_is_that_of_the_study() {
     std::fs::write(&short, text.replace("duration_s: 0.4", "duration_s: 0.2")).unwrap();
     let trials = |study: &Path, name: &str, more: &[&str]| {
         let out = folder.path().join(name);
-        let few = ["--budget", "4", "--optimizer", "random", "--score", "single"];
+        let few = [
+            "--budget",
+            "4",
+            "--optimizer",
+            "random",
+            "--score",
+            "single",
+        ];
         tune(study, &out, &[&few, more].concat()).success();
         read(&out, "trials.csv")
     };

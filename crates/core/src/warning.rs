@@ -154,7 +154,7 @@ codes! {
     ShorterSimulation "shorter-simulation" "A simulation ends before its recording." "simulate as long as the recording";
     SolverNotExported "solver-not-exported" "A format does not hold the solver's settings." "set timestep and solver by hand in the other simulator";
     SpeedLimitInvented "speed-limit-invented" "A format asks for a speed limit that the robot does not have." "check the speed limit in the written file";
-    SpringNotExported "spring-not-exported" "Springs, armatures, compliance and marks are not in an exported file." "set them in the other program, or export as mjcf, which lacks compliance only";
+    SpringNotExported "spring-not-exported" "Springs, armatures, compliance and marks are not in an exported file." "set them in the other program; mjcf holds all but compliance";
     StaleSamples "stale-samples" "Samples repeat the joints of the one before although commands move." "read the joints again in every sample, or expect errors as large as they move in one";
     StandIn "stand-in" "A simulator made the recordings." "record real runs: a fit to a simulator says nothing about reality";
     Standstill "standstill" "A recording begins before the robot moves." "crop the standstill";

@@ -76,7 +76,7 @@ pub enum JointKind {
     Impulse,
     /// Multibody joints where a light part carries a heavy one, [`JointKind::LIGHT`], or a servo is a motor behind a gear, and the
     /// robot has at most [`JointKind::MOST_HINGES`] hinges; impulse joints for all others, whose contacts they do not soften (docs/fidelity/contact.md).
-    /// A robot of stated bodies is a multibody, whatever its number of joints.
+    /// A robot of stated bodies is a multibody, whatever its number of joints, and one whose bearings give way never is.
     Auto,
 }
 

@@ -47,7 +47,7 @@ impl Engine for Tree {
         experiment
             .assembly
             .is_compliant()
-            .then(|| "its hinges cannot give way (hinge.compliance_hz)".to_owned())
+            .then(|| "its hinges cannot give way (hinge.bearing_hz)".to_owned())
     }
 
     fn build(&self, setup: &Setup<'_>) -> Result<Box<dyn World>> {

@@ -58,7 +58,7 @@ fn elbow() -> Experiment {
 /// The same, with a bearing that gives way.
 fn loose() -> Experiment {
     ParameterSet::new()
-        .with("hinge.compliance_hz=100".parse().unwrap())
+        .with("hinge.bearing_hz=100".parse().unwrap())
         .apply(&elbow())
 }
 
@@ -217,9 +217,9 @@ fn case(parameter: &Parameter) -> (Vec<Make>, f64, f64) {
         "servo.stribeck_speed_rad_s" => (vec![sticky], 0.1, 1.0),
         "servo.stribeck_shape" => (vec![sticky], 1.0, 3.0),
         "gait.frequency_scale" | "gait.amplitude_scale" => (vec![walk], 1.0, 0.7),
-        "hinge.compliance_hz" => (vec![elbow], 0.0, 100.0),
+        "hinge.bearing_hz" => (vec![elbow], 0.0, 100.0),
         // A ratio does nothing where nothing gives way.
-        "hinge.compliance_ratio" => (vec![loose], 1.0, 0.3),
+        "hinge.bearing_ratio" => (vec![loose], 1.0, 0.3),
         "hinge.armature_kg_m2" => (vec![elbow], 0.0, 0.001),
         "hinge.viscous_nm_s_rad" | "hinge.dry_nm" => (vec![elbow], 0.0, 0.002),
         "pusher.offset_x_m" | "pusher.offset_y_m" | "pusher.offset_z_m" => {

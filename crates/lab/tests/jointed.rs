@@ -154,7 +154,7 @@ fn what_follows_an_impact_tells_how_a_hinge_gives_way() {
     let mut builder = Study::builder("struck", robot);
     for k in 1..=6 {
         // Dropped from 0.6 m they meet the floor after 0.4 s.
-        let path = toss(set(&elbow(), &[("hinge.compliance_hz", 140.0)]), k, 0.5);
+        let path = toss(set(&elbow(), &[("hinge.bearing_hz", 140.0)]), k, 0.5);
         builder = builder.trajectory(format!("toss_{k}"), path);
     }
     let study = builder
@@ -162,13 +162,13 @@ fn what_follows_an_impact_tells_how_a_hinge_gives_way() {
         .start_from_recordings(StartState::FirstSample)
         .score(ScoreRule::Single)
         .set("timestep_s", 1.0 / (148.0 * 16.0))
-        .vary("hinge.compliance_hz", 50.0, 250.0, 5)
+        .vary("hinge.bearing_hz", 50.0, 250.0, 5)
         .build()
         .unwrap();
     let answer = study.sweep(&RunOptions::default()).unwrap();
     let best = answer.report.best.as_ref().unwrap();
     assert!(
-        (120.0..160.0).contains(&best.parameters["hinge.compliance_hz"]),
+        (120.0..160.0).contains(&best.parameters["hinge.bearing_hz"]),
         "{best:?}"
     );
 }

@@ -114,7 +114,7 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
         ),
     ];
     if robot.assembly.is_compliant() {
-        warnings.push(Code::SpringNotExported.says("how bearings give way (hinge.compliance_hz)"));
+        warnings.push(Code::SpringNotExported.says("how bearings give way (hinge.bearing_hz)"));
     }
     if robot.has_servos() {
         warnings.push(Code::GaitNeedsProgram.says(

@@ -197,11 +197,11 @@ pub struct Bearing {
     pub compliance: Compliance,
 }
 
-/// How a bearing gives way in the directions that it holds: a spring and a damper each, as stiff as the two parts between them
-/// swing with this frequency.
+/// How a bearing gives way in the directions that it holds: by a spring and a damper each, so stiff that its two parts by themselves
+/// would swing with this frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Compliance {
-    /// Natural frequency, Hz; 0 where it is rigid.
+    /// Natural frequency, Hz; 0 where the bearing is rigid.
     pub frequency_hz: f64,
     /// Damping ratio, dimensionless.
     pub damping_ratio: f64,
