@@ -92,6 +92,8 @@ def test_a_study_of_dicts_and_one_of_objects_give_the_scores_of_its_file(
     }
     of_dict = realgap.Study.from_dict(fields, name="friction")
     assert of_dict.sweep().points.to_dict() == expected
+    shorter = realgap.Study.from_dict({**fields, "duration_s": 2.0}, name="friction", duration_s=0.5)
+    assert shorter.sweep().points.to_dict() == expected
     vary = {"floor.friction": (0.2, 0.8, 3)}
     made = realgap.Study.of(
         tripod, recordings, vary, name="friction", metric="rms", duration_s=0.5
