@@ -152,6 +152,15 @@ fn what_a_format_cannot_carry_stands_in_the_file_too() {
 }
 
 #[test]
+fn that_bearings_give_way_is_said_to_be_missing() {
+    for format in ["mjcf", "urdf"] {
+        let of = |hz: f64| render(&named("elbow"), format, &[("hinge.bearing_hz", hz)]);
+        assert!(of(200.0).contains("compliance") || of(200.0).contains("hinge.bearing_hz"));
+        assert!(!of(0.0).contains("compliance") && !of(0.0).contains("hinge.bearing_hz"));
+    }
+}
+
+#[test]
 fn mjcf_carries_gait_servo_floor_and_calibrated_values() {
     let text = render(
         &named("tripod"),
