@@ -1,8 +1,8 @@
 """MuJoCo on the tosses of two hinged boxes: the same body, the same starts and as many contact parameters as realgap.
 
-    realgap identify sweeps/elbow_toss_fit.ron --every 2 --recordings DATA/*.csv -o body.ron
-    realgap export morphologies/elbow.ron --format mjcf --parameters body.ron -o elbow.xml
-    realgap identify sweeps/elbow_toss_fit.ron --parameters body.ron --recordings DATA/*.csv --format json > starts.json
+    realgap study identify sweeps/elbow_toss_fit.ron --every 2 --recordings DATA/*.csv -o body.ron
+    realgap robot export morphologies/elbow.ron --format mjcf --parameters body.ron -o elbow.xml
+    realgap study identify sweeps/elbow_toss_fit.ron --parameters body.ron --recordings DATA/*.csv --format json > starts.json
     python tools/elbow_mujoco.py elbow.xml starts.json 'DATA/*.csv' --scale LENGTH_SCALE [--first]
     … --compliant --duration 0.25 --budget 150
 

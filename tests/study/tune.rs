@@ -45,9 +45,9 @@ fn tune(study: &Path, out: &Path, more: &[&str]) -> assert_cmd::assert::Assert {
 fn a_shorter_duration_on_the_command_line_is_that_of_the_study() {
     let folder = tempfile::tempdir().unwrap();
     let long = quick(folder.path());
-    let text = std::fs::read_to_string(&long).unwrap();
+    let stated = read(folder.path(), "study.ron");
     let short = folder.path().join("short.ron");
-    std::fs::write(&short, text.replace("duration_s: 0.4", "duration_s: 0.2")).unwrap();
+    std::fs::write(&short, stated.replace("duration_s: 0.4", "duration_s: 0.2")).unwrap();
     let trials = |study: &Path, name: &str, more: &[&str]| {
         let out = folder.path().join(name);
         let few = [
@@ -65,7 +65,7 @@ fn a_shorter_duration_on_the_command_line_is_that_of_the_study() {
     assert_eq!(told, trials(&short, "stated", &[]));
     assert_ne!(told, trials(&long, "whole", &[]));
     let refused = tune(&long, &folder.path().join("none"), &["--duration", "0"]).failure();
-    let said = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+    let said = text(&refused.get_output().stderr);
     assert!(said.contains("duration_s"), "{said}");
 }
 

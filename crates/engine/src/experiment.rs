@@ -88,10 +88,7 @@ impl JointKind {
 
     /// The kind that this robot gets: never [`JointKind::Auto`].
     pub fn resolved(self, assembly: &Assembly) -> Self {
-        let mass_kg = |part: usize| -> f64 {
-            let solids = assembly.parts[part].solids.iter();
-            solids.map(|solid| solid.mass_kg).sum()
-        };
+        let mass_kg = |part: usize| assembly.parts[part].mass_kg();
         let is_uneven = assembly.hinges.iter().any(|hinge| {
             let (a, b) = (mass_kg(hinge.parent_part), mass_kg(hinge.child_part));
             let has_gear = hinge

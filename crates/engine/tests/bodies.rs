@@ -13,7 +13,7 @@ use realgap_robot::morphology::{Assembly, Morphology};
 const G: f64 = 9.81;
 const KINDS: [JointKind; 2] = [JointKind::Impulse, JointKind::Multibody];
 
-fn robot(text: &str) -> Morphology {
+pub fn robot(text: &str) -> Morphology {
     Morphology::parse(&Source::new("robot.ron", text)).unwrap_or_else(|e| panic!("{e}"))
 }
 

@@ -4,10 +4,9 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use realgap_core::file::Source;
 use realgap_engine::{Experiment, JointKind, engine_by_name, watch};
-use realgap_robot::morphology::Morphology;
 
+use crate::bodies::robot;
 use crate::change::Change as _;
 
 const FREQUENCY_HZ: f64 = 8.0;
@@ -26,8 +25,7 @@ fn hanging() -> Experiment {
         hinges: [(name: "shaft", parent: "stand", child: "weight", anchor_m: (0, 0, -0.05), child_anchor_m: (0, 0, 0.05),
             axis: (0, 0, 1))],
     )"#;
-    let robot = Morphology::parse(&Source::new("hanging.ron", text.to_owned())).unwrap();
-    Experiment::new(robot.assemble())
+    Experiment::new(robot(text).assemble())
         .with(|e| {
             e.solver.timestep_s = 0.001;
             e.solver.substeps = 8;
@@ -92,8 +90,7 @@ fn what_swings_on_a_bearing_is_the_reduced_mass_of_its_two_parts() {
         hinges: [(name: "shaft", parent: "stand", child: "weight", anchor_m: (0, 0, 0.2), child_anchor_m: (0, 0, 0),
             axis: (0, 0, 1))],
     )"#;
-    let robot = Morphology::parse(&Source::new("standing.ron", text.to_owned())).unwrap();
-    let standing = Experiment::new(robot.assemble())
+    let standing = Experiment::new(robot(text).assemble())
         .set("hinge.bearing_hz", FREQUENCY_HZ)
         .set("hinge.bearing_ratio", 1.0)
         .lasting(1.0);

@@ -16,6 +16,8 @@ use realgap_path::trajectory::{State, Trajectory};
 use realgap_robot::morphology::{Gait, Morphology, ServoLaw};
 use realgap_sense::range::form::{Curve, FORMS, form_by_name};
 
+use crate::change::Change as _;
+
 /// Less than this is no demonstration, metres.
 const VISIBLE_M: f64 = 1e-4;
 
@@ -57,9 +59,7 @@ fn elbow() -> Experiment {
 
 /// The same, with a bearing that gives way.
 fn loose() -> Experiment {
-    ParameterSet::new()
-        .with("hinge.bearing_hz=100".parse().unwrap())
-        .apply(&elbow())
+    elbow().set("hinge.bearing_hz", 100.0)
 }
 
 /// A servo that is a motor behind a gear swings a weight.

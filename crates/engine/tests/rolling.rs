@@ -4,17 +4,15 @@
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::Vector3;
-use realgap_core::file::Source;
 use realgap_engine::{Experiment, Sampling, Snapshot, Start, run, watch};
 use realgap_path::trajectory::{State, Trajectory};
-use realgap_robot::morphology::Morphology;
+
+use crate::bodies::robot;
 
 const GRAVITY_M_S2: f64 = 9.81;
 
 fn experiment(text: &str) -> Experiment {
-    let robot =
-        Morphology::parse(&Source::new("robot.ron", text)).unwrap_or_else(|e| panic!("{e}"));
-    Experiment::new(robot.assemble())
+    Experiment::new(robot(text).assemble())
 }
 
 fn track(experiment: &Experiment) -> Trajectory {

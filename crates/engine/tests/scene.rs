@@ -5,16 +5,12 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
-use realgap_core::file::Source;
 use realgap_engine::{Experiment, SceneBody, SceneBox, SceneMotion, Start, run};
 use realgap_path::trajectory::{State, Trajectory};
-use realgap_robot::morphology::Morphology;
+
+use crate::bodies::robot;
 
 const G: f64 = 9.81;
-
-fn robot(text: &str) -> Morphology {
-    Morphology::parse(&Source::new("robot.ron", text)).unwrap_or_else(|e| panic!("{e}"))
-}
 
 fn cube_at(x: f64) -> Experiment {
     let cube = robot(

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use realgap_core::warning::{Code, Warning};
 use realgap_engine::{EngineChoice, Experiment, JointKind};
-use realgap_robot::morphology::{Servo, ServoLaw};
+use realgap_robot::morphology::{Part, Servo, ServoLaw};
 
 /// Below this a plate's tilt from sag is not seen, metres (as in `standing.sag`).
 const SAG_M: f64 = 2e-5;
@@ -61,11 +61,7 @@ fn is_free(servo: &Servo) -> bool {
 /// Sag of the lightest part under the whole robot with impulse joints: (M/m) (K m/4) g/ω² with the inverse effective mass K
 /// at a corner, K m = 7 for a thin square plate, the worst case.
 fn impulse_sag_m(experiment: &Experiment) -> f64 {
-    let masses = experiment
-        .assembly
-        .parts
-        .iter()
-        .map(|part| part.solids.iter().map(|solid| solid.mass_kg).sum::<f64>());
+    let masses = experiment.assembly.parts.iter().map(Part::mass_kg);
     let whole_kg: f64 = masses.clone().sum();
     let least_kg = masses.fold(f64::INFINITY, f64::min);
     let omega = TAU * experiment.contact.natural_frequency_hz;

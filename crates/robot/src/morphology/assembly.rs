@@ -82,13 +82,18 @@ pub struct ClusterMass {
 }
 
 impl Part {
+    /// Mass of all its solids, kg.
+    pub fn mass_kg(&self) -> f64 {
+        self.solids.iter().map(|solid| solid.mass_kg).sum()
+    }
+
     /// Mass properties of the cluster in a frame given by its pose: the sum over the solids, moved to the common
     /// centre by the parallel-axes rule (Steiner).
     pub fn mass(&self, frame_from_robot: &Isometry3<f64>) -> ClusterMass {
         let pose = |solid: &Solid| frame_from_robot * solid.robot_from_solid;
         let centre_of =
             |solid: &Solid| (pose(solid) * Point3::from(solid.centre_of_mass_solid_m)).coords;
-        let mass_kg: f64 = self.solids.iter().map(|solid| solid.mass_kg).sum();
+        let mass_kg = self.mass_kg();
         let moment: Vector3<f64> = self
             .solids
             .iter()

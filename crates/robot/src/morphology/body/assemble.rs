@@ -148,8 +148,7 @@ impl Workshop<'_> {
 
     /// Refuses what moves and has no mass from there on: nothing would hold it back.
     fn check_weights(&self, tree: &Tree) -> Checked<()> {
-        let own_kg = |part: &Part| part.solids.iter().map(|solid| solid.mass_kg).sum::<f64>();
-        let mut beyond_kg: Vec<f64> = self.parts.iter().map(own_kg).collect();
+        let mut beyond_kg: Vec<f64> = self.parts.iter().map(Part::mass_kg).collect();
         for hinge in self.hinges.iter().rev() {
             beyond_kg[hinge.parent_part] += beyond_kg[hinge.child_part];
         }
