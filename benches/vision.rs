@@ -18,10 +18,8 @@ use realgap::sensing::radio::{
     Link, LogBase, Message, RadioLog, RadioLogOptions, RadioModel, RadioOptions, Service,
     ServiceOptions, ShadowField, fit,
 };
-use realgap::sensing::vision::camera::{
-    ALPHABET_TEXT, Motif, Scene, alphabet_picture, known, take,
-};
-use realgap::sensing::vision::{Alphabet, Sought, own_extractors};
+use realgap::vision::camera::{ALPHABET_TEXT, Motif, Scene, alphabet_picture, known, take};
+use realgap::vision::{Alphabet, Sought, own_extractors};
 
 fn room(more: &str) -> Scene {
     let text = std::fs::read_to_string("scenes/room.ron").expect("a shipped scene");

@@ -88,57 +88,38 @@
 #[cfg(feature = "schema")]
 pub mod schema;
 
-/// From recordings to parameters of the simulation, and how sure one may be of them.
-pub mod calibration {
-    #[doc(inline)]
-    pub use realgap_lab::calibration::*;
-    #[doc(inline)]
-    pub use realgap_vision::tuning as camera;
-}
+// A crate that is one module of the library has that module's name.
+#[doc(inline)]
+pub use realgap_identification as identification;
+#[doc(inline)]
+pub use realgap_inference as inference;
+#[doc(inline)]
+pub use realgap_optimization as optimization;
+#[doc(inline)]
+pub use realgap_robot as robot;
+#[doc(inline)]
+pub use realgap_sensing as sensing;
+#[doc(inline)]
+pub use realgap_simulation as simulation;
+#[doc(inline)]
+pub use realgap_store as store;
+#[doc(inline)]
+pub use realgap_verification as verification;
+#[doc(inline)]
+pub use realgap_vision as vision;
 
-/// From an experiment to a run.
-pub mod simulation {
-    #[doc(inline)]
-    pub use realgap_engine::*;
-    #[doc(inline)]
-    pub use realgap_verify as verification;
-}
-
-/// What robots perceive, and how far a simulated sensor is from the real one.
-pub mod sensing {
-    #[doc(inline)]
-    pub use realgap_sense::{arena, belief, graph, radio, range};
-    #[doc(inline)]
-    pub use realgap_vision as vision;
-}
-
-/// Robots: modules, servos and glue; genomes and what they develop into.
-pub mod robot {
-    #[doc(inline)]
-    pub use realgap_robot::{genome, morphology};
-}
-
+// Crates of several modules show each under its own name.
 #[doc(inline)]
 pub use realgap_core::{error, file, quantity, random, statistics, table, text, unit, warning};
 #[doc(inline)]
-pub use realgap_engine::export;
-#[doc(inline)]
-pub use realgap_lab::{claim, plan, prediction, search};
-#[doc(inline)]
-pub use realgap_optimize as optimization;
+pub use realgap_lab::{calibration, claim, plan, prediction, search};
 #[doc(inline)]
 pub use realgap_page::{plot, report, results};
 #[doc(inline)]
 pub use realgap_path::{comparison, trajectory};
-#[doc(inline)]
-pub use realgap_robot::import;
-#[doc(inline)]
-pub use realgap_sense::task;
-#[doc(inline)]
-pub use realgap_store as store;
 
 pub use realgap_core::{Advice, Error, ErrorKind, Result, Warning};
-pub use realgap_optimize::{Progress, RunOptions};
+pub use realgap_optimization::{Progress, RunOptions};
 
 /// The pages of `docs/`, shipped with the code they describe.
 pub mod guide {

@@ -35,7 +35,7 @@ FIELDS = ["seed", "modules", "friction", "body_length_m", "rapier_m", "rapier_sd
 BODY_LENGTH_M = 0.058
 # Body lengths, as crates/lab/src/prediction/model.rs has it.
 NOWHERE = 0.1
-# Contacts as MuJoCo's are, as crates/engine/src/experiment.rs has it (`relaxed`).
+# Contacts as MuJoCo's are, as crates/simulation/src/experiment.rs has it (`relaxed`).
 RELAXED = ["contact.friction_model=2", "contact.natural_frequency_hz=79.57747154594767", "contact.damping_ratio=1", "timestep_s=0.0005",
            "solver.substeps=1"]
 

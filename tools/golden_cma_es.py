@@ -1,6 +1,6 @@
-"""Writes crates/optimize/tests/golden/cma_es.csv: how many evaluations pycma needs on the test functions of Hansen's tutorial.
+"""Writes crates/optimization/tests/golden/cma_es.csv: how many evaluations pycma needs on the test functions of Hansen's tutorial.
 
-pip install numpy==2.4.6 cma==4.5.0 && python3 tools/golden_cma_es.py > crates/optimize/tests/golden/cma_es.csv
+pip install numpy==2.4.6 cma==4.5.0 && python3 tools/golden_cma_es.py > crates/optimization/tests/golden/cma_es.csv
 """
 
 import cma

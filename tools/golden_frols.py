@@ -1,6 +1,6 @@
-"""Writes crates/sense/tests/golden/frols.json: forward regression of polynomials, from SysIdentPy.
+"""Writes crates/sensing/tests/golden/frols.json: forward regression of polynomials, from SysIdentPy.
 
-pip install sysidentpy==0.9 && python3 tools/golden_frols.py > crates/sense/tests/golden/frols.json
+pip install sysidentpy==0.9 && python3 tools/golden_frols.py > crates/sensing/tests/golden/frols.json
 
 Samples are random places (u, v) and noisy values of known polynomials; regressors are SysIdentPy's own polynomials of them (degree 4,
 no lags). Kept are its order of terms, error reduction ratios, coefficients and information criteria.

@@ -1,7 +1,7 @@
-"""Writes crates/optimize/tests/golden/gaussian_process.json: reference values for crates/optimize/src/optimizer/gaussian_process.rs.
+"""Writes crates/optimization/tests/golden/gaussian_process.json: reference values for crates/optimization/src/optimizer/gaussian_process.rs.
 
 pip install numpy==2.4.6 scikit-learn==1.9.1 mpmath==1.4.1
-python3 tools/golden_gaussian_process.py > crates/optimize/tests/golden/gaussian_process.json
+python3 tools/golden_gaussian_process.py > crates/optimization/tests/golden/gaussian_process.json
 """
 
 import json

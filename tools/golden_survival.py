@@ -1,6 +1,6 @@
-"""Writes crates/sense/tests/golden/survival.json: Kaplan-Meier curves and log-rank tests by scipy, for crates/core/src/statistics/survival.rs.
+"""Writes crates/sensing/tests/golden/survival.json: Kaplan-Meier curves and log-rank tests by scipy, for crates/core/src/statistics/survival.rs.
 
-pip install numpy==2.4.6 scipy==1.17.1 && python3 tools/golden_survival.py > crates/sense/tests/golden/survival.json
+pip install numpy==2.4.6 scipy==1.17.1 && python3 tools/golden_survival.py > crates/sensing/tests/golden/survival.json
 """
 
 import json

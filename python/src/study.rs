@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use realgap::calibration::identification::StartState;
 use realgap::calibration::{
     self, BasisRule, Overrides, Part, Repeatable, ScoreRule, Split, TuneOptions, recording_id,
 };
 use realgap::comparison::Metric;
+use realgap::identification::StartState;
 use realgap::optimization::optimizer_by_name;
 use realgap::results::{self, Kind};
 use realgap::simulation::Noise;

@@ -7,13 +7,13 @@ mod sensing;
 
 use realgap::calibration::{Definition, Overrides, read_parameters};
 use realgap::file::Source;
-use realgap::import::is_foreign;
 use realgap::robot::genome::Specimen;
+use realgap::robot::import::is_foreign;
 use realgap::search::{self, Search};
 use realgap::sensing::arena::Arena;
-use realgap::simulation::verification::known_limits;
 use realgap::text::shown;
 use realgap::trajectory::Reading;
+use realgap::verification::known_limits;
 use realgap::{results::draw_arena, results::portrait, trajectory};
 
 use super::kind::Kind;

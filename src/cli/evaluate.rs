@@ -1,8 +1,8 @@
 //! `realgap evaluate`: how well one setting predicts recordings.
 
-use realgap::calibration::identification::StartState;
 use realgap::calibration::{Average, Evaluation, JointEvaluation, Overrides};
 use realgap::comparison::{Joints, Pose};
+use realgap::identification::StartState;
 use realgap::prediction::Odds;
 use realgap::simulation::parameter::ParameterSet;
 use realgap::trajectory::Recording;

@@ -1,7 +1,7 @@
 //! `realgap robot export`: a robot for another simulator.
 
 use clap::builder::PossibleValuesParser;
-use realgap::export::{FORMATS, Robot, format_named};
+use realgap::simulation::export::{FORMATS, Robot, format_named};
 
 use super::kit::*;
 use super::option::recording_unused;

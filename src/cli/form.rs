@@ -1,9 +1,7 @@
 //! What `--format json` prints: each answer has a form with a name, a schema in `schemas/answers/` and a version in itself.
 
-use realgap::calibration::identification::JointIdentification;
-use realgap::calibration::{
-    JointEvaluation, RecordReport, Report as Calibration, Sensitivity, camera::TunedCamera,
-};
+use realgap::calibration::{JointEvaluation, RecordReport, Report as Calibration, Sensitivity};
+use realgap::identification::JointIdentification;
 use realgap::plan::Status;
 use realgap::prediction::gap::{FloorReport, StudyGap};
 use realgap::prediction::{Card, EnsembleReport};
@@ -12,8 +10,9 @@ use realgap::sensing::belief::BeliefReport;
 use realgap::sensing::graph::{Evaluation as GraphEvaluation, FittedGraph};
 use realgap::sensing::radio::{Evaluation as RadioEvaluation, FittedRadio, ServiceReport};
 use realgap::sensing::range::Characterisation;
-use realgap::sensing::vision::VisionReport;
-use realgap::task::TaskComparison;
+use realgap::sensing::task::TaskComparison;
+use realgap::vision::VisionReport;
+use realgap::vision::tuning::TunedCamera;
 
 use super::check::report::FileReport;
 use super::compare::{Compared, Scored};

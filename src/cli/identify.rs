@@ -2,14 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use realgap::calibration::identification::{
-    FlightErrors, Identification, Interval, JointIdentification, LengthReading, identify,
-    identify_joints,
-};
 use realgap::calibration::{BestFile, Definition, Overrides, RestingOdds, StartRule, recording_id};
 use realgap::claim::flights;
 use realgap::comparison::Pose;
 use realgap::file::write_ron;
+use realgap::identification::{
+    FlightErrors, Identification, Interval, JointIdentification, LengthReading, identify,
+    identify_joints,
+};
 use realgap::simulation::parameter::{Assignment, ParameterSet};
 
 use super::kind::read_definition;

@@ -1,7 +1,7 @@
 //! `realgap robot import`: a robot of another program.
 
 use realgap::file::{Source, read_limited};
-use realgap::import::{AssumedLaw, Note, Options};
+use realgap::robot::import::{AssumedLaw, Note, Options};
 
 use super::kit::*;
 use super::option::Format;

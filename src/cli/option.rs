@@ -6,9 +6,9 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use realgap::calibration::identification::StartState;
 use realgap::calibration::{Fitted, Mode, Overrides, Part};
 use realgap::comparison::{self, Metric};
+use realgap::identification::StartState;
 use realgap::search::read_indistinguishable;
 use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::simulation::{ENGINES, Experiment, JointKind, Solver, engine_by_name};

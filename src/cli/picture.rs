@@ -4,10 +4,10 @@ mod motion;
 
 use clap::ArgGroup;
 use indicatif::ProgressBar;
-use realgap::sensing::vision::camera::{
+use realgap::vision::camera::{
     ALPHABET_TEXT, Camera, Light, Motif, Scene, View, alphabet_picture, known, take,
 };
-use realgap::sensing::vision::{AlphabetFile, Picture as Bitmap, PictureSource, ViewsFile};
+use realgap::vision::{AlphabetFile, Picture as Bitmap, PictureSource, ViewsFile};
 
 use motion::Moving;
 

@@ -77,7 +77,7 @@ impl ReplayCommand {
         files.extend(self.robot.as_deref());
         files.extend(self.against.iter().map(PathBuf::as_path));
         let is_ron = self.run.extension().is_some_and(|ending| ending == "ron");
-        if is_ron || realgap::import::is_foreign(&self.run) {
+        if is_ron || realgap::robot::import::is_foreign(&self.run) {
             if self.robot.is_some() {
                 return Err(Error::usage("this is a robot already")
                     .field("robot")

@@ -7,8 +7,8 @@ use std::io::{BufRead as _, IsTerminal as _};
 
 use realgap::calibration::{Overrides, Study};
 use realgap::file::{Source, write_ron};
-use realgap::import::is_foreign;
 use realgap::prediction::ensemble::rms_m;
+use realgap::robot::import::is_foreign;
 use realgap::trajectory::{
     Ask, Axes, Guess, Open, Prepared, Reading, Recording, prepare, read_all,
 };

@@ -1,7 +1,7 @@
 //! `realgap sense tasks`: how long tasks take, real against simulated.
 
 use realgap::results::{draw_task_curves, draw_task_times};
-use realgap::task::{Goal, TaskComparison, TaskLog, time_to_reach};
+use realgap::sensing::task::{Goal, TaskComparison, TaskLog, time_to_reach};
 use realgap::trajectory;
 use realgap::unit::LengthUnit;
 

@@ -2,7 +2,7 @@
 
 use realgap::robot::morphology::Assembly;
 use realgap::simulation::EngineChoice;
-use realgap::simulation::verification::{self, Check, Limit, Settings, Tolerance, Verdict};
+use realgap::verification::{self, Check, Limit, Settings, Tolerance, Verdict};
 
 use super::kit::*;
 use super::option::SolverOptions;

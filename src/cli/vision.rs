@@ -1,9 +1,9 @@
 //! `realgap sense vision`: what is found in pictures, and whether it is the same in simulated and in real ones.
 
-use realgap::calibration::camera::{CameraOptions, tune_camera};
 use realgap::results::draw_vision;
-use realgap::sensing::vision::camera::Scene;
-use realgap::sensing::vision::{
+use realgap::vision::camera::Scene;
+use realgap::vision::tuning::{CameraOptions, tune_camera};
+use realgap::vision::{
     EXTRACTORS, Extractor, Grey, RelativeTo, Step, Views, VisionOptions, compare_folders,
     contact_sheet, extractor_by_name, own_extractors, stacked,
 };

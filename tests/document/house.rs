@@ -8,9 +8,8 @@ use crate::common;
 /// Crates that only these may name in their `[dependencies]`, so that another engine, another store or another way of
 /// drawing is work in one place. The facade is called `realgap`.
 const OWNED: &[(&str, &[&str])] = &[
-    ("rapier3d", &["engine"]),
-    ("rapier3d-f64", &["engine"]),
-    ("plotters", &["paint"]),
+    ("rapier3d-f64", &["simulation"]),
+    ("plotters", &["drawing"]),
     ("rusqlite", &["store"]),
     // The facade's is for tests alone, and a dependency of tests cannot be optional.
     ("parquet", &["store", "realgap"]),

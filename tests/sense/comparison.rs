@@ -3,7 +3,7 @@
 
 use crate::album::folders;
 use crate::common;
-use realgap::sensing::vision::Grey;
+use realgap::vision::Grey;
 
 #[test]
 fn the_command_prints_a_table_json_and_pictures() {

@@ -14,7 +14,7 @@ mod graph;
 mod radio_command;
 mod range;
 mod ride;
-#[path = "../../crates/sense/tests/room.rs"]
+#[path = "../../crates/sensing/tests/room.rs"]
 mod room;
 mod task;
 mod walk;

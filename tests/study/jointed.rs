@@ -1,7 +1,7 @@
 //! What flight says of a robot with a joint, by the library and by the command.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-use realgap::calibration::identification::{LengthReading, identify_joints};
+use realgap::identification::{LengthReading, identify_joints};
 use realgap::trajectory::{self, Recording};
 
 use crate::common;

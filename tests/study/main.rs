@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 mod basis;
-#[path = "../../crates/engine/tests/change.rs"]
+#[path = "../../crates/simulation/tests/change.rs"]
 mod change;
 #[path = "../common/mod.rs"]
 mod common;

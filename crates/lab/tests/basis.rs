@@ -6,7 +6,7 @@ use crate::common;
 use common::project;
 use realgap_core::unit::LengthUnit;
 use realgap_lab::calibration::{BasisRule, Split, Study, StudyBuilder, TuneOptions};
-use realgap_optimize::RunOptions;
+use realgap_optimization::RunOptions;
 use realgap_path::comparison;
 use realgap_path::trajectory::Recording;
 use realgap_robot::morphology::Morphology;

@@ -4,14 +4,14 @@
 use crate::common;
 
 use realgap_core::unit::LengthUnit;
-use realgap_engine::Noise;
-use realgap_engine::parameter::{Assignment, ParameterSet};
 use realgap_lab::calibration::{Fitted, Repeatable, Study, read_best};
 use realgap_lab::prediction::gap::{GapOptions, StudyGap};
 use realgap_lab::prediction::{EnsembleOptions, EnsembleReport, ModelError};
-use realgap_optimize::RunOptions;
+use realgap_optimization::RunOptions;
 use realgap_path::{comparison, trajectory};
 use realgap_robot::morphology::Morphology;
+use realgap_simulation::Noise;
+use realgap_simulation::parameter::{Assignment, ParameterSet};
 
 const SEED: u64 = 3;
 const REPEATS: usize = 24;

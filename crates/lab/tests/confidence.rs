@@ -10,13 +10,13 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use rayon::prelude::*;
 use realgap_core::statistics::{PERMUTATIONS, energy_test};
-use realgap_engine::parameter::by_name as parameter;
-use realgap_engine::{Camera, Distribution, Experiment, Noise, Sampling};
 use realgap_lab::prediction::ensemble;
 use realgap_lab::prediction::gap::{CaseRuns, Confidence, Sample, Scoring, distances, noise_floor};
 use realgap_path::comparison::{Components, by_name};
 use realgap_path::trajectory::Trajectory;
 use realgap_robot::morphology::Morphology;
+use realgap_simulation::parameter::by_name as parameter;
+use realgap_simulation::{Camera, Distribution, Experiment, Noise, Sampling};
 
 const BODY_M: f64 = 0.06;
 

@@ -8,13 +8,13 @@
 use crate::common;
 
 use realgap_core::statistics::Proportion;
-use realgap_engine::parameter::by_name;
-use realgap_engine::{Camera, Distribution, Experiment, Noise, Sampling, run};
 use realgap_lab::calibration::{Answer, Study, TuneOptions};
-use realgap_optimize::{RunOptions, optimizer_by_name};
+use realgap_optimization::{RunOptions, optimizer_by_name};
 use realgap_path::comparison;
 use realgap_path::trajectory::Trajectory;
 use realgap_robot::morphology::Morphology;
+use realgap_simulation::parameter::by_name;
+use realgap_simulation::{Camera, Distribution, Experiment, Noise, Sampling, run};
 
 /// The robot, and what of it nobody knows.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,10 +3,10 @@
 #![allow(dead_code, reason = "every test binary uses its own part")]
 
 use nalgebra::{UnitQuaternion, Vector3};
-use realgap_engine::parameter::by_name;
-use realgap_engine::{Experiment, JointKind, JointState, Sampling, Start, run};
 use realgap_path::trajectory::{Recording, State, Trajectory};
 use realgap_robot::morphology::Morphology;
+use realgap_simulation::parameter::by_name;
+use realgap_simulation::{Experiment, JointKind, JointState, Sampling, Start, run};
 
 use crate::common;
 

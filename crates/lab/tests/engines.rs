@@ -4,14 +4,14 @@
 use crate::common;
 
 use nalgebra::{UnitQuaternion, Vector3};
-use realgap_engine::parameter::by_name;
-use realgap_engine::{Experiment, Start, engine_by_name, run};
-use realgap_lab::calibration::identification::StartState;
+use realgap_identification::StartState;
 use realgap_lab::calibration::{Answer, Study, StudyBuilder};
-use realgap_optimize::RunOptions;
+use realgap_optimization::RunOptions;
 use realgap_path::comparison;
 use realgap_path::trajectory::State;
 use realgap_robot::morphology::Morphology;
+use realgap_simulation::parameter::by_name;
+use realgap_simulation::{Experiment, Start, engine_by_name, run};
 
 const FRICTION: f64 = 0.3;
 

@@ -9,15 +9,15 @@ use std::time::Duration;
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
-use realgap_engine::{Divergence, Experiment, Noise, Outcome, Perturbation};
 use realgap_lab::prediction::UncertainParameters;
 use realgap_lab::prediction::ensemble::{
     BEHAVIOURS, Ensemble, Envelope, Forecast, Kind, LEAST_PATHS, LEVELS, Motion, Quantiles,
     Reality, Repeat, behaviours, cut_m, repeat, rms_m, run,
 };
-use realgap_optimize::{Progress, RunOptions};
+use realgap_optimization::{Progress, RunOptions};
 use realgap_path::trajectory::{Prepared, Trajectory, prepare};
 use realgap_robot::morphology::Morphology;
+use realgap_simulation::{Divergence, Experiment, Noise, Outcome, Perturbation};
 
 const BODY_M: f64 = 0.06;
 

@@ -5,12 +5,12 @@
 use std::path::Path;
 
 use realgap_core::file::Source;
-use realgap_engine::run;
 use realgap_lab::calibration::{
     Answer, Likeness, Overrides, OwnParameters, PointScore, Study, TuneOptions,
 };
-use realgap_optimize::{RunOptions, optimizer_by_name};
+use realgap_optimization::{RunOptions, optimizer_by_name};
 use realgap_path::trajectory::{self, Trajectory};
+use realgap_simulation::run;
 
 use crate::common::project;
 

@@ -6,7 +6,7 @@ use crate::common;
 use common::project;
 use realgap_core::unit::LengthUnit;
 use realgap_lab::calibration::{Answer, Split, Study};
-use realgap_optimize::RunOptions;
+use realgap_optimization::RunOptions;
 use realgap_path::comparison::by_name;
 use realgap_path::trajectory::{self, Recording};
 use realgap_robot::morphology::Morphology;

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use realgap_core::file::Source;
-use realgap_engine::parameter::{Assignment, ParameterSet};
-use realgap_engine::{CommandTrack, Experiment, JointState, Quantity, Sampling, run};
 use realgap_lab::calibration::{Overrides, Split, Study, TuneOptions};
-use realgap_optimize::{RunOptions, optimizer_by_name};
+use realgap_optimization::{RunOptions, optimizer_by_name};
 use realgap_robot::morphology::Morphology;
+use realgap_simulation::parameter::{Assignment, ParameterSet};
+use realgap_simulation::{CommandTrack, Experiment, JointState, Quantity, Sampling, run};
 
 /// An arm of two joints on a table, one of them with the name of an attitude.
 fn robot(law: &str) -> String {

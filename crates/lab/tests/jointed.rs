@@ -7,14 +7,14 @@ use crate::elbow::{elbow, set, toss};
 use std::fmt::Write as _;
 
 use realgap_core::unit::LengthUnit;
-use realgap_engine::Start;
-use realgap_engine::parameter::ParameterSet;
-use realgap_lab::calibration::identification::{LengthReading, StartState, identify_joints};
+use realgap_identification::{LengthReading, StartState, identify_joints};
 use realgap_lab::calibration::{Overrides, ScoreRule, Study};
-use realgap_optimize::RunOptions;
+use realgap_optimization::RunOptions;
 use realgap_path::comparison::pose_errors;
 use realgap_path::trajectory::{self};
 use realgap_robot::morphology::Morphology;
+use realgap_simulation::Start;
+use realgap_simulation::parameter::ParameterSet;
 
 #[test]
 fn joints_of_any_number_are_read_by_name_written_back_and_part_of_the_pose() {

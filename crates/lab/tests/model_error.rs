@@ -5,14 +5,14 @@
 use crate::common;
 
 use common::project;
-use realgap_engine::parameter::{Assignment, ParameterSet};
-use realgap_engine::{Experiment, Noise};
 use realgap_lab::prediction::ensemble::{self, Ensemble, Forecast};
 use realgap_lab::prediction::{
     Card, Judged, ModelError, OtherEngine, OwnEngines, Source, SuccessRule,
 };
-use realgap_optimize::RunOptions;
+use realgap_optimization::RunOptions;
 use realgap_robot::morphology::Morphology;
+use realgap_simulation::parameter::{Assignment, ParameterSet};
+use realgap_simulation::{Experiment, Noise};
 
 fn robot(name: &str) -> Morphology {
     Morphology::read(project().join(format!("morphologies/{name}.ron"))).unwrap()

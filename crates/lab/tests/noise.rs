@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
-use realgap_engine::Distribution;
 use realgap_lab::calibration::{Definition, Overrides};
+use realgap_simulation::Distribution;
 
 #[test]
 fn a_study_says_in_which_line_its_noise_is_wrong() {

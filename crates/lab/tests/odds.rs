@@ -5,14 +5,14 @@ use crate::common;
 
 use common::project;
 use nalgebra::{UnitQuaternion, Vector3};
-use realgap_engine::parameter::{Assignment, ParameterSet};
-use realgap_engine::{Distribution, Experiment, Noise, Start, run};
+use realgap_identification::StartState;
 use realgap_lab::calibration::Study;
-use realgap_lab::calibration::identification::StartState;
 use realgap_lab::prediction::{Odds, OddsOptions};
-use realgap_optimize::RunOptions;
+use realgap_optimization::RunOptions;
 use realgap_path::trajectory::{State, Trajectory};
 use realgap_robot::morphology::Morphology;
+use realgap_simulation::parameter::{Assignment, ParameterSet};
+use realgap_simulation::{Distribution, Experiment, Noise, Start, run};
 
 /// A cube that is thrown, with a spin of its own for every number.
 fn toss(number: u32) -> Experiment {

@@ -4,7 +4,7 @@
 use crate::common;
 
 use realgap_lab::calibration::{Definition, INTERVAL_LEVEL, Overrides, Study};
-use realgap_optimize::RunOptions;
+use realgap_optimization::RunOptions;
 
 const FRICTION: f64 = 0.43;
 const RESTITUTION: f64 = 0.36;

@@ -2,9 +2,9 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
-use realgap_engine::parameter::ParameterSet;
 use realgap_lab::calibration::{Definition, Overrides, Study, read_best};
-use realgap_optimize::RunOptions;
+use realgap_optimization::RunOptions;
+use realgap_simulation::parameter::ParameterSet;
 
 #[test]
 fn the_shipped_servo_follows_the_recorded_one_at_every_gain() {

@@ -8,7 +8,7 @@ use std::path::Path;
 use realgap_core::file::Source;
 use realgap_core::statistics::mann_whitney;
 use realgap_lab::search::{Overrides, Search, Variation, generator};
-use realgap_optimize::RunOptions;
+use realgap_optimization::RunOptions;
 
 use crate::common::project;
 

@@ -5,10 +5,10 @@ use realgap::sensing::arena::{Arena, Boundary};
 use realgap::sensing::graph::Sensorgraph;
 use realgap::sensing::radio::RadioModel;
 use realgap::sensing::range::RangeModel;
-use realgap::sensing::vision::camera::Scene;
 use realgap::simulation::Vehicle;
 use realgap::text::shown;
 use realgap::unit::number;
+use realgap::vision::camera::Scene;
 
 use super::super::kit::*;
 use super::{Contents, Kind, SHOWN, report};

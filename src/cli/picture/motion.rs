@@ -6,9 +6,9 @@ use realgap::calibration::Overrides;
 use realgap::file::{look_up, unknown_name};
 use realgap::report::{ShownSolid, shown_body, shown_parts};
 use realgap::robot::morphology::{Assembly, Shape};
-use realgap::sensing::vision::camera::{Body, BodyBox, Mount, Plane, Ride, Scene, Watch};
 use realgap::simulation::{Film, SceneBody, SceneMotion, part_name};
 use realgap::trajectory::{self, Reading, Recording, Trajectory};
+use realgap::vision::camera::{Body, BodyBox, Mount, Plane, Ride, Scene, Watch};
 
 use super::super::kind::{is_study, read_definition};
 use super::super::kit::*;

@@ -1,7 +1,7 @@
 //! The study of joint logs: what the joints were told, and what of their servos is looked for.
 
 use realgap::calibration::{Commands, Unmatched};
-use realgap::import::{AssumedLaw, Options, is_foreign};
+use realgap::robot::import::{AssumedLaw, Options, is_foreign};
 use realgap::robot::morphology::{Freedom, Hinge, ServoLaw, Summary};
 use realgap::trajectory::{Recording, Trajectory};
 

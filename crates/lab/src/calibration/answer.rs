@@ -11,8 +11,8 @@ use super::{
     Uncertainty, Validation,
 };
 use realgap_core::Result;
-use realgap_emulator::{Doubt, Emulator};
-use realgap_optimize::{Ending, Grid, space_filling};
+use realgap_inference::{Doubt, Emulator};
+use realgap_optimization::{Ending, Grid, space_filling};
 
 /// Result of a sweep or of tuning; its `Display` is the report.
 #[derive(Debug, Clone)]

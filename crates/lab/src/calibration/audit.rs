@@ -6,7 +6,7 @@ use super::{Scores, Study};
 use crate::calibration::Profile;
 use realgap_core::Result;
 use realgap_core::unit::counted;
-use realgap_engine::{Experiment, Solver};
+use realgap_simulation::{Experiment, Solver};
 
 /// The best point again, with one numerical setting changed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

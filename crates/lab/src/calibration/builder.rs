@@ -5,15 +5,15 @@ use std::path::PathBuf;
 use super::fitted::samples_sha256;
 use super::recording::warnings_for;
 use super::{BasisRule, Definition, ScoreRule, Split, StartRule, Study};
-use crate::calibration::identification::StartState;
 use realgap_core::Result;
 use realgap_core::file::check_name;
-use realgap_engine::Noise;
-use realgap_engine::parameter::{Assignment, by_name};
-use realgap_optimize::{Grid, Range};
+use realgap_identification::StartState;
+use realgap_optimization::{Grid, Range};
 use realgap_path::comparison::{Components, Metric};
 use realgap_path::trajectory::{Reading, Recording, Trajectory};
 use realgap_robot::morphology::Morphology;
+use realgap_simulation::Noise;
+use realgap_simulation::parameter::{Assignment, by_name};
 
 /// A study as it is put together; [`Study::builder`] begins one.
 ///
@@ -30,7 +30,7 @@ impl Study {
     /// Begins a study of this robot.
     ///
     /// ```
-    /// use realgap_optimize::RunOptions;
+    /// use realgap_optimization::RunOptions;
     /// use realgap_lab::calibration::Study;
     /// use realgap_robot::morphology::Morphology;
     /// use realgap_path::trajectory;

@@ -7,13 +7,11 @@ use nalgebra::Vector3;
 
 use super::recording::in_short;
 use super::{Definition, StartRule, doubt, joints, scene_file};
-use crate::calibration::identification::{
-    Body, EQUAL_MOMENTS, KnownFlight, Refined, StartState, refine,
-};
 use realgap_core::statistics::ends_of;
 use realgap_core::{Advice, Code, Error, Result, Warning};
-use realgap_engine::{Experiment, Sampling, Start};
+use realgap_identification::{Body, EQUAL_MOMENTS, KnownFlight, Refined, StartState, refine};
 use realgap_path::trajectory::{Prepared, Recording, State, Trajectory, clip, prepare};
+use realgap_simulation::{Experiment, Sampling, Start};
 
 /// One recording as it is compared: cut to the simulated duration, and prepared.
 #[derive(Debug, Clone)]

@@ -7,9 +7,9 @@ use serde::Deserialize;
 use super::matching::name_matches;
 use realgap_core::file::unknown_name;
 use realgap_core::{Error, Result};
-use realgap_engine::{Between, CommandTrack, Experiment, Quantity};
 use realgap_path::trajectory::{COMMAND, Recording, Trajectory};
 use realgap_robot::morphology::{Hinge, ServoLaw};
+use realgap_simulation::{Between, CommandTrack, Experiment, Quantity};
 
 /// What the recordings of a study say of its servos: `Commands()` where columns are called after the joints, `NAME_command_rad`
 /// (angles), `NAME_command_rad_s` (speeds) or `NAME_command_nm` (torques), and `NAME_on` where servos are switched.

@@ -7,16 +7,16 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::{BasisRule, Commands, Horizon, Member, Split, Steering};
-use crate::calibration::identification::StartState;
 use realgap_core::file::sha256;
 use realgap_core::range::Range;
 use realgap_core::{Error, Warning};
-use realgap_engine::parameter::{Parameter, ParameterSet};
-use realgap_engine::{Experiment, Noise, SceneBody, Vehicle};
-use realgap_optimize::Grid;
+use realgap_identification::StartState;
+use realgap_optimization::Grid;
 use realgap_path::comparison::{Components, Metric, Pca};
 use realgap_path::trajectory::{Reading, Recording, Source};
 use realgap_robot::morphology::Morphology;
+use realgap_simulation::parameter::{Parameter, ParameterSet};
+use realgap_simulation::{Experiment, Noise, SceneBody, Vehicle};
 
 /// Where a simulated run starts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]

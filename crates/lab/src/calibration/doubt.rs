@@ -4,9 +4,9 @@ use nalgebra::{Isometry3, Translation3};
 
 use realgap_core::unit::{LengthUnit, number};
 use realgap_core::{Code, Warning};
-use realgap_engine::{Experiment, Posture};
 use realgap_path::trajectory::{COMMAND, Recording, odd_axes};
 use realgap_robot::morphology::Morphology;
+use realgap_simulation::{Experiment, Posture};
 
 /// A robot that seems to go farther than this, in its own lengths, may have been measured in another unit.
 const FAR: f64 = 100.0;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::{PointScore, Scores, Study, by_name};
 use realgap_core::statistics::mean_of;
-use realgap_emulator::{Doubt, Emulator, Variance, implausibility};
+use realgap_inference::{Doubt, Emulator, Variance, implausibility};
 
 /// One engine's part in an answer of two.
 #[derive(Debug, Clone, PartialEq)]

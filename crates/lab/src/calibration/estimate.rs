@@ -1,7 +1,7 @@
 //! How long a study will take, from a slice of it: within a second or two, whatever the study.
 
 use realgap_core::Result;
-use realgap_engine::{self as simulation, Experiment};
+use realgap_simulation::{self as simulation, Experiment};
 
 use super::{StartRule, Study};
 

@@ -6,15 +6,15 @@ use serde::Serialize;
 
 use super::rest::face_at_end;
 use super::{Definition, FaceOdds, StartUsed, Study, by_name, few_recordings};
-use crate::calibration::identification::is_at_rest;
 use realgap_core::file::sha256;
 use realgap_core::statistics::{mean, median, standard_deviation};
 use realgap_core::{Code, Error, Result, Warning};
-use realgap_engine::Experiment;
-use realgap_engine::parameter::ParameterSet;
-use realgap_optimize::RunOptions;
+use realgap_identification::is_at_rest;
+use realgap_optimization::RunOptions;
 use realgap_path::comparison::pose_errors;
 use realgap_path::trajectory::Trajectory;
+use realgap_simulation::Experiment;
+use realgap_simulation::parameter::ParameterSet;
 
 /// A final orientation further off than this is another face: a flip.
 const FLIP_DEG: f64 = 45.0;
@@ -133,7 +133,7 @@ fn evaluate_case(
     case: usize,
     experiment: &Experiment,
 ) -> Result<Vec<(usize, RecordingErrors)>> {
-    let run = realgap_engine::run(experiment)?;
+    let run = realgap_simulation::run(experiment)?;
     let face_at_end = |motion: &Trajectory| face_at_end(motion, experiment);
     let simulated = run.outcome.get();
     study.cases()[case]

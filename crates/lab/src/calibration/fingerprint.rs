@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use super::{Definition, Study};
-use crate::calibration::identification::StartState;
 use realgap_core::file::sha256;
+use realgap_identification::StartState;
 use realgap_store::Fingerprint;
 
 impl Study {

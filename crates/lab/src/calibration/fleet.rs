@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use super::{Definition, StartRule, Steering};
 use realgap_core::{Error, Result};
-use realgap_engine::Experiment;
-use realgap_engine::parameter::{Parameter, ParameterSet};
 use realgap_robot::morphology::Morphology;
+use realgap_simulation::Experiment;
+use realgap_simulation::parameter::{Parameter, ParameterSet};
 use realgap_store::Fingerprint;
 
 /// One of the robots of a study of many.

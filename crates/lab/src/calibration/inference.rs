@@ -12,8 +12,8 @@ use super::BestDraws;
 use super::sieve::Sieve;
 use realgap_core::random::{Generator, Once};
 use realgap_core::statistics::{chi_squared_quantile, ends_of};
-use realgap_emulator::{Doubt, Emulator, Variance, emulator_share, implausibility};
-use realgap_optimize::Grid;
+use realgap_inference::{Doubt, Emulator, Variance, emulator_share, implausibility};
+use realgap_optimization::Grid;
 
 /// Confidence level of the set of points that are not implausible.
 pub const LEVEL: f64 = 0.95;

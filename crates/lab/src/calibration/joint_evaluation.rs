@@ -8,9 +8,9 @@ use super::evaluation::{all_diverged, by_recording, provenance};
 use super::{Average, StartUsed, Study, by_name};
 use realgap_core::statistics::{mean, mean_of};
 use realgap_core::{Code, Result, Warning};
-use realgap_engine::parameter::ParameterSet;
-use realgap_optimize::RunOptions;
+use realgap_optimization::RunOptions;
 use realgap_path::comparison::{JointError, joint_error_rad, joint_errors};
+use realgap_simulation::parameter::ParameterSet;
 
 /// One recording and its simulation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -111,7 +111,7 @@ impl Study {
 
     fn joint_errors(&self, case: usize, set: &ParameterSet) -> Result<Vec<(usize, JointErrors)>> {
         let experiment = self.experiment_with(case, set)?;
-        let run = realgap_engine::run(&experiment)?;
+        let run = realgap_simulation::run(&experiment)?;
         let targets = self.cases()[case].targets.iter();
         targets
             .map(|target| {

@@ -4,9 +4,9 @@ use super::Commands;
 use super::command_file::ON;
 use super::matching::name_matches;
 use realgap_core::{Code, Error, Result, Warning};
-use realgap_engine::{Experiment, JointState};
 use realgap_path::trajectory::{Recording, Trajectory, may_be_attitude};
 use realgap_robot::morphology::Hinge;
+use realgap_simulation::{Experiment, JointState};
 
 /// Starts the robot's joints as recorded, has the run record them and the servos do what they were told, where the recording has any
 /// of the robot's joints.

@@ -2,7 +2,7 @@
 
 use super::{PointScore, Study};
 use realgap_core::Result;
-use realgap_optimize::Ending;
+use realgap_optimization::Ending;
 use realgap_store::{Fingerprint, Memory, Mode, Part, Place, Storage, Store, Trial, TrialScore};
 
 /// What a run that keeps its results needs to know of itself.

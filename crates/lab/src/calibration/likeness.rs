@@ -19,8 +19,8 @@ use super::study::Study;
 use crate::prediction::ensemble;
 use realgap_core::error::Result;
 use realgap_core::statistics::mean;
-use realgap_engine::Noise;
 use realgap_path::trajectory::{Prepared, mean_square_m2, prepare};
+use realgap_simulation::Noise;
 
 /// Points that are repeated: two of so many may be farther from the others than reality is.
 const NEAR: usize = 40;

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::MotionTells;
-use realgap_optimize::{Grid, Quadratic};
+use realgap_optimization::{Grid, Quadratic};
 
 /// How the points of an answer were chosen.
 #[derive(Debug, Clone, PartialEq)]

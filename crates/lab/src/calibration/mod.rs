@@ -6,9 +6,9 @@
 //! matter.
 //!
 //! ```
-//! use realgap_optimize::RunOptions;
+//! use realgap_optimization::RunOptions;
 //! use realgap_lab::calibration::{Overrides, Study, TuneOptions};
-//! use realgap_optimize::optimizer_by_name;
+//! use realgap_optimization::optimizer_by_name;
 //!
 //! let overrides = Overrides {
 //!     metric: Some(realgap_path::comparison::by_name("rms")?),
@@ -22,8 +22,6 @@
 //! assert_eq!(answer.report.verdicts[0].parameter, "floor.friction");
 //! # Ok::<(), realgap_core::Error>(())
 //! ```
-
-pub use realgap_identify as identification;
 
 mod answer;
 mod audit;

@@ -9,7 +9,7 @@ use nalgebra::{Cholesky, DMatrix, Dyn};
 use serde::Serialize;
 
 use super::{Horizon, Study};
-use realgap_optimize::{Quadratic, UnitPoint, slopes};
+use realgap_optimization::{Quadratic, UnitPoint, slopes};
 use realgap_store::Trial;
 
 /// What one motion adds to all that is fitted, as if errors were noise alone and straight in the parameters.

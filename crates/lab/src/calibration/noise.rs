@@ -4,7 +4,7 @@ use std::path::Path;
 
 use realgap_core::Result;
 use realgap_core::file::{Source, parse_ron};
-use realgap_engine::Noise;
+use realgap_simulation::Noise;
 
 /// Reads a noise file: what a study has in its `noise` section.
 ///

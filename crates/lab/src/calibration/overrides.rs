@@ -1,11 +1,11 @@
 //! What a caller wants different from a study's file.
 
 use super::{BasisRule, ScoreRule, Split};
-use crate::calibration::identification::StartState;
 use realgap_core::{Error, Result};
-use realgap_engine::parameter::ParameterSet;
+use realgap_identification::StartState;
 use realgap_path::comparison::Metric;
 use realgap_path::trajectory::Reading;
+use realgap_simulation::parameter::ParameterSet;
 
 /// A part of the recordings: the `offset`-th of every `every`, in order of their paths, counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 
 use realgap_core::quantity::Quantity;
 use realgap_core::statistics::ends_of;
-use realgap_optimize::Range;
+use realgap_optimization::Range;
 
 /// Profile of the score along one parameter, all others at their best (profile likelihood, Raue et al. 2009), as the emulator
 /// expects it from all runs.

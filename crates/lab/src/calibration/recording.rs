@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use super::matching::matching_files;
 use super::{Definition, Horizon, Overrides, doubt};
-use crate::calibration::identification::is_at_rest;
 use realgap_core::file::sha256;
 use realgap_core::unit::counted;
 use realgap_core::{Advice, Code, Error, Result, Warning};
+use realgap_identification::is_at_rest;
 use realgap_path::trajectory::{self, META_FILE, Recording, Source};
 use realgap_robot::morphology::Morphology;
 

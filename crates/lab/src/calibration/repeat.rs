@@ -5,9 +5,9 @@ use std::path::Path;
 use super::{Definition, Overrides, StartRule, Study};
 use realgap_core::file::Source;
 use realgap_core::{Code, Error, Result, Warning};
-use realgap_engine::parameter::ParameterSet;
-use realgap_engine::{Experiment, Noise, Sampling};
 use realgap_path::trajectory::Prepared;
+use realgap_simulation::parameter::ParameterSet;
+use realgap_simulation::{Experiment, Noise, Sampling};
 
 /// One experiment of a study to be repeated, with the recordings that should show what its repeats show.
 #[derive(Debug, Clone)]

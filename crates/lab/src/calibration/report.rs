@@ -13,7 +13,7 @@ use super::{
 use crate::claim::{self, About, Claim, Says};
 use realgap_core::unit::{Unit, counted, quantity};
 use realgap_core::{Code, Result, Warning};
-use realgap_optimize::Ending;
+use realgap_optimization::Ending;
 use realgap_path::comparison::pose_errors;
 use realgap_path::trajectory::Source;
 
@@ -437,7 +437,7 @@ fn pose(study: &Study, scores: &Scores) -> Result<Option<PoseErrors>> {
     let (mut position, mut rotation_rad, mut count) = (0.0, 0.0, 0.0);
     for (index, case) in study.cases().iter().enumerate() {
         let experiment = study.experiment(index, values)?;
-        let run = realgap_engine::run(&experiment)?;
+        let run = realgap_simulation::run(&experiment)?;
         let Some(simulated) = run.outcome.completed() else {
             return Ok(None);
         };

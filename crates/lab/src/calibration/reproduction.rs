@@ -13,9 +13,9 @@ use realgap_core::statistics::{
     Proportion, ends_of, mean, mean_of_any, median, standard_deviation,
 };
 use realgap_core::unit::counted;
-use realgap_engine::Experiment;
 use realgap_path::comparison::{Context, METRICS, Metric, Needs, Pair, Rms};
 use realgap_path::trajectory::{Prepared, Trajectory, prepare};
+use realgap_simulation::Experiment;
 
 /// What the shared answer makes of one robot; the first that holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -339,7 +339,7 @@ impl Distances {
 
 /// A run; `None` where it diverged.
 fn run_of(experiment: &Experiment) -> Result<Option<Moved>> {
-    let Some(motion) = realgap_engine::run(experiment)?.outcome.completed() else {
+    let Some(motion) = realgap_simulation::run(experiment)?.outcome.completed() else {
         return Ok(None);
     };
     let prepared = prepare(&motion)?;

@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::{Definition, StartRule, StartUsed, Study, by_name};
-use crate::calibration::identification::{face_down, is_at_rest};
 use realgap_core::{Code, Error, Result, Warning};
-use realgap_engine::Experiment;
-use realgap_engine::parameter::ParameterSet;
-use realgap_optimize::RunOptions;
+use realgap_identification::{face_down, is_at_rest};
+use realgap_optimization::RunOptions;
 use realgap_path::trajectory::Trajectory;
 use realgap_robot::morphology::Face;
+use realgap_simulation::Experiment;
+use realgap_simulation::parameter::ParameterSet;
 
 /// How often a face ended down, in reality and in simulation, over the recordings that end at rest.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -172,7 +172,7 @@ fn ends_of(
         Error::invalid("a recording without orientations has no face that is down")
             .at_file(&study.definition().recordings[target.recording].path)
     })?;
-    let run = realgap_engine::run(&experiment)?;
+    let run = realgap_simulation::run(&experiment)?;
     let motion = run.outcome.completed();
     Ok((
         real,

@@ -7,8 +7,8 @@ use serde::Deserialize;
 
 use realgap_core::file::{orientation, unknown_name};
 use realgap_core::{Error, Result};
-use realgap_engine::{Experiment, SceneBody, SceneBox, SceneMotion};
 use realgap_path::trajectory::Recording;
+use realgap_simulation::{Experiment, SceneBody, SceneBox, SceneMotion};
 
 type Triple = (f64, f64, f64);
 

@@ -9,10 +9,10 @@ use super::score::result_scores;
 use super::{StartRule, Study};
 use realgap_core::statistics::{mean, standard_deviation};
 use realgap_core::{Advice, Error, Result, Warning};
-use realgap_engine::parameter::{self, Assignment, Parameter, ParameterSet};
-use realgap_engine::{Experiment, Noise};
-use realgap_optimize::RunOptions;
+use realgap_optimization::RunOptions;
 use realgap_path::comparison::Basis;
+use realgap_simulation::parameter::{self, Assignment, Parameter, ParameterSet};
+use realgap_simulation::{Experiment, Noise};
 use realgap_store::CaseRow;
 
 /// One parameter, made a little smaller and a little larger.

@@ -6,7 +6,7 @@
 
 use super::Study;
 use realgap_core::statistics::mean_of_any;
-use realgap_engine::{EngineChoice, Experiment, JointKind, Noise};
+use realgap_simulation::{EngineChoice, Experiment, JointKind, Noise};
 
 /// With two engines one setting in so many runs in the study's own, which is the dear one: six of sixteen. A mean over both is as
 /// sure then as it would be with fifteen settings shared evenly.
@@ -192,7 +192,6 @@ mod tests {
         }
     }
 
-    #[cfg(feature = "f64")]
     fn of_both() -> Settings {
         Settings {
             second: experiment().second_engine(),
@@ -221,7 +220,6 @@ mod tests {
     }
 
     #[test]
-    #[cfg(feature = "f64")]
     fn engines_weigh_the_same_however_many_settings_each_has() {
         let both = of_both();
         let own = |number: &usize| both.engine_of_trial(*number) > 0.0;
@@ -238,7 +236,6 @@ mod tests {
     }
 
     #[test]
-    #[cfg(feature = "f64")]
     fn a_large_map_asks_the_dear_engine_half_as_often_and_every_setting_of_it_alike() {
         let both = of_both();
         let large = Settings {
@@ -262,7 +259,6 @@ mod tests {
     }
 
     #[test]
-    #[cfg(feature = "f64")]
     fn the_second_engine_changes_the_engine_and_nothing_else() {
         let own = experiment();
         for number in 0..16 {

@@ -1,8 +1,8 @@
 //! Places that may be, however narrow the valley that holds them.
 
 use realgap_core::statistics::ends_of;
-use realgap_emulator::Emulator;
-use realgap_optimize::{Grid, space_filling};
+use realgap_inference::Emulator;
+use realgap_optimization::{Grid, space_filling};
 
 /// What lies between two possible places is possible up to so many of their mean spacings.
 const SPACINGS: f64 = 3.0;

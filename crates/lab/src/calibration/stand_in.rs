@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use realgap_core::{Advice, Error, Result, Warning};
-use realgap_engine::parameter::ParameterSet;
-use realgap_engine::{self as simulation, Camera, Distribution, Experiment, Noise, Sampling};
-use realgap_optimize::{Progress, RunOptions};
+use realgap_optimization::{Progress, RunOptions};
 use realgap_path::trajectory::{self, Meta, Reading, Source};
 use realgap_robot::morphology::Morphology;
+use realgap_simulation::parameter::ParameterSet;
+use realgap_simulation::{self as simulation, Camera, Distribution, Experiment, Noise, Sampling};
 use realgap_store::FolderLock;
 use serde::Serialize;
 

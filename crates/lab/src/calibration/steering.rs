@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::{Definition, StartRule};
 use realgap_core::file::{Source, sha256};
 use realgap_core::{Error, Result};
-use realgap_engine::{Controller, Experiment, SceneBody};
+use realgap_simulation::{Controller, Experiment, SceneBody};
 
 impl Definition {
     /// Gives its robot, or each of its robots, the controller that the study names for it; `own` are those of robots for themselves.

@@ -9,13 +9,13 @@ use super::fitted::in_sample;
 use super::fleet::check_owners;
 use super::setting::{Settings, is_large_map};
 use super::{BasisRule, Case, Definition, Overrides, ScoreRule, StartRule};
-use crate::calibration::identification::{StartState, refine_again};
 use realgap_core::file::Source;
 use realgap_core::{Error, Result, Warning};
-use realgap_engine::parameter::{Assignment, ParameterSet};
-use realgap_engine::{EngineChoice, Experiment, Noise};
+use realgap_identification::{StartState, refine_again};
 use realgap_path::comparison::{Basis, Context, Pair, Spread};
 use realgap_path::trajectory::{Prepared, prepare};
+use realgap_simulation::parameter::{Assignment, ParameterSet};
+use realgap_simulation::{EngineChoice, Experiment, Noise};
 use realgap_store::{CaseOutcome, CaseResult, CaseRow, Trial};
 
 /// Equally valid settings where the study does not say how many.
@@ -355,10 +355,10 @@ impl Study {
         experiment: &Experiment,
         has_errors: bool,
     ) -> Result<CaseRow> {
-        let run = realgap_engine::run(experiment)?;
+        let run = realgap_simulation::run(experiment)?;
         let motion = match run.outcome {
-            realgap_engine::Outcome::Completed(motion) => motion,
-            realgap_engine::Outcome::Diverged(divergence) => {
+            realgap_simulation::Outcome::Completed(motion) => motion,
+            realgap_simulation::Outcome::Diverged(divergence) => {
                 return Ok(CaseRow {
                     steps: run.steps,
                     outcome: CaseOutcome::Diverged(divergence.to_string()),

@@ -11,15 +11,15 @@ use super::robot_file::{RobotFile, members, morphology_source};
 use super::scene_file::BodyFile;
 use super::values::assignments;
 use super::{BasisRule, Commands, Definition, Horizon, Overrides, ScoreRule, StartRule, recording};
-use crate::calibration::identification::StartState;
 use realgap_core::file::{Source, name_of_file, parse_ron, sha256, unique_keys};
 use realgap_core::{Error, Result};
-use realgap_engine::parameter::{Assignment, Parameter, ParameterSet, by_name};
-use realgap_engine::{Noise, SceneBody, Vehicle};
-use realgap_optimize::{Grid, MAX_POINTS, Range};
+use realgap_identification::StartState;
+use realgap_optimization::{Grid, MAX_POINTS, Range};
 use realgap_path::comparison::{self, Components};
 use realgap_path::trajectory::Reading;
 use realgap_robot::morphology::Morphology;
+use realgap_simulation::parameter::{Assignment, Parameter, ParameterSet, by_name};
+use realgap_simulation::{Noise, SceneBody, Vehicle};
 
 /// A study file as written.
 #[derive(Debug, Deserialize)]

@@ -4,7 +4,7 @@ use super::keeping::{Keeping, KeptRun};
 use super::wave::{WAVES, next_wave, runs_a_wave};
 use super::{Answer, Method, Scores, Study};
 use realgap_core::Result;
-use realgap_optimize::{Batch, Ending, RunOptions, drive};
+use realgap_optimization::{Batch, Ending, RunOptions, drive};
 use realgap_store::{Mode, Part, Place};
 
 impl Study {

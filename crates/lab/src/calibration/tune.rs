@@ -9,7 +9,7 @@ use super::{
 };
 use realgap_core::statistics::median;
 use realgap_core::{Advice, Error, Result};
-use realgap_optimize::{
+use realgap_optimization::{
     Batch, Brief, Ending, History, Optimizer, Proposal, Quadratic, RunOptions, Told, UnitPoint,
     default_optimizer, drive, space_filling,
 };

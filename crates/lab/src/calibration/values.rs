@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use realgap_core::file::{Source, parse_ron, unique_keys};
 use realgap_core::{Error, Result};
-use realgap_engine::parameter::{Assignment, ParameterSet};
+use realgap_simulation::parameter::{Assignment, ParameterSet};
 
 /// Values with where they come from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

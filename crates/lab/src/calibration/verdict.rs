@@ -8,7 +8,7 @@ use super::{Audit, BestDraws, Estimated, INTERVAL_LEVEL, Scores, Uncertainty};
 use crate::claim::{self, Claim, Found, Says};
 use realgap_core::statistics::ends_of;
 use realgap_core::unit::quantity;
-use realgap_optimize::Range;
+use realgap_optimization::Range;
 
 /// One parameter's best value and the range that fits as well.
 #[derive(Debug, Clone, PartialEq, Serialize)]

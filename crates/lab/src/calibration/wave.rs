@@ -9,7 +9,7 @@ use crate::prediction::ensemble::rms_m;
 use realgap_core::Result;
 use realgap_core::random::Numbered;
 use realgap_core::statistics::least_by;
-use realgap_emulator::{Doubt, Emulator, ScoredRun};
+use realgap_inference::{Doubt, Emulator, ScoredRun};
 use realgap_path::trajectory::Prepared;
 
 /// Waves after the first runs; every wave knows what the one before has found.

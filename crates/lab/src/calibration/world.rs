@@ -8,11 +8,11 @@ use rand_distr::{Distribution, StandardNormal};
 use super::INTERVAL_LEVEL;
 use super::inference::Inference;
 use realgap_core::random::Generator;
-use realgap_emulator::{Doubt, Emulator, ScoredRun};
-use realgap_engine::parameter::by_name;
-use realgap_optimize::{
+use realgap_inference::{Doubt, Emulator, ScoredRun};
+use realgap_optimization::{
     Brief, Grid, History, Proposal, Range, Told, UnitPoint, optimizer_by_name, space_filling,
 };
+use realgap_simulation::parameter::by_name;
 
 /// Numbers that a path is made of.
 const PATH: usize = 12;

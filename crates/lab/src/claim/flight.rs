@@ -1,7 +1,7 @@
 //! What flights say about a robot's parameter.
 
 use super::{About, Claim, Says};
-use crate::calibration::identification::{Interval, JointVerdict};
+use realgap_identification::{Interval, JointVerdict};
 
 /// Whether flights determine a parameter.
 pub fn flights(verdict: &JointVerdict) -> Claim {

@@ -5,7 +5,7 @@ use std::fmt;
 use super::{About, Claim, Says};
 use crate::calibration::Estimated;
 use realgap_core::unit::{counted, number};
-use realgap_optimize::Range;
+use realgap_optimization::Range;
 
 /// What was found about one parameter.
 #[derive(Debug, Clone)]
@@ -242,7 +242,7 @@ pub(crate) fn summary(parameters: &[Claim]) -> Option<Claim> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realgap_engine::parameter::by_name;
+    use realgap_simulation::parameter::by_name;
 
     fn friction() -> Range {
         Range::new(by_name("floor.friction").unwrap(), 0.05, 1.05, 21).unwrap()

@@ -8,7 +8,7 @@ use crate::prediction::gap::{GapOptions, StudyGap};
 use crate::prediction::{EnsembleOptions, EnsembleReport};
 use crate::search::Search;
 use realgap_core::{Error, Result};
-use realgap_optimize::{Ending, RunOptions};
+use realgap_optimization::{Ending, RunOptions};
 use realgap_store::{Fingerprint, FolderLock, Part, RobotRow, RunRow, Share, Table, Trial};
 
 /// Something long whose rows can be made by several workers.

@@ -1,8 +1,8 @@
 //! Models that are as valid as the one that was asked for: other numerics, joints, engines, and values that fit as well.
 
 use super::Source;
-use realgap_engine::parameter::ParameterSet;
-use realgap_engine::{EngineChoice, Experiment};
+use realgap_simulation::parameter::ParameterSet;
+use realgap_simulation::{EngineChoice, Experiment};
 
 /// Numbers of the equally valid numerics that are tried: twice the substeps, half the step, and less of either.
 const NUMERICS: u64 = 4;

@@ -13,7 +13,7 @@ use crate::claim::{self, Claim};
 use realgap_core::statistics::Proportion;
 use realgap_core::unit::{Unit, quantity};
 use realgap_core::{Code, Error, Result, Warning};
-use realgap_engine::parameter::ParameterSet;
+use realgap_simulation::parameter::ParameterSet;
 
 /// A robot that gets less far than this share of its body length without noise goes nowhere.
 const NOWHERE_BODY_LENGTHS: f64 = 0.1;
@@ -138,10 +138,10 @@ pub struct Finals {
 /// What one robot will do.
 ///
 /// ```
-/// use realgap_optimize::RunOptions;
+/// use realgap_optimization::RunOptions;
 /// use realgap_lab::prediction::{Card, SuccessRule, ensemble};
 /// use realgap_robot::morphology::Morphology;
-/// use realgap_engine::{Experiment, Noise};
+/// use realgap_simulation::{Experiment, Noise};
 ///
 /// let robot = Morphology::read("../../morphologies/tripod.ron")?;
 /// let mut experiment = Experiment::new(robot.assemble());

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use realgap_core::{Code, Result, Warning};
-use realgap_engine::{Experiment, run};
+use realgap_simulation::{Experiment, run};
 
 /// Difference of the first servo's zero between the two runs, radians.
 const NUDGE_RAD: f64 = 1e-6;

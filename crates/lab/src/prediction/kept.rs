@@ -8,8 +8,8 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use realgap_core::{Error, Result};
-use realgap_engine::{Divergence, EnergyBalance, Outcome, Run};
 use realgap_path::trajectory::{JointTrack, Trajectory};
+use realgap_simulation::{Divergence, EnergyBalance, Outcome, Run};
 use realgap_store::{Fingerprint, RunRow, Store};
 
 /// What of a run cannot be said in numbers.
@@ -224,8 +224,8 @@ const ENERGIES: [fn(&mut EnergyBalance) -> &mut f64; 9] = [
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realgap_engine::Experiment;
     use realgap_robot::morphology::Morphology;
+    use realgap_simulation::Experiment;
 
     #[test]
     fn a_run_comes_back_to_the_bit_and_half_a_row_is_an_error() {
@@ -233,7 +233,7 @@ mod tests {
         let mut experiment = Experiment::new(morphology.assemble());
         experiment.duration_s = 0.3;
         experiment.energy_from_s = Some(0.0);
-        let run = realgap_engine::run(&experiment).unwrap();
+        let run = realgap_simulation::run(&experiment).unwrap();
         let row = row_of(7, &run).unwrap();
         let back = run_of(&row).unwrap();
         assert_eq!(back.outcome, run.outcome);

@@ -5,7 +5,7 @@
 //! noise floors lie between the two.
 //!
 //! ```
-//! use realgap_optimize::RunOptions;
+//! use realgap_optimization::RunOptions;
 //! use realgap_lab::calibration::{Overrides, Repeatable};
 //! use realgap_lab::prediction::{EnsembleOptions, EnsembleReport};
 //!

@@ -16,10 +16,10 @@ use super::{OtherEngine, OwnEngines};
 use realgap_core::Result;
 use realgap_core::statistics::{mean, mean_of, quantile, standard_deviation};
 use realgap_core::unit::{Unit, quantity};
-use realgap_engine::parameter::ParameterSet;
-use realgap_engine::{Experiment, Noise, Outcome};
-use realgap_optimize::RunOptions;
+use realgap_optimization::RunOptions;
 use realgap_path::trajectory::{Prepared, prepare};
+use realgap_simulation::parameter::ParameterSet;
+use realgap_simulation::{Experiment, Noise, Outcome};
 
 /// One repeat of a model stands for so many of the ensemble.
 const REPEATS_A_REPEAT: usize = 25;

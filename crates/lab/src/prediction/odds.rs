@@ -12,17 +12,17 @@ use serde::Serialize;
 use super::UncertainParameters;
 use super::ensemble::{LEVELS, Region};
 use crate::calibration::Study;
-use crate::calibration::identification::face_down;
 use realgap_core::statistics::{
     Proportion, ReliabilityBin, brier, mean, mean_of, mean_of_any, percentile_interval,
     reliability, resamples,
 };
 use realgap_core::{Code, Error, Result, Warning};
-use realgap_engine::parameter::ParameterSet;
-use realgap_engine::{Experiment, Noise};
-use realgap_optimize::RunOptions;
+use realgap_identification::face_down;
+use realgap_optimization::RunOptions;
 use realgap_path::comparison::{PoseErrors, pose_errors};
 use realgap_path::trajectory::Trajectory;
+use realgap_simulation::parameter::ParameterSet;
+use realgap_simulation::{Experiment, Noise};
 
 /// Faces that may be down.
 const FACES: usize = 6;
@@ -290,7 +290,7 @@ fn odds_of(study: &Study, case: usize, set: &ParameterSet, options: &OddsOptions
     let real = End::of(&target.motion, &experiment).ok_or_else(faceless)?;
     let body_length_m = experiment.assembly.body_length_m;
     let simulated = |experiment: &Experiment| -> Result<Option<Trajectory>> {
-        Ok(realgap_engine::run(experiment)?.outcome.completed())
+        Ok(realgap_simulation::run(experiment)?.outcome.completed())
     };
     let one_run = simulated(&experiment)?.and_then(|motion| End::of(&motion, &experiment));
     let (mut ends, mut errors) = (Vec::with_capacity(options.runs), Vec::new());

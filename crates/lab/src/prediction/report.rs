@@ -14,10 +14,10 @@ use crate::claim::{self, About, Claim};
 use realgap_core::file::sha256;
 use realgap_core::statistics::Proportion;
 use realgap_core::{Result, Warning};
-use realgap_engine::parameter::ParameterSet;
-use realgap_engine::{Noise, Run};
-use realgap_optimize::{Batch, Ending, Progress, RunOptions, drive};
+use realgap_optimization::{Batch, Ending, Progress, RunOptions, drive};
 use realgap_path::trajectory::{Prepared, Source};
+use realgap_simulation::parameter::ParameterSet;
+use realgap_simulation::{Noise, Run};
 use realgap_store::{Fingerprint, RunRow, Storage};
 
 /// More cases than this are not printed one by one.

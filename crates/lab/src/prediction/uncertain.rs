@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use realgap_core::file::{Seal, read_limited};
 use realgap_core::random::Numbered;
 use realgap_core::{Advice, Code, Error, Result, Warning};
-use realgap_engine::Experiment;
-use realgap_engine::parameter::{Assignment, ParameterSet, by_name};
+use realgap_simulation::Experiment;
+use realgap_simulation::parameter::{Assignment, ParameterSet, by_name};
 use realgap_store::FolderLock;
 
 /// A parameter that is only known to be in a range.

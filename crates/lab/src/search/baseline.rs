@@ -6,7 +6,7 @@ use super::evaluate::Repeats;
 use super::{Body, Finalist, Search};
 use crate::prediction::ensemble::Forecast;
 use realgap_core::Result;
-use realgap_optimize::{RunOptions, pool};
+use realgap_optimization::{RunOptions, pool};
 
 /// The robot that a search starts from, with the draws that rank the finalists: what searching has to beat.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

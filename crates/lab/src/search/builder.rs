@@ -11,10 +11,10 @@ use crate::prediction::{UncertainParameters, UncertainRange};
 use realgap_core::file::check_name;
 use realgap_core::range::Range;
 use realgap_core::{Error, Result};
-use realgap_engine::Noise;
-use realgap_engine::parameter::{Assignment, ParameterSet};
 use realgap_robot::genome::{Development, Genome};
 use realgap_robot::morphology::Morphology;
+use realgap_simulation::Noise;
+use realgap_simulation::parameter::{Assignment, ParameterSet};
 
 /// Most repeats of one robot.
 const REPEATS_AT_MOST: usize = 5000;

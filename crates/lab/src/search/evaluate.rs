@@ -7,11 +7,11 @@ use super::{
     SettingsChoice, Travel, descriptor_named,
 };
 use realgap_core::{Code, Result};
-use realgap_engine::{Experiment, Floor, Posture, settle, watch};
-use realgap_optimize::RunOptions;
+use realgap_optimization::RunOptions;
 use realgap_path::trajectory::prepare;
 use realgap_robot::genome::Genome;
 use realgap_robot::morphology::Morphology;
+use realgap_simulation::{Experiment, Floor, Posture, settle, watch};
 
 /// The body is looked at this often, in steps: flight and overlap last longer than that.
 const LOOK_EVERY_STEPS: usize = 4;
@@ -209,7 +209,7 @@ impl Search {
         })?;
         let (high, deep) = (highest_m / body_length_m, deepest_m / body_length_m);
         let failure = match &run.outcome {
-            realgap_engine::Outcome::Diverged(divergence) => {
+            realgap_simulation::Outcome::Diverged(divergence) => {
                 Failure::new(Reason::Diverged, divergence.to_string())
             }
             _ if high > self.failures.flight_body_lengths => Failure::new(
@@ -220,7 +220,7 @@ impl Search {
                 Reason::SelfPenetrating,
                 format!("parts are {deep:.3} body lengths inside each other"),
             ),
-            realgap_engine::Outcome::Completed(motion) => {
+            realgap_simulation::Outcome::Completed(motion) => {
                 let path = prepare(motion)?;
                 let turned_rad = motion.turned_rad().unwrap_or(0.0);
                 return Ok(Ok(objective.travel(

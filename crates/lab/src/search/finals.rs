@@ -6,9 +6,9 @@ use super::{Evaluated, EvaluatedRobot, Search, SearchResults, Travel};
 use crate::prediction::ensemble::{self, Draws, Ensemble, Forecast};
 use crate::prediction::{Card, Economy, Finals, Growth, Rerun, Success, SuccessRule};
 use realgap_core::{Error, Result};
-use realgap_engine::{EnergyBalance, Experiment};
-use realgap_optimize::{RunOptions, pool};
+use realgap_optimization::{RunOptions, pool};
 use realgap_robot::morphology::Morphology;
+use realgap_simulation::{EnergyBalance, Experiment};
 
 /// The engine that judges, where another explored.
 const JUDGE: &str = "judging engine";

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::{Failure, Measure, Objective, Reason, Search};
 use realgap_core::Result;
 use realgap_core::range::Range;
-use realgap_optimize::{
+use realgap_optimization::{
     Brief, History, Proposal, RunOptions, Told, UnitPoint, default_optimizer, space_filling,
 };
 use realgap_robot::genome::{Gene, Genome, Locus};

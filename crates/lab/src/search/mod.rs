@@ -6,7 +6,7 @@
 //! made large is an [`Objective`] over repeats that differ by noise and by what tuning left open ([`UncertainParameters`]).
 //!
 //! ```
-//! use realgap_optimize::RunOptions;
+//! use realgap_optimization::RunOptions;
 //! use realgap_lab::search::{Evolution, FinalsSettings, Search};
 //!
 //! let search = Search::builder(Evolution { population: 3, generations: 2, ..Evolution::default() })

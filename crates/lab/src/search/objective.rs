@@ -6,8 +6,8 @@ use realgap_core::Result;
 use realgap_core::range::Range;
 use realgap_core::statistics::{mean, quantile, standard_deviation};
 use realgap_core::unit::Unit;
-use realgap_engine::EnergyBalance;
 use realgap_path::trajectory::Prepared;
+use realgap_simulation::EnergyBalance;
 pub use realgap_store::TravelRow as Travel;
 
 realgap_core::worded! {
@@ -22,7 +22,7 @@ realgap_core::worded! {
     /// Displacement per time, m/s.
     Speed "speed";
     /// Displacement per joule that the servos gave, m/J: speed per power is distance per energy. What they took counts as lost
-    /// ([`realgap_engine::EnergyBalance::servo_positive_j`]). 0 for a robot that gets less than one body length far: who
+    /// ([`realgap_simulation::EnergyBalance::servo_positive_j`]). 0 for a robot that gets less than one body length far: who
     /// hardly moves hardly spends.
     SpeedPerEnergy "speed per energy";
 }

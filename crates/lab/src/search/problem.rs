@@ -6,9 +6,9 @@ use super::{
     Body, FailureRules, FinalsSettings, GaitTuning, Objective, SettingsChoice, Space, Strategy,
 };
 use crate::prediction::UncertainParameters;
-use realgap_engine::parameter::ParameterSet;
-use realgap_engine::{EngineChoice, Experiment, Noise, Sampling};
 use realgap_robot::morphology::{Assembly, Morphology};
+use realgap_simulation::parameter::ParameterSet;
+use realgap_simulation::{EngineChoice, Experiment, Noise, Sampling};
 use realgap_store::Fingerprint;
 
 /// A search whose settings have been checked. It is made by [`Search::builder`] or read from a file by [`Search::read`].

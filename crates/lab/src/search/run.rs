@@ -2,7 +2,7 @@
 
 use super::{Evaluated, EvaluatedRobot, Outcome, Performance, Search, Strategy};
 use realgap_core::{Error, Result};
-use realgap_optimize::{Batch, Ending, RunOptions, drive};
+use realgap_optimization::{Batch, Ending, RunOptions, drive};
 use realgap_robot::genome::Genome;
 use realgap_store::{Memory, Mode, Part, Place, RobotRow, Storage, Store};
 

@@ -12,10 +12,10 @@ use super::{
 use crate::prediction::{UncertainRange, read_indistinguishable};
 use realgap_core::Result;
 use realgap_core::file::{Source, name_of_file, parse_ron, unique_keys};
-use realgap_engine::Noise;
-use realgap_engine::parameter::ParameterSet;
 use realgap_robot::genome::{Development, Specimen};
 use realgap_robot::morphology::Morphology;
+use realgap_simulation::Noise;
+use realgap_simulation::parameter::ParameterSet;
 
 /// What a body or a gait is taken from.
 #[derive(Debug, Clone, Deserialize)]

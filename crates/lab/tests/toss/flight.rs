@@ -1,12 +1,10 @@
 //! What was hidden in stand-in tosses is found again in their flight.
 
 use nalgebra::Vector3;
-use realgap_engine::{Experiment, Start};
-use realgap_lab::calibration::identification::{
-    Body, LengthReading, StartState, fit_flight, identify, refine,
-};
+use realgap_identification::{Body, LengthReading, StartState, fit_flight, identify, refine};
 use realgap_path::trajectory::Trajectory;
 use realgap_robot::morphology::Morphology;
+use realgap_simulation::{Experiment, Start};
 
 use super::standin::{EXACT, RATE_HZ, Tracker, cube, tosses};
 

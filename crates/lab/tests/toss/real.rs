@@ -1,9 +1,9 @@
 //! The real tosses, where they are present.
 
-use realgap_engine::parameter::ParameterSet;
-use realgap_lab::calibration::identification::{LengthReading, StartState, identify};
+use realgap_identification::{LengthReading, StartState, identify};
 use realgap_lab::calibration::{Definition, Overrides, Part, Study, read_parameters};
-use realgap_optimize::RunOptions;
+use realgap_optimization::RunOptions;
+use realgap_simulation::parameter::ParameterSet;
 
 use super::standin::study;
 

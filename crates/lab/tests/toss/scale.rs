@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use realgap_engine::parameter::ParameterSet;
-use realgap_lab::calibration::identification::StartState;
+use realgap_identification::StartState;
 use realgap_lab::calibration::{Overrides, Scores, Study};
-use realgap_optimize::RunOptions;
+use realgap_optimization::RunOptions;
 use realgap_path::comparison::by_name;
+use realgap_simulation::parameter::ParameterSet;
 
 use super::standin::{EXACT, Tracker, cube, tosses, write};
 

@@ -1,7 +1,7 @@
 //! Round edges: they change how a cube rolls, and a cube cannot be rounder than a ball.
 
-use realgap_engine::parameter::by_name;
-use realgap_engine::{Experiment, Start, run};
+use realgap_simulation::parameter::by_name;
+use realgap_simulation::{Experiment, Start, run};
 
 use super::standin::{EXACT, cube, tosses};
 

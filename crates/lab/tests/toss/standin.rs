@@ -9,9 +9,9 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use realgap_engine::{Experiment, Sampling, Start, run};
 use realgap_path::trajectory::{Reading, Recording, State, Trajectory};
 use realgap_robot::morphology::Morphology;
+use realgap_simulation::{Experiment, Sampling, Start, run};
 
 pub const RATE_HZ: f64 = 148.0;
 

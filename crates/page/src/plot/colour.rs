@@ -1,6 +1,6 @@
 //! Colours that people with a colour-vision deficiency can tell apart.
 
-use realgap_paint::{ColorMap, RGBColor, Stroke, ViridisRGB};
+use realgap_drawing::{ColorMap, RGBColor, Stroke, ViridisRGB};
 
 pub(super) const WHITE: RGBColor = RGBColor(255, 255, 255);
 pub(super) const INK: RGBColor = RGBColor(26, 26, 26);

@@ -28,7 +28,7 @@ mod kit {
 
     pub(super) use realgap_core::unit::{DisplayUnit, Unit};
     pub(super) use realgap_core::{Error, Result};
-    pub(super) use realgap_paint::{Align, Canvas, Letter, Point, RGBColor, Stroke, Weight};
+    pub(super) use realgap_drawing::{Align, Canvas, Letter, Point, RGBColor, Stroke, Weight};
 
     pub(super) use super::axis::{
         self, AxisSpec, Truth, check_length, check_values, edges, nothing,

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use realgap_paint::Canvas;
+use realgap_drawing::Canvas;
 
 use super::font;
 use realgap_core::file::{check_writable, png_bytes, write_atomic};
@@ -70,7 +70,7 @@ pub(super) fn write(picture: &impl Picture, path: &Path) -> Result<()> {
         let (width, height) = picture.size();
         return write_atomic(path, &png_bytes(width, height, &pixels(picture)?)?);
     }
-    let mut bytes = realgap_paint::svg(&drawn(picture), picture.size())?;
+    let mut bytes = realgap_drawing::svg(&drawn(picture), picture.size())?;
     // Says, behind its first tag, who wrote it, so that it may be written again.
     if let Some(end) = bytes.iter().position(|byte| *byte == b'>') {
         let mark = *b"<!-- Written by realgap -->";
@@ -88,5 +88,5 @@ fn drawn(picture: &impl Picture) -> Canvas {
 
 /// The pixels of a picture, three bytes each, row by row.
 pub(super) fn pixels(picture: &impl Picture) -> Result<Vec<u8>> {
-    realgap_paint::pixels(&drawn(picture), picture.size())
+    realgap_drawing::pixels(&drawn(picture), picture.size())
 }

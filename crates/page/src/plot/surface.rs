@@ -1,6 +1,6 @@
 //! Surfaces that stand anyhow, in the view of [`block`](super::block): which hides which, shaded faces, shadows.
 
-use realgap_paint::{Canvas, Point, RGBColor, Stroke};
+use realgap_drawing::{Canvas, Point, RGBColor, Stroke};
 use realgap_robot::morphology::Surface;
 
 use super::colour::{INK, darken};

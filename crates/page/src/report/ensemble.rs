@@ -12,9 +12,9 @@ use super::value::*;
 use realgap_core::error::Result;
 use realgap_core::statistics::Proportion;
 use realgap_core::unit::number;
-use realgap_engine::{Distribution, Noise};
 use realgap_lab::claim::{About, Claim};
 use realgap_lab::prediction::ensemble::{Behaviours, Envelope, Quantiles, Reality, Region};
+use realgap_simulation::{Distribution, Noise};
 
 /// Colours of behaviours, the first for what was predicted.
 const CLASSES: [&str; 6] = ["b0", "b1", "b2", "b3", "b4", "b5"];

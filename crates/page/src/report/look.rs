@@ -3,8 +3,8 @@
 use nalgebra::Isometry3;
 
 use super::solid::{Kind, Solid, robot_solids};
-use realgap_engine::SceneBody;
 use realgap_robot::morphology::{Morphology, Shape};
+use realgap_simulation::SceneBody;
 
 /// A shape as it is shown.
 #[derive(Debug, Clone, PartialEq)]

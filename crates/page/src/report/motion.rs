@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use super::block::Block;
 use super::solid::{Kind, RobotSolid, Solid, robot_solids};
 use super::stage::{continuous, picks};
-use realgap_engine::{Film, Floor, SceneBody, SceneMotion};
 use realgap_robot::morphology::{DriveAxis, Morphology};
+use realgap_simulation::{Film, Floor, SceneBody, SceneMotion};
 
 /// Steps that numbers in the page are rounded to; also said on the page.
 const LENGTH_STEP_M: f64 = 2e-5;

@@ -5,8 +5,8 @@ use nalgebra::{Isometry3, Vector3};
 use super::kept::KeptReplay;
 use super::replay::{Replay, SIMULATION};
 use realgap_core::error::Result;
-use realgap_engine::{Film, Floor, SceneBody, SceneBox, SceneMotion, part_from_solid};
 use realgap_robot::morphology::Morphology;
+use realgap_simulation::{Film, Floor, SceneBody, SceneBox, SceneMotion, part_from_solid};
 
 /// Free ground between two lanes, in lengths of the larger robot.
 const APART: f64 = 1.5;

@@ -14,9 +14,9 @@ use super::value::{entries, pairs_of};
 use realgap_core::error::Result;
 use realgap_core::unit::{Unit, counted, decimals, quantity};
 use realgap_core::warning::Warning;
-use realgap_engine::{Film, Floor, SceneBody};
 use realgap_path::trajectory::{Recording, Source, Trajectory};
 use realgap_robot::morphology::Morphology;
+use realgap_simulation::{Film, Floor, SceneBody};
 
 /// Most numbers of one run in the page; a longer run shows every second, third, … sample.
 const MOST_NUMBERS: usize = 240_000;

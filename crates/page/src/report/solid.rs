@@ -2,8 +2,8 @@
 
 use nalgebra::Isometry3;
 
-use realgap_engine::part_from_solid;
 use realgap_robot::morphology::{Drive, Morphology, Role, Shape};
+use realgap_simulation::part_from_solid;
 
 /// A colour: red, green, blue.
 pub(super) type Colour = [u8; 3];

@@ -4,8 +4,8 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::solid::{Kind, Solid, robot_solids};
 use realgap_core::statistics::ends_of;
-use realgap_engine::{Film, Floor, SceneBody, SceneMotion, part_name};
 use realgap_robot::morphology::{Morphology, Shape};
+use realgap_simulation::{Film, Floor, SceneBody, SceneMotion, part_name};
 
 /// Half the height of the slab that stands for the floor, metres.
 const FLOOR_HALF_M: f64 = 0.001;

@@ -4,8 +4,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use realgap_core::error::Result;
 use realgap_core::statistics::ends_of;
-use realgap_engine::Film;
 use realgap_path::trajectory::{Interpolator, Trajectory, prepare};
+use realgap_simulation::Film;
 
 /// Points of a curve over time.
 pub(super) const CURVE: usize = 241;

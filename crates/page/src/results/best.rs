@@ -7,9 +7,9 @@ use super::kind::file;
 use realgap_core::error::Result;
 use realgap_core::file::{write_atomic, write_ron};
 use realgap_core::unit::counted;
-use realgap_engine::parameter::{Assignment, ParameterSet};
 use realgap_lab::calibration::{Answer, Best, BestFile, Report, Study, recording_id};
 use realgap_lab::claim::About;
+use realgap_simulation::parameter::{Assignment, ParameterSet};
 
 pub(super) fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
     let report = &answer.report;

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::plot::AxisSpec;
 use realgap_lab::calibration::{Answer, Method, PointScore, Study};
-use realgap_optimize::Range;
+use realgap_optimization::Range;
 
 /// What stands for each point of the grid: the point itself, or the nearest one that an optimizer chose.
 pub(super) fn cells<'a>(study: &Study, answer: &'a Answer) -> Vec<Option<&'a PointScore>> {

@@ -7,7 +7,7 @@ use crate::plot::{Caption, Corner, both, draw_corner};
 use realgap_core::error::Result;
 use realgap_core::unit::counted;
 use realgap_lab::calibration::{Answer, Study};
-use realgap_optimize::Range;
+use realgap_optimization::Range;
 
 /// Draws of the inference, where there are two parameters or more.
 pub(super) fn draw(folder: &Path, study: &Study, answer: &Answer, subtitle: &str) -> Result<()> {

@@ -10,7 +10,7 @@ use crate::plot::{Caption, JointPanel, JointPlot, both, draw_joints};
 use realgap_core::error::Result;
 use realgap_core::statistics::percentile_interval;
 use realgap_lab::calibration::{Answer, Study};
-use realgap_optimize::Ending;
+use realgap_optimization::Ending;
 use realgap_path::comparison::{JointSamples, joint_samples};
 
 /// More recordings say nothing new of a joint's spread, and each is one more run.
@@ -74,7 +74,7 @@ fn compared(study: &Study, values: &[f64]) -> Result<Vec<Row>> {
         if motions.all(|motion| motion.joints().is_empty()) {
             return Ok(Vec::new());
         }
-        let run = realgap_engine::run(&study.experiment(*case, values)?)?;
+        let run = realgap_simulation::run(&study.experiment(*case, values)?)?;
         let Some(simulated) = run.outcome.get() else {
             return Ok(Vec::new());
         };

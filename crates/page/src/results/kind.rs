@@ -2,7 +2,7 @@
 
 use super::search;
 use realgap_core::file::SEAL_FILE;
-use realgap_engine::parameter;
+use realgap_simulation::parameter;
 
 /// What a results folder is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -7,7 +7,7 @@
 //! use realgap_lab::calibration::Study;
 //! use realgap_robot::morphology::Morphology;
 //! use realgap_core::unit::LengthUnit;
-//! use realgap_optimize::RunOptions;
+//! use realgap_optimization::RunOptions;
 //! use realgap_path::comparison;
 //! use realgap_page::results;
 //! use realgap_path::trajectory;

@@ -10,7 +10,7 @@ use crate::plot::{
 use realgap_core::error::Result;
 use realgap_core::unit::{Unit, counted};
 use realgap_lab::calibration::{Answer, Method, PointScore, Study};
-use realgap_optimize::{Grid, Range};
+use realgap_optimization::{Grid, Range};
 
 use super::cell::{alike, axis, cells, is_alike};
 use super::{convergence, corner, joint, plane};

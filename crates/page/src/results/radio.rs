@@ -5,8 +5,8 @@ use std::path::Path;
 use crate::plot::{AxisSpec, Caption, HeatMap, ScoreScale, Truth, draw_heat_map};
 use realgap_core::error::Result;
 use realgap_core::unit::Unit;
-use realgap_sense::arena::{Anchor, Arena};
-use realgap_sense::radio::{CELL_M, Evaluation, Link, RadioModel};
+use realgap_sensing::arena::{Anchor, Arena};
+use realgap_sensing::radio::{CELL_M, Evaluation, Link, RadioModel};
 
 /// Cells along the longer side of a map of strengths.
 const CELLS: usize = 160;

@@ -5,10 +5,10 @@ use std::path::Path;
 use crate::plot::{AxisSpec, Caption, LinePlot, ScoreScale, Series, SeriesKind, draw_lines};
 use realgap_core::error::{Error, Result};
 use realgap_core::unit::{LengthUnit, Unit};
-use realgap_sense::arena::Arena;
-use realgap_sense::belief::{BeliefReport, TrialSet};
-use realgap_sense::graph::{Scan, ScanLog, Sensorgraph};
-use realgap_sense::range::{
+use realgap_sensing::arena::Arena;
+use realgap_sensing::belief::{BeliefReport, TrialSet};
+use realgap_sensing::graph::{Scan, ScanLog, Sensorgraph};
+use realgap_sensing::range::{
     Beam, Characterisation, DistanceReport, RangeSensor, ReadingLog, ReadingUnit,
 };
 

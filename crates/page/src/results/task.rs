@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::plot::{AxisSpec, Caption, LinePlot, Series, SeriesKind, draw_lines};
 use realgap_core::error::Result;
 use realgap_core::unit::Unit;
-use realgap_sense::task::{SideReport, TaskComparison};
+use realgap_sensing::task::{SideReport, TaskComparison};
 
 /// How far from the middle of its condition a world is drawn.
 const ASIDE: f64 = 0.12;

@@ -10,7 +10,7 @@ use crate::plot::{
 use realgap_core::error::Result;
 use realgap_core::statistics::ends_of;
 use realgap_core::unit::{Unit, counted};
-use realgap_sense::graph::ScanLog;
+use realgap_sensing::graph::ScanLog;
 
 /// Bars of a histogram.
 const BARS: usize = 24;
@@ -45,7 +45,7 @@ pub fn draw_way(log: &ScanLog, path: impl AsRef<Path>) -> Result<()> {
 pub fn draw_visits(log: &ScanLog, path: impl AsRef<Path>) -> Result<()> {
     let (x, y): (Vec<f64>, Vec<f64>) = places(log).unzip();
     let turned =
-        |scan: &realgap_sense::graph::Scan| (scan.heading_rad + PI).rem_euclid(2.0 * PI) - PI;
+        |scan: &realgap_sensing::graph::Scan| (scan.heading_rad + PI).rem_euclid(2.0 * PI) - PI;
     let headings_deg: Vec<f64> = log.scans.iter().map(|s| turned(s).to_degrees()).collect();
     let row = |axis: AxisSpec, values: &[f64], ends: Option<(f64, f64)>| {
         let (points, feet) = bars(values, ends);

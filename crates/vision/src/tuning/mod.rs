@@ -27,7 +27,7 @@ use realgap_core::table::Side::{Left, Right};
 use realgap_core::table::TextTable;
 use realgap_core::unit::counted;
 use realgap_core::warning::{Code, Warning};
-use realgap_optimize::Progress;
+use realgap_optimization::Progress;
 
 use bias::lens_bias;
 use compression::compression;

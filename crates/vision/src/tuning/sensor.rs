@@ -14,7 +14,7 @@ use crate::Grey;
 use crate::camera::{Camera, focused};
 use realgap_core::error::Result;
 use realgap_core::statistics::{mean, standard_deviation};
-use realgap_optimize::Progress;
+use realgap_optimization::Progress;
 
 /// One real picture: the light where it was taken, its numbers, and its view.
 pub(super) struct Real {

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::{Behaviours, Ensemble, Envelope, Motion, Quantiles, behaviours};
 use realgap_core::statistics::Proportion;
 use realgap_core::{Code, Result, Warning};
-use realgap_engine::Noise;
+use realgap_simulation::Noise;
 
 /// Confidence level of the intervals.
 const LEVEL: f64 = 0.95;

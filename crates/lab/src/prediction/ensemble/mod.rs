@@ -5,10 +5,10 @@
 //! in 15 % of the trials; this is the prediction it asks for instead.
 //!
 //! ```
-//! use realgap_optimize::RunOptions;
+//! use realgap_optimization::RunOptions;
 //! use realgap_lab::prediction::ensemble::{Forecast, run};
 //! use realgap_robot::morphology::Morphology;
-//! use realgap_engine::{Experiment, Noise};
+//! use realgap_simulation::{Experiment, Noise};
 //!
 //! let mut experiment = Experiment::new(Morphology::read("../../morphologies/tripod.ron")?.assemble());
 //! experiment.duration_s = 1.0;
@@ -19,7 +19,7 @@
 //! ```
 //!
 //! Needs no recordings. Same experiment, noise and seed → same bits, whatever the threads; repeat k alone is the
-//! same as repeat k of the ensemble ([`Noise::perturb`](realgap_engine::Noise::perturb)).
+//! same as repeat k of the ensemble ([`Noise::perturb`](realgap_simulation::Noise::perturb)).
 
 mod behaviour;
 mod envelope;

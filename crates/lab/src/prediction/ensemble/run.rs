@@ -7,11 +7,11 @@ use rayon::prelude::*;
 
 use crate::prediction::UncertainParameters;
 use realgap_core::{Code, Error, ErrorKind, Result, Warning};
-use realgap_engine::{
+use realgap_optimization::RunOptions;
+use realgap_path::trajectory::{Prepared, prepare};
+use realgap_simulation::{
     Attendance, EnergyBalance, Experiment, Noise, Outcome, Perturbation, Run, attend,
 };
-use realgap_optimize::RunOptions;
-use realgap_path::trajectory::{Prepared, prepare};
 
 /// A run that is known already, by its number.
 pub type Recall<'a> = &'a (dyn Fn(usize) -> Result<Option<Run>> + Sync);
@@ -154,7 +154,7 @@ pub fn run_each(
         ..experiment.clone()
     };
     // Whoever stops at once gets this run at least.
-    let intended = realgap_engine::run(&intended)?;
+    let intended = realgap_simulation::run(&intended)?;
     let run_warnings = intended.warnings.clone();
     let (noise_free, first_cpu) = outcome(intended)?;
     let done = AtomicUsize::new(0);
@@ -237,7 +237,7 @@ pub(in crate::prediction) fn must_repeat(repeats: usize) -> Result<()> {
 /// As [`run`].
 pub fn repeat(experiment: &Experiment, noise: &Noise, seed: u64, number: u64) -> Result<Run> {
     noise.check()?;
-    let run = realgap_engine::run(&noise.perturb(experiment, seed, number))?;
+    let run = realgap_simulation::run(&noise.perturb(experiment, seed, number))?;
     recorded(run, noise, seed, number)
 }
 

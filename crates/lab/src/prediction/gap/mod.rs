@@ -5,7 +5,7 @@
 //! simulates what a study needs, [`read_sets`] and [`FloorReport`] are for repeats that have no study.
 //!
 //! ```
-//! use realgap_optimize::RunOptions;
+//! use realgap_optimization::RunOptions;
 //! use realgap_lab::calibration::{Overrides, Study};
 //! use realgap_lab::prediction::gap::{GapOptions, StudyGap};
 //!

@@ -9,7 +9,7 @@ use crate::calibration::{Overrides, recording_paths, recording_warnings};
 use crate::claim::{self, Claim};
 use realgap_core::unit::{Unit, counted};
 use realgap_core::{Advice, Error, Result, Warning};
-use realgap_optimize::RunOptions;
+use realgap_optimization::RunOptions;
 use realgap_path::trajectory::{self, Recording};
 
 /// Name of the set of recordings that no column puts into another.

@@ -15,11 +15,11 @@ use crate::prediction::ensemble::{self, Recall};
 use crate::prediction::kept::{row_of, runs_in};
 use realgap_core::statistics::ends_of;
 use realgap_core::{Code, Error, Result, Warning};
-use realgap_engine::parameter::ParameterSet;
-use realgap_engine::{Experiment, Noise, Run};
-use realgap_optimize::{Batch, Ending, RunOptions, drive};
+use realgap_optimization::{Batch, Ending, RunOptions, drive};
 use realgap_path::comparison::{self, Metric};
 use realgap_path::trajectory::Source;
+use realgap_simulation::parameter::ParameterSet;
+use realgap_simulation::{Experiment, Noise, Run};
 use realgap_store::{Fingerprint, RunRow, Storage};
 
 /// What to simulate and how to compare.
@@ -206,7 +206,7 @@ fn one(
             let own = uncertain.apply(experiment, seed, repeat)?;
             ensemble::repeat(&own, noise, seed, repeat)
         }
-        _ => realgap_engine::run(experiment),
+        _ => realgap_simulation::run(experiment),
     }
 }
 

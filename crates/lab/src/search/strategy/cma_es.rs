@@ -1,11 +1,11 @@
-//! CMA-ES on the gait of one body: an optimizer of [`optimization`](realgap_optimize) as a strategy.
+//! CMA-ES on the gait of one body: an optimizer of [`optimization`](realgap_optimization) as a strategy.
 
 use serde::Deserialize;
 
 use super::{Evaluated, Space, Strategy, StrategySettings};
 use crate::search::body::GAIT;
 use realgap_core::{Error, Result};
-use realgap_optimize::{Brief, History, Proposal, Told, optimizer_by_name};
+use realgap_optimization::{Brief, History, Proposal, Told, optimizer_by_name};
 use realgap_robot::genome::{Gene, Genome, Locus};
 
 /// CMA-ES as a file names it: on the gait of the genome or the robot that the search starts from.

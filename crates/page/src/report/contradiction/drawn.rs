@@ -7,8 +7,6 @@ use std::time::Duration;
 use nalgebra::Vector3;
 
 use realgap_core::unit::Unit;
-use realgap_engine::parameter::by_name;
-use realgap_engine::{Noise, Outcome, Perturbation};
 use realgap_lab::calibration::{
     Audit, AuditRow, Best, BestDraws, EngineWish, Fit, HowSure, PointScore, Report, Scores, Tables,
     Uncertainty, UncertaintySource, Unvisited, Verdict,
@@ -20,9 +18,11 @@ use realgap_lab::prediction::gap::{
 use realgap_lab::prediction::{
     Card, EnsembleCase, EnsembleReport, SuccessRule, UncertainParameters,
 };
-use realgap_optimize::Range;
+use realgap_optimization::Range;
 use realgap_path::comparison;
 use realgap_path::trajectory::{Source, Trajectory};
+use realgap_simulation::parameter::by_name;
+use realgap_simulation::{Noise, Outcome, Perturbation};
 
 /// Random numbers (SplitMix64).
 pub(super) struct Draw(u64);

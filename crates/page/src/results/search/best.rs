@@ -7,9 +7,9 @@ use super::summary::BestRobot;
 use crate::results::write_report;
 use realgap_core::error::{Error, Result};
 use realgap_core::file::write_atomic;
-use realgap_engine::export::{Robot, format_named};
 use realgap_lab::search::{Body, Finalist, Search};
 use realgap_robot::genome::Specimen;
+use realgap_simulation::export::{Robot, format_named};
 
 /// The folder in the results folder.
 const FOLDER: &str = "best";

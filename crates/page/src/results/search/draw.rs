@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use realgap_core::error::Result;
-use realgap_engine::Experiment;
-use realgap_engine::export::{Robot, format_named};
 use realgap_lab::prediction::ensemble::Motion;
 use realgap_lab::search::{Finalist, Search};
 use realgap_robot::morphology::{Module, Role};
+use realgap_simulation::Experiment;
+use realgap_simulation::export::{Robot, format_named};
 
 /// One repeat for another engine, and how far it went here.
 #[derive(Debug, Clone, PartialEq, Serialize)]

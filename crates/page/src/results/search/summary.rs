@@ -9,7 +9,7 @@ use realgap_core::error::Result;
 use realgap_core::warning::{Code, Warning};
 use realgap_lab::prediction::Rerun;
 use realgap_lab::search::{Baseline, Finalist, Search, SearchResults};
-use realgap_optimize::Ending;
+use realgap_optimization::Ending;
 
 /// One of the best robots, in short.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,0 +1,232 @@
+//! What every optimizer promises, whichever library is behind it.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use realgap_optimization::{
+    Brief, History, OPTIMIZERS, Optimizer, Proposal, Told, UnitPoint, space_filling,
+};
+
+/// Runs an optimizer on a function until its budget is spent, as the driver does.
+fn minimise(
+    optimizer: &dyn Optimizer,
+    dimensions: usize,
+    budget: usize,
+    seed: u64,
+    target: &[f64],
+    score: impl Fn(&UnitPoint) -> Option<f64>,
+) -> Vec<Told> {
+    let evaluate = |point: UnitPoint| {
+        let score = score(&point);
+        Told {
+            errors: score.map_or_else(Vec::new, |_| errors(&point, target)),
+            score,
+            point,
+        }
+    };
+    let design = optimizer.design(dimensions);
+    let brief = Brief {
+        points: vec![11; dimensions],
+        budget: budget - design,
+        seed,
+        priors: Vec::new(),
+    };
+    let mut all: Vec<Told> = space_filling(dimensions, 0, design, seed)
+        .into_iter()
+        .map(evaluate)
+        .collect();
+    while all.len() < budget {
+        let (design, told) = all.split_at(design);
+        let proposal = optimizer
+            .propose(&brief, &History { design, told })
+            .unwrap();
+        let Proposal::Evaluate(batch) = proposal else {
+            break;
+        };
+        assert!(!batch.is_empty(), "{} asks for nothing", optimizer.name());
+        let room = budget - all.len();
+        for point in batch.into_iter().take(room) {
+            assert_eq!(point.len(), dimensions, "{}", optimizer.name());
+            assert!(
+                point.iter().all(|c| (0.0..=1.0).contains(c)),
+                "{} leaves the bounds: {point:?}",
+                optimizer.name()
+            );
+            all.push(evaluate(point));
+        }
+    }
+    all
+}
+
+/// Single errors of a score whose least is at a point: one a parameter, and a ripple on all of them.
+fn errors(point: &[f64], target: &[f64]) -> Vec<f64> {
+    let ripple: f64 = point.iter().map(|c| (47.0 * c).sin()).product();
+    let axes = point.iter().zip(target);
+    axes.map(|(c, at)| c - at + 0.002 * ripple).collect()
+}
+
+fn best(told: &[Told]) -> &Told {
+    let scored = told.iter().filter(|t| t.score.is_some());
+    scored
+        .min_by(|a, b| a.score.unwrap().total_cmp(&b.score.unwrap()))
+        .unwrap()
+}
+
+fn distance(point: &[f64], target: &[f64]) -> f64 {
+    point
+        .iter()
+        .zip(target)
+        .map(|(a, b)| (a - b).powi(2))
+        .sum::<f64>()
+        .sqrt()
+}
+
+/// A curved valley with ripples, as rough as a walking robot's score.
+fn rough(point: &UnitPoint, target: &[f64]) -> f64 {
+    let far = distance(point, target);
+    let ripple: f64 = point.iter().map(|c| (47.0 * c).sin()).product();
+    1.0 + far + 0.02 * ripple
+}
+
+#[test]
+fn every_optimizer_finds_a_hidden_point_that_it_is_not_told() {
+    let target = [0.31, 0.74];
+    for optimizer in OPTIMIZERS {
+        let told = minimise(*optimizer, 2, 100, 3, &target, |point| {
+            Some(rough(point, &target))
+        });
+        let found = distance(&best(&told).point, &target);
+        // A hundred evenly spread points cannot promise better than half their distance.
+        let promised = match optimizer.name() {
+            "grid" | "random" => 0.1,
+            _ => 0.05,
+        };
+        assert!(found < promised, "{} ends {found} away", optimizer.name());
+    }
+}
+
+#[test]
+fn an_optimizer_beats_even_cover_in_four_dimensions() {
+    let target = [0.2, 0.6, 0.45, 0.8];
+    let score = |point: &UnitPoint| Some(rough(point, &target));
+    let even = OPTIMIZERS.iter().find(|o| o.name() == "random").unwrap();
+    let yardstick = distance(
+        &best(&minimise(*even, 4, 150, 5, &target, score)).point,
+        &target,
+    );
+    for optimizer in OPTIMIZERS {
+        if !["grid", "random"].contains(&optimizer.name()) {
+            let told = minimise(*optimizer, 4, 150, 5, &target, score);
+            let found = distance(&best(&told).point, &target);
+            assert!(
+                found < yardstick,
+                "{} ends {found} away, even cover {yardstick}",
+                optimizer.name()
+            );
+        }
+    }
+}
+
+#[test]
+fn candidates_that_fail_do_not_stop_the_search() {
+    let target = [0.3, 0.3];
+    for optimizer in OPTIMIZERS {
+        // More than half of the space diverges.
+        let told = minimise(*optimizer, 2, 100, 7, &target, |point| {
+            (point[0] + point[1] < 0.9).then(|| rough(point, &target))
+        });
+        let found = distance(&best(&told).point, &target);
+        assert!(found < 0.12, "{} ends {found} away", optimizer.name());
+    }
+}
+
+#[test]
+fn nothing_but_failures_is_survived() {
+    for optimizer in OPTIMIZERS {
+        let told = minimise(*optimizer, 2, 60, 1, &[0.5; 2], |_| None);
+        assert!(told.len() >= 49, "{}: {}", optimizer.name(), told.len());
+    }
+}
+
+#[test]
+fn the_same_history_and_seed_give_the_same_bits() {
+    let target = [0.5, 0.1, 0.9];
+    for optimizer in OPTIMIZERS {
+        let run = |seed| {
+            minimise(*optimizer, 3, 70, seed, &target, |point| {
+                Some(rough(point, &target))
+            })
+        };
+        assert_eq!(run(11), run(11), "{}", optimizer.name());
+        if optimizer.name() != "grid" {
+            assert_ne!(run(11), run(12), "{} ignores its seed", optimizer.name());
+        }
+    }
+}
+
+#[test]
+fn one_parameter_is_enough() {
+    for optimizer in OPTIMIZERS {
+        let told = minimise(*optimizer, 1, 40, 2, &[0.62], |point| {
+            Some((point[0] - 0.62).powi(2))
+        });
+        let found = (best(&told).point[0] - 0.62).abs();
+        assert!(found < 0.03, "{} ends {found} away", optimizer.name());
+    }
+}
+
+/// Arithmetic alone, so that it has the same bits everywhere.
+fn bumpy(point: &UnitPoint) -> f64 {
+    let axes = point.iter().enumerate();
+    axes.map(|(axis, c)| {
+        let off = c - 0.3 - 0.1 * axis as f64;
+        let tooth = (7.0 * c) % 1.0;
+        (1.0 + axis as f64) * off * off + 0.05 * tooth * (1.0 - tooth)
+    })
+    .sum()
+}
+
+/// tests/golden/optimizer_points.csv holds what argmin 0.11.0 chose, its swarm with rand 0.9 and rand_xoshiro 0.7.
+#[test]
+fn simplex_and_swarm_choose_the_very_points_that_argmin_chose() {
+    let text = include_str!("golden/optimizer_points.csv");
+    let mut table = csv::Reader::from_reader(text.as_bytes());
+    let rows: Vec<csv::StringRecord> = table.records().map(|row| row.unwrap()).collect();
+    let mut searches = 0;
+    for rows in rows.chunk_by(|a, b| (0..5).all(|column| a[column] == b[column])) {
+        let optimizer = OPTIMIZERS.iter().find(|o| o.name() == &rows[0][0]).unwrap();
+        let number = |column: usize| rows[0][column].parse::<usize>().unwrap();
+        let (dimensions, seed, design) = (number(1), number(2) as u64, number(3));
+        let fails = &rows[0][4] == "true";
+        let evaluate = |point: UnitPoint| Told {
+            score: (!fails || point[0] < 0.85).then(|| bumpy(&point)),
+            point,
+            errors: Vec::new(),
+        };
+        let brief = Brief {
+            points: vec![11; dimensions],
+            budget: rows.len(),
+            seed,
+            priors: Vec::new(),
+        };
+        let design: Vec<Told> = space_filling(dimensions, 0, design, seed)
+            .into_iter()
+            .map(evaluate)
+            .collect();
+        let mut told = Vec::new();
+        while told.len() < rows.len() {
+            let history = History {
+                design: &design,
+                told: &told,
+            };
+            let Proposal::Evaluate(batch) = optimizer.propose(&brief, &history).unwrap() else {
+                panic!("{} ends", optimizer.name());
+            };
+            told.extend(batch.into_iter().map(evaluate));
+        }
+        for (index, (row, told)) in rows.iter().zip(&told).enumerate() {
+            let golden: Vec<f64> = row[5].split(' ').map(|c| c.parse().unwrap()).collect();
+            assert_eq!(told.point, golden, "{} point {index}", optimizer.name());
+        }
+        searches += 1;
+    }
+    assert_eq!(searches, 7);
+}

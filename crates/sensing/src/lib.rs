@@ -1,0 +1,42 @@
+//! Sensors: characterised from logs of a real one, simulated, and compared with the real log.
+//!
+//! [`range`] holds sensors that measure one distance (ultrasonic, infrared): what their readings are, on average and in spread, as
+//! functions of the distance (paper 000).
+//!
+//! [`graph`] holds scanners: what they read at a place, as polynomials (paper 001).
+//!
+//! [`radio`] holds radio: how strong a signal arrives, and whether a message gets there (paper 002).
+//!
+//! [`arena`] says what a beam meets, [`belief`] what a robot makes of readings (a discrete Bayes filter).
+//!
+//! [`task`] holds task times (paper 002); pictures are a crate of their own.
+//!
+//! A log of readings at known distances becomes a model, with intervals; the model draws readings:
+//!
+//! ```
+//! use realgap_core::random::Numbered;
+//! use realgap_sensing::range::{Beam, Characterisation, Options, RangeSensor, ReadingLog, sensor_by_name};
+//!
+//! let sensor = sensor_by_name("ultrasonic")?;
+//! let mut rng = Numbered::SensorReading.generator(1, 0);
+//! let mut log = String::from("distance_cm,reading_cm\n");
+//! for distance_cm in 1..=21 {
+//!     let beam = Beam::straight(0.01 * f64::from(distance_cm));
+//!     for _ in 0..200 {
+//!         let reading_cm = sensor.draw(&beam, &mut rng).expect("this sensor always answers");
+//!         log += &format!("{distance_cm},{reading_cm}\n");
+//!     }
+//! }
+//! let found = Characterisation::new(&ReadingLog::parse("log.csv", &log)?, &Options::default())?;
+//! assert_eq!(found.model.mean.form.name(), "linear");
+//! let slope = &found.mean[1];
+//! assert!(slope.low < 0.9582 && 0.9582 < slope.high);
+//! # Ok::<(), realgap_core::Error>(())
+//! ```
+
+pub mod arena;
+pub mod belief;
+pub mod graph;
+pub mod radio;
+pub mod range;
+pub mod task;

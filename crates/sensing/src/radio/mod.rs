@@ -1,0 +1,57 @@
+//! Radio: how strong a signal arrives, through which walls, and whether a message gets there (paper 002, section IV).
+//!
+//! Paper 002's equation 2, P(d) = P(d₀) − 10 n log(d/d₀) − min(nW, C) WAF, is one of several [`propagation`] models. Walls are counted
+//! by casting rays in an [`Arena`](super::arena::Arena). A [`RadioLog`] of strengths at known places becomes a [`RadioModel`] by
+//! [`fit`](fit()), with intervals and verdicts; an [`Evaluation`] holds it against a log that it has not seen; a [`Service`]
+//! delivers messages between robots, or does not.
+//!
+//! Strengths are in dBm, losses in dB, lengths in metres. **The base of the logarithm is a parameter**: the paper's tables fit the
+//! natural logarithm, most others use base 10; an exponent of 1 in base e is one of 2.303 in base 10.
+//!
+//! ```
+//! use realgap_core::file::Source;
+//! use realgap_sensing::arena::Arena;
+//! use realgap_sensing::radio::{Link, LogBase, RadioModel};
+//!
+//! let arena = Arena::parse(&Source::new("arena", r#"Arena(
+//!     name: "two rooms", size_m: (10, 10), boundary: Open,
+//!     walls: [(from_m: (5, 0), to_m: (5, 10), thickness_m: 0.2, material: "brick")],
+//! )"#))?;
+//! // Table I of paper 002.
+//! let model = RadioModel::paper002();
+//! assert_eq!(model.log_base, LogBase::E);
+//! let link = Link::new(&arena, [1.0, 5.0, 0.0], [9.5, 5.0, 0.0]);
+//! assert_eq!(link.walls(), 1);
+//! // One wall and 8.5 m: the -71.4 dBm that its table II has for `rtest1`.
+//! assert!((model.strength_dbm(&link) + 71.47).abs() < 0.01);
+//! # Ok::<(), realgap_core::Error>(())
+//! ```
+
+mod check;
+mod covariance;
+mod evaluation;
+mod fingerprint;
+mod fit;
+mod fitted;
+mod interval;
+mod link;
+mod log;
+mod model;
+mod option;
+mod pair;
+mod place;
+pub mod propagation;
+mod service;
+mod shadow;
+
+pub use evaluation::{AnchorReport, CELL_M, Evaluation, Guess};
+pub use fingerprint::Fingerprints;
+pub use fit::fit;
+pub use fitted::{Candidate, FittedParameter, FittedRadio};
+pub use link::Link;
+pub use log::{PlaceReading, RadioLog, RadioLogOptions, read_anchors};
+pub use model::{LogBase, OtherFit, RadioModel};
+pub use option::RadioOptions;
+pub use pair::MOST_PAIRS;
+pub use service::{Delivery, Message, Service, ServiceOptions, ServiceReport};
+pub use shadow::ShadowField;

@@ -1,0 +1,30 @@
+//! Robots for other simulators: one trait, one registry, one file per format.
+//!
+//! What is exported is the robot of an [`Experiment`](crate::Experiment), so calibrated parameters travel with it. What
+//! a format cannot carry is said twice: as warnings, and as comments in the file.
+//!
+//! ```
+//! use realgap_simulation::export::{Robot, format_named};
+//! use realgap_robot::morphology::Morphology;
+//! use realgap_simulation::Experiment;
+//!
+//! let morphology = Morphology::read("../../morphologies/tripod.ron")?;
+//! let experiment = Experiment::new(morphology.assemble());
+//! let exported = format_named("mjcf")?.render(&Robot::new(&morphology, &experiment));
+//! assert!(exported.text.starts_with("<?xml"));
+//! assert!(!exported.warnings.is_empty());
+//! # Ok::<(), realgap_core::Error>(())
+//! ```
+//!
+//! Both formats use the same body frames: axes of the robot frame at zero servo angles.
+
+mod format;
+mod mjcf;
+mod registry;
+mod robot;
+mod urdf;
+mod xml;
+
+pub use format::{Exported, Format};
+pub use registry::{FORMATS, format_named};
+pub use robot::Robot;

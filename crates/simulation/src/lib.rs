@@ -1,0 +1,70 @@
+//! Experiments and their simulation with Rapier.
+//!
+//! An [`Experiment`] is plain data: robot, floor, start, duration, solver settings. [`run`] turns
+//! it into a [`Run`] and never changes it. Same experiment → same bits, on any thread.
+//! `engine` is the only file of the crate that names `rapier3d`, in f64 or (feature `f32`) in f32.
+
+pub mod export;
+pub mod parameter;
+
+mod adjustment;
+mod arena;
+mod camera;
+mod command;
+mod control;
+mod distribution;
+mod energy;
+mod engine;
+mod experiment;
+mod film;
+mod kinematics;
+mod motor;
+mod noise;
+mod numerics;
+mod order;
+mod outcome;
+mod part_state;
+mod path;
+mod plausibility;
+mod posture;
+mod rapier;
+mod run;
+mod scene;
+mod servo;
+mod settle;
+mod tree;
+mod vehicle;
+mod watch;
+
+pub use adjustment::{Adjustment, HingeAdjustment, ModuleAdjustment};
+pub use camera::Camera;
+pub use command::{Between, CommandTrack, Quantity};
+#[cfg(feature = "schema")]
+pub use control::ControllerFile;
+pub use control::{
+    Condition, Controller, Decision, Feedback, Heard, Log, Mounted, Other, Radio, Reads, Rule,
+    Sensed, Steer,
+};
+pub use distribution::Distribution;
+pub use energy::EnergyBalance;
+pub use engine::{ENGINES, Engine, EngineChoice, Load, Motion, Setup, World, engine_by_name};
+pub use experiment::{
+    Contact, Experiment, Floor, FrictionModel, JointKind, JointState, Perturbation, Sampling,
+    Solver, Start,
+};
+pub use film::{Film, attended_film, film, part_from_solid, part_name};
+pub use motor::Effort;
+pub use noise::Noise;
+pub use outcome::{Divergence, Outcome};
+pub use part_state::PartState;
+pub use posture::Posture;
+pub use rapier::{ENGINE_VERSION, RAPIER, Rapier};
+pub use run::{Run, attend, run, steer, watch};
+pub use scene::{SceneBody, SceneBox, SceneMotion};
+pub use servo::Command;
+pub use settle::{Settling, settle};
+pub use tree::{TREE, Tree};
+#[cfg(feature = "schema")]
+pub use vehicle::VehicleFile;
+pub use vehicle::{Drive, Vehicle};
+pub use watch::{Attendance, HingeState, Observer, Push, Snapshot};

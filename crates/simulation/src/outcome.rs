@@ -1,0 +1,116 @@
+//! How a simulation ended: with its result, or without one.
+
+use std::fmt;
+
+use serde::Serialize;
+
+use realgap_core::error::{Error, Result};
+
+/// Either the whole duration was simulated and there is a `T`, or the run diverged and there is none.
+///
+/// ```
+/// use realgap_simulation::{Divergence, Outcome};
+///
+/// let far: Outcome<f64> = Outcome::Completed(0.4);
+/// assert_eq!(far.map(|m| 100.0 * m).completed(), Some(40.0));
+/// let lost: Outcome<f64> = Outcome::Diverged(Divergence { at_s: 1.5, why: "it flew away".to_owned() });
+/// assert_eq!(lost.into_result().unwrap_err().message(), "the simulation diverged at 1.500 s: it flew away");
+/// ```
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome<T> {
+    /// The whole duration was simulated.
+    Completed(T),
+    /// The state became non-finite or absurd; such a run cannot win anything.
+    Diverged(Divergence),
+}
+
+/// When and why a simulation was given up.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Divergence {
+    /// When, seconds from the start (negative: while settling).
+    pub at_s: f64,
+    /// What was seen.
+    pub why: String,
+}
+
+impl fmt::Display for Divergence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "at {:.3} s: {}", self.at_s, self.why)
+    }
+}
+
+impl<T> Outcome<T> {
+    /// The result, where there is one.
+    pub fn completed(self) -> Option<T> {
+        match self {
+            Self::Completed(result) => Some(result),
+            Self::Diverged(_) => None,
+        }
+    }
+
+    /// The result without taking it, where there is one.
+    pub fn get(&self) -> Option<&T> {
+        self.as_ref().completed()
+    }
+
+    /// Why there is none, where there is none.
+    pub fn divergence(&self) -> Option<&Divergence> {
+        match self {
+            Self::Completed(_) => None,
+            Self::Diverged(divergence) => Some(divergence),
+        }
+    }
+
+    /// Whether there is a result.
+    pub fn is_completed(&self) -> bool {
+        self.divergence().is_none()
+    }
+
+    /// The same outcome, its result borrowed.
+    pub fn as_ref(&self) -> Outcome<&T> {
+        match self {
+            Self::Completed(result) => Outcome::Completed(result),
+            Self::Diverged(divergence) => Outcome::Diverged(divergence.clone()),
+        }
+    }
+
+    /// The same outcome with what `of` makes of the result.
+    pub fn map<U>(self, of: impl FnOnce(T) -> U) -> Outcome<U> {
+        match self {
+            Self::Completed(result) => Outcome::Completed(of(result)),
+            Self::Diverged(divergence) => Outcome::Diverged(divergence),
+        }
+    }
+
+    /// As [`Self::map`], of what may fail.
+    ///
+    /// # Errors
+    /// What `of` says.
+    pub fn try_map<U>(self, of: impl FnOnce(T) -> Result<U>) -> Result<Outcome<U>> {
+        Ok(match self {
+            Self::Completed(result) => Outcome::Completed(of(result)?),
+            Self::Diverged(divergence) => Outcome::Diverged(divergence),
+        })
+    }
+
+    /// The result, for a caller to whom a run that diverges is an error.
+    ///
+    /// # Errors
+    /// The run diverged: when, and why.
+    pub fn into_result(self) -> Result<T> {
+        match self {
+            Self::Completed(result) => Ok(result),
+            Self::Diverged(divergence) => Err(divergence.into()),
+        }
+    }
+}
+
+impl From<Divergence> for Error {
+    fn from(divergence: Divergence) -> Self {
+        Self::invalid(format!("the simulation diverged {divergence}"))
+            .hint("try a shorter timestep or more substeps; check masses, sizes and servo limits")
+    }
+}

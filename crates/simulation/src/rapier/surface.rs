@@ -1,0 +1,77 @@
+//! Surfaces of solids as the engine takes them.
+
+use std::f64::consts::FRAC_PI_2;
+
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+
+use super::to_vector;
+use rapier3d_f64::math::Vector;
+use rapier3d_f64::prelude::SharedShape;
+use realgap_robot::morphology::Shape;
+
+/// A flat hull is as thick as this, metres.
+const THIN_M: f64 = 1e-4;
+
+/// A shape of the engine.
+pub(crate) struct Surface {
+    /// The shape in the engine's own frame.
+    pub shape: SharedShape,
+    /// Whether the engine has it along y where realgap has it along z.
+    is_along_y: bool,
+}
+
+impl std::fmt::Debug for Surface {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Surface({:?})", self.shape.shape_type())
+    }
+}
+
+impl Surface {
+    /// The surface of a shape, boxes with rounded edges; `None` for what has none.
+    pub fn new(shape: &Shape, edge_radius_m: f64) -> Option<Self> {
+        let mut is_along_y = false;
+        let cuboid = |half_m: &Vector3<f64>| {
+            let half = to_vector(half_m);
+            SharedShape::cuboid(half.x, half.y, half.z)
+        };
+        let shape = match shape {
+            Shape::Nothing => return None,
+            Shape::Box { half_extents_m } if edge_radius_m > 0.0 => {
+                let (h, r) = (to_vector(half_extents_m), edge_radius_m);
+                SharedShape::round_cuboid(h.x - r, h.y - r, h.z - r, r)
+            }
+            Shape::Box { half_extents_m } => cuboid(half_extents_m),
+            Shape::Sphere { radius_m } => SharedShape::ball(*radius_m),
+            Shape::Cylinder {
+                radius_m,
+                half_length_m,
+            } => {
+                is_along_y = true;
+                SharedShape::cylinder(*half_length_m, *radius_m)
+            }
+            Shape::Capsule {
+                radius_m,
+                half_length_m,
+            } => SharedShape::capsule_z(*half_length_m, *radius_m),
+            Shape::Hull { points_m } => {
+                let half_m = shape.half_extents_m();
+                let points: Vec<Vector> = points_m.iter().map(to_vector).collect();
+                // What is flat has no hull: a thin plate stands in.
+                let hull = (half_m.min() > THIN_M)
+                    .then(|| SharedShape::convex_hull(&points))
+                    .flatten();
+                hull.unwrap_or_else(|| cuboid(&half_m.sup(&Vector3::repeat(THIN_M))))
+            }
+        };
+        Some(Self { shape, is_along_y })
+    }
+
+    /// Where the engine's shape is for the solid to be there.
+    pub fn pose(&self, there: Isometry3<f64>) -> Isometry3<f64> {
+        if self.is_along_y {
+            there * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), FRAC_PI_2)
+        } else {
+            there
+        }
+    }
+}

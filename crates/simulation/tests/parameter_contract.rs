@@ -1,0 +1,509 @@
+//! Every parameter of the registry changes a run, is read back, and refuses what it must refuse.
+//!
+//! A parameter without a line in `case` is tried on both robots between two ends of its bounds, and fails
+//! here if nothing moves: none can be added that is silently not applied.
+
+#![allow(clippy::unwrap_used)] // a test may fail loudly
+
+use std::sync::Arc;
+
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use realgap_path::trajectory::{State, Trajectory};
+use realgap_robot::morphology::{Gait, Morphology, ServoLaw};
+use realgap_sensing::range::form::{Curve, FORMS, form_by_name};
+use realgap_simulation::parameter::{self, Parameter, ParameterSet};
+use realgap_simulation::{
+    Experiment, JointState, SceneBody, SceneBox, SceneMotion, Start, Vehicle, run,
+};
+
+use crate::change::Change as _;
+
+/// Less than this is no demonstration, metres.
+const VISIBLE_M: f64 = 1e-4;
+
+fn robot(name: &str) -> Experiment {
+    let path = crate::common::project().join(format!("morphologies/{name}.ron"));
+    let mut experiment = Experiment::new(Morphology::read(path).unwrap().assemble());
+    experiment.duration_s = 1.5;
+    experiment
+}
+
+/// The tripod walks.
+fn walk() -> Experiment {
+    robot("tripod")
+}
+
+/// A cube flies, spins, hits the floor and slides.
+fn toss() -> Experiment {
+    let mut experiment = robot("cube");
+    experiment.floor.restitution = 0.3;
+    experiment.start = Start::State(State {
+        position_world_m: Vector3::new(0.0, 0.0, 0.25),
+        orientation_world_from_body: UnitQuaternion::from_scaled_axis(Vector3::new(0.4, 0.2, 0.1)),
+        velocity_world_m_s: Vector3::new(0.8, 0.3, 0.0),
+        angular_velocity_body_rad_s: Vector3::new(2.0, 5.0, 1.0),
+    });
+    experiment
+}
+
+/// Two hinged boxes fly, fold, hit the floor and slide.
+fn elbow() -> Experiment {
+    let mut experiment = robot("elbow");
+    experiment.start = toss().start;
+    experiment.start_joints = vec![JointState {
+        angle_rad: -1.0,
+        speed_rad_s: 5.0,
+    }];
+    experiment
+}
+
+/// The same, with a bearing that gives way.
+fn loose() -> Experiment {
+    elbow().set("hinge.bearing_hz", 100.0)
+}
+
+/// A servo that is a motor behind a gear swings a weight.
+fn swung() -> Experiment {
+    let mut experiment = robot("servo_pendulum");
+    let hinges = &mut Arc::make_mut(&mut experiment.assembly).hinges;
+    hinges[0].actuator.as_mut().unwrap().gait = Gait {
+        offset_rad: 0.4,
+        amplitude_rad: 0.8,
+        frequency_hz: 1.0,
+        phase_rad: 0.0,
+    };
+    experiment
+}
+
+/// The tripod walks with servos that are springs.
+fn sprung() -> Experiment {
+    let mut experiment = walk();
+    for hinge in &mut Arc::make_mut(&mut experiment.assembly).hinges {
+        hinge.actuator.as_mut().unwrap().servo.law = ServoLaw::Torque {
+            stiffness_nm_rad: 1.0,
+            damping_nm_s_rad: 0.05,
+        };
+    }
+    experiment
+}
+
+/// The same with friction that falls with speed.
+fn sticky() -> Experiment {
+    let load = parameter::by_name("servo.stribeck_load").unwrap();
+    load.apply(&swung(), 0.2).unwrap()
+}
+
+/// A driven body pushes a cube, a little off its middle.
+fn pushed() -> Experiment {
+    let mut experiment = robot("cube");
+    let track = Trajectory::new(
+        vec![0.0, 1.0],
+        vec![
+            Vector3::new(-0.08, 0.02, 0.05),
+            Vector3::new(0.1, 0.02, 0.05),
+        ],
+    );
+    let track = track
+        .unwrap()
+        .with_orientations(vec![UnitQuaternion::identity(); 2]);
+    experiment.scene = vec![SceneBody {
+        name: "tip".to_owned(),
+        boxes: vec![SceneBox {
+            sides_m: Vector3::new(0.02, 0.02, 0.02),
+            body_from_box: Isometry3::identity(),
+        }],
+        friction: 0.5,
+        motion: SceneMotion::Driven {
+            track: Some(Arc::new(track.unwrap())),
+        },
+    }];
+    experiment
+}
+
+/// A two-wheel robot avoids two boxes, with the draws of a repeat.
+fn driven() -> Experiment {
+    let path = crate::common::project().join("vehicles/two_wheel.ron");
+    let vehicle = Vehicle::read(path, None).unwrap();
+    let mut experiment = robot("cube");
+    experiment.drive = vehicle.drive;
+    experiment.vehicle = Some(Arc::new(vehicle));
+    experiment.duration_s = 4.0;
+    experiment.perturbation.draw = Some((1, 2));
+    experiment.drive.sampling_s = 0.02;
+    experiment
+}
+
+/// The same in a run that begins later than others.
+fn late() -> Experiment {
+    let mut experiment = driven();
+    (experiment.drive.late_share, experiment.drive.late_s) = (1.0, 0.3);
+    experiment
+}
+
+/// The same with a sensor of another form.
+fn seen_with(mean: (&str, Vec<f64>), spread: (&str, Vec<f64>)) -> Experiment {
+    let mut experiment = driven();
+    let vehicle = Arc::make_mut(experiment.vehicle.as_mut().unwrap());
+    let sensor = Arc::make_mut(&mut vehicle.sensor);
+    for (curve, (form, values)) in [(&mut sensor.mean, mean), (&mut sensor.spread, spread)] {
+        *curve = Curve::new(form_by_name(form).unwrap(), Vec::new(), values).unwrap();
+    }
+    experiment
+}
+
+/// Readings that grow as a power of the distance.
+fn seen_by_power() -> Experiment {
+    seen_with(("power", vec![1.0, 1.0]), ("power", vec![0.5, 0.1]))
+}
+
+/// Readings that grow exponentially with the distance.
+fn seen_by_exponential() -> Experiment {
+    seen_with(
+        ("exponential", vec![1.0, 0.23]),
+        ("exponential", vec![0.5, 0.01]),
+    )
+}
+
+/// Builds an experiment.
+type Make = fn() -> Experiment;
+
+/// Where a parameter is put to the test, and between which values.
+fn case(parameter: &Parameter) -> (Vec<Make>, f64, f64) {
+    let (low, high) = parameter.bounds;
+    match parameter.name {
+        "floor.friction" => (vec![toss, walk], 0.2, 0.6),
+        "floor.restitution" => (vec![toss], 0.1, 0.6),
+        "floor.height_m" => (vec![toss], 0.0, 0.01),
+        "floor.slope_rad" => (vec![toss, walk], 0.0, 0.05),
+        "gravity_m_s2" => (vec![toss, walk], 9.81, 9.6),
+        "contact.prediction_m" => (vec![toss], 0.002, 0.01),
+        "contact.natural_frequency_hz" => (vec![toss, walk], 60.0, 20.0),
+        "contact.damping_ratio" => (vec![toss, walk], 10.0, 1.0),
+        "contact.friction_model" => (vec![toss, walk], 0.0, 1.0),
+        "timestep_s" => (vec![toss, walk], 1.0 / 240.0, 1.0 / 480.0),
+        "solver.substeps" => (vec![toss, walk], 8.0, 16.0),
+        "solver.sweeps" => (vec![toss, walk], 1.0, 4.0),
+        "solver.relaxations" => (vec![walk], 0.0, 1.0),
+        "solver.joint" | "solver.engine" => (vec![walk], 0.0, 1.0),
+        // A lone cube moves the same whatever it weighs; a robot with servos does not.
+        "body.mass_scale" => (vec![walk], 1.0, 2.0),
+        "body.inertia_scale" => (vec![toss], 1.0, 1.5),
+        "body.com_offset_x_m" | "body.com_offset_y_m" | "body.com_offset_z_m" => {
+            (vec![toss], 0.0, 0.005)
+        }
+        "body.edge_radius_m" => (vec![toss], 0.0, 0.005),
+        "servo.max_torque_nm" => (vec![walk], 0.2, 0.01),
+        "servo.max_speed_rad_s" => (vec![walk], 8.0, 3.0),
+        "servo.gain" => (vec![walk], 1.0, 0.5),
+        "servo.gain_1_s" => (vec![walk], 30.0, 15.0),
+        "servo.stiffness_nm_rad" => (vec![sprung], 1.0, 0.2),
+        "servo.damping_nm_s_rad" => (vec![sprung], 0.05, 0.2),
+        "servo.offset_rad" | "joint.zero_rad" => (vec![walk], 0.0, 0.2),
+        "servo.latency_s" => (vec![walk], 0.0, 0.1),
+        "servo.backlash_rad" => (vec![walk], 0.0, 0.1),
+        "servo.position_gain" => (vec![swung], 400.0, 300.0),
+        "servo.duty_1_rad" => (vec![swung], 0.0028, 0.002),
+        "servo.supply_v" => (vec![swung], 7.3, 6.0),
+        "servo.torque_constant_nm_a" => (vec![swung], 0.4, 0.3),
+        "servo.resistance_ohm" => (vec![swung], 3.3, 4.0),
+        "servo.ripple_ohm" => (vec![swung], 0.0, 4.0),
+        "servo.armature_kg_m2" => (vec![swung], 0.0, 0.002),
+        "servo.slew_1_s" => (vec![swung], 100.0, 2.0),
+        "servo.dry_nm" | "servo.viscous_nm_s_rad" => (vec![swung], 0.0, 0.02),
+        "servo.stribeck_nm" => (vec![swung], 0.0, 0.1),
+        "servo.motor_load" | "servo.output_load" | "servo.stribeck_load" => (vec![swung], 0.0, 0.2),
+        "servo.quadratic_1_nm" => (vec![swung], 0.0, 0.5),
+        // Form of a part that is there only where something falls with speed.
+        "servo.stribeck_speed_rad_s" => (vec![sticky], 0.1, 1.0),
+        "servo.stribeck_shape" => (vec![sticky], 1.0, 3.0),
+        "gait.frequency_scale" | "gait.amplitude_scale" => (vec![walk], 1.0, 0.7),
+        "hinge.bearing_hz" => (vec![elbow], 0.0, 100.0),
+        // A ratio does nothing where nothing gives way.
+        "hinge.bearing_ratio" => (vec![loose], 1.0, 0.3),
+        "hinge.armature_kg_m2" => (vec![elbow], 0.0, 0.001),
+        "hinge.viscous_nm_s_rad" | "hinge.dry_nm" => (vec![elbow], 0.0, 0.002),
+        "pusher.offset_x_m" | "pusher.offset_y_m" | "pusher.offset_z_m" => {
+            (vec![pushed], 0.0, 0.01)
+        }
+        "pusher.friction" => (vec![pushed], 0.1, 0.9),
+        "vehicle.drift_rad_s" | "vehicle.drift_offset_rad" => (vec![driven], 0.0, 0.1),
+        "vehicle.filter_readings" => (vec![driven], 0.0, 4.0),
+        "vehicle.frame_rate_hz" => (vec![driven], 11.6, 5.0),
+        "vehicle.sampling_s" => (vec![driven], 0.1, 0.3),
+        "vehicle.tag_ahead_m" | "vehicle.tag_left_m" => (vec![driven], 0.0, 0.02),
+        "vehicle.sensor_ahead_m" => (vec![driven], 0.08, 0.02),
+        "vehicle.stale_s" => (vec![driven], 0.0, 0.3),
+        "vehicle.false_alarm_hz" => (vec![driven], 0.0, 5.0),
+        "vehicle.late_share" => (vec![late], 0.0, 1.0),
+        "vehicle.late_s" => (vec![late], 0.0, 0.3),
+        "vehicle.speed_m_s" => (vec![driven], 0.2, 0.3),
+        "vehicle.threshold_m" => (vec![driven], 0.1, 0.15),
+        "vehicle.turn_rate_rad_s" => (vec![driven], 4.0, 3.0),
+        "vehicle.sensor.mean.intercept" => (vec![driven], 0.5, 3.0),
+        "vehicle.sensor.mean.slope" => (vec![driven], 0.95, 0.7),
+        "vehicle.sensor.mean.factor" => (vec![seen_by_power, seen_by_exponential], 1.0, 0.7),
+        "vehicle.sensor.mean.exponent" => (vec![seen_by_power], 1.0, 0.8),
+        "vehicle.sensor.mean.rate" => (vec![seen_by_exponential], 0.23, 0.18),
+        "vehicle.sensor.spread.intercept" => (vec![driven], 0.5, 3.0),
+        "vehicle.sensor.spread.slope" => (vec![driven], 0.01, 0.3),
+        "vehicle.sensor.spread.factor" => (vec![seen_by_power, seen_by_exponential], 0.5, 3.0),
+        "vehicle.sensor.spread.exponent" => (vec![seen_by_power], 0.1, 1.0),
+        "vehicle.sensor.spread.rate" => (vec![seen_by_exponential], 0.01, 0.2),
+        "vehicle.sensor.dropout" => (vec![driven], 0.0, 0.9),
+        "vehicle.sensor.incidence_per_deg" => (vec![driven], 0.0, 1.0),
+        name if name.starts_with("vehicle.ideal") || name.ends_with("_noise") => {
+            (vec![driven], 0.0, 1.0)
+        }
+        name if name.starts_with("vehicle.") => (vec![driven], 0.0, 0.05),
+        name if name.starts_with("module.") && name.ends_with("scale") => (vec![elbow], 1.0, 1.3),
+        name if name.starts_with("module.") => (vec![elbow], 0.0, 0.005),
+        _ => (
+            vec![toss, walk],
+            low + 0.01 * (high - low),
+            low + 0.1 * (high - low),
+        ),
+    }
+}
+
+/// Parameters of recordings act on the comparison, not on a run; their own test has them.
+fn simulated() -> impl Iterator<Item = &'static Parameter> {
+    parameter::all()
+        .filter(|p| !p.name.starts_with("recording."))
+        .chain(of_a_module())
+}
+
+/// The parameters of one module.
+fn of_a_module() -> impl Iterator<Item = &'static Parameter> {
+    parameter::families().map(|p| parameter::by_name(&p.name.replace("NAME", "first")).unwrap())
+}
+
+fn path_of(experiment: &Experiment) -> Trajectory {
+    let run = run(experiment).unwrap();
+    run.outcome.completed().unwrap()
+}
+
+#[test]
+fn a_parameter_of_a_module_that_the_robot_does_not_have_is_said_to_have_no_effect() {
+    let said = |name: &str, experiment: &Experiment| {
+        let set = ParameterSet::new().with(format!("{name}=1.2").parse().unwrap());
+        let warnings = set.without_effect(experiment);
+        warnings
+            .first()
+            .map(|w| w.message.clone())
+            .unwrap_or_default()
+    };
+    assert_eq!(said("module.second.mass_scale", &elbow()), "");
+    assert!(said("module.third.mass_scale", &elbow()).contains("no module `third`"));
+    assert!(said("hinge.dry_nm", &walk()).contains("states no hinges"));
+    assert!(said("servo.gain", &elbow()).contains("no servos"));
+    assert!(said("servo.dry_nm", &walk()).contains("no servo of the robot is a motor"));
+    assert!(said("pusher.friction", &toss()).contains("no driven body"));
+    assert!(said("vehicle.sensor.mean.slope", &toss()).contains("no vehicle"));
+    assert!(said("vehicle.sensor.mean.exponent", &driven()).contains("no such number"));
+    assert_eq!(said("vehicle.sensor.mean.slope", &driven()), "");
+    assert!(said("servo.elbow.gain", &walk()).contains("no joint `elbow`, only "));
+    assert!(said("servo.stiffness_nm_rad", &walk()).contains("no such joint"));
+    for wrong in [
+        "servo.*.mass",
+        "servo.a b.gain",
+        "joint..zero_rad",
+        "module.first.mass",
+        "module..mass_scale",
+        "module.first",
+    ] {
+        assert!(parameter::by_name(wrong).is_err(), "{wrong}");
+    }
+}
+
+/// The one with the narrower name holds, wherever it stands.
+#[test]
+fn a_parameter_of_one_joint_overrules_that_of_a_group_and_this_that_of_all() {
+    let walk = walk();
+    let names: Vec<String> = walk
+        .assembly
+        .hinges
+        .iter()
+        .map(|h| h.name.clone())
+        .collect();
+    let (one, form) = (&names[0], format!("{}*", &names[1][..2]));
+    let set: ParameterSet = [
+        (format!("servo.{one}.max_torque_nm"), 0.01),
+        (format!("servo.{form}.max_torque_nm"), 0.02),
+        ("servo.max_torque_nm".to_owned(), 0.03),
+        (format!("joint.{one}.delay_s"), 0.04),
+    ]
+    .iter()
+    .map(|(name, value)| parameter::Assignment::new(name, *value).unwrap())
+    .collect();
+    assert!(set.without_effect(&walk).is_empty());
+    let changed = set.apply(&walk);
+    for (index, hinge) in changed.assembly.hinges.iter().enumerate() {
+        let torque_nm = hinge.actuator.unwrap().servo.max_torque_nm;
+        let (expected_nm, latency_s) = match &hinge.name {
+            name if name == one => (0.01, 0.04),
+            name if name.starts_with(&form[..2]) => (0.02, 0.0),
+            _ => (0.03, 0.0),
+        };
+        assert_eq!(torque_nm, expected_nm, "{}", hinge.name);
+        assert_eq!(changed.hinge_adjustment(index).latency_s, latency_s);
+    }
+    let all = parameter::by_name("servo.max_torque_nm").unwrap();
+    assert_eq!(all.value(&changed), None, "they differ");
+}
+
+/// A form is one line of its registry; the numbers that have names can be set, swept and tuned.
+#[test]
+fn every_named_number_of_a_form_is_a_parameter_of_a_vehicles_sensor() {
+    for form in FORMS.iter().filter(|form| form.name() != "table") {
+        for name in form.parameters(&[]) {
+            for curve in ["mean", "spread"] {
+                parameter::by_name(&format!("vehicle.sensor.{curve}.{name}")).unwrap();
+            }
+        }
+    }
+}
+
+#[test]
+fn a_sensor_without_a_spread_is_refused_before_it_runs() {
+    let slope = parameter::by_name("vehicle.sensor.spread.slope").unwrap();
+    let error = run(&slope.apply(&driven(), -1.0).unwrap()).unwrap_err();
+    assert!(error.to_string().contains("no density"), "{error}");
+}
+
+fn largest_distance_m(a: &Trajectory, b: &Trajectory) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let places = a.positions_world_m().iter().zip(b.positions_world_m());
+    places.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
+}
+
+#[test]
+fn every_parameter_changes_a_run() {
+    for parameter in simulated() {
+        let (experiments, one, other) = case(parameter);
+        for experiment in experiments {
+            let base = experiment();
+            let at = |value| path_of(&parameter.apply(&base, value).unwrap());
+            let first = at(one);
+            // A difference shows something only where the same value gives the same run.
+            assert_eq!(first, at(one), "{} is not repeatable", parameter.name);
+            let distance_m = largest_distance_m(&first, &at(other));
+            assert!(
+                distance_m > VISIBLE_M,
+                "{} from {one} to {other} moves the run by {distance_m:.1e} m only",
+                parameter.name
+            );
+        }
+    }
+}
+
+#[test]
+fn what_is_set_is_read_back_and_nothing_else_changes() {
+    for parameter in parameter::all().chain(of_a_module()) {
+        let (_, one, other) = case(parameter);
+        // Servos and hinges have what their robot's file states, and the tripod's states little.
+        let own = case(parameter).0[0];
+        let has_it = |base: &Make| parameter.value(&base()).is_some();
+        let base = match parameter.name {
+            name if name.starts_with("vehicle.sensor.") => own(),
+            _ => [walk, own]
+                .iter()
+                .find(|base| has_it(base))
+                .unwrap_or(&(walk as _))(),
+        };
+        for value in [one, other] {
+            let changed = parameter.apply(&base, value).unwrap();
+            assert_eq!(parameter.value(&changed), Some(value), "{}", parameter.name);
+            for unrelated in parameter::all()
+                .chain(of_a_module())
+                .filter(|p| *p != parameter)
+            {
+                assert_eq!(
+                    unrelated.value(&changed),
+                    unrelated.value(&base),
+                    "{} changes {}",
+                    parameter.name,
+                    unrelated.name
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn values_out_of_bounds_are_refused_with_the_bounds_in_the_message() {
+    for parameter in parameter::all() {
+        let (low, high) = parameter.bounds;
+        let mut refused = vec![low - 1.0, high + 1.0, f64::NAN, f64::INFINITY];
+        if parameter.whole {
+            refused.push(low + 0.5);
+        }
+        for value in refused {
+            let error = parameter.apply(&walk(), value).unwrap_err().to_string();
+            assert!(error.contains(parameter.name), "{error}");
+            assert!(error.contains(&high.to_string()), "{error}");
+        }
+        for value in [low, high] {
+            assert!(parameter.check(value).is_ok(), "{} {value}", parameter.name);
+        }
+    }
+}
+
+#[test]
+fn defaults_are_allowed_values() {
+    for parameter in parameter::all() {
+        if let Some(value) = parameter.default_value() {
+            assert!(parameter.check(value).is_ok(), "{} {value}", parameter.name);
+        }
+    }
+}
+
+/// The amplitude of a servo's answer falls with its gain for the torque law too.
+#[test]
+fn the_gain_means_something_for_both_servo_laws() {
+    // chain3 has torque servos, the tripod velocity servos.
+    for name in ["chain3", "tripod"] {
+        let base = robot(name);
+        let gain = parameter::by_name("servo.gain").unwrap();
+        let lag = |value| {
+            let run = run(&gain.apply(&base, value).unwrap()).unwrap();
+            run.servo_rms_rad
+        };
+        assert!(
+            lag(0.3) > 1.2 * lag(1.0),
+            "{name}: {} {}",
+            lag(0.3),
+            lag(1.0)
+        );
+    }
+}
+
+#[test]
+fn latency_shifts_the_answer_by_exactly_its_time() {
+    use realgap_simulation::watch;
+    let angles = |latency_s: f64| {
+        let base = walk();
+        let latency = parameter::by_name("servo.latency_s").unwrap();
+        let mut experiment = latency.apply(&base, latency_s).unwrap();
+        // In free space: no floor that mixes in.
+        experiment.gravity_m_s2 = 0.0;
+        experiment.floor.height_m = -5.0;
+        experiment.start = Start::State(State {
+            position_world_m: Vector3::zeros(),
+            orientation_world_from_body: UnitQuaternion::identity(),
+            velocity_world_m_s: Vector3::zeros(),
+            angular_velocity_body_rad_s: Vector3::zeros(),
+        });
+        let mut angles = Vec::new();
+        watch(&experiment, &[], &mut |s| {
+            angles.push(s.hinges[0].angle_rad)
+        })
+        .unwrap();
+        angles
+    };
+    let (steps, timestep_s) = (24, walk().solver.timestep_s);
+    let (now, late) = (angles(0.0), angles(steps as f64 * timestep_s));
+    for (index, angle) in late.iter().enumerate().skip(steps + 120) {
+        // The first command begins inside a step, hence not bit for bit.
+        assert!((angle - now[index - steps]).abs() < 2e-3, "at step {index}");
+    }
+}

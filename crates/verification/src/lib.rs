@@ -1,0 +1,157 @@
+//! Closed-form checks of the simulation, run with the settings of the user's choice.
+//!
+//! Every [`Check`] compares what the engine does with a formula that can be worked out by hand:
+//! stopping distance, bounce height, pendulum period, servo lag. Tolerances say what a user of the
+//! numbers needs; a check that the settings do not meet is reported as failed, never loosened. Where the reason is known,
+//! [`Limit`] has it, with the error that it explains.
+//! `docs/fidelity.md` explains each.
+//!
+//! ```
+//! use realgap_verification::{Settings, Verdict, Theme};
+//!
+//! let checks = Theme::Friction.run(&Settings::default())?;
+//! assert!(checks.iter().any(|c| c.name.starts_with("friction.stop") && c.verdict == Verdict::Pass));
+//! # Ok::<(), realgap_core::Error>(())
+//! ```
+
+mod balance;
+mod body;
+mod centre;
+mod check;
+mod dependence;
+mod energy;
+mod euler;
+mod film;
+mod friction;
+mod impact;
+mod limit;
+mod pendulum;
+mod restitution;
+mod rolling;
+mod servo;
+mod slide;
+mod spin;
+mod standing;
+mod structure;
+mod topple;
+mod toss;
+
+pub use check::{Check, Tolerance, Verdict};
+pub use dependence::known_limits;
+pub use limit::{LIMITS, Limit};
+
+use realgap_core::error::Result;
+use realgap_robot::morphology::Assembly;
+use realgap_simulation::{Contact, EngineChoice, Experiment, JointKind, Solver};
+
+/// The settings that are put to the test; everything else is up to each check.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// Numerical settings; the joint kind is taken from `joints`.
+    pub solver: Solver,
+    /// Contact model.
+    pub contact: Contact,
+    /// Joint kinds with which checks that involve hinges are run in Rapier.
+    pub joints: Vec<JointKind>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            solver: Solver::default(),
+            contact: Contact::default(),
+            joints: vec![JointKind::Impulse, JointKind::Multibody],
+        }
+    }
+}
+
+impl Settings {
+    /// An experiment with these settings, no restitution, and a floor the check may change.
+    fn experiment(&self, assembly: Assembly, duration_s: f64) -> Experiment {
+        let mut experiment = Experiment::new(assembly);
+        experiment.solver = self.solver;
+        experiment.contact = self.contact;
+        experiment.duration_s = duration_s;
+        experiment.floor.restitution = 0.0;
+        experiment
+    }
+
+    /// Kinds of joint that are told apart: one in an engine that has no more.
+    pub fn kinds(&self) -> &[JointKind] {
+        if self.is_reference() {
+            &self.joints
+        } else {
+            &[JointKind::Auto]
+        }
+    }
+
+    /// Last part of the name of a check that involves hinges: the kind of joint, or the engine that has one kind only.
+    fn joint_name(&self, kind: JointKind) -> &'static str {
+        match kind {
+            _ if !self.is_reference() => self.solver.engine.get().name(),
+            JointKind::Impulse => "impulse",
+            JointKind::Multibody => "multibody",
+            JointKind::Auto => "auto",
+        }
+    }
+
+    fn is_reference(&self) -> bool {
+        self.solver.engine == EngineChoice::default()
+    }
+}
+
+/// A group of checks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Theme {
+    /// Sliding, sticking, creeping.
+    Friction,
+    /// Bouncing.
+    Restitution,
+    /// Free motion: falling, tumbling, swinging, colliding.
+    Energy,
+    /// Servos: torque, speed, tracking.
+    Servo,
+    /// Masses, glue and hinges.
+    Structure,
+    /// Standing on a light plate: sag, creep, falling over.
+    Standing,
+}
+
+impl Theme {
+    /// All themes, in the order of the table.
+    pub const ALL: [Self; 6] = [
+        Self::Friction,
+        Self::Restitution,
+        Self::Energy,
+        Self::Servo,
+        Self::Structure,
+        Self::Standing,
+    ];
+
+    /// Runs the checks of this theme.
+    ///
+    /// # Errors
+    /// Settings that cannot be simulated.
+    pub fn run(self, settings: &Settings) -> Result<Vec<Check>> {
+        match self {
+            Self::Friction => friction::checks(settings),
+            Self::Restitution => restitution::checks(settings),
+            Self::Energy => energy::checks(settings),
+            Self::Servo => servo::checks(settings),
+            Self::Structure => structure::checks(settings),
+            Self::Standing => standing::checks(settings),
+        }
+    }
+}
+
+/// Runs every check.
+///
+/// # Errors
+/// Settings that cannot be simulated. A check that fails is not an error but a [`Verdict`].
+pub fn run(settings: &Settings) -> Result<Vec<Check>> {
+    let mut checks = Vec::new();
+    for theme in Theme::ALL {
+        checks.extend(theme.run(settings)?);
+    }
+    Ok(checks)
+}
