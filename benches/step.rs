@@ -9,7 +9,7 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use realgap::robot::morphology::Morphology;
-use realgap::simulation::{Experiment, JointKind, Sampling, run};
+use realgap::simulation::{Experiment, JointFormulation, Sampling, run};
 
 fn experiment(robot: &str) -> Experiment {
     let path = format!("{}/morphologies/{robot}.ron", env!("CARGO_MANIFEST_DIR"));
@@ -24,8 +24,8 @@ fn step(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("simulated second");
     group.sample_size(20);
     for robot in ["cube", "chain3", "tripod", "chain5", "spider8", "chain30"] {
-        for joint in [JointKind::Impulse, JointKind::Multibody] {
-            if robot == "chain30" && joint == JointKind::Multibody {
+        for joint in [JointFormulation::Impulse, JointFormulation::Multibody] {
+            if robot == "chain30" && joint == JointFormulation::Multibody {
                 continue; // A third of a second each; its cost is in docs/fidelity.md.
             }
             let mut experiment = experiment(robot);

@@ -7,7 +7,7 @@ use rand::{Rng, RngExt};
 use realgap::Result;
 use realgap::random::Numbered;
 use realgap::robot::genome::Genome;
-use realgap::search::{Dose, Operator};
+use realgap::search::{Operator, VariationParams};
 
 /// Two modules change places.
 struct Swap;
@@ -22,8 +22,14 @@ impl Operator for Swap {
     fn is_crossover(&self) -> bool {
         false
     }
-    fn vary(&self, first: &Genome, _: &Genome, dose: &Dose, rng: &mut dyn Rng) -> Genome {
-        if !rng.random_bool(dose.rate) {
+    fn vary(
+        &self,
+        first: &Genome,
+        _: &Genome,
+        params: &VariationParams,
+        rng: &mut dyn Rng,
+    ) -> Genome {
+        if !rng.random_bool(params.rate) {
             return first.clone();
         }
         let mut genes = first.genes().to_vec();
@@ -38,7 +44,7 @@ impl Operator for Swap {
 
 fn main() -> Result<()> {
     let parent = Genome::random(4, &mut Numbered::SearchStep.generator(7, 0))?;
-    let dose = Dose {
+    let params = VariationParams {
         rate: 1.0,
         standard_deviation: 0.1,
         max_modules: parent.len(),
@@ -46,7 +52,7 @@ fn main() -> Result<()> {
     // One line in OPERATORS does the same for `operator: "swap"` in the file of a search.
     for step in 1..4 {
         let mut rng = Numbered::SearchStep.generator(7, step);
-        let child = Swap.vary(&parent, &parent, &dose, &mut rng);
+        let child = Swap.vary(&parent, &parent, &params, &mut rng);
         let kept = child
             .genes()
             .iter()

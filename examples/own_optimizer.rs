@@ -4,7 +4,7 @@
 //! `cargo run --example own_optimizer`
 
 use realgap::Result;
-use realgap::optimization::{Brief, History, Optimizer, Proposal, minimise};
+use realgap::optimization::{History, OptimizationProblem, Optimizer, Proposal, minimise};
 
 /// Looks to both sides of the best point along every axis, in steps that shrink.
 struct Compass;
@@ -16,10 +16,10 @@ impl Optimizer for Compass {
     fn doc(&self) -> &'static str {
         "Compass search (Kolda, Lewis and Torczon 2003), steps that shrink with every batch."
     }
-    fn batch(&self, brief: &Brief) -> usize {
+    fn batch(&self, brief: &OptimizationProblem) -> usize {
         2 * brief.dimensions()
     }
-    fn propose(&self, brief: &Brief, history: &History<'_>) -> Result<Proposal> {
+    fn propose(&self, brief: &OptimizationProblem, history: &History<'_>) -> Result<Proposal> {
         let told = history.design.iter().chain(history.told);
         let scored = told.filter_map(|told| Some((told.score?, &told.point)));
         let best = scored.min_by(|a, b| a.0.total_cmp(&b.0));
@@ -37,7 +37,7 @@ impl Optimizer for Compass {
 
 fn main() -> Result<()> {
     let hidden = [0.7, 0.2];
-    let brief = Brief {
+    let brief = OptimizationProblem {
         points: vec![21, 21],
         budget: 80,
         seed: 1,

@@ -14,7 +14,7 @@ from ._array import Floats, got
 from ._trajectory import Trajectory
 
 # What the driver shows an optimizer: points, and their scores where they have one.
-Told = List[Tuple[List[float], Optional[float]]]
+EvaluatedPoint = List[Tuple[List[float], Optional[float]]]
 
 
 def number(value: object, who: str) -> float:
@@ -165,9 +165,9 @@ class _Proposer:
     def __init__(self, make: Callable[[int, int, int], AskTell]) -> None:
         self._make = make
         self._asked: Optional[AskTell] = None
-        self._known: Told = []
+        self._known: EvaluatedPoint = []
 
-    def __call__(self, brief: Tuple[int, int, int], design: Told, told: Told) -> List[List[float]]:
+    def __call__(self, brief: Tuple[int, int, int], design: EvaluatedPoint, told: EvaluatedPoint) -> List[List[float]]:
         history = design + told
         if self._asked is None or history[: len(self._known)] != self._known:
             # Another search: that of a fold, or this one from its beginning.

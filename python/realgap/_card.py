@@ -38,7 +38,7 @@ class Success:
 
 
 @dataclass(frozen=True)
-class Growth:
+class DivergenceRate:
     """How fast a small difference grows in a run of this length.
 
     >>> prediction.card.growth.duration_s
@@ -64,7 +64,7 @@ class Card:
     noise_from: Optional[str]
     engine: str
     version: str
-    growth: Optional[Growth]
+    growth: Optional[DivergenceRate]
     prediction: Forecast
     model: Optional[ModelError]
     claims: Tuple[Claim, ...]

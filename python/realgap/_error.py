@@ -6,7 +6,7 @@ from typing import Optional
 
 
 class Error(Exception):
-    """Says where, what was found, what is allowed, and what to do next.
+    """Conclusion where, what was found, what is allowed, and what to do next.
 
     >>> try:
     ...     realgap.simulate(robot, parameters={"floor.frictoin": 0.4})

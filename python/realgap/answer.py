@@ -6,7 +6,7 @@ A number that JSON has no word for, because it is not finite, is NaN.
 'floor.friction'
 """
 
-from ._card import Card, Economy, FinalistCard, Growth, Rerun, Success, SuccessRange
+from ._card import Card, Economy, FinalistCard, DivergenceRate, Rerun, Success, SuccessRange
 from ._claim import Claim
 from ._forecast import (
     Behaviour,
@@ -74,7 +74,7 @@ __all__ = [
     "Forecast",
     "GapAndRatio",
     "GapSummary",
-    "Growth",
+    "DivergenceRate",
     "HowSure",
     "MotionTells",
     "Interval",

@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use realgap::comparison::{self, Context, Measurement, Needs, Pair};
-use realgap::optimization::{self, Brief, History, Proposal, Told};
+use realgap::optimization::{self, EvaluatedPoint, History, OptimizationProblem, Proposal};
 use realgap::unit::Unit;
 use realgap::{Error, Result};
 
@@ -196,15 +196,15 @@ impl optimization::Optimizer for PythonOptimizer {
     fn design(&self, dimensions: usize) -> usize {
         self.design.unwrap_or(10 * dimensions)
     }
-    fn batch(&self, _: &Brief) -> usize {
+    fn batch(&self, _: &OptimizationProblem) -> usize {
         self.batch
     }
     fn depends_on_budget(&self) -> bool {
         // Nobody knows.
         true
     }
-    fn propose(&self, brief: &Brief, history: &History<'_>) -> Result<Proposal> {
-        let rows = |told: &[Told]| -> Vec<(Vec<f64>, Option<f64>)> {
+    fn propose(&self, brief: &OptimizationProblem, history: &History<'_>) -> Result<Proposal> {
+        let rows = |told: &[EvaluatedPoint]| -> Vec<(Vec<f64>, Option<f64>)> {
             told.iter()
                 .map(|told| (told.point.clone(), told.score))
                 .collect()

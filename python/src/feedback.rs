@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use pyo3::prelude::*;
 use realgap::robot::morphology::Assembly;
 use realgap::simulation::{
-    Attendance, Controller, Experiment, Film, Log, Run, Sensed, Steer, attended_film,
+    Controller, Experiment, Film, Log, Run, RunHooks, Sensed, Steer, film_with,
 };
 use realgap::{Error, Result};
 use serde::Deserialize;
@@ -146,12 +146,12 @@ pub fn film(
         }
         Ok(())
     };
-    let attendance = Attendance {
+    let hooks = RunHooks {
         clock: Some(&mut clock),
-        ..Attendance::default()
+        ..RunHooks::default()
     };
     let (Some(controller), Some(step)) = (&experiment.controller, step) else {
-        return attended_film(experiment, attendance);
+        return film_with(experiment, hooks);
     };
     let names = Names::of(&experiment.assembly, controller);
     let mut feedback = |sensed: &Sensed, steering: &mut [Steer]| {
@@ -171,9 +171,9 @@ pub fn film(
         }
         Ok(())
     };
-    let attendance = Attendance {
+    let hooks = RunHooks {
         feedback: Some(&mut feedback),
-        ..attendance
+        ..hooks
     };
-    attended_film(experiment, attendance)
+    film_with(experiment, hooks)
 }

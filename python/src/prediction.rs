@@ -11,7 +11,8 @@ use realgap::optimization::RunOptions;
 use realgap::prediction::ensemble;
 use realgap::prediction::gap::{GapOptions, StudyGap};
 use realgap::prediction::{
-    Card, EnsembleOptions, EnsembleReport, Growth, ModelError, SuccessRule, UncertainParameters,
+    Card, DivergenceRate, EnsembleOptions, EnsembleReport, ModelError, SuccessRule,
+    UncertainParameters,
 };
 use realgap::results::{Kind, check_folder, write_ensemble, write_gap, write_prediction};
 use realgap::search::read_indistinguishable;
@@ -349,7 +350,7 @@ fn card(
     let (noise, noise_from) = match drawing.noise()? {
         Some(said) => said,
         None => {
-            warnings.push(Code::EstimatedNoise.says(
+            warnings.push(Code::EstimatedNoise.warning(
                 "the noise is an estimate for a robot that nobody has measured; say your own with noise=",
             ));
             (Noise::unmeasured_robot(), "estimate".to_owned())
@@ -365,7 +366,7 @@ fn card(
     };
     let repeats = run.install(|| ensemble::run_each(&experiment, &draws, run))??;
     let growth = match repeats.is_complete() {
-        true => Growth::of(&experiment)?,
+        true => DivergenceRate::of(&experiment)?,
         false => None,
     };
     let card = run.install(|| Card::new(robot.name(), &repeats, rule))??;

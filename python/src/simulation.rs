@@ -10,7 +10,7 @@ use realgap::calibration::Fitted;
 use realgap::file::Source;
 use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::simulation::{
-    Between, CommandTrack, Experiment, Film, JointKind, Outcome, Sampling, SceneBody,
+    Between, CommandTrack, Experiment, Film, JointFormulation, Outcome, Sampling, SceneBody,
 };
 use realgap::trajectory::{self, write_with_bodies};
 use realgap::{Error, Result, Warning};
@@ -58,11 +58,11 @@ pub fn fitted(files: &[PathBuf], set: &BTreeMap<String, f64>) -> Result<Fitted> 
     Ok(Fitted::read(files)?.with_values(&set.map_err(Error::into_usage)?))
 }
 
-fn joint_kind(name: &str) -> Result<JointKind> {
+fn joint_kind(name: &str) -> Result<JointFormulation> {
     match name {
-        "auto" => Ok(JointKind::Auto),
-        "multibody" => Ok(JointKind::Multibody),
-        "impulse" => Ok(JointKind::Impulse),
+        "auto" => Ok(JointFormulation::Auto),
+        "multibody" => Ok(JointFormulation::Multibody),
+        "impulse" => Ok(JointFormulation::Impulse),
         other => Err(Error::usage("not a kind of joint")
             .field("joint")
             .found(other)

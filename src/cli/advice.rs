@@ -1,4 +1,4 @@
-//! Says in options what the library says in words.
+//! Conclusion in options what the library says in words.
 
 use clap::error::{ContextKind, ContextValue, ErrorKind as ClapKind};
 use clap::{Command, CommandFactory};

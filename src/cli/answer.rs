@@ -101,7 +101,7 @@ impl StudyOptions {
             .map(|range| range.parameter.name)
             .filter(|name| overrides.set.value(name).is_some())
             .map(|name| {
-                Code::NoEffect.says(format!(
+                Code::NoEffect.warning(format!(
                     "{name} was set, but the study varies it: the study's range counts"
                 ))
             });

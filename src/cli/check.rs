@@ -7,7 +7,7 @@ mod sensing;
 
 use realgap::calibration::{Definition, Overrides, read_parameters};
 use realgap::file::Source;
-use realgap::robot::genome::Specimen;
+use realgap::robot::genome::Individual;
 use realgap::robot::import::is_foreign;
 use realgap::search::{self, Search};
 use realgap::sensing::arena::Arena;
@@ -116,7 +116,7 @@ impl Check {
             Some(Kind::Arena) => draw_arena(&Arena::parse(&source)?, plot)?,
             Some(Kind::Controller) => controller::draw(&source, self.robot.as_deref(), plot)?,
             Some(Kind::Genome) => {
-                let robot = Specimen::parse(&source)?.develop();
+                let robot = Individual::parse(&source)?.develop();
                 portrait::draw(&robot.map_err(|m| Error::from(m).at_file(path))?, plot)?;
             }
             _ => portrait::draw(&Morphology::parse(&source)?, plot)?,
@@ -233,7 +233,7 @@ fn morphology(source: &Source, dynamics: usize) -> Result<Contents> {
 }
 
 fn genome(source: &Source) -> Result<Contents> {
-    let specimen = Specimen::parse(source)?;
+    let specimen = Individual::parse(source)?;
     let modules = specimen.genome.len();
     let (outcome, misfit) = match specimen.develop() {
         Ok(robot) => (

@@ -159,7 +159,7 @@ impl Compare {
                 said.push(match warning.code {
                     Code::ReadAs => warning
                         .code
-                        .says(format!("{}: {}", recording.name, warning.message)),
+                        .warning(format!("{}: {}", recording.name, warning.message)),
                     _ => warning.clone(),
                 });
             }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use realgap::results::portrait;
-use realgap::robot::genome::Specimen;
+use realgap::robot::genome::Individual;
 use realgap::simulation::{Settling, settle};
 use realgap::unit::decimals;
 
@@ -115,7 +115,7 @@ impl Develop {
         Ok(())
     }
 
-    fn print(&self, specimen: &Specimen, robot: &Morphology, settling: &Settling) -> Result<()> {
+    fn print(&self, specimen: &Individual, robot: &Morphology, settling: &Settling) -> Result<()> {
         let summary = robot.summary();
         let size = summary.size_m();
         if self.print.is_json() {
@@ -149,8 +149,13 @@ impl Develop {
             ("offset", Side::Right),
         ]);
         for (index, module) in robot.modules().iter().enumerate() {
-            let on = robot.glue().iter().find(|glue| glue.child == index);
-            let on = on.map_or("", |glue| robot.modules()[glue.parent].name.as_str());
+            let on = robot
+                .attachments()
+                .iter()
+                .find(|attachment| attachment.child == index);
+            let on = on.map_or("", |attachment| {
+                robot.modules()[attachment.parent].name.as_str()
+            });
             let mut row = vec![module.name.clone()];
             match &module.drive {
                 None => {
@@ -198,7 +203,7 @@ impl Develop {
 fn flags(robot: &Morphology, settling: &Settling) -> Vec<Warning> {
     let name = |index: usize| &robot.modules()[index].name;
     let blocked = robot.blocked_plates().into_iter().map(|(plate, other)| {
-        Code::PlateBlocked.says(format!(
+        Code::PlateBlocked.warning(format!(
             "the plate of `{}` hits `{}` when it follows its gait",
             name(plate),
             name(other)

@@ -40,7 +40,7 @@ pub struct Form {
     pub schema: fn() -> schemars::Schema,
 }
 
-/// Says of types that they are answers, and lists their forms and schemas.
+/// Conclusion of types that they are answers, and lists their forms and schemas.
 macro_rules! forms {
     ($($name:literal $kind:ident $type:ty, $doc:literal;)*) => {
         $(impl Answer for $type {})*

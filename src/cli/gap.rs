@@ -193,7 +193,7 @@ impl Gap {
                 .floor
                 .warnings
                 .iter()
-                .map(|w| w.code.says(format!("{}: {}", set.set, w.message)));
+                .map(|w| w.code.warning(format!("{}: {}", set.set, w.message)));
             terminal::print_warnings(&named.collect::<Vec<_>>());
         }
         if let Some(folder) = &folder {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use realgap::robot::genome::{Genome, Locus, Specimen};
+use realgap::robot::genome::{Genome, Individual, Locus};
 use realgap::search::generator;
 
 use super::kit::*;
@@ -81,7 +81,7 @@ impl Random {
             .name
             .unwrap_or_else(|| format!("random_{}_{}", self.modules, self.seed));
         Morphology::check_name(&name).map_err(Error::into_usage)?;
-        let mut specimen = Specimen::new(name, genome);
+        let mut specimen = Individual::new(name, genome);
         let usual = specimen.development.max_modules;
         specimen.development.max_modules = usual.max(self.modules);
         let misfit = specimen.develop().err();

@@ -209,7 +209,7 @@ fn simulate_rest(
     };
     if let Some(why) = why_not {
         let warning =
-            Code::NoSimulatedOdds.says(format!("resting faces were not simulated: {why}"));
+            Code::NoSimulatedOdds.warning(format!("resting faces were not simulated: {why}"));
         return Ok((None, [study.warnings, vec![warning]].concat()));
     }
     let identified = found

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use realgap::calibration::{Definition, Overrides, Repeatable, Study, read_best, study_of};
 use realgap::file::Source;
-use realgap::robot::genome::Specimen;
+use realgap::robot::genome::Individual;
 use realgap::robot::morphology::Morphology;
 use realgap::search::{self, Search};
 use realgap::{Error, Result, trajectory};
@@ -137,8 +137,8 @@ pub fn read_morphology(path: &Path) -> Result<Morphology> {
 }
 
 /// Reads a genome.
-pub fn read_specimen(path: &Path) -> Result<Specimen> {
-    Specimen::read(path).map_err(|error| explain(path, Kind::Genome, error))
+pub fn read_specimen(path: &Path) -> Result<Individual> {
+    Individual::read(path).map_err(|error| explain(path, Kind::Genome, error))
 }
 
 /// Reads a study for its repeats.

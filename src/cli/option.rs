@@ -11,7 +11,7 @@ use realgap::comparison::{self, Metric};
 use realgap::identification::StartState;
 use realgap::search::read_indistinguishable;
 use realgap::simulation::parameter::{Assignment, ParameterSet};
-use realgap::simulation::{ENGINES, Experiment, JointKind, Solver, engine_by_name};
+use realgap::simulation::{ENGINES, Experiment, JointFormulation, Solver, engine_by_name};
 use realgap::warning::Code;
 use realgap::{Error, Result, RunOptions, Warning};
 
@@ -95,14 +95,18 @@ pub enum TimeOption {
 }
 
 /// How parts are jointed.
-pub const JOINTS: &[Choice<JointKind>] = &[
+pub const JOINTS: &[Choice<JointFormulation>] = &[
     (
         "auto",
-        JointKind::Auto,
+        JointFormulation::Auto,
         "Multibody where a light part carries a heavy one, impulse for others and for more than 12 hinges",
     ),
-    ("multibody", JointKind::Multibody, "Reduced coordinates"),
-    ("impulse", JointKind::Impulse, "Constraints"),
+    (
+        "multibody",
+        JointFormulation::Multibody,
+        "Reduced coordinates",
+    ),
+    ("impulse", JointFormulation::Impulse, "Constraints"),
 ];
 
 /// Help of `--timestep`, with the default that is used.
@@ -374,7 +378,7 @@ pub struct SolverOptions {
     #[arg(long, help_heading = SOLVER, value_name = "N", help = substeps_help())]
     substeps: Option<usize>,
     #[arg(long, help_heading = SOLVER, value_parser = choice(JOINTS), help = joint_help())]
-    pub joint: Option<JointKind>,
+    pub joint: Option<JointFormulation>,
 }
 
 impl SolverOptions {
@@ -394,7 +398,7 @@ pub fn recording_unused(values: &ParameterSet) -> Vec<Warning> {
         .iter()
         .filter(|a| a.parameter.name.starts_with("recording."));
     idle.map(|a| {
-        Code::NoEffect.says(format!(
+        Code::NoEffect.warning(format!(
             "{} has no effect: no recording is read here",
             a.parameter.name
         ))

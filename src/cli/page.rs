@@ -52,7 +52,7 @@ impl PageOption {
         if self.no_report {
             for name in [PAGE_FILE, Kept::FILE] {
                 if let Err(error) = remove_sealed(&folder.join(name)) {
-                    let warning = Code::NotWritten.says(error.to_string());
+                    let warning = Code::NotWritten.warning(error.to_string());
                     terminal::print_warnings(&[warning]);
                 }
             }
@@ -63,7 +63,7 @@ impl PageOption {
             ..keep()
         };
         if let Err(error) = write(folder, &kept) {
-            let warning = Code::NotWritten.says(format!("no report.html: {error}"));
+            let warning = Code::NotWritten.warning(format!("no report.html: {error}"));
             terminal::print_warnings(&[warning]);
             return "";
         }
@@ -137,7 +137,7 @@ fn write(folder: &Path, kept: &Kept) -> Result<()> {
 /// The command that one of another name carries out to its end.
 static STANDS_FOR: OnceLock<Vec<String>> = OnceLock::new();
 
-/// Says that what runs now finds what the command of these words finds, and that pages shall name that.
+/// Conclusion that what runs now finds what the command of these words finds, and that pages shall name that.
 pub fn stands_for(words: &[String]) {
     let words = std::iter::once("realgap".to_owned()).chain(words.iter().cloned());
     let _first = STANDS_FOR.set(words.collect());

@@ -150,7 +150,7 @@ impl Picture {
         taken?;
         album.file.write(folder)?;
         if camera.is_stand_in {
-            terminal::print_warnings(&[Code::StandIn.says(format!(
+            terminal::print_warnings(&[Code::StandIn.warning(format!(
                 "pictures of the camera {} stand in for real ones",
                 camera.name
             ))]);

@@ -2,7 +2,7 @@
 
 use realgap::calibration::read_noise;
 use realgap::prediction::ensemble::{Draws, run_each};
-use realgap::prediction::{Card, Growth, ModelError, SuccessRule, UncertainParameters};
+use realgap::prediction::{Card, DivergenceRate, ModelError, SuccessRule, UncertainParameters};
 use realgap::results::{Kind, write_prediction};
 use realgap::simulation::{Noise, Sampling};
 
@@ -79,7 +79,7 @@ impl Predict {
         let (noise, noise_from) = match &self.noise {
             Some(file) => (read_noise(file)?, file.display().to_string()),
             None => {
-                warnings.push(Code::EstimatedNoise.says(
+                warnings.push(Code::EstimatedNoise.warning(
                     "the noise is an estimate for a robot that nobody has measured; name your own with --noise",
                 ));
                 (Noise::unmeasured_robot(), "estimate".to_owned())
@@ -101,7 +101,7 @@ impl Predict {
         })?;
         // Two more runs, which somebody who has just stopped this one does not wait for.
         let growth = match repeats.is_complete() {
-            true => Growth::of(&experiment)?,
+            true => DivergenceRate::of(&experiment)?,
             false => None,
         };
         let card = Card::new(morphology.name(), &repeats, rule)?;

@@ -10,7 +10,7 @@ use realgap::Result;
 use super::terminal;
 use realgap::optimization::{Progress, RunOptions};
 use realgap::plan::time;
-use realgap::simulation::Attendance;
+use realgap::simulation::RunHooks;
 
 /// How often a log hears how far the work is.
 const MINUTE: Duration = Duration::from_secs(60);
@@ -39,7 +39,7 @@ pub fn during<T>(
 ///
 /// # Errors
 /// As the run.
-pub fn during_one<T>(duration_s: f64, run: impl FnOnce(Attendance<'_>) -> Result<T>) -> Result<T> {
+pub fn during_one<T>(duration_s: f64, run: impl FnOnce(RunHooks<'_>) -> Result<T>) -> Result<T> {
     let bar = bar(duration_s.ceil() as usize, "simulating, seconds");
     let mut shown = 0;
     let mut clock = |share: f64| {
@@ -50,9 +50,9 @@ pub fn during_one<T>(duration_s: f64, run: impl FnOnce(Attendance<'_>) -> Result
         }
         Ok(())
     };
-    let done = run(Attendance {
+    let done = run(RunHooks {
         clock: Some(&mut clock),
-        ..Attendance::default()
+        ..RunHooks::default()
     });
     bar.finish_and_clear();
     done
@@ -115,7 +115,7 @@ pub fn bar(total: usize, what: &str) -> ProgressBar {
     bar
 }
 
-/// Says once a minute how far a bar is that nobody sees.
+/// Conclusion once a minute how far a bar is that nobody sees.
 fn tell_by_the_minute(bar: &ProgressBar) {
     let watched = bar.downgrade();
     let begun = Instant::now();

@@ -4,7 +4,7 @@ use realgap::calibration::{Overrides, RepeatCase, Repeatable, StartRule};
 use realgap::comparison;
 use realgap::file::{look_up, sha256, write_atomic};
 use realgap::report::{Replay, SIMULATION};
-use realgap::simulation::{Divergence, Film, Floor, Outcome, Sampling, attended_film};
+use realgap::simulation::{Divergence, Film, Floor, Outcome, Sampling, film_with};
 use realgap::trajectory::{self, Reading, Recording};
 
 use super::kind::{self, read_repeatable};
@@ -103,9 +103,8 @@ impl ReplayCommand {
         warnings.extend(values.without_effect(&experiment));
         warnings.extend(recording_unused(&values));
         experiment.check().map_err(Error::into_usage)?;
-        let (run, film, _) = progress::during_one(experiment.duration_s, |attendance| {
-            attended_film(&experiment, attendance)
-        })?;
+        let (run, film, _) =
+            progress::during_one(experiment.duration_s, |hooks| film_with(&experiment, hooks))?;
         warnings.extend(run.warnings);
         if let Outcome::Diverged(divergence) = run.outcome {
             return Err(diverged(&divergence, &self.run));
@@ -143,9 +142,8 @@ impl ReplayCommand {
             experiment.sampling = Sampling::Rate(60.0);
         }
         experiment.check().map_err(Error::into_usage)?;
-        let (run, film, _) = progress::during_one(experiment.duration_s, |attendance| {
-            attended_film(&experiment, attendance)
-        })?;
+        let (run, film, _) =
+            progress::during_one(experiment.duration_s, |hooks| film_with(&experiment, hooks))?;
         if let Outcome::Diverged(divergence) = run.outcome {
             return Err(diverged(&divergence, &self.run));
         }

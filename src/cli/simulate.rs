@@ -3,8 +3,8 @@
 use realgap::file::Source;
 use realgap::report::SIMULATION;
 use realgap::simulation::{
-    Controller, Divergence, EnergyBalance, Film, Outcome, Run, Sampling, SceneBody, attend,
-    attended_film,
+    Controller, Divergence, EnergyBalance, Film, Outcome, Run, Sampling, SceneBody, film_with,
+    run_with,
 };
 use realgap::trajectory;
 use realgap::unit::decimals;
@@ -180,11 +180,11 @@ impl Simulate {
             experiment.energy_from_s = Some(0.0);
         }
         experiment.check().map_err(Error::into_usage)?;
-        let (run, film, log) = progress::during_one(self.duration, |attendance| {
+        let (run, film, log) = progress::during_one(self.duration, |hooks| {
             if self.parts.is_some() || self.replay.is_some() {
-                return attended_film(&experiment, attendance);
+                return film_with(&experiment, hooks);
             }
-            let (run, log) = attend(&experiment, attendance)?;
+            let (run, log) = run_with(&experiment, hooks)?;
             Ok((run, None, log))
         })?;
         terminal::print_warnings(&run.warnings);

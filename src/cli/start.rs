@@ -10,7 +10,7 @@ use realgap::file::{Source, write_ron};
 use realgap::prediction::ensemble::rms_m;
 use realgap::robot::import::is_foreign;
 use realgap::trajectory::{
-    Ask, Axes, Guess, Open, Prepared, Reading, Recording, prepare, read_all,
+    Ambiguity, Axes, InferredReading, Prepared, Question, Reading, Recording, prepare, read_all,
 };
 
 use super::kit::*;
@@ -77,7 +77,7 @@ impl Start {
         let size_m = subject.robot.summary().body_length_m;
         let mut known = self.reading.reading()?;
         let guess = loop {
-            let guess = Guess::of(&subject.recordings, &known, Some(size_m))?;
+            let guess = InferredReading::of(&subject.recordings, &known, Some(size_m))?;
             match guess.open.first() {
                 None => break guess,
                 Some(open) => answer(open, &mut known)?,
@@ -185,7 +185,7 @@ impl Start {
     }
 
     /// The study's text.
-    fn text(&self, subject: &Subject, guess: &Guess, draft: &Draft) -> Result<String> {
+    fn text(&self, subject: &Subject, guess: &InferredReading, draft: &Draft) -> Result<String> {
         let mut names = String::new();
         for path in &subject.recordings {
             names += &format!("        {},\n", self.named(path)?);
@@ -216,7 +216,10 @@ impl Start {
 }
 
 /// Every guess and what it was seen from.
-fn said<'a>(guess: &'a Guess, draft: &'a Draft) -> impl Iterator<Item = (&'a str, &'a str)> {
+fn said<'a>(
+    guess: &'a InferredReading,
+    draft: &'a Draft,
+) -> impl Iterator<Item = (&'a str, &'a str)> {
     let of_files = guess.clues.iter().map(|clue| (&*clue.what, &*clue.because));
     let of_robot = draft
         .clues
@@ -251,18 +254,18 @@ fn alike(recordings: &[Recording]) -> Option<String> {
 }
 
 /// Asks on a terminal; elsewhere names the option that answers.
-fn answer(open: &Open, known: &mut Reading) -> Result<()> {
+fn answer(open: &Ambiguity, known: &mut Reading) -> Result<()> {
     let (question, option) = match open.ask {
-        Ask::Time => (
+        Question::Time => (
             "In which unit are times (s, ms, us, ns)?",
             "--time-unit UNIT",
         ),
-        Ask::Length => ("In which unit are lengths (m, cm, mm)?", "--unit UNIT"),
-        Ask::Up => (
+        Question::Length => ("In which unit are lengths (m, cm, mm)?", "--unit UNIT"),
+        Question::Up => (
             "Which way do axes point (world: z up; y-up; z-down; camera)?",
             "--axes AXES",
         ),
-        Ask::Whose => (
+        Question::Whose => (
             "Whose rows are read (COLUMN=VALUE)?",
             "--where COLUMN=VALUE",
         ),
@@ -282,16 +285,16 @@ fn answer(open: &Open, known: &mut Reading) -> Result<()> {
     let line = line.trim();
     let wrong = |why: String| terminal::note(why);
     match open.ask {
-        Ask::Time => line
+        Question::Time => line
             .parse()
             .map_or_else(wrong, |unit| known.time = Some(unit)),
-        Ask::Length => line
+        Question::Length => line
             .parse()
             .map_or_else(wrong, |unit| known.length = Some(unit)),
-        Ask::Up => line
+        Question::Up => line
             .parse::<Axes>()
             .map_or_else(wrong, |axes| known.axes = Some(axes)),
-        Ask::Whose => line
+        Question::Whose => line
             .parse()
             .map_or_else(wrong, |only| known.only = Some(only)),
     }

@@ -2,7 +2,7 @@
 
 use realgap::robot::morphology::Assembly;
 use realgap::simulation::EngineChoice;
-use realgap::verification::{self, Check, Limit, Settings, Tolerance, Verdict};
+use realgap::verification::{self, Check, CheckResult, Limit, Settings, Tolerance};
 
 use super::kit::*;
 use super::option::SolverOptions;
@@ -70,7 +70,10 @@ impl Verify {
     pub fn run(self) -> Result<u8> {
         let settings = self.settings()?;
         let checks = verification::run(&settings)?;
-        let failed = checks.iter().filter(|c| c.verdict == Verdict::Fail).count();
+        let failed = checks
+            .iter()
+            .filter(|c| c.verdict == CheckResult::Fail)
+            .count();
         let known: Vec<&Limit> = checks
             .iter()
             .filter_map(|check| Limit::of(check, settings.solver.engine))
@@ -112,7 +115,7 @@ impl Verify {
                 settings.solver.substeps,
                 settings.solver.engine.get().version(),
             ));
-            for check in checks.iter().filter(|c| c.verdict == Verdict::Fail) {
+            for check in checks.iter().filter(|c| c.verdict == CheckResult::Fail) {
                 terminal::print(match Limit::of(check, settings.solver.engine) {
                     Some(limit) => format!("known limit: {}: {}", check.name, limit.why),
                     None => format!("failed: {}: {}", check.name, check.what),
@@ -147,7 +150,7 @@ impl Verify {
         }
         let joint_is_set = values.value("solver.joint").is_some();
         // Solver and contact do not depend on the robot.
-        let nobody = Assembly::nobody();
+        let nobody = Assembly::empty();
         let experiment = self.solver.apply(values.apply(&Experiment::new(nobody)));
         let joints = if self.solver.joint.is_some() || joint_is_set {
             vec![experiment.solver.joint]
@@ -185,9 +188,9 @@ fn table(checks: &[Check], engine: EngineChoice, colour: bool) -> String {
             Tolerance::Absolute(limit) => (number(check.error), number(limit)),
         };
         let verdict = match check.verdict {
-            Verdict::Pass => "pass",
-            Verdict::Fail if Limit::of(check, engine).is_some() => "known",
-            Verdict::Fail => "FAIL",
+            CheckResult::Pass => "pass",
+            CheckResult::Fail if Limit::of(check, engine).is_some() => "known",
+            CheckResult::Fail => "FAIL",
         };
         table.push([
             check.name.clone(),

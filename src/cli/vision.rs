@@ -250,7 +250,7 @@ impl Extract {
         Ok(())
     }
 
-    /// Says what is found in one picture; the steps.
+    /// Conclusion what is found in one picture; the steps.
     fn look_at(&self, extractor: &dyn Extractor, path: &Path) -> Result<Vec<Step>> {
         let picture = Grey::read(path)?;
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty());

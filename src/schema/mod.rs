@@ -80,7 +80,7 @@ pub fn files() -> Vec<FileKind> {
             "reading",
             "How files of others are to be read; part of a study or of `meta.ron`, or a file of its own.",
         ),
-        ron::<genome::SpecimenFile>(
+        ron::<genome::IndividualFile>(
             "genome",
             "A genome, from which `realgap robot develop` builds a robot.",
         ),

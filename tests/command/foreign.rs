@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use common::{STANDIN_NUMERICS, project, quick_study, realgap, text};
 use realgap::calibration::{Definition, Overrides, Study, read_parameters};
 use realgap::file::Source;
-use realgap::robot::genome::Specimen;
+use realgap::robot::genome::Individual;
 use realgap::robot::morphology::Morphology;
 use realgap::search::Search;
 use realgap::store::{Fingerprint, Store, Trial};
@@ -142,7 +142,7 @@ fn names_that_lead_elsewhere_are_refused_wherever_they_become_a_path() {
             "Genome(name: {name:?}, modules: 1, genes: [[{}]])",
             ["0.5"; 10].join(", ")
         );
-        let refused = Specimen::parse(&Source::new("genome.ron", genome)).unwrap_err();
+        let refused = Individual::parse(&Source::new("genome.ron", genome)).unwrap_err();
         assert!(refused.to_string().contains("name"), "{refused}");
     }
 }

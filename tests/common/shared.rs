@@ -113,7 +113,7 @@ pub fn python_with(package: &str) -> Option<String> {
     importable.then_some(python)
 }
 
-/// Says that a test did nothing, also where it passes.
+/// Conclusion that a test did nothing, also where it passes.
 pub fn skipped(reason: &str) {
     use std::io::Write as _;
     // Not `eprintln!`, which the test harness hides where a test passes.

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use rand::{Rng, RngExt};
 use realgap::calibration::{Definition, Overrides, read_noise, read_parameters};
 use realgap::file::Source;
-use realgap::robot::genome::{Genome, Specimen};
+use realgap::robot::genome::{Genome, Individual};
 use realgap::robot::morphology::Morphology;
 use realgap::search::{Search, generator};
 use realgap::simulation::{Experiment, run};
@@ -115,7 +115,7 @@ fn corpus() -> Vec<(PathBuf, Vec<u8>)> {
         }
     }
     let genome = Genome::random(4, &mut generator(1, 0)).unwrap();
-    let genome = Specimen::new("four", genome).to_ron().unwrap();
+    let genome = Individual::new("four", genome).to_ron().unwrap();
     files.push((root.join("sweeps/genome.ron"), genome.into_bytes()));
     let more = [
         (
@@ -215,8 +215,8 @@ fn read(path: &Path, bytes: &[u8], simulates: bool) -> Vec<Error> {
         Ok(())
     }));
     note(source().and_then(|source| {
-        let specimen = Specimen::parse(&source)?;
-        let again = Specimen::parse(&Source::new("again.ron", specimen.to_ron()?))?;
+        let specimen = Individual::parse(&source)?;
+        let again = Individual::parse(&Source::new("again.ron", specimen.to_ron()?))?;
         assert_eq!(specimen, again);
         let _ = specimen.develop();
         Ok(())

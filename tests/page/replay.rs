@@ -272,7 +272,7 @@ fn hostile_page() -> String {
     let path = common::project().join(RUNS).join("run_00.csv");
     let mut recording = trajectory::read(path, Reading::default()).unwrap();
     recording.name = HOSTILE.to_owned();
-    let warnings = [Code::ReadAs.says(HOSTILE)];
+    let warnings = [Code::ReadAs.warning(HOSTILE)];
     let replay = Replay {
         robot: Some(&robot),
         run: &film,

@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::common::{self, realgap, text};
 use realgap::file::Source;
 use realgap::robot::morphology::Morphology;
-use realgap::simulation::{Experiment, JointKind, JointState, watch};
+use realgap::simulation::{Experiment, JointFormulation, JointState, watch};
 
 #[test]
 fn what_is_exported_comes_back_with_the_same_masses_moments_and_places() {
@@ -144,7 +144,7 @@ fn a_light_link_keeps_the_moment_of_each_of_its_axes() {
         // A quarter of a period of a physical pendulum from 0.02 rad.
         let (moment, inertia) = (0.02 * 0.01, y + 0.02 * 0.01 * 0.01);
         let quarter_s = 0.25 * std::f64::consts::TAU * (inertia / (moment * 9.81_f64)).sqrt();
-        for kind in [JointKind::Impulse, JointKind::Multibody] {
+        for kind in [JointFormulation::Impulse, JointFormulation::Multibody] {
             let mut experiment = Experiment::new(robot.assemble());
             experiment.solver.joint = kind;
             experiment.solver.timestep_s = 1e-3;

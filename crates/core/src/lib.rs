@@ -1,5 +1,6 @@
 //! What every crate of realgap needs: errors, warnings, units, random streams, statistics, files.
 
+mod declaration;
 pub mod error;
 pub mod file;
 pub mod font;
@@ -8,7 +9,6 @@ pub mod random;
 pub mod range;
 #[cfg(feature = "schema")]
 pub mod schema;
-mod stated;
 pub mod statistics;
 pub mod table;
 pub mod text;

@@ -1,6 +1,6 @@
 //! Schemas of what is written as one word or sentence, where the type itself is more.
 
-/// Says for each type that it is written as a text, and the words that are allowed where there are only so many.
+/// Conclusion for each type that it is written as a text, and the words that are allowed where there are only so many.
 #[macro_export]
 macro_rules! as_text {
     ($($type:ty, $name:literal, $doc:literal $(, $words:expr)?;)*) => {

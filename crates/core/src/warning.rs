@@ -43,7 +43,7 @@ macro_rules! codes {
             }
 
             /// A warning about this, with one sentence for people.
-            pub fn says(self, message: impl Into<String>) -> Warning {
+            pub fn warning(self, message: impl Into<String>) -> Warning {
                 Warning {
                     code: self,
                     message: message.into(),

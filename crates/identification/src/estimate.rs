@@ -340,7 +340,7 @@ fn warnings(stated: &Body, found: &Identification) -> Vec<Warning> {
             .zip(stated.centre_track_m.iter()),
     ) {
         if !interval.contains(*stated_m) {
-            warnings.push(Code::CentreOfMassContradicted.says(format!(
+            warnings.push(Code::CentreOfMassContradicted.warning(format!(
                 "the stated centre of mass is at {axis} = {:.2} mm, the flights say {:.2} mm ({:.2} to {:.2})",
                 1e3 * stated_m,
                 1e3 * interval.value,
@@ -361,7 +361,7 @@ fn warnings(stated: &Body, found: &Identification) -> Vec<Warning> {
                     ratio(rest)
                 )
             });
-        warnings.push(Code::GravityContradicted.says(format!(
+        warnings.push(Code::GravityContradicted.warning(format!(
             "the flights fall at {:.3} m/s^2 ({:.3} to {:.3}) instead of {:.3}: if gravity is right, recorded lengths are {} of true ones{rest}",
             gravity.value,
             gravity.low,
@@ -373,7 +373,7 @@ fn warnings(stated: &Body, found: &Identification) -> Vec<Warning> {
     if let Some(lag) = found.velocity_lag_s
         && !lag.contains(0.0)
     {
-        warnings.push(Code::VelocitiesLate.says(format!(
+        warnings.push(Code::VelocitiesLate.warning(format!(
             "recorded velocities are {:.2} ms late ({:.2} to {:.2}); half a sample is {:.2} ms, which is what a backward difference gives",
             1e3 * lag.value,
             1e3 * lag.low,
@@ -382,13 +382,13 @@ fn warnings(stated: &Body, found: &Identification) -> Vec<Warning> {
         )));
     }
     if stated.moment_ratio > EQUAL_MOMENTS {
-        warnings.push(Code::UnequalMoments.says(format!(
+        warnings.push(Code::UnequalMoments.warning(format!(
             "the moments of inertia differ by a factor of {:.2}: the fitted start states assume a constant angular velocity",
             stated.moment_ratio
         )));
     }
     if !found.grounded.is_empty() {
-        warnings.push(Code::NoFlight.says(format!(
+        warnings.push(Code::NoFlight.warning(format!(
             "{} of {} recordings have no flight and say nothing here",
             found.grounded.len(),
             found.recordings

@@ -148,7 +148,7 @@ pub fn identify_joints(
     let fits = fit_all(&identified, &flights)?;
     let mut warnings = warnings(&verdicts, &grounded, recordings.len());
     if !odd.is_empty() {
-        warnings.push(Code::NoFlight.says(format!(
+        warnings.push(Code::NoFlight.warning(format!(
             "{} of {} flights are no free flight of this robot (more than {ODD} times as far off as most) and are left out: {}",
             odd.len(),
             odd.len() + flights.len(),
@@ -473,13 +473,13 @@ fn warnings(verdicts: &[JointVerdict], grounded: &[Grounded], recordings: usize)
         })
         .collect();
     if !contradicted.is_empty() {
-        warnings.push(Code::BodyContradicted.says(format!(
+        warnings.push(Code::BodyContradicted.warning(format!(
             "flights contradict the robot's description: {}",
             contradicted.join("; ")
         )));
     }
     if !grounded.is_empty() {
-        warnings.push(Code::NoFlight.says(format!(
+        warnings.push(Code::NoFlight.warning(format!(
             "{} of {recordings} recordings have no flight and say nothing here",
             grounded.len()
         )));

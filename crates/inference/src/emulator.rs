@@ -142,14 +142,16 @@ impl Emulator {
         let runs = thinned(runs, KNOWN);
         let values = runs.iter().map(|run| scale.of(run.score()));
         let values = DVector::from_iterator(runs.len(), values);
-        let parts = match runs[0].might_be.as_slice() {
+        let parts = match runs[0].surrogate_recordings.as_slice() {
             [] => DMatrix::from_fn(runs.len(), runs[0].recordings.len(), |run, recording| {
                 let score = runs[run].score();
                 scale.slope(score) * (runs[run].recordings[recording] - score)
             }),
             engines => {
                 let columns = engines.iter().map(Vec::len).sum();
-                let rows = runs.iter().flat_map(|run| deviations(scale, &run.might_be));
+                let rows = runs
+                    .iter()
+                    .flat_map(|run| deviations(scale, &run.surrogate_recordings));
                 DMatrix::from_row_iterator(runs.len(), columns, rows)
             }
         };

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use realgap_core::error::Result;
 use realgap_core::random::Once;
 use realgap_core::statistics::{matern_5_2, mean};
-use realgap_optimization::{Brief, default_optimizer, minimise};
+use realgap_optimization::{OptimizationProblem, default_optimizer, minimise};
 
 /// One run at one point.
 #[derive(Debug, Clone)]
@@ -26,7 +26,7 @@ pub struct ScoredRun {
     pub recordings: Vec<f64>,
     /// Where a single recording is fitted, scores against runs of the best point in its place: other recordings that might have
     /// been, each with a setting of its own, some of each engine. Empty where nothing says what they would be.
-    pub might_be: Vec<Vec<f64>>,
+    pub surrogate_recordings: Vec<Vec<f64>>,
 }
 
 impl ScoredRun {
@@ -128,7 +128,7 @@ impl Kernel {
     }
 
     /// Minus twice the logarithm of how likely these sizes were before, without its constant.
-    fn surprise(&self) -> f64 {
+    fn neg_log_prior(&self) -> f64 {
         let of = |value: f64, (median, sd): (f64, f64)| (libm::log(value / median) / sd).powi(2);
         let lengths = self.lengths.iter().filter(|length| length.is_finite());
         let lengths = lengths.map(|length| of(*length, LIKELY_LENGTH));
@@ -143,12 +143,12 @@ impl Kernel {
     }
 
     /// Minus twice the log likelihood of the values, without its constant; their mean is the likeliest.
-    fn misfit(&self, runs: &[&ScoredRun], values: &DVector<f64>) -> Option<f64> {
+    fn neg_log_posterior(&self, runs: &[&ScoredRun], values: &DVector<f64>) -> Option<f64> {
         let factor = self.factor(runs)?;
         let logs: f64 = factor.l_dirty().diagonal().map(libm::log).sum();
         let mean = mean_weights(&factor).dot(values);
         let rest = values.add_scalar(-mean);
-        Some(rest.dot(&factor.solve(&rest)) + 2.0 * logs + self.surprise())
+        Some(rest.dot(&factor.solve(&rest)) + 2.0 * logs + self.neg_log_prior())
     }
 }
 
@@ -157,7 +157,7 @@ impl Kernel {
 struct Likeliest {
     active: Vec<bool>,
     at: Vec<f64>,
-    misfit: f64,
+    neg_log_posterior: f64,
 }
 
 /// Runs and their standardised scores, which kernels are fitted to.
@@ -167,8 +167,8 @@ pub(super) struct Fitted<'a> {
 }
 
 impl Fitted<'_> {
-    fn misfit(&self, at: &[f64], active: &[bool]) -> Option<f64> {
-        Kernel::new(at, active).misfit(&self.runs, &self.values)
+    fn neg_log_posterior(&self, at: &[f64], active: &[bool]) -> Option<f64> {
+        Kernel::new(at, active).neg_log_posterior(&self.runs, &self.values)
     }
 
     /// Numbers of a kernel.
@@ -180,16 +180,24 @@ impl Fitted<'_> {
     /// With all parameters: by the optimizer that tunes simulations.
     fn likeliest(&self) -> Result<Option<Likeliest>> {
         let (sizes, active) = (self.sizes(), vec![true; self.runs[0].at.len()]);
-        let brief = Brief {
+        let brief = OptimizationProblem {
             points: vec![2; sizes],
             budget: TRIES * sizes,
             seed: 1,
             priors: Vec::new(),
         };
-        let told = minimise(default_optimizer(), &brief, |at| self.misfit(at, &active))?;
+        let told = minimise(default_optimizer(), &brief, |at| {
+            self.neg_log_posterior(at, &active)
+        })?;
         let scored = told.into_iter().filter_map(|t| Some((t.score?, t.point)));
         let likeliest = scored.min_by(|a, b| a.0.total_cmp(&b.0));
-        Ok(likeliest.map(|(misfit, at)| self.descended(Likeliest { active, at, misfit })))
+        Ok(likeliest.map(|(neg_log_posterior, at)| {
+            self.descended(Likeliest {
+                active,
+                at,
+                neg_log_posterior,
+            })
+        }))
     }
 
     /// Down from there along one coordinate after the other, in steps that are halved (Hooke & Jeeves 1961).
@@ -197,18 +205,20 @@ impl Fitted<'_> {
         let mut here = from;
         let mut step = FIRST_STEP;
         while step > LAST_STEP {
-            let before = here.misfit;
+            let before = here.neg_log_posterior;
             for axis in 0..here.at.len() {
                 for to in [here.at[axis] - step, here.at[axis] + step] {
                     let mut at = here.at.clone();
                     at[axis] = to.clamp(0.0, 1.0);
-                    let misfit = self.misfit(&at, &here.active);
-                    if let Some(misfit) = misfit.filter(|misfit| *misfit < here.misfit) {
-                        (here.at, here.misfit) = (at, misfit);
+                    let neg_log_posterior = self.neg_log_posterior(&at, &here.active);
+                    if let Some(neg_log_posterior) = neg_log_posterior
+                        .filter(|neg_log_posterior| *neg_log_posterior < here.neg_log_posterior)
+                    {
+                        (here.at, here.neg_log_posterior) = (at, neg_log_posterior);
                     }
                 }
             }
-            if before - here.misfit < ENOUGH {
+            if before - here.neg_log_posterior < ENOUGH {
                 step *= 0.5;
             }
         }
@@ -220,7 +230,7 @@ impl Fitted<'_> {
     fn selected(&self, with: Likeliest) -> Likeliest {
         let deviance = |of: &Likeliest| {
             // Of the scores alone.
-            of.misfit - Kernel::new(&of.at, &of.active).surprise()
+            of.neg_log_posterior - Kernel::new(&of.at, &of.active).neg_log_prior()
         };
         let mut with = with;
         loop {
@@ -228,8 +238,12 @@ impl Fitted<'_> {
             let without = active.filter(|axis| with.active[*axis]).filter_map(|axis| {
                 let (mut active, at) = (with.active.clone(), with.at.clone());
                 active[axis] = false;
-                let misfit = self.misfit(&at, &active)?;
-                Some(self.descended(Likeliest { active, at, misfit }))
+                let neg_log_posterior = self.neg_log_posterior(&at, &active)?;
+                Some(self.descended(Likeliest {
+                    active,
+                    at,
+                    neg_log_posterior,
+                }))
             });
             // In order, so that the first of equals is the same on any number of threads.
             let without: Vec<Likeliest> = without.collect();
@@ -255,7 +269,7 @@ impl Fitted<'_> {
         let Likeliest {
             active,
             mut at,
-            misfit: mut here,
+            neg_log_posterior: mut here,
         } = self.selected(likeliest);
         let mut rng = Once::BestPoint.generator(1);
         // Steps grow where they are taken and shrink where they are not, towards one in three.
@@ -267,7 +281,7 @@ impl Fitted<'_> {
             let chance: f64 = rng.random();
             let inside = to.iter().all(|c| (0.0..=1.0).contains(c));
             let there = if inside {
-                self.misfit(&to, &active)
+                self.neg_log_posterior(&to, &active)
             } else {
                 None
             };

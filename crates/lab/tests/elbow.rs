@@ -6,7 +6,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use realgap_path::trajectory::{Recording, State, Trajectory};
 use realgap_robot::morphology::Morphology;
 use realgap_simulation::parameter::by_name;
-use realgap_simulation::{Experiment, JointKind, JointState, Sampling, Start, run};
+use realgap_simulation::{Experiment, JointFormulation, JointState, Sampling, Start, run};
 
 use crate::common;
 
@@ -37,7 +37,7 @@ pub fn toss(mut experiment: Experiment, k: u32, seconds: f64) -> Trajectory {
         speed_rad_s: 6.0 * turn(2.3).sin(),
     }];
     if !experiment.assembly.is_compliant() {
-        experiment.solver.joint = JointKind::Multibody;
+        experiment.solver.joint = JointFormulation::Multibody;
     }
     experiment.solver.timestep_s = 1.0 / (148.0 * 32.0);
     experiment.duration_s = seconds;

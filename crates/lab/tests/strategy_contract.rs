@@ -5,8 +5,8 @@ use crate::common;
 use proptest::prelude::*;
 use realgap_core::file::Source;
 use realgap_lab::search::{
-    Archive, Axis, Dose, Evaluated, Evolution, MapElites, OPERATORS, Overrides, SELECTIONS,
-    STRATEGIES, Search, Strategy, Variation, generator, operator_named, selection_named,
+    Archive, Axis, Evaluated, Evolution, MapElites, OPERATORS, Overrides, SELECTIONS, STRATEGIES,
+    Search, Strategy, Variation, VariationParams, generator, operator_named, selection_named,
 };
 use realgap_robot::genome::{Genome, Locus};
 
@@ -14,8 +14,8 @@ fn parent(modules: usize, seed: u64) -> Genome {
     Genome::random(modules, &mut generator(seed, 0)).unwrap()
 }
 
-fn dose(rate: f64, standard_deviation: f64) -> Dose {
-    Dose {
+fn params(rate: f64, standard_deviation: f64) -> VariationParams {
+    VariationParams {
         rate,
         standard_deviation,
         max_modules: 6,
@@ -29,7 +29,7 @@ proptest! {
     ) {
         let (first, second) = (parent(a, seed), parent(b, seed ^ 1));
         for operator in OPERATORS {
-            let child = |seed| operator.vary(&first, &second, &dose(rate, sd), &mut generator(seed, 1));
+            let child = |seed| operator.vary(&first, &second, &params(rate, sd), &mut generator(seed, 1));
             let born = child(seed);
             prop_assert!((1..=6).contains(&born.len()), "{}: {} modules", operator.name(), born.len());
             for value in born.genes().iter().flat_map(|gene| gene.values()) {
@@ -43,7 +43,7 @@ proptest! {
     fn at_rate_0_the_first_parent_comes_back(seed in any::<u64>(), a in 1..=6_usize, b in 1..=6_usize) {
         let (first, second) = (parent(a, seed), parent(b, seed ^ 1));
         for operator in OPERATORS {
-            let child = operator.vary(&first, &second, &dose(0.0, 0.5), &mut generator(seed, 1));
+            let child = operator.vary(&first, &second, &params(0.0, 0.5), &mut generator(seed, 1));
             prop_assert_eq!(&child, &first, "{}", operator.name());
         }
     }
@@ -68,7 +68,7 @@ fn at_rate_1_every_operator_changes_something() {
         let changed = (0..20)
             .filter(|&seed| {
                 let mut rng = generator(seed, 0);
-                operator.vary(&first, &second, &dose(1.0, 0.3), &mut rng) != first
+                operator.vary(&first, &second, &params(1.0, 0.3), &mut rng) != first
             })
             .count();
         assert!(changed >= 10, "{}: {changed} of 20", operator.name());
@@ -81,7 +81,7 @@ fn gaussian_changes_as_many_numbers_as_the_rate_says_and_by_as_much() {
     let operator = operator_named("gaussian").unwrap();
     let (mut changed, mut squares) = (0_u32, 0.0);
     for seed in 0..400 {
-        let child = operator.vary(&first, &first, &dose(0.2, 0.01), &mut generator(seed, 0));
+        let child = operator.vary(&first, &first, &params(0.2, 0.01), &mut generator(seed, 0));
         for (a, b) in first.genes().iter().zip(child.genes()) {
             // Away from the ends, where a change is folded back.
             for locus in Locus::ALL {

@@ -12,7 +12,7 @@ pub use driver::{Batch, Ending, drive};
 pub use grid::{Grid, MAX_POINTS, Range};
 pub use minimise::minimise;
 pub use optimizer::{
-    Brief, History, OPTIMIZERS, Optimizer, Proposal, Quadratic, Told, UnitPoint, default_optimizer,
-    optimizer_by_name, slopes, space_filling, thin,
+    EvaluatedPoint, History, OPTIMIZERS, OptimizationProblem, Optimizer, Proposal, Quadratic,
+    UnitPoint, default_optimizer, optimizer_by_name, slopes, space_filling, thin,
 };
 pub use options::{Progress, RunOptions, pool};

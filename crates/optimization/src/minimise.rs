@@ -2,15 +2,17 @@
 
 use rayon::prelude::*;
 
-use super::optimizer::{Brief, History, Optimizer, Proposal, Told, UnitPoint};
+use super::optimizer::{
+    EvaluatedPoint, History, OptimizationProblem, Optimizer, Proposal, UnitPoint,
+};
 use realgap_core::error::Result;
 
 /// Every point that the optimizer asked for until its budget was spent, in its order, with its score.
 ///
 /// ```
-/// use realgap_optimization::{Brief, minimise, optimizer_by_name};
+/// use realgap_optimization::{OptimizationProblem, minimise, optimizer_by_name};
 ///
-/// let brief = Brief { points: vec![2], budget: 100, seed: 1, priors: Vec::new() };
+/// let brief = OptimizationProblem { points: vec![2], budget: 100, seed: 1, priors: Vec::new() };
 /// let told = minimise(optimizer_by_name("cma-es")?, &brief, |point| Some((point[0] - 0.3).powi(2)))?;
 /// let best = told.iter().filter_map(|told| told.score).fold(f64::INFINITY, f64::min);
 /// assert!(best < 1e-6);
@@ -21,10 +23,10 @@ use realgap_core::error::Result;
 /// As [`Optimizer::propose`].
 pub fn minimise(
     optimizer: &dyn Optimizer,
-    brief: &Brief,
+    brief: &OptimizationProblem,
     score: impl Fn(&UnitPoint) -> Option<f64> + Sync,
-) -> Result<Vec<Told>> {
-    let mut told: Vec<Told> = Vec::new();
+) -> Result<Vec<EvaluatedPoint>> {
+    let mut told: Vec<EvaluatedPoint> = Vec::new();
     while told.len() < brief.budget {
         let history = History {
             design: &[],
@@ -33,7 +35,7 @@ pub fn minimise(
         let Proposal::Evaluate(points) = optimizer.propose(brief, &history)? else {
             break;
         };
-        let scored = points.into_par_iter().map(|point| Told {
+        let scored = points.into_par_iter().map(|point| EvaluatedPoint {
             score: score(&point),
             point,
             errors: Vec::new(),

@@ -2,7 +2,8 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use realgap_optimization::{
-    Brief, History, OPTIMIZERS, Optimizer, Proposal, Told, UnitPoint, space_filling,
+    EvaluatedPoint, History, OPTIMIZERS, OptimizationProblem, Optimizer, Proposal, UnitPoint,
+    space_filling,
 };
 
 /// Runs an optimizer on a function until its budget is spent, as the driver does.
@@ -13,23 +14,23 @@ fn minimise(
     seed: u64,
     target: &[f64],
     score: impl Fn(&UnitPoint) -> Option<f64>,
-) -> Vec<Told> {
+) -> Vec<EvaluatedPoint> {
     let evaluate = |point: UnitPoint| {
         let score = score(&point);
-        Told {
+        EvaluatedPoint {
             errors: score.map_or_else(Vec::new, |_| errors(&point, target)),
             score,
             point,
         }
     };
     let design = optimizer.design(dimensions);
-    let brief = Brief {
+    let brief = OptimizationProblem {
         points: vec![11; dimensions],
         budget: budget - design,
         seed,
         priors: Vec::new(),
     };
-    let mut all: Vec<Told> = space_filling(dimensions, 0, design, seed)
+    let mut all: Vec<EvaluatedPoint> = space_filling(dimensions, 0, design, seed)
         .into_iter()
         .map(evaluate)
         .collect();
@@ -63,7 +64,7 @@ fn errors(point: &[f64], target: &[f64]) -> Vec<f64> {
     axes.map(|(c, at)| c - at + 0.002 * ripple).collect()
 }
 
-fn best(told: &[Told]) -> &Told {
+fn best(told: &[EvaluatedPoint]) -> &EvaluatedPoint {
     let scored = told.iter().filter(|t| t.score.is_some());
     scored
         .min_by(|a, b| a.score.unwrap().total_cmp(&b.score.unwrap()))
@@ -196,18 +197,18 @@ fn simplex_and_swarm_choose_the_very_points_that_argmin_chose() {
         let number = |column: usize| rows[0][column].parse::<usize>().unwrap();
         let (dimensions, seed, design) = (number(1), number(2) as u64, number(3));
         let fails = &rows[0][4] == "true";
-        let evaluate = |point: UnitPoint| Told {
+        let evaluate = |point: UnitPoint| EvaluatedPoint {
             score: (!fails || point[0] < 0.85).then(|| bumpy(&point)),
             point,
             errors: Vec::new(),
         };
-        let brief = Brief {
+        let brief = OptimizationProblem {
             points: vec![11; dimensions],
             budget: rows.len(),
             seed,
             priors: Vec::new(),
         };
-        let design: Vec<Told> = space_filling(dimensions, 0, design, seed)
+        let design: Vec<EvaluatedPoint> = space_filling(dimensions, 0, design, seed)
             .into_iter()
             .map(evaluate)
             .collect();

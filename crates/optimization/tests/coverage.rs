@@ -3,7 +3,9 @@
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
-use realgap_optimization::{Brief, History, Proposal, Told, UnitPoint, optimizer_by_name};
+use realgap_optimization::{
+    EvaluatedPoint, History, OptimizationProblem, Proposal, UnitPoint, optimizer_by_name,
+};
 
 /// Readings of a smooth model, so many a parameter, each of several parameters at once and bent.
 fn readings(point: &[f64], count: usize) -> Vec<f64> {
@@ -18,7 +20,7 @@ fn readings(point: &[f64], count: usize) -> Vec<f64> {
     (0..count).map(reading).collect()
 }
 
-fn history(told: &[Told]) -> History<'_> {
+fn history(told: &[EvaluatedPoint]) -> History<'_> {
     History { design: &[], told }
 }
 
@@ -39,13 +41,13 @@ fn covered(dimensions: usize, fits: u64, logs: usize, apart: f64) -> (usize, usi
             let clean = &readings(&own, count)[log * each..(log + 1) * each];
             recorded.extend(clean.iter().map(|value| value + 0.05 * normal()));
         }
-        let brief = Brief {
+        let brief = OptimizationProblem {
             points: vec![2; dimensions],
             budget: 8 * (dimensions + 6),
             seed,
             priors: Vec::new(),
         };
-        let mut told: Vec<Told> = Vec::new();
+        let mut told: Vec<EvaluatedPoint> = Vec::new();
         while told.len() < brief.budget {
             let Proposal::Evaluate(points) = optimizer.propose(&brief, &history(&told)).unwrap()
             else {
@@ -55,7 +57,7 @@ fn covered(dimensions: usize, fits: u64, logs: usize, apart: f64) -> (usize, usi
                 let simulated = readings(&point, count);
                 let errors = simulated.iter().zip(&recorded).map(|(a, b)| a - b);
                 let errors: Vec<f64> = errors.collect();
-                Told {
+                EvaluatedPoint {
                     score: Some(errors.iter().map(|e| e.abs()).sum()),
                     point,
                     errors,

@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
-use realgap_path::trajectory::{Ask, Axes, Guess, Reading, Recording, odd_axes, read, read_all};
+use realgap_path::trajectory::{
+    Axes, InferredReading, Question, Reading, Recording, odd_axes, read, read_all,
+};
 
 const CUBE_M: f64 = 0.1048;
 
@@ -64,17 +66,17 @@ impl Trial {
         path
     }
 
-    fn guess(&self, text: &str) -> Guess {
-        Guess::of(&[self.put(text)], &Reading::default(), Some(CUBE_M)).unwrap()
+    fn guess(&self, text: &str) -> InferredReading {
+        InferredReading::of(&[self.put(text)], &Reading::default(), Some(CUBE_M)).unwrap()
     }
 
     fn refused(&self, text: &str) -> String {
-        let said = Guess::of(&[self.put(text)], &Reading::default(), Some(CUBE_M));
+        let said = InferredReading::of(&[self.put(text)], &Reading::default(), Some(CUBE_M));
         said.unwrap_err().to_string()
     }
 
     /// As it is guessed, the file is the toss, and one of the clues says these words.
-    fn is_the_toss(&self, text: &str, says: &str) -> Guess {
+    fn is_the_toss(&self, text: &str, says: &str) -> InferredReading {
         let guess = self.guess(text);
         let clues = format!("{:?}", guess.clues);
         assert_eq!(guess.open, [], "{clues}");
@@ -96,7 +98,8 @@ impl Trial {
 
 #[test]
 fn files_of_ours_need_no_word_and_no_toss_is_taken_for_mirrored() {
-    let of = |paths: &[PathBuf]| Guess::of(paths, &Reading::default(), Some(CUBE_M)).unwrap();
+    let of =
+        |paths: &[PathBuf]| InferredReading::of(paths, &Reading::default(), Some(CUBE_M)).unwrap();
     for path in tosses() {
         let guess = of(std::slice::from_ref(&path));
         assert!(guess.reading.is_usual(), "{}: {guess:?}", path.display());
@@ -172,7 +175,7 @@ fn mirrored_positions_do_not_belong_to_the_orientations() {
         })
         .collect();
     let is_caught = |paths: &[PathBuf]| {
-        let said = Guess::of(paths, &Reading::default(), Some(CUBE_M));
+        let said = InferredReading::of(paths, &Reading::default(), Some(CUBE_M));
         said.is_err_and(|error| error.to_string().contains("mirrored"))
     };
     assert!(is_caught(&mirrored));
@@ -271,7 +274,7 @@ fn degrees_several_objects_waits_and_lengths_without_any_hint_are_noticed() {
         let second = ((t / 0.02).round() as i64 % 2) as f64;
         vec![t, x + 3.0 * second, y, second]
     });
-    assert_eq!(trial.guess(&several).open[0].ask, Ask::Whose);
+    assert_eq!(trial.guess(&several).open[0].ask, Question::Whose);
     // It waits for three seconds.
     let waits = arc("t_s,x_m,y_m", |t, _, _, _| {
         let a = (0.5 * (t - 3.0)).max(0.0);
@@ -288,13 +291,15 @@ fn degrees_several_objects_waits_and_lengths_without_any_hint_are_noticed() {
     );
     // Whose robot is not known cannot be told.
     let path = trial.put(&plain);
-    let open = Guess::of(&[path], &Reading::default(), None).unwrap().open;
-    assert_eq!(open[0].ask, Ask::Length);
+    let open = InferredReading::of(&[path], &Reading::default(), None)
+        .unwrap()
+        .open;
+    assert_eq!(open[0].ask, Question::Length);
     // A floor below y, and a file whose samples are half a second or half a millisecond apart.
     let y_up = arc("t,x [m],y [m],z [m]", |t, x, z, _| vec![t, x, 0.052, z]);
     assert_eq!(trial.guess(&y_up).reading.axes, Some(Axes::YUp));
     let slow = arc("t,x [m],y [m]", |t, x, y, _| vec![t * 25.0, x, y]);
-    assert_eq!(trial.guess(&slow).open[0].ask, Ask::Time);
+    assert_eq!(trial.guess(&slow).open[0].ask, Question::Time);
 }
 
 #[test]

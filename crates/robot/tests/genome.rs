@@ -7,7 +7,7 @@ use crate::common;
 use proptest::prelude::*;
 use realgap_core::file::Source;
 use realgap_core::random::Numbered;
-use realgap_robot::genome::{Development, Gene, Genome, Locus, Misfit, Specimen};
+use realgap_robot::genome::{Development, DevelopmentError, Gene, Genome, Individual, Locus};
 use realgap_robot::morphology::Morphology;
 
 fn genomes(most: usize) -> impl Strategy<Value = Genome> {
@@ -41,7 +41,7 @@ proptest! {
             Ok(robot) => {
                 prop_assert_eq!(robot.modules().len(), genome.len());
                 // Glued in one piece: every module but the root is a child, and the root reaches all.
-                prop_assert_eq!(robot.glue().len() + 1, genome.len());
+                prop_assert_eq!(robot.attachments().len() + 1, genome.len());
                 let solids: Vec<_> = robot.assemble().parts.into_iter().flat_map(|part| part.solids).collect();
                 let boxes: Vec<_> = solids.iter().filter(|solid| solid.collides).map(|solid| {
                     let half = (solid.robot_from_solid.rotation * solid.half_extents_m()).abs();
@@ -59,7 +59,7 @@ proptest! {
                 prop_assert!(others.is_empty(), "{:?}", others);
             }
             Err(misfit) => {
-                prop_assert!(!matches!(misfit, Misfit::Refused(_)), "{}", misfit);
+                prop_assert!(!matches!(misfit, DevelopmentError::Refused(_)), "{}", misfit);
                 prop_assert!(!misfit.to_string().is_empty());
             }
         }
@@ -68,13 +68,13 @@ proptest! {
 
     #[test]
     fn genome_and_robot_survive_being_written_and_read(genome in genomes(5), other in any::<bool>()) {
-        let mut specimen = Specimen::new("writ_ten", genome);
+        let mut specimen = Individual::new("writ_ten", genome);
         if other {
             specimen.development.passive_share = 0.25;
             specimen.development.amplitude_rad = (0.1, 1.0 / 3.0);
         }
         let text = specimen.to_ron().unwrap();
-        let back = Specimen::parse(&Source::new("genome.ron", text)).map_err(|e| TestCaseError::fail(e.to_string()))?;
+        let back = Individual::parse(&Source::new("genome.ron", text)).map_err(|e| TestCaseError::fail(e.to_string()))?;
         prop_assert_eq!(&back, &specimen);
         if let Ok(robot) = specimen.develop() {
             let back = Morphology::parse(&Source::new("robot.ron", robot.to_ron().unwrap()))
@@ -102,12 +102,12 @@ fn building_turns_the_part_and_places_the_module_on_top() {
     ])
     .unwrap();
     let robot = Development::default().develop("robot", &genome).unwrap();
-    let glue: Vec<_> = robot
-        .glue()
+    let attachments: Vec<_> = robot
+        .attachments()
         .iter()
         .map(|g| (g.parent, g.face.name(), g.child))
         .collect();
-    assert_eq!(glue, [(0, "PosX", 1), (1, "PosZ", 2)]);
+    assert_eq!(attachments, [(0, "PosX", 1), (1, "PosZ", 2)]);
     // The module turned with the part: it still looks at the first.
     assert_eq!(robot.modules()[1].driven_face().unwrap().name(), "NegX");
     assert_eq!(robot.assemble().parts.len(), 2);
@@ -131,14 +131,14 @@ fn every_reason_is_found_and_names_the_modules() {
             active(&[(Locus::FaceModule, up)]),
             active(&[(Locus::FaceModule, down)])
         ]),
-        Misfit::ServoOnServo {
+        DevelopmentError::ServoOnServo {
             module: 1,
             below: 0
         }
     );
     assert_eq!(
         develop(vec![gene(&[]); 5]),
-        Misfit::TooManyModules {
+        DevelopmentError::TooManyModules {
             found: 5,
             allowed: 4
         }
@@ -164,7 +164,7 @@ fn every_reason_is_found_and_names_the_modules() {
     };
     assert_eq!(
         with(gene(&[]), active(&[(Locus::FaceModule, pos_x)])),
-        Misfit::NoRoomForPlate {
+        DevelopmentError::NoRoomForPlate {
             module: 3,
             neighbour: 2
         }
@@ -176,14 +176,14 @@ fn every_reason_is_found_and_names_the_modules() {
             active(&[(Locus::FaceModule, 0.2)]),
             active(&[(Locus::FaceModule, pos_x), (Locus::PitchPart, 0.3)]),
         ]),
-        Misfit::PlateOnPlate {
+        DevelopmentError::PlateOnPlate {
             module: 2,
             neighbour: 1
         }
     );
     assert_eq!(
         with(active(&[(Locus::FaceModule, 0.2)]), gene(&[])),
-        Misfit::PlateInTheWay {
+        DevelopmentError::PlateInTheWay {
             module: 3,
             neighbour: 2
         }
@@ -234,7 +234,7 @@ fn a_plate_that_hits_its_own_robot_is_found_unless_it_hardly_turns() {
 }
 
 fn refusal(text: &str) -> String {
-    Specimen::parse(&Source::new("g.ron", text))
+    Individual::parse(&Source::new("g.ron", text))
         .unwrap_err()
         .to_string()
 }

@@ -13,7 +13,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use serde::Serialize;
 
 use super::engine::{EngineChoice, Load, World};
-use super::experiment::{Experiment, JointKind};
+use super::experiment::{Experiment, JointFormulation};
 use super::kinematics::robot_from_part_at_zero;
 use super::motor::Effort;
 use super::part_state::PartState;
@@ -66,7 +66,7 @@ impl EnergyBalance {
     pub(super) fn warning(&self) -> Option<Warning> {
         let share = self.residual_share();
         (share.is_nan() || share > OPEN_SHARE).then(|| {
-            Code::EnergyOpen.says(format!(
+            Code::EnergyOpen.warning(format!(
                 "{:.1} % of the energy comes from nowhere or goes nowhere: shorter steps or more substeps close the balance",
                 100.0 * share
             ))
@@ -159,7 +159,7 @@ pub(super) struct Meter {
 impl Meter {
     /// A meter for a robot that counts from `from_s` on.
     pub fn new(experiment: &Experiment, assembly: &Assembly, from_s: f64) -> Self {
-        let has_rotors = experiment.joint_kind() == JointKind::Multibody
+        let has_rotors = experiment.joint_kind() == JointFormulation::Multibody
             || experiment.solver.engine != EngineChoice::default();
         let gauges = assembly.hinges.iter().map(|hinge| {
             let child_from_robot: Isometry3<f64> =

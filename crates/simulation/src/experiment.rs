@@ -69,24 +69,24 @@ pub struct JointState {
 
 /// How parts are jointed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum JointKind {
+pub enum JointFormulation {
     /// Reduced coordinates: hinges cannot separate.
     Multibody,
     /// Maximal coordinates: hinges are constraints solved with the contacts; cheaper.
     Impulse,
-    /// Multibody joints where a light part carries a heavy one, [`JointKind::LIGHT`], or a servo is a motor behind a gear, and the
-    /// robot has at most [`JointKind::MOST_HINGES`] hinges; impulse joints for all others, whose contacts they do not soften (docs/fidelity/contact.md).
+    /// Multibody joints where a light part carries a heavy one, [`JointFormulation::LIGHT`], or a servo is a motor behind a gear, and the
+    /// robot has at most [`JointFormulation::MOST_HINGES`] hinges; impulse joints for all others, whose contacts they do not soften (docs/fidelity/contact.md).
     /// A robot of stated bodies is a multibody, whatever its number of joints, and one whose bearings give way never is.
     Auto,
 }
 
-impl JointKind {
-    /// Most hinges that [`JointKind::Auto`] joins as a multibody: the cost grows with the square of the hinges and more.
+impl JointFormulation {
+    /// Most hinges that [`JointFormulation::Auto`] joins as a multibody: the cost grows with the square of the hinges and more.
     pub const MOST_HINGES: usize = 12;
     /// A part is light below this share of the mass of the part that it is hinged to.
     pub const LIGHT: f64 = 0.25;
 
-    /// The kind that this robot gets: never [`JointKind::Auto`].
+    /// The kind that this robot gets: never [`JointFormulation::Auto`].
     pub fn resolved(self, assembly: &Assembly) -> Self {
         let mass_kg = |part: usize| assembly.parts[part].mass_kg();
         let is_uneven = assembly.hinges.iter().any(|hinge| {
@@ -167,7 +167,7 @@ pub struct Solver {
     /// the energy of hinges, which such a pass drains (docs/fidelity/joints.md).
     pub relaxations: usize,
     /// How parts are jointed in Rapier.
-    pub joint: JointKind,
+    pub joint: JointFormulation,
     /// Which engine simulates.
     pub engine: EngineChoice,
 }
@@ -179,7 +179,7 @@ impl Default for Solver {
             substeps: 3,
             sweeps: 4,
             relaxations: 0,
-            joint: JointKind::Auto,
+            joint: JointFormulation::Auto,
             engine: EngineChoice::default(),
         }
     }
@@ -365,7 +365,7 @@ impl Experiment {
     /// asks for what means something in Rapier only (impulse joints, relaxations, simplified friction) or for a third engine.
     pub fn second_engine(&self) -> Option<EngineChoice> {
         let (solver, second) = (&self.solver, EngineChoice::second()?);
-        let plain = solver.joint != JointKind::Impulse
+        let plain = solver.joint != JointFormulation::Impulse
             && solver.relaxations == 0
             && self.contact.friction_model == FrictionModel::Coulomb;
         let is_known = [EngineChoice::default(), second].contains(&solver.engine);
@@ -373,14 +373,14 @@ impl Experiment {
         (plain && is_known && can).then_some(second)
     }
 
-    /// How this robot is jointed: never [`JointKind::Auto`].
-    pub fn joint_kind(&self) -> JointKind {
+    /// How this robot is jointed: never [`JointFormulation::Auto`].
+    pub fn joint_kind(&self) -> JointFormulation {
         self.solver.joint.resolved(&self.assembly)
     }
 
     /// The same experiment near the limit of rigid contact and short steps, with this kind of joint; slow. What changes
     /// much on the way there is numerical (docs/fidelity.md).
-    pub fn at_limit(&self, joint: JointKind) -> Self {
+    pub fn at_limit(&self, joint: JointFormulation) -> Self {
         let joint = joint.resolved(&self.assembly);
         let mut limit = self.clone();
         limit.solver.joint = joint;
@@ -388,8 +388,8 @@ impl Experiment {
         limit.solver.sweeps = limit.solver.sweeps.max(LIMIT_SWEEPS);
         // Impulse joints lend a contact the mass of a single part only.
         let (frequency_hz, substeps) = match joint {
-            JointKind::Impulse => (1200.0, 8),
-            JointKind::Multibody | JointKind::Auto => (600.0, 1),
+            JointFormulation::Impulse => (1200.0, 8),
+            JointFormulation::Multibody | JointFormulation::Auto => (600.0, 1),
         };
         limit.solver.substeps = limit.solver.substeps.max(substeps);
         let contact = &mut limit.contact;

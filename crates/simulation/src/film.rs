@@ -5,8 +5,8 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use super::control::Log;
 use super::experiment::Experiment;
 use super::kinematics::{part_from_track, robot_from_part_at_zero, robot_from_parts};
-use super::run::{Run, attend};
-use super::watch::{Attendance, Snapshot};
+use super::run::{Run, run_with};
+use super::watch::{RunHooks, Snapshot};
 use realgap_core::error::{Error, Result};
 use realgap_path::trajectory::{Recording, Trajectory};
 use realgap_robot::morphology::{Assembly, Solid};
@@ -27,19 +27,16 @@ pub struct Film {
 /// a run that diverged.
 ///
 /// # Errors
-/// As [`attend`]; a vehicle has no parts.
+/// As [`run_with`]; a vehicle has no parts.
 pub fn film(experiment: &Experiment) -> Result<(Run, Option<Film>)> {
-    attended_film(experiment, Attendance::default()).map(|(run, film, _)| (run, film))
+    film_with(experiment, RunHooks::default()).map(|(run, film, _)| (run, film))
 }
 
-/// As [`film`], before those who attend, with what a controller decided.
+/// As [`film`], before those who run_with, with what a controller decided.
 ///
 /// # Errors
-/// As [`film`] and [`attend`].
-pub fn attended_film(
-    experiment: &Experiment,
-    attendance: Attendance<'_>,
-) -> Result<(Run, Option<Film>, Log)> {
+/// As [`film`] and [`run_with`].
+pub fn film_with(experiment: &Experiment, hooks: RunHooks<'_>) -> Result<(Run, Option<Film>, Log)> {
     let mut experiment = experiment.clone();
     experiment.records_joints = !experiment.assembly.hinges.is_empty();
     let times_s = experiment.sample_times_s();
@@ -48,7 +45,7 @@ pub fn attended_film(
     let mut before: Option<Snapshot> = None;
     let mut scene = vec![Vec::with_capacity(times_s.len()); experiment.scene.len()];
     let mut next = 0;
-    let mut further = attendance.observer;
+    let mut further = hooks.observer;
     let mut observer = |now: &Snapshot| {
         if let Some(further) = &mut further {
             further(now);
@@ -73,12 +70,12 @@ pub fn attended_film(
         before = Some(now.clone());
     };
     // Who came with the caller stays as long as the observer only.
-    let attendance = Attendance {
+    let hooks = RunHooks {
         observer: Some(&mut observer),
-        feedback: attendance.feedback.map(|feedback| feedback as _),
-        clock: attendance.clock.map(|clock| clock as _),
+        feedback: hooks.feedback.map(|feedback| feedback as _),
+        clock: hooks.clock.map(|clock| clock as _),
     };
-    let (run, log) = attend(&experiment, attendance)?;
+    let (run, log) = run_with(&experiment, hooks)?;
     let film = run.outcome.get().map(|track| Film {
         track: track.clone(),
         parts: parts.into_iter().map(Some).collect(),

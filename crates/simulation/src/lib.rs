@@ -49,17 +49,17 @@ pub use distribution::Distribution;
 pub use energy::EnergyBalance;
 pub use engine::{ENGINES, Engine, EngineChoice, Load, Motion, Setup, World, engine_by_name};
 pub use experiment::{
-    Contact, Experiment, Floor, FrictionModel, JointKind, JointState, Perturbation, Sampling,
-    Solver, Start,
+    Contact, Experiment, Floor, FrictionModel, JointFormulation, JointState, Perturbation,
+    Sampling, Solver, Start,
 };
-pub use film::{Film, attended_film, film, part_from_solid, part_name};
+pub use film::{Film, film, film_with, part_from_solid, part_name};
 pub use motor::Effort;
 pub use noise::Noise;
 pub use outcome::{Divergence, Outcome};
 pub use part_state::PartState;
 pub use posture::Posture;
 pub use rapier::{ENGINE_VERSION, RAPIER, Rapier};
-pub use run::{Run, attend, run, steer, watch};
+pub use run::{Run, run, run_with, steer, watch};
 pub use scene::{SceneBody, SceneBox, SceneMotion};
 pub use servo::Command;
 pub use settle::{Settling, settle};
@@ -67,4 +67,4 @@ pub use tree::{TREE, Tree};
 #[cfg(feature = "schema")]
 pub use vehicle::VehicleFile;
 pub use vehicle::{Drive, Vehicle};
-pub use watch::{Attendance, HingeState, Observer, Push, Snapshot};
+pub use watch::{HingeState, Observer, Push, RunHooks, Snapshot};

@@ -24,7 +24,7 @@ impl Experiment {
         });
         let mut warnings: Vec<Warning> = too_fast
             .map(|(hinge, gait)| {
-                Code::GaitTooFast.says(format!(
+                Code::GaitTooFast.warning(format!(
                     "the gait of `{}` has {} Hz, but steps of {timestep_s:.3e} s follow {most_hz:.3} Hz at most (ten a period): \
                          lower its frequency or timestep_s",
                     hinge.name,
@@ -43,7 +43,7 @@ impl Experiment {
         });
         warnings.extend(outside.map(|solid| {
             let centre_m = solid.centre_of_mass_solid_m;
-            Code::CentreOfMassOutside.says(format!(
+            Code::CentreOfMassOutside.warning(format!(
                 "the centre of mass of `{}` is shifted to ({}, {}, {}) m, out of its cube of {} m: no solid cube has it there; \
                      check body.com_offset_x_m, y and z",
                 name(solid.module),

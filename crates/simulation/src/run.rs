@@ -19,7 +19,7 @@ use super::outcome::Outcome;
 use super::scene::{Guide, SceneMotion};
 use super::servo::{NOTHING, command, error_beyond_play};
 use super::vehicle;
-use super::watch::{Attendance, Observer, Push, Snapshot};
+use super::watch::{Observer, Push, RunHooks, Snapshot};
 use realgap_core::error::{Error, Result};
 use realgap_core::warning::{Code, Warning};
 use realgap_path::trajectory::{State, Trajectory};
@@ -64,26 +64,22 @@ const REST_WINDOW_S: f64 = 0.1;
 /// Settings that cannot be simulated (see [`Experiment::check`]). A simulation that diverges is not an
 /// error but an [`Outcome`].
 pub fn run(experiment: &Experiment) -> Result<Run> {
-    attend(experiment, Attendance::default()).map(|(run, _)| run)
+    run_with(experiment, RunHooks::default()).map(|(run, _)| run)
 }
 
-/// Simulates an experiment before those who attend, and says what its controller read and decided: nothing where it has none.
+/// Simulates an experiment before those who run_with, and says what its controller read and decided: nothing where it has none.
 ///
 /// # Errors
 /// As [`run`]; whatever the clock and the feedback refuse; an observer of a vehicle, feedback without a controller.
-pub fn attend(experiment: &Experiment, attendance: Attendance<'_>) -> Result<(Run, Log)> {
-    pushed(experiment, &[], attendance)
+pub fn run_with(experiment: &Experiment, hooks: RunHooks<'_>) -> Result<(Run, Log)> {
+    pushed(experiment, &[], hooks)
 }
 
-fn pushed(
-    experiment: &Experiment,
-    pushes: &[Push],
-    mut attendance: Attendance<'_>,
-) -> Result<(Run, Log)> {
+fn pushed(experiment: &Experiment, pushes: &[Push], mut hooks: RunHooks<'_>) -> Result<(Run, Log)> {
     experiment.check()?;
     let started = thread_cpu_time();
     let (mut run, log) = if let Some(vehicle) = &experiment.vehicle {
-        if attendance.observer.is_some() {
+        if hooks.observer.is_some() {
             return Err(Error::invalid("a vehicle has no parts to watch"));
         }
         (vehicle::run(experiment, vehicle)?, Log::default())
@@ -91,9 +87,9 @@ fn pushed(
         if !pushes.is_empty() {
             return Err(Error::invalid("a robot with a controller is not pushed"));
         }
-        steered(experiment, controller, attendance)?
+        steered(experiment, controller, hooks)?
     } else {
-        if attendance.feedback.is_some() {
+        if hooks.feedback.is_some() {
             return Err(no_controller());
         }
         let assembly = experiment.adjusted_assembly();
@@ -104,7 +100,7 @@ fn pushed(
         for push in pushes {
             rollout.world.push(push.part, &push.velocity_world_m_s);
         }
-        let run = rollout.run(experiment, &mut attendance)?;
+        let run = rollout.run(experiment, &mut hooks)?;
         (run, Log::default())
     };
     run.cpu = thread_cpu_time().saturating_sub(started);
@@ -119,7 +115,7 @@ fn no_controller() -> Error {
 /// `observer` sees every step as in [`watch`].
 ///
 /// # Errors
-/// As [`attend`]; an experiment without a controller.
+/// As [`run_with`]; an experiment without a controller.
 pub fn steer<'a>(
     experiment: &Experiment,
     observer: Observer<'a>,
@@ -128,12 +124,12 @@ pub fn steer<'a>(
     if experiment.controller.is_none() {
         return Err(no_controller());
     }
-    let attendance = Attendance {
+    let hooks = RunHooks {
         observer,
         feedback,
         clock: None,
     };
-    attend(experiment, attendance)
+    run_with(experiment, hooks)
 }
 
 /// Simulates the experiment and shows every part and hinge to `observer`: at time 0 and after every step
@@ -146,11 +142,11 @@ pub fn watch(
     pushes: &[Push],
     observer: &mut dyn FnMut(&Snapshot),
 ) -> Result<Run> {
-    let attendance = Attendance {
+    let hooks = RunHooks {
         observer: Some(observer),
-        ..Attendance::default()
+        ..RunHooks::default()
     };
-    pushed(experiment, pushes, attendance).map(|(run, _)| run)
+    pushed(experiment, pushes, hooks).map(|(run, _)| run)
 }
 
 /// CPU time of the calling thread; wall time where the platform has no such clock.
@@ -297,7 +293,7 @@ impl<'a> Rollout<'a> {
         let (engine, refusal) = experiment.solver.engine.able(experiment);
         if let Some(why) = refusal {
             let chosen = experiment.solver.engine;
-            warnings.push(Code::EngineFallback.says(format!(
+            warnings.push(Code::EngineFallback.warning(format!(
                 "{} simulates in place of {chosen:?}: {why}",
                 engine.name()
             )));
@@ -488,7 +484,7 @@ impl<'a> Rollout<'a> {
                 before = now;
             }
         }
-        self.warnings.push(Code::NotSettled.says(format!(
+        self.warnings.push(Code::NotSettled.warning(format!(
             "the robot was still moving after {SETTLE_LIMIT_S} s of settling; the run starts from there"
         )));
         None

@@ -98,9 +98,9 @@ pub(super) fn command(
         return NOTHING;
     };
     match servo.law {
-        ServoLaw::Velocity { gain_1_s } => {
+        ServoLaw::Velocity { gain_per_s } => {
             let damping_nm_s_rad = speed_damping_nm_s_rad(servo);
-            if (gain_1_s * error_rad).abs() > servo.max_speed_rad_s {
+            if (gain_per_s * error_rad).abs() > servo.max_speed_rad_s {
                 let target_rad_s = servo.max_speed_rad_s.copysign(error_rad);
                 return Command::Velocity {
                     target_rad_s,
@@ -110,7 +110,7 @@ pub(super) fn command(
             }
             Command::Spring {
                 error_rad,
-                stiffness_nm_rad: gain_1_s * damping_nm_s_rad,
+                stiffness_nm_rad: gain_per_s * damping_nm_s_rad,
                 damping_nm_s_rad,
                 max_torque_nm,
             }
@@ -135,7 +135,7 @@ mod tests {
 
     fn servo(max_speed_rad_s: f64) -> Servo {
         Servo {
-            law: ServoLaw::Velocity { gain_1_s: 30.0 },
+            law: ServoLaw::Velocity { gain_per_s: 30.0 },
             max_torque_nm: 0.2,
             max_speed_rad_s,
             delay_s: 0.0,

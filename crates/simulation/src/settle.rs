@@ -49,16 +49,16 @@ impl Settling {
         let mut warnings = Vec::new();
         match &self.end {
             End::AtRest => {}
-            End::Moving => warnings.push(Code::NotSettled.says(format!(
+            End::Moving => warnings.push(Code::NotSettled.warning(format!(
                 "the robot was still moving after {:.1} s on the floor",
                 self.taken_s
             ))),
-            End::Diverged { why } => warnings.push(Code::Diverged.says(format!(
+            End::Diverged { why } => warnings.push(Code::Diverged.warning(format!(
                 "the simulation diverged while the robot settled: {why}"
             ))),
         }
         if let Some(tilt_rad) = self.tilt_rad.filter(|_| self.is_toppled()) {
-            warnings.push(Code::Toppled.says(format!(
+            warnings.push(Code::Toppled.warning(format!(
                 "the robot fell over when it was put down: its tracked module tilted by {:.0} degrees",
                 tilt_rad.to_degrees()
             )));

@@ -7,7 +7,7 @@ use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Vector3};
 use realgap_tree::parry::math::{Mat3, Pose, Vec3};
 use realgap_tree::parry::shape::SharedShape;
 use realgap_tree::{
-    Attachment, Collider, Cone, Fixture, Joint, JointKind, Link, Model, Partner, Settings,
+    Attachment, Collider, Cone, Fixture, Joint, JointType, Link, Model, Partner, Settings,
 };
 
 use super::engine::{Engine, Load, Setup, World};
@@ -364,9 +364,9 @@ fn joint(assembly: &Assembly, hinge: usize, start: f64) -> Joint {
         Pose::from_translation(to_vector(&anchor_part_m.coords))
     };
     let kind = match (hinge.freedom, hinge.bearing.limits_rad) {
-        (Freedom::Slide, _) => JointKind::Prismatic,
-        (Freedom::Turn, Some(_)) => JointKind::Revolute,
-        (Freedom::Turn, None) => JointKind::Continuous,
+        (Freedom::Slide, _) => JointType::Prismatic,
+        (Freedom::Turn, Some(_)) => JointType::Revolute,
+        (Freedom::Turn, None) => JointType::Continuous,
     };
     let motor = hinge.actuator.as_ref().and_then(|a| a.servo.law.motor());
     let bearing = &hinge.bearing;

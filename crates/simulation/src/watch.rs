@@ -14,7 +14,7 @@ pub type Observer<'a> = Option<&'a mut dyn FnMut(&Snapshot)>;
 
 /// Who attends a run; nobody unless said.
 #[derive(Default)]
-pub struct Attendance<'a> {
+pub struct RunHooks<'a> {
     /// Sees every step as in [`watch`](super::run::watch); a vehicle has no parts to see.
     pub observer: Observer<'a>,
     /// Has the last word of every decision of a controller.
@@ -23,7 +23,7 @@ pub struct Attendance<'a> {
     pub clock: Option<&'a mut dyn FnMut(f64) -> Result<()>>,
 }
 
-impl Attendance<'_> {
+impl RunHooks<'_> {
     /// Tells the clock that so many steps are done.
     pub(super) fn tell(&mut self, done: u64, steps: u64) -> Result<()> {
         match &mut self.clock {

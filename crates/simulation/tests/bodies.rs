@@ -8,10 +8,10 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use realgap_core::file::Source;
 use realgap_path::trajectory::State;
 use realgap_robot::morphology::{Assembly, Morphology};
-use realgap_simulation::{Experiment, JointKind, JointState, Snapshot, Start, run, watch};
+use realgap_simulation::{Experiment, JointFormulation, JointState, Snapshot, Start, run, watch};
 
 const G: f64 = 9.81;
-const KINDS: [JointKind; 2] = [JointKind::Impulse, JointKind::Multibody];
+const KINDS: [JointFormulation; 2] = [JointFormulation::Impulse, JointFormulation::Multibody];
 
 pub fn robot(text: &str) -> Morphology {
     Morphology::parse(&Source::new("robot.ron", text)).unwrap_or_else(|e| panic!("{e}"))
@@ -53,7 +53,12 @@ fn arm() -> (f64, f64) {
     (bar.0 + weight.0, bar.1 + weight.1)
 }
 
-fn swing(morphology: &Morphology, kind: JointKind, joint: JointState, seconds: f64) -> Experiment {
+fn swing(
+    morphology: &Morphology,
+    kind: JointFormulation,
+    joint: JointState,
+    seconds: f64,
+) -> Experiment {
     let mut experiment = Experiment::new(morphology.assemble());
     experiment.solver.joint = kind;
     experiment.solver.timestep_s = 1.0 / 1000.0;
@@ -216,7 +221,11 @@ fn dry_friction_holds_what_weighs_less_than_it_and_lets_go_what_weighs_more() {
             let robot = pendulum(&format!(", dry_nm: {dry}"));
             let mut experiment = swing(&robot, kind, at(0.5, 0.0), 1.0);
             // An impulse joint's friction is as firm as the solver's sweeps are many: 0.03 rad/s of creep with the default 4.
-            experiment.solver.sweeps = if kind == JointKind::Impulse { 64 } else { 4 };
+            experiment.solver.sweeps = if kind == JointFormulation::Impulse {
+                64
+            } else {
+                4
+            };
             let film = film(&experiment);
             let moved = angles(&film).last().unwrap() - 0.5;
             assert_eq!(moved.abs() < 2e-3, holds, "{kind:?} {share}: {moved} rad");

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use realgap_path::trajectory::JointTrack;
 use realgap_simulation::parameter::ParameterSet;
-use realgap_simulation::{Between, CommandTrack, Experiment, JointKind, JointState, run};
+use realgap_simulation::{Between, CommandTrack, Experiment, JointFormulation, JointState, run};
 
 /// Small changes to an experiment, one after the other.
 pub trait Change: Into<Experiment> {
@@ -36,7 +36,7 @@ pub trait Change: Into<Experiment> {
     fn weightless(self) -> Experiment {
         self.with(|e| e.gravity_m_s2 = 0.0)
     }
-    fn joined(self, kind: JointKind) -> Experiment {
+    fn joined(self, kind: JointFormulation) -> Experiment {
         self.with(|e| e.solver.joint = kind)
     }
     fn lasting(self, duration_s: f64) -> Experiment {

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use realgap_simulation::{Experiment, JointKind, engine_by_name, watch};
+use realgap_simulation::{Experiment, JointFormulation, engine_by_name, watch};
 
 use crate::bodies::robot;
 use crate::change::Change as _;
@@ -112,7 +112,7 @@ fn refusal(experiment: &Experiment) -> String {
 fn a_bearing_gives_way_only_where_hinges_are_constraints() {
     let robot = compliant();
     robot.check().unwrap();
-    assert_eq!(robot.joint_kind(), JointKind::Impulse);
+    assert_eq!(robot.joint_kind(), JointFormulation::Impulse);
     assert!(robot.second_engine().is_none() && hanging().second_engine().is_some());
     let tree = engine_by_name("tree").unwrap().get();
     assert!(
@@ -120,7 +120,7 @@ fn a_bearing_gives_way_only_where_hinges_are_constraints() {
             .is_some_and(|why| why.contains("hinge.bearing_hz"))
     );
     assert!(tree.refusal(&hanging()).is_none());
-    assert!(refusal(&robot.clone().joined(JointKind::Multibody)).contains("multibody"));
+    assert!(refusal(&robot.clone().joined(JointFormulation::Multibody)).contains("multibody"));
     assert!(refusal(&robot.clone().with(|e| e.solver.relaxations = 1)).contains("relaxations"));
     assert!(refusal(&robot.clone().with(|e| e.energy_from_s = Some(0.1))).contains("energy"));
     let stopped = robot.clone().with(|e| {

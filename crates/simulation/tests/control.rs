@@ -8,8 +8,8 @@ use crate::common;
 use realgap_path::trajectory::Trajectory;
 use realgap_robot::morphology::Morphology;
 use realgap_simulation::{
-    Attendance, Controller, Decision, EngineChoice, Experiment, Log, Run, Sampling, Steer, attend,
-    engine_by_name, steer, watch,
+    Controller, Decision, EngineChoice, Experiment, Log, Run, RunHooks, Sampling, Steer,
+    engine_by_name, run_with, steer, watch,
 };
 
 /// A wall across the way of a robot that walks towards -x from (2, 1).
@@ -261,11 +261,11 @@ fn a_run_tells_its_clock_how_far_it_is_and_ends_where_the_clock_refuses() {
                     false => Err(realgap_core::Error::interrupted("enough")),
                 }
             };
-            let attendance = Attendance {
+            let hooks = RunHooks {
                 clock: Some(&mut clock),
-                ..Attendance::default()
+                ..RunHooks::default()
             };
-            let run = attend(&experiment, attendance).map(|(run, _)| run);
+            let run = run_with(&experiment, hooks).map(|(run, _)| run);
             (shares, run)
         };
         let (shares, run) = heard(1.0);

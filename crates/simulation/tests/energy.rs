@@ -11,11 +11,11 @@ use realgap_core::file::Source;
 use realgap_path::trajectory::{State, Trajectory};
 use realgap_robot::morphology::Morphology;
 use realgap_simulation::{
-    EnergyBalance, Experiment, FrictionModel, JointKind, JointState, Sampling, Start, run,
+    EnergyBalance, Experiment, FrictionModel, JointFormulation, JointState, Sampling, Start, run,
 };
 
 const G: f64 = 9.81;
-const KINDS: [JointKind; 2] = [JointKind::Impulse, JointKind::Multibody];
+const KINDS: [JointFormulation; 2] = [JointFormulation::Impulse, JointFormulation::Multibody];
 
 /// Runs it and says where its energy went; that nobody looks changes no bit.
 fn balance(experiment: &Experiment) -> (EnergyBalance, Trajectory) {
@@ -48,7 +48,7 @@ fn assert_near(value: f64, expected: f64, share: f64) {
 }
 
 /// A stand, and a bar that hangs from it by a hinge of which `hinge` says the rest.
-fn pendulum(kind: JointKind, hinge: &str) -> Experiment {
+fn pendulum(kind: JointFormulation, hinge: &str) -> Experiment {
     let text = format!(
         r#"(
         name: "pendulum",
@@ -220,7 +220,7 @@ fn a_bouncing_cube_loses_one_minus_e_squared_of_its_fall() {
     assert!(energy.residual_share() < 0.02, "{energy:?}");
 }
 
-fn walker(name: &str, kind: JointKind) -> Experiment {
+fn walker(name: &str, kind: JointFormulation) -> Experiment {
     let path = project().join(format!("morphologies/{name}.ron"));
     let mut experiment = Experiment::new(Morphology::read(path).unwrap().assemble());
     experiment.solver.joint = kind;
@@ -244,7 +244,7 @@ fn the_balance_of_walkers_closes_and_both_joint_kinds_tell_the_same() {
 
 #[test]
 fn shorter_steps_tell_the_same_energy() {
-    let experiment = walker("spider8", JointKind::Impulse);
+    let experiment = walker("spider8", JointFormulation::Impulse);
     let mut fine = experiment.clone();
     fine.solver.timestep_s *= 0.25;
     let [coarse, fine] = [experiment, fine].map(|experiment| balance(&experiment).0);
@@ -254,7 +254,7 @@ fn shorter_steps_tell_the_same_energy() {
 
 #[test]
 fn energy_is_counted_from_the_moment_that_is_asked_for() {
-    let mut experiment = pendulum(JointKind::Impulse, LIFT);
+    let mut experiment = pendulum(JointFormulation::Impulse, LIFT);
     experiment.energy_from_s = Some(0.5);
     let late = run(&experiment).unwrap();
     let angles_rad = &late.outcome.get().unwrap().joints()[0].angles_rad;
@@ -266,7 +266,7 @@ fn energy_is_counted_from_the_moment_that_is_asked_for() {
 
 #[test]
 fn what_cannot_be_counted_is_refused() {
-    let mut experiment = walker("chain3", JointKind::Impulse);
+    let mut experiment = walker("chain3", JointFormulation::Impulse);
     experiment.energy_from_s = Some(5.0);
     let error = run(&experiment).unwrap_err().to_string();
     assert!(error.contains("energy_from_s"), "{error}");
@@ -275,6 +275,6 @@ fn what_cannot_be_counted_is_refused() {
     let error = run(&experiment).unwrap_err().to_string();
     assert!(error.contains("friction"), "{error}");
     // Multibody contacts have a friction of their own in every point, whatever the model is.
-    experiment.solver.joint = JointKind::Multibody;
+    experiment.solver.joint = JointFormulation::Multibody;
     assert!(run(&experiment).unwrap().energy.is_some());
 }

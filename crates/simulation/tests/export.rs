@@ -15,7 +15,7 @@ use realgap_core::file::Source;
 use realgap_robot::morphology::Morphology;
 use realgap_simulation::export::{FORMATS, Robot, format_named};
 use realgap_simulation::parameter::ParameterSet;
-use realgap_simulation::{Experiment, JointKind, JointState, run};
+use realgap_simulation::{Experiment, JointFormulation, JointState, run};
 use roxmltree::{Document, Node};
 
 fn folder() -> PathBuf {
@@ -355,7 +355,7 @@ print(d.qpos[0], d.qvel[0])
         .split_whitespace()
         .map(|w| w.parse().unwrap())
         .collect();
-    for kind in [JointKind::Impulse, JointKind::Multibody] {
+    for kind in [JointFormulation::Impulse, JointFormulation::Multibody] {
         let mut experiment = Experiment::new(robot.assemble());
         experiment.solver.joint = kind;
         experiment.solver.timestep_s = 1.0 / 2000.0;

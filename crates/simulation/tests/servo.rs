@@ -6,11 +6,11 @@ use std::f64::consts::TAU;
 use realgap_core::file::Source;
 use realgap_path::trajectory::JointTrack;
 use realgap_robot::morphology::Morphology;
-use realgap_simulation::{Experiment, JointKind, Sampling};
+use realgap_simulation::{Experiment, JointFormulation, Sampling};
 
 use crate::change::{Change as _, film};
 
-const KINDS: [JointKind; 2] = [JointKind::Multibody, JointKind::Impulse];
+const KINDS: [JointFormulation; 2] = [JointFormulation::Multibody, JointFormulation::Impulse];
 const G: f64 = 9.81;
 /// A weight of half a kilogram on an arm of ten centimetres.
 const MASS_KG: f64 = 0.5;

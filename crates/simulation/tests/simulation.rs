@@ -7,7 +7,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use realgap_path::trajectory::State;
 use realgap_robot::morphology::Morphology;
 use realgap_simulation::{
-    Camera, Distribution, Experiment, JointKind, Noise, Sampling, Start, run,
+    Camera, Distribution, Experiment, JointFormulation, Noise, Sampling, Start, run,
 };
 
 fn experiment(robot: &str) -> Experiment {
@@ -18,7 +18,7 @@ fn experiment(robot: &str) -> Experiment {
     Experiment::new(Morphology::read(path).unwrap().assemble())
 }
 
-fn flying(robot: &str, joint: JointKind) -> Experiment {
+fn flying(robot: &str, joint: JointFormulation) -> Experiment {
     let mut flying = experiment(robot);
     flying.solver.joint = joint;
     flying.floor.height_m = -10.0;
@@ -55,7 +55,7 @@ fn a_run_does_not_change_its_experiment() {
 
 #[test]
 fn a_run_starts_with_the_state_that_was_asked_for() {
-    for joint in [JointKind::Impulse, JointKind::Multibody] {
+    for joint in [JointFormulation::Impulse, JointFormulation::Multibody] {
         for robot in ["cube", "tripod", "chain5"] {
             let flying = flying(robot, joint);
             let Start::State(state) = flying.start else {
@@ -81,7 +81,7 @@ fn a_run_starts_with_the_state_that_was_asked_for() {
 /// z(t) = z0 + v t − g t²/2; symplectic Euler with timestep h is off by g t h / 2.
 #[test]
 fn a_cube_in_free_flight_follows_the_parabola() {
-    let mut flying = flying("cube", JointKind::Impulse);
+    let mut flying = flying("cube", JointFormulation::Impulse);
     flying.solver.timestep_s = 1.0 / 2000.0;
     flying.sampling = Sampling::Rate(100.0);
     let motion = run(&flying).unwrap().outcome.completed().unwrap();
@@ -104,7 +104,7 @@ fn both_joint_kinds_fly_alike() {
         let motion = run(&flying).unwrap().outcome.completed().unwrap();
         motion.positions_world_m()[motion.len() - 1]
     };
-    let apart_m = (end(JointKind::Impulse) - end(JointKind::Multibody)).norm();
+    let apart_m = (end(JointFormulation::Impulse) - end(JointFormulation::Multibody)).norm();
     assert!(apart_m < 1e-3, "{apart_m} m apart");
 }
 
@@ -133,7 +133,7 @@ fn a_settled_robot_starts_at_rest_on_the_floor() {
 
 #[test]
 fn an_absurd_state_is_a_status_and_has_no_trajectory() {
-    let mut thrown = flying("cube", JointKind::Impulse);
+    let mut thrown = flying("cube", JointFormulation::Impulse);
     thrown.floor.height_m = -9.0;
     let Start::State(state) = &mut thrown.start else {
         unreachable!()

@@ -143,7 +143,7 @@ impl<R: Table> Store<R> {
         let path = lock.folder().join(STORE_FILE);
         // Looked at before anything is written: what is refused stays as it is.
         match resumed {
-            Some(fingerprint) => Self::cure(&path, fingerprint)?,
+            Some(fingerprint) => Self::repair(&path, fingerprint)?,
             None if path.exists() => check_log(&path)?,
             None => {}
         }
@@ -181,7 +181,7 @@ impl<R: Table> Store<R> {
 
     /// Sets a log aside that is not of this store, or with which the store is not what anybody stored: what it holds without it is
     /// left.
-    fn cure(path: &Path, fingerprint: &Fingerprint) -> Result<()> {
+    fn repair(path: &Path, fingerprint: &Fingerprint) -> Result<()> {
         if count::has_foreign_log(path)? {
             return count::set_log_aside(path);
         }

@@ -11,7 +11,7 @@
 use realgap_tree::parry::math::{Mat3, Pose, Vec3};
 use realgap_tree::parry::shape::SharedShape;
 use realgap_tree::{
-    Attachment, Collider, Command, Fixture, Joint, JointKind, Link, Model, Settings, World,
+    Attachment, Collider, Command, Fixture, Joint, JointType, Link, Model, Settings, World,
 };
 
 /// A hinge's servo: torque law (stiffness, damping, limit), or speed law (gain, limit of torque and speed).
@@ -54,7 +54,7 @@ impl Robot {
         centre: Vec3,
         size: Vec3,
         mass: f64,
-        parent: Option<(usize, JointKind, Vec3, Vec3)>,
+        parent: Option<(usize, JointType, Vec3, Vec3)>,
     ) -> usize {
         let s = size * size;
         let attachment = match parent {
@@ -144,7 +144,7 @@ fn chain(name: &'static str, many: usize, turn: f64, twisted: bool) -> Robot {
         let parent = (k > 0).then(|| {
             (
                 k - 1,
-                JointKind::Continuous,
+                JointType::Continuous,
                 Vec3::new(x - 0.03, 0.0, Z),
                 axis,
             )
@@ -162,7 +162,7 @@ fn spider() -> Robot {
     let core = [(0.0, 0.0), (0.0, 0.06), (-0.06, 0.06), (-0.06, 0.0)];
     for (k, (x, y)) in core.into_iter().enumerate() {
         let centre = Vec3::new(x, y, Z);
-        let parent = (k > 0).then_some((0, JointKind::Fixed, centre, Vec3::X));
+        let parent = (k > 0).then_some((0, JointType::Fixed, centre, Vec3::X));
         robot.part(centre, CUBE, 0.1, parent);
     }
     let arms = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)];
@@ -175,7 +175,7 @@ fn spider() -> Robot {
             centre,
             CUBE,
             0.1,
-            Some((k, JointKind::Continuous, at, axis)),
+            Some((k, JointType::Continuous, at, axis)),
         );
         robot.drive(arm, 0.0, 0.7, 1.0, 0.5 * std::f64::consts::PI * k as f64);
     }
@@ -191,7 +191,7 @@ fn plate(robot: &mut Robot, module: usize, face: Vec3, side: f64, thick: f64, cu
         centre,
         flat,
         0.012,
-        Some((module, JointKind::Continuous, at, face)),
+        Some((module, JointType::Continuous, at, face)),
     )
 }
 
@@ -205,7 +205,7 @@ fn tripod() -> Robot {
             centre,
             CUBE,
             0.068,
-            Some((0, JointKind::Fixed, centre, Vec3::X)),
+            Some((0, JointType::Fixed, centre, Vec3::X)),
         );
     }
     let gaits = [

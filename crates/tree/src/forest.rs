@@ -2,7 +2,7 @@
 
 use parry3d_f64::math::{Mat3, Pose, Rot3, Vec3};
 
-use crate::model::{Attachment, Joint, JointKind, Model, ModelError};
+use crate::model::{Attachment, Joint, JointType, Model, ModelError};
 
 /// Stands for "no body".
 pub(crate) const NONE: usize = usize::MAX;
@@ -102,7 +102,7 @@ impl Forest {
         let (mut bodies, mut places) = (Vec::new(), Vec::<Place>::new());
         for link in &model.links {
             let place = match &link.attachment {
-                Attachment::Joint(joint) if joint.kind == JointKind::Fixed => {
+                Attachment::Joint(joint) if joint.kind == JointType::Fixed => {
                     let parent = places[joint.parent];
                     let parent_from_link =
                         joint.parent_from_joint * joint.link_from_joint.inverse();
@@ -287,14 +287,14 @@ fn hang(body: &mut Body, joint: &Joint, parent: &Place) {
     let parent_from_joint = parent.body_from_link * joint.parent_from_joint;
     body.parent = parent.body;
     body.freedom = match joint.kind {
-        JointKind::Prismatic => Freedom::Sliding,
+        JointType::Prismatic => Freedom::Sliding,
         _ => Freedom::Turning,
     };
     body.parent_from_body = parent_from_joint.rotation * joint.link_from_joint.rotation.inverse();
     body.axis_body = joint.link_from_joint.rotation * joint.axis_joint;
     body.anchor_parent_m = parent_from_joint.translation;
     body.anchor_body_m = joint.link_from_joint.translation;
-    body.limits = joint.limits.filter(|_| joint.kind != JointKind::Continuous);
+    body.limits = joint.limits.filter(|_| joint.kind != JointType::Continuous);
     body.viscous = joint.viscous_friction;
     body.dry = joint.dry_friction;
     body.armature = joint.armature;

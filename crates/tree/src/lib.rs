@@ -31,7 +31,7 @@ mod world;
 
 pub use joint::{Command, JointImpulse};
 pub use model::{
-    Attachment, Collider, Cone, Fixture, Joint, JointKind, Link, Model, ModelError, Settings,
+    Attachment, Collider, Cone, Fixture, Joint, JointType, Link, Model, ModelError, Settings,
 };
 pub use parry3d_f64 as parry;
 pub use world::{Contact, LinkState, Partner, World};

@@ -58,7 +58,7 @@ pub struct Joint {
     /// Index of the parent, smaller than the link's own.
     pub parent: usize,
     /// Which motions it allows.
-    pub kind: JointKind,
+    pub kind: JointType,
     /// The joint's frame, in the parent's.
     pub parent_from_joint: Pose,
     /// The joint's frame, in the link's. At position 0 both coincide.
@@ -83,7 +83,7 @@ pub struct Joint {
 
 impl Joint {
     /// A joint without friction, spring, limits and rotor.
-    pub fn new(parent: usize, kind: JointKind, axis_joint: Vec3) -> Self {
+    pub fn new(parent: usize, kind: JointType, axis_joint: Vec3) -> Self {
         Self {
             parent,
             kind,
@@ -103,7 +103,7 @@ impl Joint {
 
 /// Which motions a joint allows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum JointKind {
+pub enum JointType {
     /// None: both links are one body.
     Fixed,
     /// Turning about the axis, within limits where there are any.
@@ -269,7 +269,7 @@ impl Model {
                     joint.parent
                 ));
             }
-            if joint.kind != JointKind::Fixed && (joint.axis_joint.length() - 1.0).abs() > 1e-6 {
+            if joint.kind != JointType::Fixed && (joint.axis_joint.length() - 1.0).abs() > 1e-6 {
                 return fail(format!(
                     "link {index}: its axis has length {}; it has to be 1",
                     joint.axis_joint.length()

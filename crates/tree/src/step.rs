@@ -87,7 +87,7 @@ impl World {
             for (actor, node) in self.actors.iter_mut().zip(&self.nodes) {
                 again |= actor.exceeds(node.speed);
             }
-            if !again && (attempt > 2 || self.surprise() * time_s < SURPRISE_M_S) {
+            if !again && (attempt > 2 || self.acceleration_residual() * time_s < SURPRISE_M_S) {
                 break;
             }
             if attempt == MOST_ATTEMPTS {
@@ -103,7 +103,7 @@ impl World {
     }
 
     /// How far velocities are from those at which velocity products were taken, as an acceleration, m/s².
-    fn surprise(&self) -> f64 {
+    fn acceleration_residual(&self) -> f64 {
         let (mut off, mut turn) = (0.0_f64, 0.0_f64);
         for (index, (body, node)) in self.forest.bodies.iter().zip(&self.nodes).enumerate() {
             let mean = |index: usize| (self.nodes[index].velocity + self.before[index].0) * 0.5;

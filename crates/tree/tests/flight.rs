@@ -4,7 +4,7 @@
 use super::common::*;
 use nalgebra::{DMatrix, Matrix6, Matrix6xX};
 use realgap_tree::parry::math::{Mat3, Pose, Rot3, Vec3};
-use realgap_tree::{Attachment, Command, Joint, JointKind, Link, World};
+use realgap_tree::{Attachment, Command, Joint, JointType, Link, World};
 
 #[test]
 fn a_free_body_falls_along_its_parabola() {
@@ -121,7 +121,7 @@ fn a_free_chain_keeps_momentum_and_energy() {
         link.attachment = Attachment::Joint(Joint {
             parent_from_joint: at(0.0, 0.0, -0.5),
             link_from_joint: at(0.0, 0.0, 0.5),
-            ..Joint::new(k, JointKind::Continuous, axis)
+            ..Joint::new(k, JointType::Continuous, axis)
         });
         links.push(link);
     }
@@ -153,7 +153,7 @@ fn a_prismatic_spring_swings_at_its_frequency() {
     weight.attachment = Attachment::Joint(Joint {
         stiffness: 40.0,
         start: 0.1,
-        ..Joint::new(0, JointKind::Prismatic, Vec3::X)
+        ..Joint::new(0, JointType::Prismatic, Vec3::X)
     });
     let mut world = world(vec![mount(), weight], vec![]);
     let omega = (40.0_f64 / 0.1).sqrt();
@@ -178,7 +178,7 @@ fn a_torque_turns_rotor_and_link() {
     let mut arm = cube(0.5, Pose::identity());
     arm.attachment = Attachment::Joint(Joint {
         armature: 1e-4,
-        ..Joint::new(0, JointKind::Continuous, Vec3::Z)
+        ..Joint::new(0, JointType::Continuous, Vec3::Z)
     });
     let mut world = world(vec![mount(), arm], vec![]);
     world.command(1, Command::Torque(0.001));
@@ -243,7 +243,7 @@ fn what_the_last_link_gives_is_the_inverse_of_the_jacobian_sum() {
         let joint = Joint {
             parent_from_joint: Pose::new(Vec3::new(0.03, 0.01, 0.0), Vec3::new(0.1, 0.2, 0.3)),
             link_from_joint: Pose::new(Vec3::new(-0.03, 0.0, 0.02), Vec3::new(0.0, 0.4, -0.2)),
-            ..Joint::new(k, JointKind::Continuous, axis)
+            ..Joint::new(k, JointType::Continuous, axis)
         };
         let mut link = block(0.1, Vec3::new(0.02, 0.05, 0.03), 0.5, Pose::identity());
         link.attachment = Attachment::Joint(joint);
@@ -284,7 +284,7 @@ fn links_that_are_fixed_are_one_body() {
     let fixed = |parent| {
         Attachment::Joint(Joint {
             parent_from_joint: at(0.06, 0.0, 0.0),
-            ..Joint::new(parent, JointKind::Fixed, Vec3::X)
+            ..Joint::new(parent, JointType::Fixed, Vec3::X)
         })
     };
     let three: Vec<Link> = (0..3)
@@ -329,7 +329,7 @@ fn a_passive_hinge_that_crashes_at_44_m_s_stays_finite() {
         link.attachment = Attachment::Joint(Joint {
             parent_from_joint: at(0.03, 0.0, 0.0),
             link_from_joint: at(-0.03, 0.0, 0.0),
-            ..Joint::new(k, JointKind::Continuous, [Vec3::Y, Vec3::Z][k])
+            ..Joint::new(k, JointType::Continuous, [Vec3::Y, Vec3::Z][k])
         });
         links.push(link);
     }

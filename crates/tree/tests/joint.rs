@@ -2,12 +2,12 @@
 
 use super::common::*;
 use realgap_tree::parry::math::{Pose, Vec3};
-use realgap_tree::{Attachment, Command, Joint, JointKind, Link, World};
+use realgap_tree::{Attachment, Command, Joint, JointType, Link, World};
 
 /// A cube of 0.1 kg on a joint to the mount; with an arm of 0.1 m where it turns about y.
 fn mounted(joint: Joint) -> Vec<Link> {
     let mut link = cube(0.5, Pose::identity());
-    if joint.kind != JointKind::Prismatic {
+    if joint.kind != JointType::Prismatic {
         link.centre_link_m = Vec3::new(0.1, 0.0, 0.0);
     }
     link.attachment = Attachment::Joint(joint);
@@ -21,11 +21,11 @@ const LOAD: f64 = 0.1 * G * 0.1;
 fn limits_stop_what_falls_into_them() {
     let turning = Joint {
         limits: Some((-0.2, 0.3)),
-        ..Joint::new(0, JointKind::Revolute, Vec3::Y)
+        ..Joint::new(0, JointType::Revolute, Vec3::Y)
     };
     let sliding = Joint {
         limits: Some((-0.05, 0.1)),
-        ..Joint::new(0, JointKind::Prismatic, Vec3::Z)
+        ..Joint::new(0, JointType::Prismatic, Vec3::Z)
     };
     for (joint, lowest) in [(turning, 0.3), (sliding, -0.05)] {
         let mut world = world(mounted(joint), vec![]);
@@ -68,7 +68,7 @@ fn dry_friction_holds_what_it_may_and_brakes_the_rest() {
     for share in [1.01, 0.99] {
         let joint = Joint {
             dry_friction: share * LOAD,
-            ..Joint::new(0, JointKind::Continuous, Vec3::Y)
+            ..Joint::new(0, JointType::Continuous, Vec3::Y)
         };
         let mut world = world(mounted(joint), vec![]);
         run(&mut world, 1.0);
@@ -81,7 +81,7 @@ fn dry_friction_holds_what_it_may_and_brakes_the_rest() {
         });
     }
     // Without gravity a spinning link stops after I ω / τ.
-    let mut joint = Joint::new(0, JointKind::Continuous, Vec3::Z);
+    let mut joint = Joint::new(0, JointType::Continuous, Vec3::Z);
     joint.dry_friction = 0.001;
     let mut world = world(mounted(joint), vec![]);
     world.set_joint(1, 0.0, 2.0);
@@ -100,7 +100,7 @@ fn dry_friction_holds_what_it_may_and_brakes_the_rest() {
 fn viscous_friction_lets_speed_decay() {
     let joint = Joint {
         viscous_friction: 0.001,
-        ..Joint::new(0, JointKind::Continuous, Vec3::Z)
+        ..Joint::new(0, JointType::Continuous, Vec3::Z)
     };
     let mut world = world(mounted(joint), vec![]);
     world.set_joint(1, 0.0, 2.0);
@@ -118,7 +118,7 @@ fn commanded(world: &mut World, command: Command, time_s: f64) -> (f64, f64) {
 
 #[test]
 fn a_servo_holds_against_its_load_and_no_further_than_its_torque() {
-    let joint = Joint::new(0, JointKind::Continuous, Vec3::Y);
+    let joint = Joint::new(0, JointType::Continuous, Vec3::Y);
     let servo = |max_torque| Command::Servo {
         target: 0.2,
         stiffness: 50.0,
@@ -143,7 +143,7 @@ fn a_servo_holds_against_its_load_and_no_further_than_its_torque() {
     assert!(weak.joint(1).0 > 0.25, "{}", weak.joint(1).0);
     // Constant torque while it turns: half the load's acceleration at first.
     let mut motor = world(
-        mounted(Joint::new(0, JointKind::Continuous, Vec3::Z)),
+        mounted(Joint::new(0, JointType::Continuous, Vec3::Z)),
         vec![],
     );
     let drive = Command::Velocity {
@@ -166,7 +166,7 @@ fn what_acts_along_a_joint_explains_its_energy() {
         stiffness: 0.3,
         rest: 0.1,
         limits: Some((-1.0, 0.4)),
-        ..Joint::new(0, JointKind::Revolute, Vec3::Y)
+        ..Joint::new(0, JointType::Revolute, Vec3::Y)
     };
     let mut world = world(mounted(joint), vec![]);
     let mut work = 0.0;

@@ -5,7 +5,7 @@ use super::common::*;
 use realgap_tree::parry::math::{Mat3, Pose, Rot3, Vec3};
 use realgap_tree::parry::shape::SharedShape;
 use realgap_tree::{
-    Attachment, Collider, Command, Fixture, Joint, JointKind, Link, Model, Partner, World,
+    Attachment, Collider, Command, Fixture, Joint, JointType, Link, Model, Partner, World,
 };
 
 /// Random numbers from −1 to 1.
@@ -64,7 +64,7 @@ fn crab(x: f64) -> Vec<Link> {
                 link_from_joint: at(-0.04, 0.0, 0.0),
                 ..Joint::new(
                     if k == 0 { 0 } else { first },
-                    JointKind::Continuous,
+                    JointType::Continuous,
                     Vec3::Z,
                 )
             });
@@ -358,18 +358,18 @@ fn creature(random: &mut Random) -> Vec<Link> {
         let mut link = block(if plate { 0.012 } else { 0.1 }, size, 0.5, Pose::identity());
         let axis = if plate { face } else { faces[random.below(6)] };
         let kind = [
-            JointKind::Continuous,
-            JointKind::Revolute,
-            JointKind::Prismatic,
-            JointKind::Fixed,
+            JointType::Continuous,
+            JointType::Revolute,
+            JointType::Prismatic,
+            JointType::Fixed,
         ][random.below(4)];
         let outside = face * 0.03 + face * (size.dot(face.abs()) * 0.5);
         link.attachment = Attachment::Joint(Joint {
             parent_from_joint: Pose::from_translation(face * 0.03),
             link_from_joint: Pose::from_translation(face * 0.03 - outside),
             limits: match kind {
-                JointKind::Revolute => Some((-1.0, 1.0)),
-                JointKind::Prismatic => Some((-0.005, 0.03)),
+                JointType::Revolute => Some((-1.0, 1.0)),
+                JointType::Prismatic => Some((-0.005, 0.03)),
                 _ => None,
             },
             dry_friction: 0.01 * random.next().max(0.0),
@@ -455,7 +455,7 @@ fn a_model_without_meaning_is_refused_with_a_reason() {
     let mut weightless = cube(0.5, Pose::identity());
     weightless.mass_kg = 0.0;
     let mut orphan = cube(0.5, Pose::identity());
-    orphan.attachment = Attachment::Joint(Joint::new(3, JointKind::Revolute, Vec3::X));
+    orphan.attachment = Attachment::Joint(Joint::new(3, JointType::Revolute, Vec3::X));
     for (link, reason) in [
         (weightless, "weighs nothing"),
         (orphan, "before its children"),

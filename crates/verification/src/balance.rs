@@ -9,7 +9,7 @@ use realgap_core::error::Result;
 use realgap_core::file::Source;
 use realgap_core::unit::Unit;
 use realgap_robot::morphology::{Assembly, Morphology};
-use realgap_simulation::{Experiment, JointKind, run};
+use realgap_simulation::{Experiment, JointFormulation, run};
 
 const SECONDS: f64 = 20.0;
 /// What a search accepts between a robot and its rerun.
@@ -19,14 +19,14 @@ const GAP: f64 = 0.1;
 const WALKER: &str = "(name: \"walker\", modules: [(name: \"m0\", kind: Active(side_m: 0.058, mass_kg: 0.068, face: NegY, \
     axis: Normal(plate: (side_m: 0.058, thickness_m: 0.006, mass_kg: 0.012)), \
     servo: (law: Velocity(gain_1_s: 30.0), max_torque_nm: 0.2, max_speed_rad_s: 8.0), \
-    gait: (offset_rad: 0.745, amplitude_rad: 0.989, frequency_hz: 0.674, phase_rad: 5.322)))], glue: [], track: \"m0\")";
+    gait: (offset_rad: 0.745, amplitude_rad: 0.989, frequency_hz: 0.674, phase_rad: 5.322)))], attachments: [], track: \"m0\")";
 
 fn walker() -> Result<Assembly> {
     Ok(Morphology::parse(&Source::new("walker.ron", WALKER))?.assemble())
 }
 
 pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
-    let both = [JointKind::Impulse, JointKind::Multibody];
+    let both = [JointFormulation::Impulse, JointFormulation::Multibody];
     if !both.iter().all(|kind| settings.kinds().contains(kind)) {
         return Ok(Vec::new());
     }
@@ -65,7 +65,7 @@ pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
 
 type Change = fn(&mut Experiment);
 
-fn displacement_m(settings: &Settings, kind: JointKind, change: Change) -> Result<f64> {
+fn displacement_m(settings: &Settings, kind: JointFormulation, change: Change) -> Result<f64> {
     let mut experiment = settings.experiment(walker()?, SECONDS);
     experiment.solver.joint = kind;
     change(&mut experiment);

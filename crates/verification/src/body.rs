@@ -130,9 +130,9 @@ pub(super) fn arm(mass_kg: f64, axis: Vector3<f64>, servo: Servo, gait: Gait) ->
 }
 
 /// A servo that follows its command at `gain_1_s` within limits.
-pub(super) fn velocity_servo(gain_1_s: f64, max_torque_nm: f64, max_speed_rad_s: f64) -> Servo {
+pub(super) fn velocity_servo(gain_per_s: f64, max_torque_nm: f64, max_speed_rad_s: f64) -> Servo {
     Servo {
-        law: ServoLaw::Velocity { gain_1_s },
+        law: ServoLaw::Velocity { gain_per_s },
         max_torque_nm,
         max_speed_rad_s,
         delay_s: 0.0,
@@ -212,7 +212,7 @@ pub(super) fn cantilever() -> Result<Assembly> {
         .iter()
         .map(|name| format!("(name: \"{name}\", kind: Passive(mass_kg: 0.07)),"))
         .collect();
-    let glue: String = names
+    let attachments: String = names
         .iter()
         .enumerate()
         .map(|(k, name)| {
@@ -222,7 +222,7 @@ pub(super) fn cantilever() -> Result<Assembly> {
         .collect();
     let text = format!(
         "(name: \"cantilever\", defaults: (side_m: {SIDE_M}), modules: [(name: \"base\", \
-         kind: Passive(mass_kg: 20.0)), {modules}], glue: [{glue}], track: \"m9\")"
+         kind: Passive(mass_kg: 20.0)), {modules}], attachments: [{attachments}], track: \"m9\")"
     );
     Ok(Morphology::parse(&Source::new("cantilever.ron", text))?.assemble())
 }

@@ -9,7 +9,7 @@ use super::film::{Film, at_rest, centre_world_m, largest, measure, moving};
 use realgap_core::error::Result;
 use realgap_core::unit::Unit;
 use realgap_robot::morphology::{Assembly, Gait};
-use realgap_simulation::JointKind;
+use realgap_simulation::JointFormulation;
 
 /// A tenth of what a motion-capture system resolves in a toss.
 const DRIFT_M: f64 = 1e-4;
@@ -39,7 +39,7 @@ fn lopsided_stool() -> Assembly {
 }
 
 /// The robot tumbles without weight while its servo works.
-fn tumble(settings: &Settings, kind: JointKind) -> Result<Check> {
+fn tumble(settings: &Settings, kind: JointFormulation) -> Result<Check> {
     let mut experiment = settings.experiment(lopsided_stool(), 0.6);
     experiment.solver.joint = kind;
     experiment.gravity_m_s2 = 0.0;
@@ -72,7 +72,7 @@ fn tumble(settings: &Settings, kind: JointKind) -> Result<Check> {
 }
 
 /// The robot stands on ice and works its servo.
-fn ice(settings: &Settings, kind: JointKind) -> Result<Check> {
+fn ice(settings: &Settings, kind: JointFormulation) -> Result<Check> {
     let mut experiment = settings.experiment(lopsided_stool(), 2.0);
     experiment.solver.joint = kind;
     experiment.floor.friction = 0.0;

@@ -19,7 +19,7 @@ pub enum Tolerance {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
-pub enum Verdict {
+pub enum CheckResult {
     /// The error is within the tolerance.
     Pass,
     /// It is not, or the simulation diverged.
@@ -45,7 +45,7 @@ pub struct Check {
     /// Largest error that passes; set by what a user needs, not by what the engine reaches.
     pub tolerance: Tolerance,
     /// Whether the check passed.
-    pub verdict: Verdict,
+    pub verdict: CheckResult,
 }
 
 impl Check {
@@ -65,9 +65,9 @@ impl Check {
         };
         // Written so that a value that is not a number fails.
         let verdict = if error <= limit {
-            Verdict::Pass
+            CheckResult::Pass
         } else {
-            Verdict::Fail
+            CheckResult::Fail
         };
         Self {
             name: name.into(),
@@ -98,9 +98,9 @@ mod tests {
         let check = |measured, tolerance| {
             Check::new("a", "b", 2.0, measured, Unit::Metre, tolerance).verdict
         };
-        assert_eq!(check(2.1, Tolerance::Relative(0.06)), Verdict::Pass);
-        assert_eq!(check(2.1, Tolerance::Absolute(0.06)), Verdict::Fail);
-        assert_eq!(check(1.8, Tolerance::Relative(0.06)), Verdict::Fail);
-        assert_eq!(check(f64::NAN, Tolerance::Relative(1.0)), Verdict::Fail);
+        assert_eq!(check(2.1, Tolerance::Relative(0.06)), CheckResult::Pass);
+        assert_eq!(check(2.1, Tolerance::Absolute(0.06)), CheckResult::Fail);
+        assert_eq!(check(1.8, Tolerance::Relative(0.06)), CheckResult::Fail);
+        assert_eq!(check(f64::NAN, Tolerance::Relative(1.0)), CheckResult::Fail);
     }
 }

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use realgap_core::warning::{Code, Warning};
 use realgap_robot::morphology::{Part, Servo, ServoLaw};
-use realgap_simulation::{EngineChoice, Experiment, JointKind};
+use realgap_simulation::{EngineChoice, Experiment, JointFormulation};
 
 /// Below this a plate's tilt from sag is not seen, metres (as in `standing.sag`).
 const SAG_M: f64 = 2e-5;
@@ -15,14 +15,14 @@ pub fn known_limits(experiment: &Experiment, tuned: &[&str]) -> Vec<Warning> {
     if experiment.solver.engine != EngineChoice::default() {
         return warnings;
     }
-    let mut warn = |message: String| warnings.push(Code::KnownLimit.says(message));
+    let mut warn = |message: String| warnings.push(Code::KnownLimit.warning(message));
     if tuned.contains(&"floor.restitution") {
         warn("bounces of a flat face come out 7 to 9 % low, so a fitted restitution is that much too high where faces land flat (restitution.flat)".to_owned());
     }
     let hinges = &experiment.assembly.hinges;
     match experiment.joint_kind() {
         _ if hinges.is_empty() => {}
-        JointKind::Impulse => {
+        JointFormulation::Impulse => {
             let sag_m = impulse_sag_m(experiment);
             if sag_m > SAG_M {
                 warn(format!(
@@ -32,7 +32,7 @@ pub fn known_limits(experiment: &Experiment, tuned: &[&str]) -> Vec<Warning> {
                 ));
             }
         }
-        JointKind::Multibody | JointKind::Auto => {
+        JointFormulation::Multibody | JointFormulation::Auto => {
             if hinges
                 .iter()
                 .filter_map(|hinge| hinge.actuator.as_ref())
@@ -47,7 +47,7 @@ pub fn known_limits(experiment: &Experiment, tuned: &[&str]) -> Vec<Warning> {
 
 fn is_free(servo: &Servo) -> bool {
     let answer = match servo.law {
-        ServoLaw::Velocity { gain_1_s } => gain_1_s,
+        ServoLaw::Velocity { gain_per_s } => gain_per_s,
         ServoLaw::Torque {
             stiffness_nm_rad,
             damping_nm_s_rad,

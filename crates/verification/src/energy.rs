@@ -13,7 +13,7 @@ use super::film::{ABYSS_M, Film, at_rest, centre_world_m, largest, measure, movi
 use super::{Settings, centre, euler, pendulum, toss};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
-use realgap_simulation::{JointKind, Push, Snapshot};
+use realgap_simulation::{JointFormulation, Push, Snapshot};
 
 pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
     let mut checks = vec![fall(settings)?];
@@ -98,7 +98,7 @@ fn tumble(settings: &Settings) -> Result<[Check; 2]> {
 }
 
 /// A module swings from the horizontal on a base that stands on the floor.
-fn swing(settings: &Settings, kind: JointKind) -> Result<[Check; 3]> {
+fn swing(settings: &Settings, kind: JointFormulation) -> Result<[Check; 3]> {
     let name = settings.joint_name(kind);
     let robot = arm(MASS_KG, Vector3::y(), no_servo(), STILL);
     let mut experiment = settings.experiment(robot, 10.0);
@@ -163,7 +163,7 @@ fn swing(settings: &Settings, kind: JointKind) -> Result<[Check; 3]> {
 }
 
 /// The tripod works its servos in free space: no momentum can come of it.
-fn afloat(settings: &Settings, kind: JointKind) -> Result<[Check; 2]> {
+fn afloat(settings: &Settings, kind: JointFormulation) -> Result<[Check; 2]> {
     let name = settings.joint_name(kind);
     let mut experiment = weightless(settings.experiment(tripod()?, 4.0));
     experiment.solver.joint = kind;

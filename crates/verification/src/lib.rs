@@ -7,10 +7,10 @@
 //! `docs/fidelity.md` explains each.
 //!
 //! ```
-//! use realgap_verification::{Settings, Verdict, Theme};
+//! use realgap_verification::{Settings, CheckResult, Theme};
 //!
 //! let checks = Theme::Friction.run(&Settings::default())?;
-//! assert!(checks.iter().any(|c| c.name.starts_with("friction.stop") && c.verdict == Verdict::Pass));
+//! assert!(checks.iter().any(|c| c.name.starts_with("friction.stop") && c.verdict == CheckResult::Pass));
 //! # Ok::<(), realgap_core::Error>(())
 //! ```
 
@@ -36,13 +36,13 @@ mod structure;
 mod topple;
 mod toss;
 
-pub use check::{Check, Tolerance, Verdict};
+pub use check::{Check, CheckResult, Tolerance};
 pub use dependence::known_limits;
 pub use limit::{LIMITS, Limit};
 
 use realgap_core::error::Result;
 use realgap_robot::morphology::Assembly;
-use realgap_simulation::{Contact, EngineChoice, Experiment, JointKind, Solver};
+use realgap_simulation::{Contact, EngineChoice, Experiment, JointFormulation, Solver};
 
 /// The settings that are put to the test; everything else is up to each check.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +52,7 @@ pub struct Settings {
     /// Contact model.
     pub contact: Contact,
     /// Joint kinds with which checks that involve hinges are run in Rapier.
-    pub joints: Vec<JointKind>,
+    pub joints: Vec<JointFormulation>,
 }
 
 impl Default for Settings {
@@ -60,7 +60,7 @@ impl Default for Settings {
         Self {
             solver: Solver::default(),
             contact: Contact::default(),
-            joints: vec![JointKind::Impulse, JointKind::Multibody],
+            joints: vec![JointFormulation::Impulse, JointFormulation::Multibody],
         }
     }
 }
@@ -77,21 +77,21 @@ impl Settings {
     }
 
     /// Kinds of joint that are told apart: one in an engine that has no more.
-    pub fn kinds(&self) -> &[JointKind] {
+    pub fn kinds(&self) -> &[JointFormulation] {
         if self.is_reference() {
             &self.joints
         } else {
-            &[JointKind::Auto]
+            &[JointFormulation::Auto]
         }
     }
 
     /// Last part of the name of a check that involves hinges: the kind of joint, or the engine that has one kind only.
-    fn joint_name(&self, kind: JointKind) -> &'static str {
+    fn joint_name(&self, kind: JointFormulation) -> &'static str {
         match kind {
             _ if !self.is_reference() => self.solver.engine.get().name(),
-            JointKind::Impulse => "impulse",
-            JointKind::Multibody => "multibody",
-            JointKind::Auto => "auto",
+            JointFormulation::Impulse => "impulse",
+            JointFormulation::Multibody => "multibody",
+            JointFormulation::Auto => "auto",
         }
     }
 
@@ -147,7 +147,7 @@ impl Theme {
 /// Runs every check.
 ///
 /// # Errors
-/// Settings that cannot be simulated. A check that fails is not an error but a [`Verdict`].
+/// Settings that cannot be simulated. A check that fails is not an error but a [`CheckResult`].
 pub fn run(settings: &Settings) -> Result<Vec<Check>> {
     let mut checks = Vec::new();
     for theme in Theme::ALL {

@@ -1,6 +1,6 @@
 //! Checks that an engine is known to fail at the default settings, how far, and why.
 
-use super::check::{Check, Verdict};
+use super::check::{Check, CheckResult};
 use realgap_simulation::EngineChoice;
 
 /// A check that fails for a known reason.
@@ -67,7 +67,7 @@ impl Limit {
         let mut limits = LIMITS.iter();
         let limit = limits.find(|limit| limit.name == check.name && limit.engine == engine)?;
         let (low, high) = limit.error;
-        let is_known = check.verdict == Verdict::Fail && (low..=high).contains(&check.error);
+        let is_known = check.verdict == CheckResult::Fail && (low..=high).contains(&check.error);
         is_known.then_some(limit)
     }
 }

@@ -10,7 +10,7 @@ use realgap_core::error::Result;
 use realgap_core::statistics::mean;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
 use realgap_robot::morphology::{Actuator, Assembly, Bearing, Freedom, Hinge, Solid};
-use realgap_simulation::{JointKind, JointState, Snapshot};
+use realgap_simulation::{JointFormulation, JointState, Snapshot};
 
 const ROD_M: f64 = 0.2;
 const ROD_KG: f64 = 0.1;
@@ -57,7 +57,7 @@ fn double_pendulum() -> Assembly {
 }
 
 /// What is left of the energy of a wide swing after ten seconds.
-pub(super) fn check(settings: &Settings, kind: JointKind) -> Result<Check> {
+pub(super) fn check(settings: &Settings, kind: JointFormulation) -> Result<Check> {
     let mut experiment = settings.experiment(double_pendulum(), SECONDS);
     experiment.solver.joint = kind;
     let at_rest = |angle_rad| JointState {

@@ -13,7 +13,7 @@ use super::film::{Film, at_rest, largest, measure};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
 use realgap_robot::morphology::{Gait, Servo, ServoLaw};
-use realgap_simulation::{JointKind, Snapshot};
+use realgap_simulation::{JointFormulation, Snapshot};
 
 /// Gain of the shipped robots' servos, 1/s.
 const GAIN_1_S: f64 = 30.0;
@@ -41,7 +41,7 @@ pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
 /// An arm on a heavy base, with or without gravity.
 struct Bench<'a> {
     settings: &'a Settings,
-    kind: JointKind,
+    kind: JointFormulation,
 }
 
 impl Bench<'_> {

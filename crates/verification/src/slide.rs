@@ -7,7 +7,7 @@ use super::film::{Film, centre_world_m, moving};
 use realgap_core::error::Result;
 use realgap_core::unit::GRAVITY_M_S2;
 use realgap_robot::morphology::Assembly;
-use realgap_simulation::JointKind;
+use realgap_simulation::JointFormulation;
 
 /// Speed at the start, m/s.
 pub(super) const SPEED_M_S: f64 = 0.6;
@@ -29,7 +29,7 @@ pub(super) struct Slide {
 /// Slides a robot whose lowest point is `foot_m` below its origin along +x, turned by `yaw_rad`.
 pub(super) fn slide(
     settings: &Settings,
-    kind: JointKind,
+    kind: JointFormulation,
     assembly: Assembly,
     foot_m: f64,
     friction: f64,

@@ -16,7 +16,7 @@ use super::check::{Check, Tolerance};
 use super::film::{Film, centre_world_m, moving};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
-use realgap_simulation::JointKind;
+use realgap_simulation::JointFormulation;
 
 const FRICTION: f64 = 0.5;
 const SPEED_M_S: f64 = 0.5;
@@ -194,7 +194,7 @@ fn cube_spin(settings: &Settings) -> Result<[Check; 3]> {
 }
 
 /// Cube and plate spin together at first; the free hinge lets the cube spin on while the floor stops the plate.
-fn plate_spin(settings: &Settings, kind: JointKind) -> Result<[Check; 3]> {
+fn plate_spin(settings: &Settings, kind: JointFormulation) -> Result<[Check; 3]> {
     let mass_kg = MASS_KG + PLATE_KG;
     let slider = Slider {
         mass_kg,

@@ -11,7 +11,7 @@ use super::{Settings, balance, topple};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
 use realgap_robot::morphology::{Gait, Servo};
-use realgap_simulation::{Experiment, JointKind};
+use realgap_simulation::{Experiment, JointFormulation};
 
 const FRICTION: f64 = 0.5;
 /// A cube on a square plate that is nearly a quarter turn off stands on an edge 5 mm wide: 20 micrometres of sag
@@ -44,7 +44,7 @@ fn servo() -> Servo {
     velocity_servo(30.0, 10.0 * friction_torque_nm(), 8.0)
 }
 
-fn standing(settings: &Settings, kind: JointKind, gait: Gait, seconds: f64) -> Experiment {
+fn standing(settings: &Settings, kind: JointFormulation, gait: Gait, seconds: f64) -> Experiment {
     let mut experiment = settings.experiment(on_plate(servo(), gait), seconds);
     experiment.solver.joint = kind;
     experiment.floor.friction = FRICTION;
@@ -56,7 +56,7 @@ fn standing(settings: &Settings, kind: JointKind, gait: Gait, seconds: f64) -> E
 }
 
 /// A cube on its plate, the servo holding still.
-fn rest(settings: &Settings, kind: JointKind) -> Result<[Check; 2]> {
+fn rest(settings: &Settings, kind: JointFormulation) -> Result<[Check; 2]> {
     let name = settings.joint_name(kind);
     let film = Film::shoot(&standing(settings, kind, STILL, 3.0), &[])?;
     Ok([
@@ -90,7 +90,7 @@ fn rest(settings: &Settings, kind: JointKind) -> Result<[Check; 2]> {
 }
 
 /// The same on a slope that is too flat to slide on.
-fn slope(settings: &Settings, kind: JointKind) -> Result<Check> {
+fn slope(settings: &Settings, kind: JointFormulation) -> Result<Check> {
     let seconds = 9.0;
     let slope_rad = (0.9 * FRICTION).atan();
     let mut experiment = standing(settings, kind, STILL, seconds + 1.0);
@@ -114,7 +114,7 @@ fn slope(settings: &Settings, kind: JointKind) -> Result<Check> {
 }
 
 /// The plate swings under the cube, which stays where it is by symmetry.
-fn twist(settings: &Settings, kind: JointKind) -> Result<Check> {
+fn twist(settings: &Settings, kind: JointFormulation) -> Result<Check> {
     let seconds = 20.0;
     let gait = Gait {
         amplitude_rad: 1.0,

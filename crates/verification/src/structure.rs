@@ -10,7 +10,7 @@ use super::check::{Check, Tolerance};
 use super::film::{Film, at_rest, largest, measure};
 use realgap_core::error::Result;
 use realgap_core::unit::Unit;
-use realgap_simulation::JointKind;
+use realgap_simulation::JointFormulation;
 
 /// Opening of a hinge that a motion capture of modules would see, metres.
 const OPENING_M: f64 = 5e-4;
@@ -139,7 +139,7 @@ fn cantilever_sag(settings: &Settings) -> Result<Check> {
 }
 
 /// A kilogram hangs on a hinge sideways: along the axis nothing may open, across it nothing may tilt.
-fn loaded_hinge(settings: &Settings, kind: JointKind) -> Result<[Check; 2]> {
+fn loaded_hinge(settings: &Settings, kind: JointFormulation) -> Result<[Check; 2]> {
     let name = settings.joint_name(kind);
     let servo = velocity_servo(30.0, 5.0, 8.0);
     let robot = arm(1.0, Vector3::z(), servo, STILL);
@@ -176,7 +176,7 @@ fn loaded_hinge(settings: &Settings, kind: JointKind) -> Result<[Check; 2]> {
 }
 
 /// Hinges of the tripod while it walks: contacts, servos and weight at once.
-fn walking_hinge(settings: &Settings, kind: JointKind) -> Result<[Check; 2]> {
+fn walking_hinge(settings: &Settings, kind: JointFormulation) -> Result<[Check; 2]> {
     let name = settings.joint_name(kind);
     let mut experiment = settings.experiment(tripod()?, 4.0);
     experiment.solver.joint = kind;

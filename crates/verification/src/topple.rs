@@ -11,7 +11,7 @@ use super::check::{Check, Tolerance};
 use super::film::{Film, at_rest, measure};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
-use realgap_simulation::JointKind;
+use realgap_simulation::JointFormulation;
 
 /// How far the centre of mass is beyond the edge at the start, and where the fall is timed, radians.
 const FROM_RAD: f64 = 0.05;
@@ -88,7 +88,7 @@ fn closed_form_s(block: &Block) -> f64 {
 }
 
 /// Leaning over the plate's edge, friction high enough that it does not slip.
-fn fall(settings: &Settings, kind: JointKind) -> Result<Check> {
+fn fall(settings: &Settings, kind: JointFormulation) -> Result<Check> {
     let block = block();
     // In balance the centre of mass is straight above the edge.
     let balance_rad = std::f64::consts::FRAC_PI_2 - block.rise_rad;

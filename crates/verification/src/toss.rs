@@ -11,7 +11,7 @@ use super::film::{Film, largest, moving};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
 use realgap_robot::morphology::Assembly;
-use realgap_simulation::{JointKind, Snapshot};
+use realgap_simulation::{JointFormulation, Snapshot};
 
 /// Tosses of each robot.
 const TOSSES: u64 = 20;
@@ -30,7 +30,12 @@ pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
 }
 
 /// Largest rise of the energy above an earlier value, over the first value, in tosses of all orientations.
-fn energy(settings: &Settings, name: &str, kind: JointKind, assembly: &Assembly) -> Result<Check> {
+fn energy(
+    settings: &Settings,
+    name: &str,
+    kind: JointFormulation,
+    assembly: &Assembly,
+) -> Result<Check> {
     let mut rises = Vec::new();
     for toss in 0..TOSSES {
         let mut random = ChaCha8Rng::seed_from_u64(toss);

@@ -5,13 +5,13 @@
 use std::sync::LazyLock;
 
 use realgap_core::unit::Unit;
-use realgap_simulation::{EngineChoice, JointKind, Solver, engine_by_name};
-use realgap_verification::{Check, LIMITS, Limit, Settings, Tolerance, Verdict, run};
+use realgap_simulation::{EngineChoice, JointFormulation, Solver, engine_by_name};
+use realgap_verification::{Check, CheckResult, LIMITS, Limit, Settings, Tolerance, run};
 
 /// Every check at the default settings, run once.
 static DEFAULT: LazyLock<Vec<Check>> = LazyLock::new(|| run(&Settings::default()).unwrap());
 
-fn names(checks: &[Check], verdict: Verdict) -> Vec<&str> {
+fn names(checks: &[Check], verdict: CheckResult) -> Vec<&str> {
     checks
         .iter()
         .filter(|c| c.verdict == verdict)
@@ -42,8 +42,8 @@ fn the_tree_solver_passes_every_check_but_the_documented_ones() {
 fn fails_as_known(checks: &[Check], engine: EngineChoice) {
     let limits = LIMITS.iter().filter(|l| l.engine == engine.get().name());
     let known: Vec<&str> = limits.map(|limit| limit.name).collect();
-    assert_eq!(names(checks, Verdict::Fail), known);
-    for check in checks.iter().filter(|c| c.verdict == Verdict::Fail) {
+    assert_eq!(names(checks, CheckResult::Fail), known);
+    for check in checks.iter().filter(|c| c.verdict == CheckResult::Fail) {
         assert!(Limit::of(check, engine).is_some(), "{check:?}");
     }
 }
@@ -62,7 +62,7 @@ fn names_are_unique_and_every_check_fails_just_beyond_its_tolerance() {
             Tolerance::Absolute(_) => 1.0,
         };
         assert!(unit > 0.0, "{}", check.name);
-        for (share, verdict) in [(0.99, Verdict::Pass), (1.01, Verdict::Fail)] {
+        for (share, verdict) in [(0.99, CheckResult::Pass), (1.01, CheckResult::Fail)] {
             for side in [-1.0, 1.0] {
                 let measured = check.expected + side * share * limit * unit;
                 let moved = Check::new(
@@ -83,7 +83,7 @@ fn names_are_unique_and_every_check_fails_just_beyond_its_tolerance() {
 fn both_joint_kinds_are_covered_unless_one_is_chosen() {
     let both = &*DEFAULT;
     let one = run(&Settings {
-        joints: vec![JointKind::Impulse],
+        joints: vec![JointFormulation::Impulse],
         ..Settings::default()
     })
     .unwrap();
@@ -105,7 +105,7 @@ fn a_coarse_timestep_is_seen() {
         ..Settings::default()
     })
     .unwrap();
-    assert!(names(&coarse, Verdict::Fail).len() > LIMITS.len());
+    assert!(names(&coarse, CheckResult::Fail).len() > LIMITS.len());
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn an_error_beyond_what_is_known_counts_as_a_failure() {
     let limit = &LIMITS[0];
     let check = |error: f64| Check {
         error,
-        verdict: Verdict::Fail,
+        verdict: CheckResult::Fail,
         ..Check::new(
             limit.name,
             "",
@@ -143,7 +143,7 @@ fn an_error_beyond_what_is_known_counts_as_a_failure() {
     assert_eq!(of(&check(0.99 * low)), None);
     assert_eq!(of(&check(f64::NAN)), None);
     let passed = Check {
-        verdict: Verdict::Pass,
+        verdict: CheckResult::Pass,
         ..check(low)
     };
     assert_eq!(of(&passed), None);

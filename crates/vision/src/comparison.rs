@@ -99,7 +99,7 @@ pub enum Answer {
 /// The answer with its test.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Verdict {
+pub struct PairedComparison {
     /// This is the answer in a word.
     pub answer: Answer,
     /// Views in which the simulated picture is nearer.
@@ -141,7 +141,7 @@ pub struct ExtractorReport {
     /// Gap over noise floor, where there is one above 0.
     pub gap_ratio: Option<f64>,
     /// The answer, where there are badly lit pictures.
-    pub verdict: Option<Verdict>,
+    pub verdict: Option<PairedComparison>,
     /// View by view.
     pub views: Vec<ViewRow>,
 }
@@ -224,12 +224,12 @@ pub fn compare_folders(
     }
     warnings.extend(real.source().warning());
     if relative_to == RelativeTo::Own && !views.iter().any(|view| view.is_known) {
-        warnings.push(Code::NoOwnPlaces.says(
+        warnings.push(Code::NoOwnPlaces.warning(
             "views.ron of the real pictures does not say where things are in them, so that distances include where the camera stood",
         ));
     }
     if views.len() < FEW_VIEWS {
-        warnings.push(Code::FewRecordings.says(format!(
+        warnings.push(Code::FewRecordings.warning(format!(
             "{}: fewer than {FEW_VIEWS} cannot answer at 5 %, whatever they show",
             counted(views.len(), "view")
         )));
@@ -298,7 +298,7 @@ fn paired(
     if !alone.is_empty() {
         warnings.push(
             Code::PicturesUnpaired
-                .says(format!("without a partner, left out: {}", alone.join(", "))),
+                .warning(format!("without a partner, left out: {}", alone.join(", "))),
         );
     }
     Ok(views)
@@ -372,7 +372,7 @@ fn look_at(view: &View, options: &VisionOptions) -> Result<(Vec<Option<ViewRow>>
                     extraction
                         .warnings
                         .into_iter()
-                        .map(|w| w.code.says(format!("{}: {}", path.display(), w.message))),
+                        .map(|w| w.code.warning(format!("{}: {}", path.display(), w.message))),
                 );
             }
         }
@@ -444,7 +444,7 @@ fn report(extractor: &dyn Extractor, views: Vec<ViewRow>, seed: u64) -> Result<E
         None
     } else {
         let test = wilcoxon_signed_rank(&differences)?;
-        Some(Verdict {
+        Some(PairedComparison {
             answer: match test.p_value < SIGNIFICANT {
                 true if test.effect > 0.0 => Answer::Nearer,
                 true => Answer::Farther,

@@ -3,8 +3,8 @@
 use super::extractor::{Extraction, Extractor, Feature, Measure, Sought, Step};
 use super::picture::Grey;
 use super::snake::{Ending, Snake, evenly, mean_distance_px};
+use realgap_core::constant_methods;
 use realgap_core::error::{Error, Result};
-use realgap_core::stated;
 use realgap_core::warning::Code;
 
 /// A greedy snake.
@@ -38,7 +38,7 @@ fn over(picture: &Grey, points_px: &[[f64; 2]]) -> Grey {
 }
 
 impl Extractor for Contour {
-    stated! {
+    constant_methods! {
         name: &'static str = "contour";
         doc: &'static str = "the outline of a thing, by a greedy snake that begins around it";
         figure: u8 = 8;
@@ -74,19 +74,19 @@ impl Extractor for Contour {
         };
         if !sought.outline_px.is_empty() && !sought.outline_px.iter().any(is_in) {
             let [x, y] = sought.outline_px[0];
-            warnings.push(Code::OutlineOutside.says(format!(
+            warnings.push(Code::OutlineOutside.warning(format!(
                 "the outline that a contour should come to, from ({x}, {y}) px on, lies outside of {} x {} px",
                 picture.width(),
                 picture.height()
             )));
         }
         if share > MANY_STUCK {
-            warnings.push(Code::ContourStuck.says(format!(
+            warnings.push(Code::ContourStuck.warning(format!(
                 "{stuck} of {count} points of a contour rest where there is no edge"
             )));
         }
         if settled.ending == Ending::OutOfRounds {
-            warnings.push(Code::ContourStuck.says(format!(
+            warnings.push(Code::ContourStuck.warning(format!(
                 "a contour still moves after {} rounds",
                 settled.rounds
             )));

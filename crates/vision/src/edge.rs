@@ -3,8 +3,8 @@
 use super::extractor::{Extraction, Extractor, Feature, Measure, Sought, Step};
 use super::filter::{gauss, length, sobel};
 use super::picture::Grey;
+use realgap_core::constant_methods;
 use realgap_core::error::Result;
-use realgap_core::stated;
 use realgap_core::warning::Code;
 
 /// Canny's edges.
@@ -122,7 +122,7 @@ pub fn correlation(a: &Grey, b: &Grey) -> Option<f64> {
 }
 
 impl Extractor for Edges {
-    stated! {
+    constant_methods! {
         name: &'static str = "edges";
         doc: &'static str = "Canny's edges; two pictures are as far apart as their edges are not correlated";
         figure: u8 = 5;
@@ -158,7 +158,7 @@ impl Extractor for Edges {
                 ..Feature::default()
             },
             warnings: if on == 0 {
-                vec![Code::NoEdges.says("there are no edges")]
+                vec![Code::NoEdges.warning("there are no edges")]
             } else {
                 Vec::new()
             },

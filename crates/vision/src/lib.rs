@@ -55,7 +55,7 @@ pub use alphabet::Alphabet;
 #[cfg(feature = "schema")]
 pub use camera::{CameraFile, SceneFile};
 pub use comparison::{
-    Answer, ExtractorReport, Mean, Verdict, ViewRow, VisionReport, compare_folders,
+    Answer, ExtractorReport, Mean, PairedComparison, ViewRow, VisionReport, compare_folders,
 };
 pub use contour::Contour;
 pub use edge::{Edges, correlation};

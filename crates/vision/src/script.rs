@@ -4,8 +4,8 @@
 use super::extractor::{Extraction, Extractor, Feature, Measure, Sought, Step};
 use super::glyph::{LEAST_SPOT, hough_angle_rad, inked, rows, without_spots};
 use super::picture::Grey;
+use realgap_core::constant_methods;
 use realgap_core::error::{Error, Result};
-use realgap_core::stated;
 
 /// The reader of text.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,7 +97,7 @@ pub(super) fn distance(a: &Feature, b: &Feature) -> Option<f64> {
 }
 
 impl Extractor for Script {
-    stated! {
+    constant_methods! {
         name: &'static str = "text";
         doc: &'static str = "text, glyph by glyph, by a learned alphabet";
         figure: u8 = 11;

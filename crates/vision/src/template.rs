@@ -4,8 +4,8 @@ use super::extractor::{Extraction, Extractor, Feature, Measure, Sought, Step};
 use super::filter::steepness;
 use super::matching::{correlate, correlation_map};
 use super::picture::Grey;
+use realgap_core::constant_methods;
 use realgap_core::error::{Error, Result};
-use realgap_core::stated;
 
 /// Matching by normalised correlation over a pyramid of sizes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -134,7 +134,7 @@ pub(super) fn top(before: f64, here: f64, after: f64) -> f64 {
 }
 
 impl Extractor for Template {
-    stated! {
+    constant_methods! {
         name: &'static str = "template";
         doc: &'static str = "where a template is, by normalised correlation over a pyramid of sizes";
         figure: u8 = 6;

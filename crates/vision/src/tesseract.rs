@@ -4,8 +4,8 @@ use super::extractor::{Extraction, Extractor, Feature, Measure, Sought, Step};
 use super::picture::Grey;
 use super::program::Program;
 use super::script::{DISTANCE, ERROR_RATE, distance, error_rate, text_part};
+use realgap_core::constant_methods;
 use realgap_core::error::{Error, Result};
-use realgap_core::stated;
 
 /// Rows one below the other, each as long as it is: page segmentation 6, a block of text.
 static PROGRAM: Program = Program::new(
@@ -19,7 +19,7 @@ static PROGRAM: Program = Program::new(
 pub struct Tesseract;
 
 impl Extractor for Tesseract {
-    stated! {
+    constant_methods! {
         name: &'static str = "tesseract";
         doc: &'static str = "text, by the installed program Tesseract";
         figure: u8 = 11;

@@ -40,7 +40,7 @@ impl PictureSource {
     /// What the reader should know where the pictures are no real ones.
     pub(super) fn warning(self) -> Option<Warning> {
         let what = "a simulated camera with other settings took the place of the real one";
-        (self == Self::StandIn).then(|| Code::StandIn.says(what))
+        (self == Self::StandIn).then(|| Code::StandIn.warning(what))
     }
 }
 

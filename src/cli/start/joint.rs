@@ -181,7 +181,7 @@ fn ranges(hinge: &Hinge, is_told: bool, summary: &Summary) -> Vec<(String, f64, 
     if let Some(actuator) = hinge.actuator {
         torque_nm = actuator.servo.max_torque_nm;
         match actuator.servo.law {
-            ServoLaw::Velocity { gain_1_s } => all.push(around("gain_1_s", gain_1_s)),
+            ServoLaw::Velocity { gain_per_s } => all.push(around("gain_1_s", gain_per_s)),
             ServoLaw::Torque {
                 stiffness_nm_rad,
                 damping_nm_s_rad,

@@ -115,7 +115,7 @@ fn settled(definition: &Definition, base: &Experiment) -> Result<(Vec<Case>, Vec
     let (shortest_s, _) = ends_of(durations_s.map(|r| r.trajectory.duration_s()));
     let mut duration_s = definition.duration_s.unwrap_or(shortest_s);
     if duration_s > shortest_s + 1e-6 {
-        warnings.push(Code::ShortRecording.says(format!(
+        warnings.push(Code::ShortRecording.warning(format!(
             "a recording lasts only {shortest_s:.3} s; {shortest_s:.3} s are simulated and compared instead of {duration_s} s"
         )));
         duration_s = shortest_s;
@@ -197,12 +197,12 @@ fn start_state_warnings(definition: &Definition, cases: &[Case]) -> Result<Vec<W
     if rule == StartState::FirstSample {
         return Ok(Vec::new());
     }
-    let mut warnings = vec![Code::RefinedStart.says(format!("start states: {}", rule.label()))];
+    let mut warnings = vec![Code::RefinedStart.warning(format!("start states: {}", rule.label()))];
     if rule == StartState::Flight
         && Body::new(&cases[0].experiment)
             .is_ok_and(|body| body.linkage.is_none() && body.moment_ratio > EQUAL_MOMENTS)
     {
-        warnings.push(Code::UnequalMoments.says(
+        warnings.push(Code::UnequalMoments.warning(
             "start states are fitted with a constant angular velocity, but the robot's moments of inertia differ",
         ));
     }
@@ -214,7 +214,7 @@ fn start_state_warnings(definition: &Definition, cases: &[Case]) -> Result<Vec<W
         without += usize::from(refined == Refined::NoFlight);
     }
     if without > 0 {
-        warnings.push(Code::NoFlight.says(format!(
+        warnings.push(Code::NoFlight.warning(format!(
             "{without} of {} recordings have no flight to fit; their start is corrected by half a sample instead",
             cases.len()
         )));
@@ -262,7 +262,7 @@ fn first_state(recording: &Recording, warnings: &mut Vec<Warning>) -> Result<Sta
     };
     let dt_s = motion.times_s()[1] - motion.times_s()[0];
     let mut differences = || {
-        warnings.push(Code::EstimatedVelocity.says(
+        warnings.push(Code::EstimatedVelocity.warning(
             "some recordings have no velocities; their start velocity is the difference of the first two samples",
         ));
         let linear: Vector3<f64> =

@@ -40,7 +40,7 @@ pub(super) fn lengths(robot: &Morphology, recordings: &[Recording]) -> Vec<Warni
         } else {
             others.join(", ")
         };
-        Some(Code::UnlikelyLength.says(format!(
+        Some(Code::UnlikelyLength.warning(format!(
             "{}: the robot goes {} body lengths from where it starts; {remedy}",
             recording.name,
             number(far)
@@ -52,7 +52,7 @@ pub(super) fn lengths(robot: &Morphology, recordings: &[Recording]) -> Vec<Warni
 /// Axes that hardly are x forward, y to the left, z up.
 pub(super) fn axes(robot: &Morphology, recordings: &[Recording]) -> Option<Warning> {
     let body_m = robot.summary().body_length_m;
-    Some(Code::UnknownAxes.says(odd_axes(recordings, body_m)?))
+    Some(Code::UnknownAxes.warning(odd_axes(recordings, body_m)?))
 }
 
 /// A recorded angle is doubted where it lies beyond its joint's limits by more than this share of their size.
@@ -82,7 +82,7 @@ pub(super) fn angles(robot: &Morphology, recordings: &[Recording]) -> Vec<Warnin
                 number(high_rad)
             ))
         })?;
-        Some(Code::UnlikelyAngle.says(found))
+        Some(Code::UnlikelyAngle.warning(found))
     };
     recordings.iter().filter_map(of).collect()
 }
@@ -103,13 +103,13 @@ pub(super) fn held(robot: &Morphology, recordings: &[Recording]) -> Vec<Warning>
             number(motion.extent_m()),
             robot.name()
         );
-        Some(Code::OtherRobot.says(message))
+        Some(Code::OtherRobot.warning(message))
     };
     recordings.iter().filter_map(of).collect()
 }
 
 /// One run that is counted twice makes reality look more repeatable than it is.
-pub(super) fn twins(recordings: &[Recording]) -> Vec<Warning> {
+pub(super) fn duplicate_recordings(recordings: &[Recording]) -> Vec<Warning> {
     let twin_of = |(index, recording): (usize, &Recording)| {
         let earlier = recordings[..index].iter();
         let mut alike = earlier.filter(|other| other.trajectory == recording.trajectory);
@@ -118,7 +118,7 @@ pub(super) fn twins(recordings: &[Recording]) -> Vec<Warning> {
             recording.name,
             alike.next()?.name
         );
-        Some(Code::SameRun.says(message))
+        Some(Code::SameRun.warning(message))
     };
     recordings.iter().enumerate().filter_map(twin_of).collect()
 }
@@ -161,7 +161,7 @@ pub(super) fn floor(experiment: &Experiment, recording: &Recording) -> Option<Wa
     } else {
         return None;
     };
-    Some(Code::OffFloor.says(format!(
+    Some(Code::OffFloor.warning(format!(
         "{}: by its recorded poses the robot {found}: are its size, the unit of lengths, the axes, the order of the quaternion and the floor's height as recorded?",
         recording.name
     )))
@@ -218,6 +218,6 @@ mod tests {
             assert!(doubt.message.contains(&format!("`{name}`")), "{doubt}");
         }
         let all = [recorded(rad.clone()), recorded(vec![0.0; 4]), recorded(rad)];
-        assert_eq!(twins(&all).len(), 1);
+        assert_eq!(duplicate_recordings(&all).len(), 1);
     }
 }

@@ -178,7 +178,7 @@ fn summarise(study: &Study, set: &ParameterSet, rows: Vec<RecordingErrors>) -> R
     let mut warnings = study.warnings().to_vec();
     let diverged = rows.iter().filter(|r| r.rotation_deg.is_none()).count();
     if diverged > 0 {
-        warnings.push(Code::Diverged.says(format!(
+        warnings.push(Code::Diverged.warning(format!(
             "{diverged} of {} simulations diverged: they are missing from the means and count as over 45 degrees",
             rows.len()
         )));
@@ -187,7 +187,7 @@ fn summarise(study: &Study, set: &ParameterSet, rows: Vec<RecordingErrors>) -> R
     for range in definition.grid.ranges() {
         let name = range.parameter.name;
         if fixed.value(name).is_none() {
-            warnings.push(Code::FreeParameter.says(format!(
+            warnings.push(Code::FreeParameter.warning(format!(
                 "{name} is free in the study and no value is given: its default is used"
             )));
         }
@@ -195,7 +195,8 @@ fn summarise(study: &Study, set: &ParameterSet, rows: Vec<RecordingErrors>) -> R
     warnings.extend(few_recordings(rows.len()));
     if rows.len() == 1 {
         warnings.push(
-            Code::OneRecording.says("one recording does not know its standard error; 0 is written"),
+            Code::OneRecording
+                .warning("one recording does not know its standard error; 0 is written"),
         );
     }
     let is_over = |deg: f64| deg > FLIP_DEG;

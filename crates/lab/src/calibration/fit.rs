@@ -156,6 +156,6 @@ impl Fit {
     /// A warning where nothing explains so many recordings.
     pub(super) fn warning(&self, recordings: usize) -> Option<Warning> {
         let said = claim::model(self, recordings).text;
-        (!self.explains).then(|| Code::ModelContradicted.says(said))
+        (!self.explains).then(|| Code::ModelContradicted.warning(said))
     }
 }

@@ -21,7 +21,7 @@ pub(super) fn samples_sha256(recording: &Recording) -> String {
     sha256(samples.replacen(", signals: []", "", 1).as_bytes())
 }
 
-/// Says so where recordings are among those that the values were fitted on.
+/// Conclusion so where recordings are among those that the values were fitted on.
 pub(super) fn in_sample(recordings: &[Recording], fitted_on: &[String]) -> Option<Warning> {
     if fitted_on.is_empty() {
         return None;
@@ -29,7 +29,7 @@ pub(super) fn in_sample(recordings: &[Recording], fitted_on: &[String]) -> Optio
     let known = |recording: &&Recording| fitted_on.contains(&recording_id(recording));
     let count = recordings.iter().filter(known).count();
     (count > 0).then(|| {
-        Code::InSample.says(format!(
+        Code::InSample.warning(format!(
             "in-sample: the values were fitted on {count} of these {} recordings, so that agreement with them flatters; hold some out of the fit, \
                  or compare with others",
             recordings.len()

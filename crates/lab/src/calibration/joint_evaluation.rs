@@ -86,7 +86,7 @@ impl Study {
         let mut warnings = self.warnings().to_vec();
         let diverged = rows.iter().filter(|row| row.angle_mrad.is_none()).count();
         if diverged > 0 {
-            warnings.push(Code::Diverged.says(format!(
+            warnings.push(Code::Diverged.warning(format!(
                 "{diverged} of {} simulations diverged: they are missing from the mean",
                 rows.len()
             )));

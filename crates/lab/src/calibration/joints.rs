@@ -136,5 +136,5 @@ fn unused(names: &[&str]) -> Warning {
         "recorded joints that the robot does not have: {}",
         names.join(", ")
     );
-    Code::ColumnsIgnored.says(message)
+    Code::ColumnsIgnored.warning(message)
 }

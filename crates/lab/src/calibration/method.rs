@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::MotionTells;
+use super::InformationGain;
 use realgap_optimization::{Grid, Quadratic};
 
 /// How the points of an answer were chosen.
@@ -73,7 +73,7 @@ pub struct Tuned {
     pub lowest_score: Option<f64>,
     /// What each recording tells them that the others do not, the most first; empty for other optimizers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub motions: Vec<MotionTells>,
+    pub motions: Vec<InformationGain>,
 }
 
 /// What least squares know of a parameter: by what the fit is without each log, or with fewer than three by noise alone.

@@ -15,7 +15,7 @@ use realgap_store::Trial;
 /// What one motion adds to all that is fitted, as if errors were noise alone and straight in the parameters.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct MotionTells {
+pub struct InformationGain {
     /// Name of the recording.
     pub recording: String,
     /// Whether it was fitted: then this is what the fit would lack without it, else what the fit would gain with it.
@@ -80,7 +80,7 @@ impl Study {
         &self,
         known: &Quadratic,
         around: &[(&UnitPoint, &Trial)],
-    ) -> Vec<MotionTells> {
+    ) -> Vec<InformationGain> {
         let Some(((at, trial), moved)) = around.split_first() else {
             return Vec::new();
         };
@@ -102,14 +102,14 @@ impl Study {
             .collect();
         let prior = DMatrix::from_diagonal(&known.prior_information());
         let ranges = self.definition().grid.ranges();
-        let mut motions: Vec<MotionTells> = (0..here.len())
+        let mut motions: Vec<InformationGain> = (0..here.len())
             .filter_map(|number| {
                 let others = (0..here.len()).filter(|o| *o != number && here[*o].is_fitted);
                 let others = others.fold(prior.clone(), |sum, other| sum + &informations[other]);
                 let with = (&others + &informations[number]).cholesky()?;
                 let (bits, each) = gained(&others.cholesky()?, &with);
                 let names = ranges.iter().map(|range| range.parameter.name);
-                Some(MotionTells {
+                Some(InformationGain {
                     recording: here[number].name.to_owned(),
                     is_fitted: here[number].is_fitted,
                     bits,
@@ -126,7 +126,7 @@ impl Study {
 const SAID: usize = 5;
 
 /// A line for each of the motions that tell most, and for the one that tells least.
-pub(super) fn say(motions: &[MotionTells], f: &mut fmt::Formatter<'_>) -> fmt::Result {
+pub(super) fn say(motions: &[InformationGain], f: &mut fmt::Formatter<'_>) -> fmt::Result {
     if motions.len() < 2 {
         return Ok(());
     }
@@ -153,7 +153,7 @@ fn gained(without: &Cholesky<f64, Dyn>, with: &Cholesky<f64, Dyn>) -> (f64, Vec<
     (half(with) - half(without), each.collect())
 }
 
-impl fmt::Display for MotionTells {
+impl fmt::Display for InformationGain {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} {:.1} bits", self.recording, self.bits)?;
         let most = self.parameters.iter().max_by(|a, b| a.1.total_cmp(b.1));

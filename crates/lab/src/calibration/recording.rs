@@ -52,7 +52,7 @@ impl Found {
         self.recordings.retain(|_| keep(&mut first));
         self.sha256.retain(|_| keep(&mut second));
         Ok((kept < all).then(|| {
-            Code::MovingAtEnd.says(format!(
+            Code::MovingAtEnd.warning(format!(
                 "{} of {all} recordings end while moving and are left out (only_at_rest)",
                 all - kept
             ))
@@ -184,13 +184,13 @@ pub(super) fn warnings_for(robot: &Morphology, recordings: &[Recording]) -> Vec<
             "recordings of the robot \"{recorded}\" are matched with a simulation of \"{}\"",
             robot.name()
         );
-        warnings.push(Code::OtherRobot.says(message));
+        warnings.push(Code::OtherRobot.warning(message));
     }
     warnings.extend(doubt::lengths(robot, recordings));
     warnings.extend(doubt::axes(robot, recordings));
     warnings.extend(doubt::angles(robot, recordings));
     warnings.extend(doubt::held(robot, recordings));
-    warnings.extend(doubt::twins(recordings));
+    warnings.extend(doubt::duplicate_recordings(recordings));
     warnings.extend(stand_in(recordings));
     in_short(warnings)
 }
@@ -198,10 +198,10 @@ pub(super) fn warnings_for(robot: &Morphology, recordings: &[Recording]) -> Vec<
 /// Fewer recordings than this hardly know how reality repeats itself.
 pub const FEW_RECORDINGS: usize = 5;
 
-/// Says so where there are several recordings, but few.
+/// Conclusion so where there are several recordings, but few.
 pub fn few_recordings(count: usize) -> Option<Warning> {
     (2..FEW_RECORDINGS).contains(&count).then(|| {
-        Code::FewRecordings.says(format!(
+        Code::FewRecordings.warning(format!(
             "{count} recordings hardly know how reality repeats itself: what is said about it is wide, or a guess; {FEW_RECORDINGS} are the least, 20 are better"
         ))
     })
@@ -215,7 +215,7 @@ fn robots(recordings: &[Recording]) -> BTreeSet<&str> {
 fn different_robots(recordings: &[Recording]) -> Option<Warning> {
     let names: Vec<&str> = robots(recordings).into_iter().collect();
     (names.len() > 1).then(|| {
-        Code::DifferentRobots.says(format!(
+        Code::DifferentRobots.warning(format!(
             "the recordings are of different robots: {}",
             names.join(", ")
         ))
@@ -225,7 +225,7 @@ fn different_robots(recordings: &[Recording]) -> Option<Warning> {
 fn stand_in(recordings: &[Recording]) -> Option<Warning> {
     (Source::of(recordings) == Source::StandIn).then(|| {
         Code::StandIn
-            .says("the recordings are stand-ins made by a simulator, not recorded from hardware")
+            .warning("the recordings are stand-ins made by a simulator, not recorded from hardware")
     })
 }
 

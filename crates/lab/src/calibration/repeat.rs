@@ -84,7 +84,7 @@ impl Repeatable {
         experiment.check().map_err(|e| definition.at_file(e))?;
         let mut warnings = definition.morphology.warnings();
         warnings.extend(experiment.warnings());
-        warnings.push(Code::NoRecordings.says(
+        warnings.push(Code::NoRecordings.warning(
             "the study names no recordings: nothing says whether these confidences are honest",
         ));
         Ok(Self {

@@ -10,7 +10,7 @@ use super::{
     Audit, BestDraws, EngineWish, Fit, Method, Reproduction, Scores, Study, Tables, Transfer,
     Tuned, Uncertainty, UncertaintySource, Validation, Verdict, by_name, few_recordings, motion,
 };
-use crate::claim::{self, About, Claim, Says};
+use crate::claim::{self, About, Claim, Conclusion};
 use realgap_core::unit::{Unit, counted, quantity};
 use realgap_core::{Code, Result, Warning};
 use realgap_optimization::Ending;
@@ -48,7 +48,7 @@ pub struct Report {
     /// Whether the best point explains the recordings; `None` where no run was repeated.
     pub fit: Option<Fit>,
     /// How sure the best point is.
-    pub uncertainty: Option<HowSure>,
+    pub uncertainty: Option<BestPointUncertainty>,
     /// What the recordings say about each parameter.
     pub verdicts: Vec<Verdict>,
     /// Everything that is stated here about reality, the most important first.
@@ -107,7 +107,7 @@ pub struct Correlation {
 /// How sure the best point is.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct HowSure {
+pub struct BestPointUncertainty {
     /// Where it comes from.
     pub source: UncertaintySource,
     /// Confidence level.
@@ -160,13 +160,13 @@ impl Evidence<'_> {
         let mut warnings = study.warnings().to_vec();
         let (scores, diverged) = (self.scores, self.diverged());
         if diverged > 0 {
-            warnings.push(Code::Diverged.says(format!(
+            warnings.push(Code::Diverged.warning(format!(
                 "{diverged} of {} points diverged and have no score",
                 scores.points.len()
             )));
         }
         if self.ending == Ending::Interrupted {
-            warnings.push(Code::Incomplete.says(format!(
+            warnings.push(Code::Incomplete.warning(format!(
                 "only {} of {points_total} points were evaluated: the best of these may not be the best of all",
                 scores.points.len()
             )));
@@ -174,7 +174,7 @@ impl Evidence<'_> {
         if let Some(audit) = &self.audit
             && !audit.unresolved.is_empty()
         {
-            warnings.push(Code::Unresolved.says(format!(
+            warnings.push(Code::Unresolved.warning(format!(
                 "finer timesteps, more substeps or hard contact change the best score by {}, more than the whole range of {}: these scores cannot tell",
                 quantity(audit.largest_change, scores.unit),
                 match audit.unresolved.as_slice() {
@@ -187,14 +187,14 @@ impl Evidence<'_> {
         let fitted = study.fitted_recordings();
         let metric = study.definition().metric;
         let engines = claim::engines(&self.engines, (metric.name(), metric.unit()), fitted);
-        let differ = engines.filter(|claim| claim.says == Says::Fails);
-        warnings.extend(differ.map(|claim| Code::EnginesDiffer.says(claim.text)));
+        let differ = engines.filter(|claim| claim.conclusion == Conclusion::Rejected);
+        warnings.extend(differ.map(|claim| Code::EnginesDiffer.warning(claim.text)));
         warnings.extend(self.fit.and_then(|fit| fit.warning(fitted)));
         let validation = self.validation.as_ref();
         warnings.extend(validation.and_then(Validation::warning));
         warnings.extend(few_recordings(fitted));
         if fitted == 1 {
-            warnings.push(Code::OneRecording.says(
+            warnings.push(Code::OneRecording.warning(
                 "one recording says nothing about how repeatable reality is; the uncertainty is that of perturbed simulated starts",
             ));
         }
@@ -351,7 +351,7 @@ impl Report {
             unit: definition.metric.unit(),
             best,
             fit: evidence.fit,
-            uncertainty: evidence.uncertainty.map(|u| HowSure {
+            uncertainty: evidence.uncertainty.map(|u| BestPointUncertainty {
                 source: u.source,
                 level: u.level,
                 best_score_sd: u.best_score_sd,

@@ -138,7 +138,7 @@ impl Definition {
         values.extend(by_name(&fixed));
         let mut warnings = study.warnings().to_vec();
         if !at_default.is_empty() {
-            warnings.push(Code::FreeParameter.says(format!(
+            warnings.push(Code::FreeParameter.warning(format!(
                 "simulated resting faces: no value is given for {}; the defaults are used",
                 at_default.join(", ")
             )));

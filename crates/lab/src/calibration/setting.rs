@@ -6,7 +6,7 @@
 
 use super::Study;
 use realgap_core::statistics::mean_of_any;
-use realgap_simulation::{EngineChoice, Experiment, JointKind, Noise};
+use realgap_simulation::{EngineChoice, Experiment, JointFormulation, Noise};
 
 /// With two engines one setting in so many runs in the study's own, which is the dear one: six of sixteen. A mean over both is as
 /// sure then as it would be with fifteen settings shared evenly.
@@ -128,7 +128,7 @@ impl Settings {
             && self.engine_of(setting.0 as usize) < 0.0
         {
             changed.solver.engine = second;
-            if self.of_map > 0 && changed.joint_kind() == JointKind::Multibody {
+            if self.of_map > 0 && changed.joint_kind() == JointFormulation::Multibody {
                 changed.solver.substeps = (changed.solver.substeps / SECOND_SUBSTEPS).max(1);
             }
         }

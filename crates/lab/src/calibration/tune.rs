@@ -5,13 +5,14 @@ use super::split::fold;
 use super::sweep::WEIGHING;
 use super::wave::widened;
 use super::{
-    Answer, Estimated, Method, MotionTells, PointScore, Scores, Split, Study, Termination, Tuned,
+    Answer, Estimated, InformationGain, Method, PointScore, Scores, Split, Study, Termination,
+    Tuned,
 };
 use realgap_core::statistics::median;
 use realgap_core::{Advice, Error, Result};
 use realgap_optimization::{
-    Batch, Brief, Ending, History, Optimizer, Proposal, Quadratic, RunOptions, Told, UnitPoint,
-    default_optimizer, drive, space_filling,
+    Batch, Ending, EvaluatedPoint, History, OptimizationProblem, Optimizer, Proposal, Quadratic,
+    RunOptions, UnitPoint, default_optimizer, drive, space_filling,
 };
 use realgap_path::comparison::Basis;
 use realgap_store::{Fingerprint, Mode, Part, Place, Trial};
@@ -241,11 +242,11 @@ fn check_errors(study: &Study, options: &TuneOptions) -> Result<()> {
 ///
 /// # Errors
 /// A budget that does not hold the first design and one batch, or that is too large.
-fn brief(study: &Study, options: &TuneOptions) -> Result<Brief> {
+fn brief(study: &Study, options: &TuneOptions) -> Result<OptimizationProblem> {
     let definition = study.definition();
     let ranges = definition.grid.ranges().iter();
     let design = first_design(study, options);
-    let brief = Brief {
+    let brief = OptimizationProblem {
         points: ranges.map(|range| range.points).collect(),
         budget: options.budget.saturating_sub(design),
         seed: definition.seed,
@@ -281,12 +282,12 @@ struct Tuning<'a> {
     /// Most points: as many as are asked for, or as are stored already.
     budget: usize,
     options: &'a TuneOptions,
-    brief: Brief,
+    brief: OptimizationProblem,
     run: &'a RunOptions<'a>,
     keeping: Keeping<'a>,
     design: Vec<UnitPoint>,
     basis: Option<Basis>,
-    told: Vec<Told>,
+    told: Vec<EvaluatedPoint>,
     /// Scores so far, by trial.
     seen: Vec<(usize, f64)>,
     /// How many of the errors each log has.
@@ -382,7 +383,7 @@ impl<'a> Tuning<'a> {
     }
 
     /// What each recording tells, from the differences that least squares took.
-    fn motions(&self, known: &Quadratic) -> Result<Vec<MotionTells>> {
+    fn motions(&self, known: &Quadratic) -> Result<Vec<InformationGain>> {
         let first = self.design.len();
         let (at, moved) = (first + known.told.0, first + known.told.1);
         let rows = self.keeping.rows();
@@ -448,7 +449,7 @@ impl<'a> Tuning<'a> {
             {
                 (errors, self.logs) = (own, logs);
             }
-            self.told.push(Told {
+            self.told.push(EvaluatedPoint {
                 point: point.clone(),
                 score,
                 errors,

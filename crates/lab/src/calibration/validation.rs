@@ -128,7 +128,7 @@ impl Validation {
     pub fn warning(&self) -> Option<Warning> {
         let difference = self.held_out_score - self.fit_score;
         (difference > PARTED * self.difference_standard_error && difference > 0.0).then(|| {
-            Code::Overfitted.says(format!(
+            Code::Overfitted.warning(format!(
                 "the score on recordings not fitted is {:.3} times that on the fitted ones, more than chance explains: \
                      the fit does not carry over",
                 self.held_out_score / self.fit_score

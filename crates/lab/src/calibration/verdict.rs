@@ -5,7 +5,7 @@ use std::fmt;
 use serde::Serialize;
 
 use super::{Audit, BestDraws, Estimated, INTERVAL_LEVEL, Scores, Uncertainty};
-use crate::claim::{self, Claim, Found, Says};
+use crate::claim::{self, Claim, Conclusion, Found};
 use realgap_core::statistics::ends_of;
 use realgap_core::unit::quantity;
 use realgap_optimization::Range;
@@ -76,7 +76,7 @@ impl Verdict {
             high,
             interval,
             intervals,
-            identified: claim.says == Says::Holds,
+            identified: claim.conclusion == Conclusion::Supported,
             text: claim.text.clone(),
             claim,
         }

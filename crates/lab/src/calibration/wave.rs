@@ -55,14 +55,14 @@ impl Study {
 pub(super) fn scored_runs(study: &Study, scores: &Scores) -> Vec<ScoredRun> {
     let (settings, grid) = (study.settings(), &study.definition().grid);
     let scored = scores.runs.iter().filter(|run| run.score.is_some());
-    let might_be = might_be(study, scores);
+    let surrogate_recordings = surrogate_recordings(study, scores);
     scored
         .map(|run| ScoredRun {
             at: grid.place_of(&run.values),
             setting: settings.of_trial(run.index).number(),
             engine: settings.engine_of_trial(run.index),
             recordings: study.part_of(&run.recordings, false),
-            might_be: might_be
+            surrogate_recordings: surrogate_recordings
                 .iter()
                 .map(|engine| engine.iter().map(|real| apart(study, scores, real, run)))
                 .map(Iterator::collect)
@@ -76,7 +76,7 @@ const TELLING: usize = 8;
 const TELLING_OF_AN_ENGINE: usize = 4;
 
 /// Paths that a single recording might have had, by engine; none where there are more, or where a metric needs more than paths.
-fn might_be(study: &Study, scores: &Scores) -> Vec<Vec<Prepared>> {
+fn surrogate_recordings(study: &Study, scores: &Scores) -> Vec<Vec<Prepared>> {
     let is_of_paths = scores.basis.is_some() || study.definition().metric.name() == "rms";
     let best = scores
         .best

@@ -10,7 +10,8 @@ use super::inference::Inference;
 use realgap_core::random::Generator;
 use realgap_inference::{Doubt, Emulator, ScoredRun};
 use realgap_optimization::{
-    Brief, Grid, History, Proposal, Range, Told, UnitPoint, optimizer_by_name, space_filling,
+    EvaluatedPoint, Grid, History, OptimizationProblem, Proposal, Range, UnitPoint,
+    optimizer_by_name, space_filling,
 };
 use realgap_simulation::parameter::by_name;
 
@@ -96,19 +97,19 @@ const BUDGET: usize = 100;
 fn chosen(optimizer: &str, seed: u64, mut score: impl FnMut(&UnitPoint) -> f64) {
     let optimizer = optimizer_by_name(optimizer).unwrap();
     let first = space_filling(2, 0, optimizer.design(2), seed);
-    let brief = Brief {
+    let brief = OptimizationProblem {
         points: vec![21; 2],
         budget: BUDGET - first.len(),
         seed,
         priors: Vec::new(),
     };
-    let mut tell = |point: UnitPoint| Told {
+    let mut tell = |point: UnitPoint| EvaluatedPoint {
         score: Some(score(&point)),
         point,
         errors: Vec::new(),
     };
-    let design: Vec<Told> = first.into_iter().map(&mut tell).collect();
-    let mut told: Vec<Told> = Vec::new();
+    let design: Vec<EvaluatedPoint> = first.into_iter().map(&mut tell).collect();
+    let mut told: Vec<EvaluatedPoint> = Vec::new();
     while told.len() < brief.budget {
         let (design, history) = (&design, &told);
         let history = History {
@@ -177,7 +178,7 @@ fn study(world: &World, first: First, recordings: usize, seed: u64) -> Found {
             setting: setting as u64,
             engine,
             recordings: real.iter().map(distance).collect(),
-            might_be: Vec::new(),
+            surrogate_recordings: Vec::new(),
         });
     };
     match first {
@@ -289,7 +290,7 @@ fn where_no_parameter_does_anything_all_values_stay_open() {
                 setting: (index % SETTINGS) as u64,
                 engine: 0.0,
                 recordings: (0..3).map(|_| 1.0 + 0.1 * normal(&mut rng)).collect(),
-                might_be: Vec::new(),
+                surrogate_recordings: Vec::new(),
             })
             .collect();
         let emulator = Emulator::new(&runs).unwrap().unwrap();

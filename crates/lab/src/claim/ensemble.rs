@@ -1,6 +1,6 @@
 //! Do the confidences of an ensemble keep what they promise?
 
-use super::{About, Claim, SIGNIFICANT, Says, called, listed};
+use super::{About, Claim, Conclusion, SIGNIFICANT, called, listed};
 use realgap_core::statistics::{EnergyTest, Proportion};
 use realgap_core::unit::{counted, number};
 use realgap_path::trajectory::Source;
@@ -28,8 +28,8 @@ pub(crate) fn region(level: f64, at_end: &Proportion, whole_path: Option<&Propor
         (Some(width), _) | (None, Some(width)) => format!("NO: region {width}"),
     };
     let says = match (at_the_end, as_a_whole) {
-        (None, None) => Says::Holds,
-        _ => Says::Fails,
+        (None, None) => Conclusion::Supported,
+        _ => Conclusion::Rejected,
     };
     let share = |held: &Proportion| {
         let (count, trials) = (held.count, held.trials);
@@ -65,7 +65,9 @@ pub(crate) fn recorded(
     source: Source,
 ) -> Option<Claim> {
     let last = regions.last()?;
-    let failed = regions.iter().filter(|claim| claim.says == Says::Fails);
+    let failed = regions
+        .iter()
+        .filter(|claim| claim.conclusion == Conclusion::Rejected);
     let mut against: Vec<String> = failed
         .map(|claim| {
             format!(
@@ -91,13 +93,13 @@ pub(crate) fn recorded(
     let (says, word, text) = if against.is_empty() {
         let text =
             format!("Nothing contradicts these confidences, as far as {runs} can tell{evidence}.");
-        (Says::Holds, "not contradicted", text)
+        (Conclusion::Supported, "not contradicted", text)
     } else {
         let text = format!(
             "These confidences are CONTRADICTED by {runs}: {}{evidence}.",
             listed(&against)
         );
-        (Says::Fails, "CONTRADICTED", text)
+        (Conclusion::Rejected, "CONTRADICTED", text)
     };
     let p_value = alike.map_or(f64::NAN, |test| test.p_value);
     Some(

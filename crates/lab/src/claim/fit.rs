@@ -1,8 +1,8 @@
 //! Does the model explain the recordings, where is it nearest, and what is as near?
 
 use super::parameter::NAMED;
-use super::{About, Claim, Says, listed};
-use crate::calibration::{Best, Change, EngineWish, Fit, HowSure, Misfit};
+use super::{About, Claim, Conclusion, listed};
+use crate::calibration::{Best, BestPointUncertainty, Change, EngineWish, Fit, Misfit};
 use realgap_core::unit::{Unit, counted, number, quantity};
 
 /// Whether any parameters explain the recordings.
@@ -14,9 +14,9 @@ pub(crate) fn model(fit: &Fit, recordings: usize) -> Claim {
         format!("; like repeats of runs near them? p = {} (rank)", number(p))
     });
     let (says, word, rest) = match fit.explains {
-        true => (Says::Holds, "explained", ""),
+        true => (Conclusion::Supported, "explained", ""),
         false => (
-            Says::Fails,
+            Conclusion::Rejected,
             "NOT explained",
             ": NO PARAMETERS OF THIS MODEL EXPLAIN THESE RECORDINGS; intervals are widened by what is left",
         ),
@@ -95,7 +95,7 @@ pub(crate) fn nearest(
     let text =
         format!("The simulation comes nearest to {reality} at {place}: {metric} {score}{over}.");
     let numbers = [("score", best.score), ("settings", best.settings as f64)];
-    Claim::new(About::Best, Says::Holds, score, text)
+    Claim::new(About::Best, Conclusion::Supported, score, text)
         .of(metric)
         .resting_on(recordings, &numbers)
 }
@@ -128,12 +128,12 @@ pub(crate) fn engines(
     let against: Vec<String> = against.map(wants).collect();
     let (says, word, text) = match against.is_empty() {
         true => (
-            Says::Holds,
+            Conclusion::Supported,
             "holds in both engines",
             format!("both engines allow this point: {metric} {there}"),
         ),
         false => (
-            Says::Fails,
+            Conclusion::Rejected,
             "the engines differ",
             format!(
                 "THE ENGINES DIFFER by more than what is unknown: {metric} {there}; {}",
@@ -160,8 +160,8 @@ pub(crate) fn engines(
 }
 
 /// What cannot be told from the best.
-pub(crate) fn set(sure: &HowSure, recordings: usize) -> Claim {
-    let HowSure {
+pub(crate) fn set(sure: &BestPointUncertainty, recordings: usize) -> Claim {
+    let BestPointUncertainty {
         indistinguishable,
         points,
         ..
@@ -177,7 +177,7 @@ pub(crate) fn set(sure: &HowSure, recordings: usize) -> Claim {
         ("indistinguishable", indistinguishable as f64),
         ("points", points as f64),
     ];
-    Claim::new(About::Set, Says::Holds, word, text)
+    Claim::new(About::Set, Conclusion::Supported, word, text)
         .resting_on(recordings, &numbers)
         .at_level(sure.level)
 }

@@ -1,6 +1,6 @@
 //! What flights say about a robot's parameter.
 
-use super::{About, Claim, Says};
+use super::{About, Claim, Conclusion};
 use realgap_identification::{Interval, JointVerdict};
 
 /// Whether flights determine a parameter.
@@ -9,12 +9,12 @@ pub fn flights(verdict: &JointVerdict) -> Claim {
     let name = verdict.parameter;
     let (says, word, text) = match verdict.is_determined {
         true => (
-            Says::Holds,
+            Conclusion::Supported,
             "determined",
             format!("flights say {name} = {value:.5} ({low:.5} to {high:.5})"),
         ),
         false => (
-            Says::Open,
+            Conclusion::Inconclusive,
             "not determined: as stated",
             format!(
                 "{name} is not determined by flights: {} as stated",

@@ -1,6 +1,6 @@
 //! What repeats of a simulated run do, in a sentence.
 
-use super::{About, Claim, Says};
+use super::{About, Claim, Conclusion};
 use crate::prediction::ensemble::Forecast;
 use crate::prediction::{Success, SuccessRange};
 use realgap_core::statistics::Proportion;
@@ -49,7 +49,7 @@ pub(crate) fn reach(forecast: &Forecast) -> Option<Claim> {
         metres(far.q50),
     );
     let numbers = [("q05_m", far.q05), ("q50_m", far.q50), ("q95_m", far.q95)];
-    let claim = Claim::new(About::Reach, Says::Holds, metres(far.q50), text);
+    let claim = Claim::new(About::Reach, Conclusion::Supported, metres(far.q50), text);
     Some(claim.resting_on(forecast.repeats, &numbers).at_level(0.9))
 }
 
@@ -76,7 +76,7 @@ pub(crate) fn success(success: &Success) -> Claim {
         whole(p.high)
     );
     let numbers = [("probability", p.share), ("low", p.low), ("high", p.high)];
-    Claim::new(About::Success, Says::Holds, whole(p.share), text)
+    Claim::new(About::Success, Conclusion::Supported, whole(p.share), text)
         .resting_on(p.trials, &numbers)
         .at_level(0.95)
 }

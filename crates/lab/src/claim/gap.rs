@@ -1,6 +1,6 @@
 //! How far a simulation is from its recordings, whether it is one more of them, and until when.
 
-use super::{About, Claim, SIGNIFICANT, Says};
+use super::{About, Claim, Conclusion, SIGNIFICANT};
 use crate::prediction::gap::{Confidence, MetricGap, SetFloor};
 use realgap_core::statistics::EnergyTest;
 use realgap_core::unit::{Unit, counted, number, quantity};
@@ -28,10 +28,10 @@ pub(crate) fn likeness(
     );
     let (says, word, text) = if alike.p_value < SIGNIFICANT {
         let text = format!("Simulated repeats are NOT drawn like {reality} {test}.");
-        (Says::Fails, "NOT drawn alike", text)
+        (Conclusion::Rejected, "NOT drawn alike", text)
     } else {
         let text = format!("Nothing tells simulated repeats from {reality} {test}.");
-        (Says::Holds, "not told apart", text)
+        (Conclusion::Supported, "not told apart", text)
     };
     Claim::new(About::Likeness, says, word, text)
         .of(metric)
@@ -51,7 +51,8 @@ pub(crate) fn distance(row: &MetricGap, (source, recordings): (Source, usize)) -
             "How many noise floors the simulation is away is not determined: {metric} {gap} from {reality}, and there are no repeats of the recorded run."
         );
         return Some(
-            claim(Says::Open, "not determined".to_owned(), text).resting_on(recordings, &numbers),
+            claim(Conclusion::Inconclusive, "not determined".to_owned(), text)
+                .resting_on(recordings, &numbers),
         );
     };
     let sure = match (ratio.low, ratio.high) {
@@ -65,7 +66,7 @@ pub(crate) fn distance(row: &MetricGap, (source, recordings): (Source, usize)) -
     );
     let ends = [("low", ratio.low), ("high", ratio.high)];
     let ends = ends.map(|(name, end)| (name, end.unwrap_or(f64::NAN)));
-    let claim = claim(Says::Holds, format!("{value} noise floors"), text)
+    let claim = claim(Conclusion::Supported, format!("{value} noise floors"), text)
         .resting_on(recordings, &numbers)
         .resting_on(
             recordings,
@@ -90,9 +91,9 @@ pub(crate) fn over_time(confidence: &Confidence) -> Claim {
     );
     let or_none = |time_s: Option<f64>| time_s.unwrap_or(f64::NAN);
     let says = match (confidence.below_half_s, confidence.surely_below_half_s) {
-        (_, Some(_)) => Says::Fails,
-        (Some(_), None) => Says::Open,
-        (None, None) => Says::Holds,
+        (_, Some(_)) => Conclusion::Rejected,
+        (Some(_), None) => Conclusion::Inconclusive,
+        (None, None) => Conclusion::Supported,
     };
     let numbers = [
         ("over_time", confidence.over_time),
@@ -130,7 +131,7 @@ pub(crate) fn floor(sets: &[SetFloor], (metric, unit): (&str, Unit)) -> Option<C
         "Repeats of one recorded run are {word} apart in {metric}. No simulation can be told to be nearer than that."
     );
     let recordings = floors.iter().map(|(set, ..)| set.floor.recordings).sum();
-    let mut claim = Claim::new(About::Floor, Says::Holds, word, text).of(metric);
+    let mut claim = Claim::new(About::Floor, Conclusion::Supported, word, text).of(metric);
     claim.numbers.extend(
         floors
             .iter()

@@ -64,14 +64,16 @@ pub enum About {
 /// What a claim says of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum Says {
-    /// It is so, or nothing speaks against it.
-    Holds,
-    /// The evidence speaks against it.
-    Fails,
-    /// The evidence does not tell.
-    Open,
+pub enum Conclusion {
+    /// The evidence supports the statement, or nothing contradicts it.
+    #[serde(rename = "holds")]
+    Supported,
+    /// The evidence contradicts the statement.
+    #[serde(rename = "fails")]
+    Rejected,
+    /// The evidence does not decide.
+    #[serde(rename = "open")]
+    Inconclusive,
 }
 
 /// A statement about reality, with what it rests on.
@@ -82,8 +84,9 @@ pub struct Claim {
     pub about: About,
     /// Which of several, e.g. a parameter or a level; empty where there is only one.
     pub name: String,
-    /// What it says of it.
-    pub says: Says,
+    /// What the evidence says of it.
+    #[serde(rename = "says")]
+    pub conclusion: Conclusion,
     /// The same for the cell of a table.
     pub word: String,
     /// The same as a sentence.
@@ -103,11 +106,11 @@ impl fmt::Display for Claim {
 }
 
 impl Claim {
-    fn new(about: About, says: Says, word: impl Into<String>, text: String) -> Self {
+    fn new(about: About, conclusion: Conclusion, word: impl Into<String>, text: String) -> Self {
         Self {
             about,
             name: String::new(),
-            says,
+            conclusion,
             word: word.into(),
             text,
             numbers: BTreeMap::new(),

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{About, Claim, Says};
+use super::{About, Claim, Conclusion};
 use crate::calibration::Estimated;
 use realgap_core::unit::{counted, number};
 use realgap_optimization::Range;
@@ -99,9 +99,9 @@ pub(crate) fn parameter(range: &Range, found: &Found) -> Claim {
             format!("{name} is {side} {value}; best {best}{sure}"),
         )
     };
-    let mut says = Says::Holds;
+    let mut says = Conclusion::Supported;
     let (word, text) = if !found.is_resolved {
-        says = Says::Open;
+        says = Conclusion::Inconclusive;
         (
             "not determined: other numerical settings change the score more".to_owned(),
             format!(
@@ -110,7 +110,7 @@ pub(crate) fn parameter(range: &Range, found: &Found) -> Claim {
             ),
         )
     } else if low_end && high_end {
-        says = Says::Open;
+        says = Conclusion::Inconclusive;
         (
             "not determined".to_owned(),
             format!(
@@ -178,10 +178,10 @@ pub(crate) fn least_squares(known: &Estimated, recordings: usize) -> Claim {
     let (low, high) = (number(known.low), number(known.high));
     let (says, word) = match known.is_told {
         true => (
-            Says::Holds,
+            Conclusion::Supported,
             format!("narrowed down to {low} to {high} (90 %)"),
         ),
-        false => (Says::Open, "not determined".to_owned()),
+        false => (Conclusion::Inconclusive, "not determined".to_owned()),
     };
     let numbers = [
         ("best", known.value),
@@ -221,10 +221,13 @@ pub(crate) fn summary(parameters: &[Claim]) -> Option<Claim> {
         .iter()
         .map(|c| format!("{} is {}", c.name, c.word));
     let mut said = said.collect::<Vec<_>>().join("; ");
-    let known = parameters.iter().filter(|c| c.says == Says::Holds).count();
+    let known = parameters
+        .iter()
+        .filter(|c| c.conclusion == Conclusion::Supported)
+        .count();
     let says = match known {
-        0 => Says::Open,
-        _ => Says::Holds,
+        0 => Conclusion::Inconclusive,
+        _ => Conclusion::Supported,
     };
     let word = format!("{known} of {} determined", parameters.len());
     if parameters.len() > NAMED {
@@ -264,7 +267,7 @@ mod tests {
     #[test]
     fn a_parameter_whose_both_ends_fit_as_well_is_not_determined() {
         let verdict = parameter(&friction(), &found(0.4, 0.05, 1.05));
-        assert!(verdict.says == Says::Open);
+        assert!(verdict.conclusion == Conclusion::Inconclusive);
         assert!(verdict.text.contains("not determined"), "{}", verdict.text);
     }
 
@@ -289,7 +292,7 @@ mod tests {
         let wide = Range::new(by_name("floor.friction").unwrap(), 0.05, 2.05, 41).unwrap();
         let narrow = Range::new(by_name("floor.friction").unwrap(), 0.05, 1.05, 21).unwrap();
         for range in [wide, narrow] {
-            assert!(parameter(&range, &found(0.4, 0.15, 0.85)).says == Says::Holds);
+            assert!(parameter(&range, &found(0.4, 0.15, 0.85)).conclusion == Conclusion::Supported);
         }
     }
 
@@ -301,7 +304,7 @@ mod tests {
         };
         let verdict = parameter(&friction(), &unresolved);
         assert!(
-            verdict.says == Says::Open && !verdict.text.contains('='),
+            verdict.conclusion == Conclusion::Inconclusive && !verdict.text.contains('='),
             "{}",
             verdict.text
         );
@@ -325,7 +328,7 @@ mod tests {
     #[test]
     fn a_determined_parameter_gets_its_interval() {
         let verdict = parameter(&friction(), &found(0.45, 0.4, 0.5));
-        assert!(verdict.says == Says::Holds);
+        assert!(verdict.conclusion == Conclusion::Supported);
         assert_eq!(
             verdict.text,
             "floor.friction = 0.450 (90 % interval 0.400 to 0.500); values from 0.400 to 0.500 fit as well"

@@ -7,7 +7,7 @@ use serde::{Serialize, Serializer};
 
 use super::ensemble::{Ensemble, Forecast, Motion, percent};
 use super::model::{self};
-use super::{Economy, Growth, ModelError, SuccessRange};
+use super::{CostOfTransport, DivergenceRate, ModelError, SuccessRange};
 use crate::calibration::by_name;
 use crate::claim::{self, Claim};
 use realgap_core::statistics::Proportion;
@@ -130,7 +130,7 @@ pub struct Finals {
     /// With new draws; `None` where a repeat diverged.
     pub fitness: Option<f64>,
     /// What going costs, with new draws; `None` where it goes nowhere or no servo gives energy.
-    pub economy: Option<Economy>,
+    pub economy: Option<CostOfTransport>,
     /// The robot under other solver settings.
     pub reruns: Vec<Rerun>,
 }
@@ -173,7 +173,7 @@ pub struct Card {
     /// Version of this crate.
     pub version: &'static str,
     /// How fast a small difference grows; `None` where nobody looked.
-    pub growth: Option<Growth>,
+    pub growth: Option<DivergenceRate>,
     /// What the repeats say.
     pub prediction: Forecast,
     /// How far models that are as valid part; `None` where nobody looked.
@@ -196,7 +196,7 @@ impl Card {
         let success = Success::new(ensemble, rule)?;
         let mut warnings = prediction.warnings.clone();
         if success.is_none() {
-            warnings.push(Code::NoSuccessRule.says(
+            warnings.push(Code::NoSuccessRule.warning(
                 "without noise the robot goes nowhere (or diverges), so half of that is no success; say which net displacement is one",
             ));
         }
@@ -242,7 +242,7 @@ impl Card {
 
     /// The card with how fast a small difference grows, and the warning that goes with it.
     #[must_use]
-    pub fn with_growth(mut self, growth: Option<Growth>) -> Self {
+    pub fn with_growth(mut self, growth: Option<DivergenceRate>) -> Self {
         self.warnings.extend(growth.and_then(|g| g.warning()));
         self.growth = growth;
         self

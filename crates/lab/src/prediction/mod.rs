@@ -26,10 +26,10 @@
 
 mod alternative;
 mod card;
-mod economy;
+mod cost_of_transport;
+mod divergence_rate;
 pub mod ensemble;
 pub mod gap;
-mod growth;
 mod kept;
 mod model;
 mod odds;
@@ -38,8 +38,8 @@ mod report;
 mod uncertain;
 
 pub use card::{Card, Finals, Rerun, Success, SuccessRule};
-pub use economy::Economy;
-pub use growth::Growth;
+pub use cost_of_transport::CostOfTransport;
+pub use divergence_rate::DivergenceRate;
 pub use model::{LEVEL, Model, ModelError, Range, Source, SuccessRange};
 pub use odds::{EndCoverage, Odds, OddsOptions, RecordingOdds, RunErrors, Scored};
 pub use other_engine::{Judged, OtherEngine, OwnEngines};

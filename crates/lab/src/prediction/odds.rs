@@ -189,7 +189,7 @@ impl Odds {
     fn over(found: Vec<Found>, options: &OddsOptions, mut warnings: Vec<Warning>) -> Self {
         let diverged: usize = found.iter().map(|found| found.diverged).sum();
         if diverged > 0 {
-            warnings.push(Code::Diverged.says(format!(
+            warnings.push(Code::Diverged.warning(format!(
                 "{diverged} runs diverged; they have no end and are left out"
             )));
         }

@@ -70,10 +70,10 @@ impl UncertainParameters {
         Ok(self.draw(seed, repeat)?.apply(experiment))
     }
 
-    /// Says so where repeats differ in parameters.
+    /// Conclusion so where repeats differ in parameters.
     pub fn warning(&self) -> Option<Warning> {
         (!self.is_empty()).then(|| {
-            Code::UncertainParameters.says(
+            Code::UncertainParameters.warning(
                 "repeats differ in the parameters that tuning left open, too; the run without noise has the fixed values",
             )
         })

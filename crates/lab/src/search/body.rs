@@ -1,7 +1,7 @@
 //! From a genome to a robot: developed, or a given robot with the genome's gait.
 
 use realgap_core::{Error, Result};
-use realgap_robot::genome::{Development, Gene, Genome, Locus, Misfit};
+use realgap_robot::genome::{Development, DevelopmentError, Gene, Genome, Locus};
 use realgap_robot::morphology::{Gait, Morphology};
 
 /// How genomes become robots.
@@ -26,13 +26,17 @@ impl Body {
     ///
     /// # Errors
     /// As [`Development::develop`]; of a given robot a genome with another number of modules.
-    pub fn build(&self, name: &str, genome: &Genome) -> std::result::Result<Morphology, Misfit> {
+    pub fn build(
+        &self,
+        name: &str,
+        genome: &Genome,
+    ) -> std::result::Result<Morphology, DevelopmentError> {
         let (robot, ranges) = match self {
             Self::Developed(development) => return development.develop(name, genome),
             Self::Fixed(robot, ranges) => (robot, ranges),
         };
         if genome.len() != robot.modules().len() {
-            return Err(Misfit::Refused(
+            return Err(DevelopmentError::Refused(
                 Error::invalid("the genome has the wrong length")
                     .found(format!("{} genes", genome.len()))
                     .allowed(format!("one per module, {}", robot.modules().len())),
@@ -51,7 +55,7 @@ impl Body {
         let description = format!("{} with a gait that was searched for", robot.name());
         robot
             .with_gaits(name, &description, &searched)
-            .map_err(Misfit::Refused)
+            .map_err(DevelopmentError::Refused)
     }
 
     /// Edge length of the modules, metres.

@@ -4,7 +4,9 @@ use super::evaluate::Repeats;
 use super::robot::mean_displacement_m;
 use super::{Evaluated, EvaluatedRobot, Search, SearchResults, Travel};
 use crate::prediction::ensemble::{self, Draws, Ensemble, Forecast};
-use crate::prediction::{Card, Economy, Finals, Growth, Rerun, Success, SuccessRule};
+use crate::prediction::{
+    Card, CostOfTransport, DivergenceRate, Finals, Rerun, Success, SuccessRule,
+};
 use realgap_core::{Error, Result};
 use realgap_optimization::{RunOptions, pool};
 use realgap_robot::morphology::Morphology;
@@ -109,8 +111,8 @@ impl Search {
             let robot = self.body().build(&name, &evaluated.genome)?;
             // Other genomes may mean the same robot, or one that differs in nothing that acts.
             let is_new = best.iter().all(|(before, known)| {
-                let is_built_alike =
-                    known.modules() == robot.modules() && known.glue() == robot.glue();
+                let is_built_alike = known.modules() == robot.modules()
+                    && known.attachments() == robot.attachments();
                 !is_built_alike && !before.walked_as(evaluated)
             });
             if is_new {
@@ -210,7 +212,7 @@ impl Search {
         let prediction = Card::new(robot.name(), &ensemble, SuccessRule::HalfOfNoiseFree)?
             .with_parameters(&self.set)
             .with_noise_from(&self.noise_from)
-            .with_growth(Growth::of(&self.experiment(&robot))?);
+            .with_growth(DivergenceRate::of(&self.experiment(&robot))?);
         Ok(Finalist {
             evaluated,
             robot,
@@ -254,7 +256,7 @@ impl Search {
     }
 
     /// What going costs; `None` where a servo gave nothing or the robot got nowhere.
-    fn economy_of(&self, robot: &Morphology, ensemble: &Ensemble) -> Option<Economy> {
+    fn economy_of(&self, robot: &Morphology, ensemble: &Ensemble) -> Option<CostOfTransport> {
         let weight_n = robot.summary().mass_kg * self.experiment(robot).gravity_m_s2;
         let travels: Vec<Travel> = self.travels(ensemble).collect();
         let servos_j = travels.iter().map(|travel| travel.servo_j);
@@ -262,7 +264,7 @@ impl Search {
         let balances = ensemble
             .motions()
             .filter_map(|(_, motion)| motion.energy.as_ref());
-        Economy::new(
+        CostOfTransport::new(
             &servos_j.collect::<Option<Vec<f64>>>()?,
             &distances_m.collect::<Vec<f64>>(),
             weight_n,

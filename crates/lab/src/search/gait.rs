@@ -10,7 +10,8 @@ use super::{Failure, Measure, Objective, Reason, Search};
 use realgap_core::Result;
 use realgap_core::range::Range;
 use realgap_optimization::{
-    Brief, History, Proposal, RunOptions, Told, UnitPoint, default_optimizer, space_filling,
+    EvaluatedPoint, History, OptimizationProblem, Proposal, RunOptions, UnitPoint,
+    default_optimizer, space_filling,
 };
 use realgap_robot::genome::{Gene, Genome, Locus};
 
@@ -81,7 +82,7 @@ impl Search {
         let seed = self.seed().wrapping_add(index as u64);
         let mut first_failure = None;
         let mut best_score = f64::INFINITY;
-        let mut promise = |point: &UnitPoint| -> Result<Told> {
+        let mut promise = |point: &UnitPoint| -> Result<EvaluatedPoint> {
             run.go_on()?;
             let genome = with_gait(genome, &driven, point)?;
             let mut promised = self.promise(tuning, index, &genome)?;
@@ -101,7 +102,7 @@ impl Search {
                     None
                 }
             };
-            Ok(Told {
+            Ok(EvaluatedPoint {
                 point: point.clone(),
                 score,
                 errors: Vec::new(),
@@ -111,13 +112,13 @@ impl Search {
         for point in space_filling(design[0].point.len(), 0, tuning.draws(), seed) {
             design.push(promise(&point)?);
         }
-        let brief = Brief {
+        let brief = OptimizationProblem {
             points: vec![1; design[0].point.len()],
             budget: tuning.runs,
             seed,
             priors: Vec::new(),
         };
-        let mut told: Vec<Told> = Vec::new();
+        let mut told: Vec<EvaluatedPoint> = Vec::new();
         let can_walk = design.iter().any(|told| told.score.is_some());
         while can_walk && design.len() + told.len() < tuning.runs {
             let history = History {

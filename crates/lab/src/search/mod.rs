@@ -123,7 +123,7 @@ pub use search_file::Overrides;
 pub use search_file::SearchFile;
 pub use setting::SettingsChoice;
 pub use strategy::{
-    Archive, Axis, CmaEs, CmaEsSettings, Dose, Evaluated, Evolution, GeneValues, Grid,
-    GridSettings, MapElites, OPERATORS, Operator, SELECTIONS, STRATEGIES, Selection, Space,
-    Strategy, StrategySettings, Variation, generator, operator_named, selection_named,
+    Archive, Axis, CmaEs, CmaEsSettings, Evaluated, Evolution, GeneValues, Grid, GridSettings,
+    MapElites, OPERATORS, Operator, SELECTIONS, STRATEGIES, Selection, Space, Strategy,
+    StrategySettings, Variation, VariationParams, generator, operator_named, selection_named,
 };

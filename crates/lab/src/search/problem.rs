@@ -128,7 +128,7 @@ impl Search {
 
     /// The fixed values, which do not depend on the robot.
     pub(super) fn judge(&self) -> Experiment {
-        self.set.apply(&Experiment::new(Assembly::nobody()))
+        self.set.apply(&Experiment::new(Assembly::empty()))
     }
 
     /// Everything that decides the results.

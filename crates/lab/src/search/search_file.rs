@@ -12,7 +12,7 @@ use super::{
 use crate::prediction::{UncertainRange, read_indistinguishable};
 use realgap_core::Result;
 use realgap_core::file::{Source, name_of_file, parse_ron, unique_keys};
-use realgap_robot::genome::{Development, Specimen};
+use realgap_robot::genome::{Development, Individual};
 use realgap_robot::morphology::Morphology;
 use realgap_simulation::Noise;
 use realgap_simulation::parameter::ParameterSet;
@@ -132,7 +132,7 @@ fn builder(source: &Source, file: SearchFile, overrides: &Overrides) -> Result<S
     match &file.start {
         None => {}
         Some(StartFile::Genome(path)) => {
-            let specimen = Specimen::read(folder.join(path))?;
+            let specimen = Individual::read(folder.join(path))?;
             (development, genome) = (specimen.development, Some(specimen.genome));
         }
         Some(StartFile::Morphology(path)) => robot = Some(Morphology::read(folder.join(path))?),

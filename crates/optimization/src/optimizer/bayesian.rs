@@ -1,7 +1,9 @@
 //! Efficient global optimisation (Jones, Schonlau & Welch 1998): a model of what is known says where a better score may be.
 
 use super::gaussian_process::{GaussianProcess, log_expected_improvement};
-use super::{Brief, History, Optimizer, Proposal, Told, UnitPoint, space_filling};
+use super::{
+    EvaluatedPoint, History, OptimizationProblem, Optimizer, Proposal, UnitPoint, space_filling,
+};
 use realgap_core::error::Result;
 
 /// Gaussian process with expected improvement.
@@ -149,12 +151,12 @@ impl Optimizer for Bayesian {
         "Gaussian process with expected improvement (Jones et al. 1998): fewest simulations, most thought between them; for budgets of a few hundred."
     }
 
-    fn batch(&self, _brief: &Brief) -> usize {
+    fn batch(&self, _brief: &OptimizationProblem) -> usize {
         BATCH
     }
 
-    fn propose(&self, brief: &Brief, history: &History<'_>) -> Result<Proposal> {
-        let all: Vec<&Told> = history.design.iter().chain(history.told).collect();
+    fn propose(&self, brief: &OptimizationProblem, history: &History<'_>) -> Result<Proposal> {
+        let all: Vec<&EvaluatedPoint> = history.design.iter().chain(history.told).collect();
         let seed = brief.seed.wrapping_add(all.len() as u64);
         let further = || {
             let from = all.len();

@@ -11,7 +11,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::random::space_filling;
 use super::replay::{Replay, Unknown};
-use super::{Brief, History, Optimizer, Proposal, UnitPoint};
+use super::{History, OptimizationProblem, Optimizer, Proposal, UnitPoint};
 use realgap_core::error::Result;
 use realgap_core::statistics::ends_of;
 
@@ -291,7 +291,10 @@ fn median<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
     sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-fn search(brief: &Brief, history: &History<'_>) -> std::result::Result<Infallible, Unknown> {
+fn search(
+    brief: &OptimizationProblem,
+    history: &History<'_>,
+) -> std::result::Result<Infallible, Unknown> {
     let replay = Replay::new(history.told);
     let n = brief.dimensions();
     let best = history.best_of_design();
@@ -330,11 +333,11 @@ impl Optimizer for CmaEs {
         "Covariance matrix adaptation (Hansen 2016), reflected at the bounds, restarted with twice the population when it has converged (Auger & Hansen 2005)."
     }
 
-    fn batch(&self, brief: &Brief) -> usize {
+    fn batch(&self, brief: &OptimizationProblem) -> usize {
         population(brief.dimensions())
     }
 
-    fn propose(&self, brief: &Brief, history: &History<'_>) -> Result<Proposal> {
+    fn propose(&self, brief: &OptimizationProblem, history: &History<'_>) -> Result<Proposal> {
         let Err(Unknown(points)) = search(brief, history);
         Ok(Proposal::Evaluate(points))
     }
@@ -475,7 +478,7 @@ mod tests {
 
     #[test]
     fn a_restart_doubles_the_population() {
-        let brief = Brief {
+        let brief = OptimizationProblem {
             points: vec![11; 2],
             budget: 1000,
             seed: 1,
@@ -492,7 +495,7 @@ mod tests {
                 panic!("nothing to try");
             };
             sizes.push(batch.len());
-            told.extend(batch.into_iter().map(|point| super::super::Told {
+            told.extend(batch.into_iter().map(|point| super::super::EvaluatedPoint {
                 point,
                 score: Some(1.0),
                 errors: Vec::new(),

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::random::space_filling;
 use super::replay::{Replay, Unknown};
-use super::{Brief, History, Optimizer, Proposal, UnitPoint};
+use super::{History, OptimizationProblem, Optimizer, Proposal, UnitPoint};
 use problem::Problem;
 use realgap_core::error::Result;
 use realgap_core::warning::{Code, Warning};
@@ -62,7 +62,7 @@ fn ask<'r>(
     points: &[UnitPoint],
 ) -> std::result::Result<Vec<Option<&'r [f64]>>, Unknown> {
     let told = replay.told(points.iter().map(Vec::as_slice))?;
-    let errors = |told: &'r super::Told| {
+    let errors = |told: &'r super::EvaluatedPoint| {
         let is_there = told.score.is_some() && !told.errors.is_empty();
         is_there.then_some(told.errors.as_slice())
     };
@@ -72,7 +72,7 @@ fn ask<'r>(
 /// One descent from a point whose errors are known.
 fn descend(
     replay: &Replay<'_>,
-    brief: &Brief,
+    brief: &OptimizationProblem,
     start: (UnitPoint, &[f64]),
     best: &mut Option<Linear>,
 ) -> std::result::Result<End, Unknown> {
@@ -146,7 +146,7 @@ fn descend(
 }
 
 /// Goes on until a point is asked for that nobody has evaluated.
-fn search(brief: &Brief, history: &History<'_>, course: &mut Course) -> Unknown {
+fn search(brief: &OptimizationProblem, history: &History<'_>, course: &mut Course) -> Unknown {
     let replay = Replay::new(history.told);
     let dimensions = brief.dimensions();
     let mut begun = 0;
@@ -172,7 +172,7 @@ fn search(brief: &Brief, history: &History<'_>, course: &mut Course) -> Unknown 
     }
 }
 
-fn course(brief: &Brief, history: &History<'_>) -> (Course, Unknown) {
+fn course(brief: &OptimizationProblem, history: &History<'_>) -> (Course, Unknown) {
     let mut course = Course {
         ends: Vec::new(),
         best: None,
@@ -194,7 +194,7 @@ impl Optimizer for GaussNewton {
         0
     }
 
-    fn batch(&self, brief: &Brief) -> usize {
+    fn batch(&self, brief: &OptimizationProblem) -> usize {
         brief.dimensions().max(DAMPINGS.len())
     }
 
@@ -202,22 +202,27 @@ impl Optimizer for GaussNewton {
         true
     }
 
-    fn propose(&self, brief: &Brief, history: &History<'_>) -> Result<Proposal> {
+    fn propose(&self, brief: &OptimizationProblem, history: &History<'_>) -> Result<Proposal> {
         Ok(Proposal::Evaluate(course(brief, history).1.0))
     }
 
-    fn warning(&self, brief: &Brief, history: &History<'_>) -> Option<Warning> {
+    fn warning(&self, brief: &OptimizationProblem, history: &History<'_>) -> Option<Warning> {
         let ends = course(brief, history).0.ends;
         let rough = ends.iter().filter(|end| **end == End::Rough).count();
         (rough > 0).then(|| {
-            Code::RoughScore.says(format!(
+            Code::RoughScore.warning(format!(
                 "{rough} of {} descents ended where steps do not keep what finite differences promise: the score is rough there, as contact, stick and slip make it",
                 ends.len()
             ))
         })
     }
 
-    fn quadratic(&self, brief: &Brief, history: &History<'_>, logs: &[usize]) -> Option<Quadratic> {
+    fn quadratic(
+        &self,
+        brief: &OptimizationProblem,
+        history: &History<'_>,
+        logs: &[usize],
+    ) -> Option<Quadratic> {
         let Linear { problem, told } = course(brief, history).0.best?;
         // The budget may end before there are differences around the last step: everything that was simulated is compared,
         // and by one measure.
@@ -240,7 +245,7 @@ fn solve(matrix: DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Told;
+    use super::super::EvaluatedPoint;
     use super::*;
 
     #[test]
@@ -249,13 +254,13 @@ mod tests {
         let truth = 0.83;
         let error = |point: &[f64]| point[0].powi(3) - f64::powi(truth, 3);
         for budget in 5..=24 {
-            let brief = Brief {
+            let brief = OptimizationProblem {
                 points: vec![2],
                 budget,
                 seed: 1,
                 priors: Vec::new(),
             };
-            let mut told: Vec<Told> = Vec::new();
+            let mut told: Vec<EvaluatedPoint> = Vec::new();
             while told.len() < budget {
                 let history = History {
                     design: &[],
@@ -265,16 +270,13 @@ mod tests {
                 else {
                     panic!("nothing more to try");
                 };
-                told.extend(
-                    points
-                        .into_iter()
-                        .take(budget - told.len())
-                        .map(|point| Told {
-                            score: Some(error(&point).abs()),
-                            errors: (1..=8).map(|row| f64::from(row) * error(&point)).collect(),
-                            point,
-                        }),
-                );
+                told.extend(points.into_iter().take(budget - told.len()).map(|point| {
+                    EvaluatedPoint {
+                        score: Some(error(&point).abs()),
+                        errors: (1..=8).map(|row| f64::from(row) * error(&point)).collect(),
+                        point,
+                    }
+                }));
             }
             let history = History {
                 design: &[],

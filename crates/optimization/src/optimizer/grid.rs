@@ -1,6 +1,6 @@
 //! Every combination of evenly spaced values.
 
-use super::{Brief, History, Optimizer, Proposal, UnitPoint};
+use super::{History, OptimizationProblem, Optimizer, Proposal, UnitPoint};
 use realgap_core::error::Result;
 
 /// The simplest optimizer: it does not listen.
@@ -8,7 +8,7 @@ pub(super) struct FullGrid;
 
 impl FullGrid {
     /// The study's own number of points along each parameter where the budget allows, else as many as fit evenly.
-    fn points(brief: &Brief) -> Vec<usize> {
+    fn points(brief: &OptimizationProblem) -> Vec<usize> {
         let wanted = brief
             .points
             .iter()
@@ -41,7 +41,7 @@ impl Optimizer for FullGrid {
         0
     }
 
-    fn batch(&self, brief: &Brief) -> usize {
+    fn batch(&self, brief: &OptimizationProblem) -> usize {
         Self::points(brief).iter().product()
     }
 
@@ -49,7 +49,7 @@ impl Optimizer for FullGrid {
         true
     }
 
-    fn propose(&self, brief: &Brief, history: &History<'_>) -> Result<Proposal> {
+    fn propose(&self, brief: &OptimizationProblem, history: &History<'_>) -> Result<Proposal> {
         if !history.told.is_empty() {
             return Ok(Proposal::Exhausted);
         }

@@ -37,7 +37,7 @@ pub type UnitPoint = Vec<f64>;
 
 /// A candidate that has been evaluated.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Told {
+pub struct EvaluatedPoint {
     /// Where.
     pub point: UnitPoint,
     /// How far from reality, to be made small; `None` where there is no score (a simulation that diverged).
@@ -48,7 +48,7 @@ pub struct Told {
 
 /// What an optimizer is asked to do.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Brief {
+pub struct OptimizationProblem {
     /// Number of values that a study asks for along each parameter; only a grid cares.
     pub points: Vec<usize>,
     /// Most evaluations in all, those of the first design included.
@@ -60,7 +60,7 @@ pub struct Brief {
     pub priors: Vec<Option<(f64, f64)>>,
 }
 
-impl Brief {
+impl OptimizationProblem {
     /// Number of parameters.
     pub fn dimensions(&self) -> usize {
         self.points.len()
@@ -78,9 +78,9 @@ impl Brief {
 #[derive(Debug, Clone, Copy)]
 pub struct History<'a> {
     /// The space-filling first design, which was not the optimizer's choice.
-    pub design: &'a [Told],
+    pub design: &'a [EvaluatedPoint],
     /// What the optimizer asked for, in its order.
-    pub told: &'a [Told],
+    pub told: &'a [EvaluatedPoint],
 }
 
 impl History<'_> {
@@ -121,7 +121,7 @@ pub trait Optimizer: Sync {
     }
 
     /// Most candidates in one batch.
-    fn batch(&self, brief: &Brief) -> usize;
+    fn batch(&self, brief: &OptimizationProblem) -> usize;
 
     /// True where what it proposes depends on the budget, so that a larger one is another search.
     fn depends_on_budget(&self) -> bool {
@@ -134,14 +134,19 @@ pub trait Optimizer: Sync {
     }
 
     /// What the reader of a search should know about how it went.
-    fn warning(&self, brief: &Brief, history: &History<'_>) -> Option<Warning> {
+    fn warning(&self, brief: &OptimizationProblem, history: &History<'_>) -> Option<Warning> {
         let _ = (brief, history);
         None
     }
 
     /// The loss near its minimum, of an optimizer that knows it; `logs` says how many of the errors belong to each log, in their
     /// order, and is empty where all belong to one.
-    fn quadratic(&self, brief: &Brief, history: &History<'_>, logs: &[usize]) -> Option<Quadratic> {
+    fn quadratic(
+        &self,
+        brief: &OptimizationProblem,
+        history: &History<'_>,
+        logs: &[usize],
+    ) -> Option<Quadratic> {
         let _ = (brief, history, logs);
         None
     }
@@ -150,7 +155,7 @@ pub trait Optimizer: Sync {
     ///
     /// # Errors
     /// None of those here; an own optimizer may refuse what it was told.
-    fn propose(&self, brief: &Brief, history: &History<'_>) -> Result<Proposal>;
+    fn propose(&self, brief: &OptimizationProblem, history: &History<'_>) -> Result<Proposal>;
 }
 
 /// All optimizers.

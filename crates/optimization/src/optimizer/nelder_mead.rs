@@ -7,7 +7,7 @@ use argmin::solver::neldermead;
 use argmin_math::{ArgminAdd, ArgminMul, ArgminSub};
 
 use super::replay::{Replay, Unknown};
-use super::{Brief, History, Optimizer, Proposal, UnitPoint};
+use super::{History, OptimizationProblem, Optimizer, Proposal, UnitPoint};
 use realgap_core::error::{Advice, Error, Result};
 
 /// Nelder–Mead with restarts from the best points of the first design.
@@ -114,11 +114,11 @@ impl Optimizer for NelderMead {
         "Downhill simplex (Nelder & Mead 1965, argmin), restarted from the best points of a space-filling first design; one candidate at a time."
     }
 
-    fn batch(&self, brief: &Brief) -> usize {
+    fn batch(&self, brief: &OptimizationProblem) -> usize {
         brief.dimensions() + 1
     }
 
-    fn propose(&self, brief: &Brief, history: &History<'_>) -> Result<Proposal> {
+    fn propose(&self, brief: &OptimizationProblem, history: &History<'_>) -> Result<Proposal> {
         let Err(ended) = search(brief.dimensions(), history);
         match ended.downcast::<Unknown>() {
             Ok(Unknown(points)) => Ok(Proposal::Evaluate(points)),

@@ -8,7 +8,7 @@ use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::replay::{Replay, Unknown};
-use super::{Brief, History, Optimizer, Proposal, UnitPoint};
+use super::{History, OptimizationProblem, Optimizer, Proposal, UnitPoint};
 use realgap_core::error::Result;
 
 /// Particle swarm.
@@ -60,7 +60,10 @@ fn scatter(dimensions: usize, random: &mut Xoshiro256PlusPlus) -> Vec<(UnitPoint
     positions.into_iter().zip(draw(-1.0)).collect()
 }
 
-fn search(brief: &Brief, history: &History<'_>) -> std::result::Result<Infallible, Unknown> {
+fn search(
+    brief: &OptimizationProblem,
+    history: &History<'_>,
+) -> std::result::Result<Infallible, Unknown> {
     let replay = Replay::new(history.told);
     let mut random = Xoshiro256PlusPlus::seed_from_u64(brief.seed);
     let known = history.best_of_design();
@@ -117,11 +120,11 @@ impl Optimizer for Swarm {
         "Particle swarm of 10 (Zambrano-Bigiarini et al. 2013)."
     }
 
-    fn batch(&self, _brief: &Brief) -> usize {
+    fn batch(&self, _brief: &OptimizationProblem) -> usize {
         PARTICLES
     }
 
-    fn propose(&self, brief: &Brief, history: &History<'_>) -> Result<Proposal> {
+    fn propose(&self, brief: &OptimizationProblem, history: &History<'_>) -> Result<Proposal> {
         let Err(Unknown(points)) = search(brief, history);
         Ok(Proposal::Evaluate(points))
     }

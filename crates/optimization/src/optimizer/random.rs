@@ -1,6 +1,6 @@
 //! Points that fill space evenly without being a grid.
 
-use super::{Brief, History, Optimizer, Proposal, UnitPoint};
+use super::{History, OptimizationProblem, Optimizer, Proposal, UnitPoint};
 use realgap_core::error::Result;
 
 /// Low-discrepancy search; also the first design of the others.
@@ -48,11 +48,11 @@ impl Optimizer for Random {
         0
     }
 
-    fn batch(&self, brief: &Brief) -> usize {
+    fn batch(&self, brief: &OptimizationProblem) -> usize {
         BATCH.min(brief.budget)
     }
 
-    fn propose(&self, brief: &Brief, history: &History<'_>) -> Result<Proposal> {
+    fn propose(&self, brief: &OptimizationProblem, history: &History<'_>) -> Result<Proposal> {
         let from = history.design.len() + history.told.len();
         Ok(Proposal::Evaluate(space_filling(
             brief.dimensions(),

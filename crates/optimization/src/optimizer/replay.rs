@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use super::{Told, UnitPoint, fold};
+use super::{EvaluatedPoint, UnitPoint, fold};
 
 /// Score of a candidate without one: worse than any that can be measured, and finite for algorithms that do arithmetic.
 const FAILED: f64 = 1e30;
@@ -22,12 +22,12 @@ impl std::error::Error for Unknown {}
 /// Answers an algorithm from what was told, in its order, until the history ends.
 #[derive(Clone)]
 pub(super) struct Replay<'a> {
-    told: &'a [Told],
+    told: &'a [EvaluatedPoint],
     answered: Cell<usize>,
 }
 
 impl<'a> Replay<'a> {
-    pub fn new(told: &'a [Told]) -> Self {
+    pub fn new(told: &'a [EvaluatedPoint]) -> Self {
         Self {
             told,
             answered: Cell::new(0),
@@ -65,7 +65,7 @@ impl<'a> Replay<'a> {
     pub fn told<'p>(
         &self,
         points: impl IntoIterator<Item = &'p [f64]>,
-    ) -> Result<Vec<&'a Told>, Unknown> {
+    ) -> Result<Vec<&'a EvaluatedPoint>, Unknown> {
         let from = self.answered.get();
         let asked: Vec<UnitPoint> = points.into_iter().map(<[f64]>::to_vec).collect();
         let known = &self.told[from.min(self.told.len())..];

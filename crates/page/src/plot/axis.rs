@@ -84,7 +84,7 @@ pub(super) fn check_values(what: &str, values: &[f64]) -> Result<()> {
     Ok(())
 }
 
-/// Says that there is nothing to draw.
+/// Conclusion that there is nothing to draw.
 pub(super) fn nothing(what: &str, allowed: &str) -> Error {
     let error = Error::invalid("there is nothing to draw");
     error.field(what).allowed(allowed)

@@ -64,7 +64,7 @@ impl Frame {
         self.bottom - self.y.share(value).clamp(0.0, 1.0) * (self.bottom - self.top)
     }
 
-    /// Says in the middle that there is nothing to see.
+    /// Conclusion in the middle that there is nothing to see.
     pub(super) fn draw_nothing(&self, canvas: &mut Canvas) {
         let x = (self.left + self.right) / 2.0;
         let y = (self.top + self.bottom) / 2.0;

@@ -71,7 +71,7 @@ pub(super) fn write(picture: &impl Picture, path: &Path) -> Result<()> {
         return write_atomic(path, &png_bytes(width, height, &pixels(picture)?)?);
     }
     let mut bytes = realgap_drawing::svg(&drawn(picture), picture.size())?;
-    // Says, behind its first tag, who wrote it, so that it may be written again.
+    // Conclusion, behind its first tag, who wrote it, so that it may be written again.
     if let Some(end) = bytes.iter().position(|byte| *byte == b'>') {
         let mark = *b"<!-- Written by realgap -->";
         bytes.splice(end + 1..end + 1, mark);

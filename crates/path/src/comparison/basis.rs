@@ -224,13 +224,13 @@ impl Basis {
     }
 
     /// A warning if the kept components see less than half of the squared distance of `a` and `b`.
-    pub(super) fn blindness(&self, a: &Prepared, b: &Prepared) -> Option<Warning> {
+    pub(super) fn out_of_basis_warning(&self, a: &Prepared, b: &Prepared) -> Option<Warning> {
         let difference = difference(a, b);
         let total_m2 = dot(&difference, &difference) / POINTS as f64;
         let seen_m2 = self.discrepancy_m(a, b).powi(2);
         // Below a nanometre nothing is missed.
         (total_m2 > 1e-18 && seen_m2 < 0.5 * total_m2).then(|| {
-            Code::ComponentsMissDifference.says(format!(
+            Code::ComponentsMissDifference.warning(format!(
                 "the {} kept components see {:.0} % of the squared distance: the discrepancy understates it",
                 self.kept,
                 100.0 * seen_m2 / total_m2

@@ -1,8 +1,8 @@
 //! `pca-cluster`: each trajectory as one cloud of points.
 
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
+use realgap_core::constant_methods;
 use realgap_core::error::Result;
-use realgap_core::stated;
 use realgap_core::unit::Unit;
 
 /// Distance of the clouds' spreads, metres: ‖C_a^½ − C_b^½‖_F, C the 2×2 population covariance of the prepared
@@ -11,7 +11,7 @@ use realgap_core::unit::Unit;
 pub struct PcaCluster;
 
 impl Metric for PcaCluster {
-    stated! {
+    constant_methods! {
         name: &'static str = "pca-cluster";
         column: &'static str = "pca_cluster_m";
         unit: Unit = Unit::Metre;

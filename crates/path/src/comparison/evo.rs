@@ -6,8 +6,8 @@ use nalgebra::{Matrix3, Matrix4, Quaternion, SymmetricEigen, UnitQuaternion, Vec
 
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use crate::trajectory::Prepared;
+use realgap_core::constant_methods;
 use realgap_core::error::Result;
-use realgap_core::stated;
 use realgap_core::unit::Unit;
 
 /// Absolute pose error (RMSE) of the prepared trajectories, metres. In the plane it equals `rms`.
@@ -15,7 +15,7 @@ use realgap_core::unit::Unit;
 pub struct Ape;
 
 impl Metric for Ape {
-    stated! {
+    constant_methods! {
         name: &'static str = "ape";
         column: &'static str = "ape_rmse_m";
         unit: Unit = Unit::Metre;
@@ -40,7 +40,7 @@ impl Metric for Ape {
 pub struct UmeyamaApe;
 
 impl Metric for UmeyamaApe {
-    stated! {
+    constant_methods! {
         name: &'static str = "umeyama-ape";
         column: &'static str = "umeyama_ape_rmse_m";
         unit: Unit = Unit::Metre;
@@ -83,7 +83,7 @@ fn best_turn(s: &Matrix3<f64>) -> UnitQuaternion<f64> {
 pub struct Rpe;
 
 impl Metric for Rpe {
-    stated! {
+    constant_methods! {
         name: &'static str = "rpe";
         column: &'static str = "rpe_rmse_m";
         unit: Unit = Unit::Metre;

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use crate::trajectory::{Interpolator, JointTrack, Trajectory};
+use realgap_core::constant_methods;
 use realgap_core::error::{Error, Result};
-use realgap_core::stated;
 use realgap_core::unit::Unit;
 
 /// Mean absolute error of the angles of the joints that both trajectories have, over every recorded sample, radians.
@@ -16,7 +16,7 @@ use realgap_core::unit::Unit;
 pub struct Joints;
 
 impl Metric for Joints {
-    stated! {
+    constant_methods! {
         name: &'static str = "joints";
         column: &'static str = "joints_rad";
         unit: Unit = Unit::Radian;

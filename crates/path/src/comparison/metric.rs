@@ -187,7 +187,7 @@ fn different_durations(pair: &Pair<'_>) -> Option<Warning> {
     let (real_s, simulated_s) = (pair.real.duration_s(), pair.simulated.duration_s());
     let differ = (real_s - simulated_s).abs() > 0.01 * real_s.max(simulated_s);
     differ.then(|| {
-        Code::DifferentDurations.says(format!(
+        Code::DifferentDurations.warning(format!(
             "a trajectory of {real_s:.2} s is compared with one of {simulated_s:.2} s, point by point in relative time"
         ))
     })

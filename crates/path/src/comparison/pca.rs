@@ -2,8 +2,8 @@
 
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use crate::trajectory::POINTS;
+use realgap_core::constant_methods;
 use realgap_core::error::{Error, Result};
-use realgap_core::stated;
 use realgap_core::unit::Unit;
 
 /// ‖c_real − c_sim‖₂ / √N, metres, with the coefficients of [`Context::basis`] (paper 003, section 2.2, step 4).
@@ -11,7 +11,7 @@ use realgap_core::unit::Unit;
 pub struct Pca;
 
 impl Metric for Pca {
-    stated! {
+    constant_methods! {
         name: &'static str = "pca";
         column: &'static str = "pca_coefficients_m";
         unit: Unit = Unit::Metre;
@@ -28,7 +28,9 @@ impl Metric for Pca {
         };
         let (a, b) = (pair.real_prepared, pair.simulated_prepared);
         let mut measurement = Measurement::new(basis.discrepancy_m(a, b), POINTS);
-        measurement.warnings.extend(basis.blindness(a, b));
+        measurement
+            .warnings
+            .extend(basis.out_of_basis_warning(a, b));
         Ok(measurement)
     }
 }

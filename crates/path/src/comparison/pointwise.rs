@@ -1,8 +1,8 @@
 //! Metrics that compare the n-th point with the n-th point.
 
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
+use realgap_core::constant_methods;
 use realgap_core::error::Result;
-use realgap_core::stated;
 use realgap_core::unit::Unit;
 
 use crate::trajectory::rms_m;
@@ -12,7 +12,7 @@ use crate::trajectory::rms_m;
 pub struct Displacement;
 
 impl Metric for Displacement {
-    stated! {
+    constant_methods! {
         name: &'static str = "displacement";
         column: &'static str = "displacement_error_m";
         unit: Unit = Unit::Metre;
@@ -32,7 +32,7 @@ impl Metric for Displacement {
 pub struct Rms;
 
 impl Metric for Rms {
-    stated! {
+    constant_methods! {
         name: &'static str = "rms";
         column: &'static str = "rms_m";
         unit: Unit = Unit::Metre;

@@ -5,8 +5,8 @@ use serde::Serialize;
 use super::joint;
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use crate::trajectory::{Interpolator, Trajectory};
+use realgap_core::constant_methods;
 use realgap_core::error::{Error, Result};
-use realgap_core::stated;
 use realgap_core::unit::Unit;
 use realgap_core::warning::{Code, Warning};
 
@@ -15,7 +15,7 @@ use realgap_core::warning::{Code, Warning};
 pub struct Rotation;
 
 impl Metric for Rotation {
-    stated! {
+    constant_methods! {
         name: &'static str = "rotation";
         column: &'static str = "rotation_deg";
         unit: Unit = Unit::Degree;
@@ -49,7 +49,7 @@ impl Metric for Rotation {
 pub struct Pose;
 
 impl Metric for Pose {
-    stated! {
+    constant_methods! {
         name: &'static str = "pose";
         column: &'static str = "pose";
         unit: Unit = Unit::One;
@@ -172,7 +172,7 @@ pub fn pose_errors(
     }
     let mut warnings = Vec::new();
     if samples < real.len() {
-        warnings.push(Code::ShorterSimulation.says(format!(
+        warnings.push(Code::ShorterSimulation.warning(format!(
             "the trajectory ends after {:.6} s: {} of {} recorded samples were not compared",
             simulated.duration_s(),
             real.len() - samples,

@@ -2,8 +2,8 @@
 
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use crate::trajectory::{POINTS, Prepared};
+use realgap_core::constant_methods;
 use realgap_core::error::Result;
-use realgap_core::stated;
 use realgap_core::unit::Unit;
 
 /// Root mean square distance, metres, of what remains of each path when the straight, uniform walk from its first to its last
@@ -13,7 +13,7 @@ use realgap_core::unit::Unit;
 pub struct Shape;
 
 impl Metric for Shape {
-    stated! {
+    constant_methods! {
         name: &'static str = "shape";
         column: &'static str = "shape_m";
         unit: Unit = Unit::Metre;

@@ -2,8 +2,8 @@
 
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use super::pointwise::squared;
+use realgap_core::constant_methods;
 use realgap_core::error::Result;
-use realgap_core::stated;
 use realgap_core::unit::Unit;
 
 /// Symmetric Hausdorff distance of the prepared points, metres: the farthest that any point of one path is from
@@ -12,7 +12,7 @@ use realgap_core::unit::Unit;
 pub struct Hausdorff;
 
 impl Metric for Hausdorff {
-    stated! {
+    constant_methods! {
         name: &'static str = "hausdorff";
         column: &'static str = "hausdorff_m";
         unit: Unit = Unit::Metre;
@@ -45,7 +45,7 @@ impl Metric for Hausdorff {
 pub struct Frechet;
 
 impl Metric for Frechet {
-    stated! {
+    constant_methods! {
         name: &'static str = "frechet";
         column: &'static str = "discrete_frechet_m";
         unit: Unit = Unit::Metre;
@@ -71,7 +71,7 @@ impl Metric for Frechet {
 pub struct Dtw;
 
 impl Metric for Dtw {
-    stated! {
+    constant_methods! {
         name: &'static str = "dtw";
         column: &'static str = "dtw_sum_m";
         unit: Unit = Unit::Metre;

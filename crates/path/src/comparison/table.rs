@@ -168,7 +168,7 @@ impl<'a> Comparison<'a> {
             let (_, unit) = unit.filter(|_| extent_m(other).min(reference_m) > STILL_M)?;
             let ends = (&other.name, &self.reference.name);
             let (larger, smaller) = if factor > 1.0 { ends } else { (ends.1, ends.0) };
-            Some(Code::UnlikelyLength.says(format!(
+            Some(Code::UnlikelyLength.warning(format!(
                 "{larger} goes {} times as far as {smaller}: if it is in {unit}, read it with `length: \"{}\"`",
                 number(size),
                 unit.symbol()

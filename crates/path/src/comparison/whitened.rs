@@ -2,8 +2,8 @@
 
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use crate::trajectory::POINTS;
+use realgap_core::constant_methods;
 use realgap_core::error::{Error, Result};
-use realgap_core::stated;
 use realgap_core::unit::Unit;
 
 /// Mahalanobis distance in the covariance of the recordings, 1 for two recordings ([`Spread`](super::Spread)): a centimetre
@@ -12,7 +12,7 @@ use realgap_core::unit::Unit;
 pub struct PcaWhitened;
 
 impl Metric for PcaWhitened {
-    stated! {
+    constant_methods! {
         name: &'static str = "pca-whitened";
         column: &'static str = "pca_whitened_1";
         unit: Unit = Unit::One;

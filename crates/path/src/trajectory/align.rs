@@ -59,7 +59,7 @@ pub(super) fn direction(points_m: &[[f64; 2]], path_length_m: f64) -> (Direction
     if net_m >= MIN_NET_M && net_m >= MIN_NET_FRACTION * path_length_m {
         return (Direction::of(net), None);
     }
-    let warning = Code::UndefinedHeading.says(format!(
+    let warning = Code::UndefinedHeading.warning(format!(
         "net displacement {net_m:.3e} m is below 1 mm or 1 % of the path length {path_length_m:.3e} m: \
              the major principal axis was aligned instead"
     ));

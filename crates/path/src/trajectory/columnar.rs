@@ -5,8 +5,8 @@ use super::csv::Csv;
 use super::format::{Format, Parsed, Rendered};
 use super::reading::{QuaternionOrder, Reading};
 use super::relabel::relabelled;
+use realgap_core::constant_methods;
 use realgap_core::error::{Error, Result};
-use realgap_core::stated;
 
 /// Tables that pandas, Polars, DuckDB and loggers write (<https://parquet.apache.org>).
 ///
@@ -28,7 +28,7 @@ fn table(_bytes: Vec<u8>) -> Result<String> {
 }
 
 impl Format for Parquet {
-    stated! {
+    constant_methods! {
         name: &'static str = "parquet";
         doc: &'static str = "Parquet: columns by name, as in a CSV file (feature `parquet`)";
         extensions: &'static [&'static str] = &["parquet"];

@@ -148,7 +148,7 @@ pub fn cut_to_shortest(recordings: &mut [&mut Recording]) -> Result<Option<Warni
         recording.trajectory = clip(&recording.trajectory, shortest_s)?;
     }
     Ok((longest_s > shortest_s + 1e-6).then(|| {
-        Code::ReadAs.says(format!(
+        Code::ReadAs.warning(format!(
             "compared at equal times, over the first {shortest_s:.3} s, which all have; the longest lasts {longest_s:.3} s"
         ))
     }))

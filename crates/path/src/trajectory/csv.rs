@@ -12,8 +12,8 @@ use super::sample::Samples;
 use super::several::{explain, several};
 use super::table::{Table, header_line};
 use super::text::{Cell, cells_of, decode_text, push_number};
+use realgap_core::constant_methods;
 use realgap_core::error::{Error, Result};
-use realgap_core::stated;
 
 const QUATERNION: [&str; 4] = ["qw", "qx", "qy", "qz"];
 const ANGULAR: [&str; 3] = ["wx_rad_s", "wy_rad_s", "wz_rad_s"];
@@ -30,7 +30,7 @@ const ANGULAR: [&str; 3] = ["wx_rad_s", "wy_rad_s", "wz_rad_s"];
 pub struct Csv;
 
 impl Format for Csv {
-    stated! {
+    constant_methods! {
         name: &'static str = "csv";
         doc: &'static str = "comma-separated values with a header that names columns and units";
         extensions: &'static [&'static str] = &["csv"];
@@ -111,7 +111,7 @@ impl Format for Csv {
             groups[index].1.push(&table.layout, cells, line)?;
         }
         if groups.is_empty() {
-            return Err(table.rows.nobody().unwrap_or_else(|| {
+            return Err(table.rows.no_matching_robot().unwrap_or_else(|| {
                 Error::invalid("too few points for a trajectory")
                     .at_line(1, 1)
                     .found("no sample")
@@ -208,7 +208,7 @@ fn single(text: &str, reading: &Reading) -> Result<Parsed> {
         samples.push(&table.layout, cells, line)?;
     }
     if samples.is_empty()
-        && let Some(error) = table.rows.nobody()
+        && let Some(error) = table.rows.no_matching_robot()
     {
         return Err(error);
     }

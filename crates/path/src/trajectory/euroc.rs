@@ -6,8 +6,8 @@ use super::csv::Csv;
 use super::format::{Format, Parsed, Rendered, beyond_poses, not_written};
 use super::reading::Reading;
 use super::text::{first_line, push_number};
+use realgap_core::constant_methods;
 use realgap_core::error::Result;
-use realgap_core::stated;
 
 /// The CSV files of the EuRoC micro aerial vehicle data, of ASL's other data sets and of programs that are compared on them.
 ///
@@ -61,7 +61,7 @@ impl Euroc {
 }
 
 impl Format for Euroc {
-    stated! {
+    constant_methods! {
         name: &'static str = "euroc";
         doc: &'static str = "EuRoC ground truth: CSV with #timestamp [ns], p_RS_R_x [m], ..., quaternions real part first";
         extensions: &'static [&'static str] = &["euroc", "csv"];

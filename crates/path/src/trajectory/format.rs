@@ -144,5 +144,5 @@ pub(super) fn beyond_poses(files: &str, trajectory: &Trajectory) -> Vec<Warning>
 
 /// The warning that files of a format cannot say something.
 pub(super) fn not_written(files: &str, what: &str) -> Warning {
-    Code::NotWritten.says(format!("{files} cannot say {what}"))
+    Code::NotWritten.warning(format!("{files} cannot say {what}"))
 }

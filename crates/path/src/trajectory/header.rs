@@ -297,7 +297,7 @@ impl<'c, 'a> Header<'c, 'a> {
         };
         (!ignored.is_empty()).then(|| {
             let message = format!("columns not used: {}{turn}", excerpt_list(&ignored));
-            Code::ColumnsIgnored.says(message)
+            Code::ColumnsIgnored.warning(message)
         })
     }
 }

@@ -7,8 +7,8 @@ use super::column::Measure;
 use super::format::{Format, Parsed, Rendered, beyond_poses, not_written};
 use super::reading::Reading;
 use super::text::{Cell, Separator, check_rows, cut, first_line, push_number};
+use realgap_core::constant_methods;
 use realgap_core::error::{Advice, Error, Result};
-use realgap_core::stated;
 use realgap_core::unit::counted;
 use realgap_core::warning::Code;
 
@@ -76,7 +76,7 @@ fn pose(cells: &[Cell<'_>], line: usize) -> Result<Pose> {
 }
 
 impl Format for Kitti {
-    stated! {
+    constant_methods! {
         name: &'static str = "kitti";
         doc: &'static str = "KITTI poses: the 12 numbers of a 3x4 matrix a line, no times";
         extensions: &'static [&'static str] = &["kitti", "txt"];
@@ -136,16 +136,16 @@ impl Format for Kitti {
         let mut warnings = Vec::new();
         if lost > 0 {
             let what = format!("{} without numbers left out", counted(lost, "sample"));
-            warnings.push(Code::LostSamples.says(what));
+            warnings.push(Code::LostSamples.warning(what));
         }
         if odd > 0 {
             let what = format!(
                 "{odd} matrices were up to {largest:.4} off a rotation and have been renormalised"
             );
-            warnings.push(Code::QuaternionsRenormalised.says(what));
+            warnings.push(Code::QuaternionsRenormalised.warning(what));
         }
         if reading.axes.is_none() {
-            warnings.push(Code::UnknownAxes.says(
+            warnings.push(Code::UnknownAxes.warning(
                 "KITTI files do not say which way their axes point: taken as z up; those of the benchmark are a camera's, z forward and y down",
             ));
         }

@@ -45,7 +45,7 @@ pub use csv::Csv;
 pub use distance::{mean_square_m2, rms_m};
 pub use euroc::Euroc;
 pub use format::{Format, Parsed, Rendered};
-pub use guess::{Ask, Clue, Guess, Open, odd_axes};
+pub use guess::{Ambiguity, Evidence, InferredReading, Question, odd_axes};
 pub use joint_column::{COMMAND, may_be_attitude};
 pub use kitti::Kitti;
 pub use log::{Mcap, Rosbag};

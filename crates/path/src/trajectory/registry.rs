@@ -284,7 +284,7 @@ impl<'a> File<'a> {
         let mut bodies = Vec::with_capacity(names.len());
         for name in names {
             let motion = parse(&body_column::as_if_alone(&self.text, &name), &plain)?.trajectory;
-            bodies.push((name, self.brought_here(motion)?));
+            bodies.push((name, self.to_world_frame(motion)?));
         }
         Ok(Recording {
             bodies,
@@ -312,7 +312,7 @@ impl<'a> File<'a> {
     }
 
     /// The part that is asked for, z up.
-    fn brought_here(&self, mut trajectory: Trajectory) -> Result<Trajectory> {
+    fn to_world_frame(&self, mut trajectory: Trajectory) -> Result<Trajectory> {
         if let Some(crop) = self.reading.crop {
             trajectory = cropped(&trajectory, crop).map_err(|e| e.at_file(self.path))?;
         }
@@ -330,10 +330,10 @@ impl<'a> File<'a> {
             trajectory,
             mut warnings,
         } = parsed;
-        let trajectory = self.brought_here(trajectory)?;
+        let trajectory = self.to_world_frame(trajectory)?;
         if !self.reading.is_usual() {
             let how = format!("recordings are read with {}", self.reading);
-            warnings.push(Code::ReadAs.says(how));
+            warnings.push(Code::ReadAs.warning(how));
         }
         warnings.extend(suspicion::of(
             &name,

@@ -267,7 +267,7 @@ impl Samples {
         let mut left_out = |code: Code, count: usize, why: &str| {
             if count > 0 {
                 let all = counted(count, "sample");
-                warnings.push(code.says(format!("{all} {why}")));
+                warnings.push(code.warning(format!("{all} {why}")));
             }
         };
         left_out(Code::LostSamples, self.lost, "without numbers left out");
@@ -288,7 +288,7 @@ impl Samples {
         }
         left_out(Code::SamplesSorted, at_one_time, &why);
         if self.renormalised > 0 {
-            warnings.push(Code::QuaternionsRenormalised.says(format!(
+            warnings.push(Code::QuaternionsRenormalised.warning(format!(
                 "{} quaternions were up to {:.4} off length 1 and have been renormalised",
                 self.renormalised, self.largest_deviation
             )));

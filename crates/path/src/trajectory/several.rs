@@ -130,7 +130,7 @@ pub(super) fn explain(error: Error, text: &str, reading: &Reading) -> Error {
 pub(super) fn several(text: &str, reading: &Reading) -> Option<Warning> {
     let (labels, path) = labels(text, reading)?;
     let shorter = labels.iter().find(|label| label.path() < SHORTER * path)?;
-    Some(Code::SeveralRobots.says(format!(
+    Some(Code::SeveralRobots.warning(format!(
         "the path jumps whenever the column `{}` changes ({}): if these are several robots, read one of them with `only: (column: \"{}\", value: ...)`",
         excerpt(&shorter.name),
         shorter.values(),

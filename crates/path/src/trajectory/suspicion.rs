@@ -57,7 +57,7 @@ pub(super) fn of(
     ];
     let found = found.into_iter().flatten();
     found
-        .map(|(code, message)| code.says(format!("{name}: {message}")))
+        .map(|(code, message)| code.warning(format!("{name}: {message}")))
         .collect()
 }
 

@@ -105,7 +105,7 @@ impl<'a> Rows<'a> {
     }
 
     /// The error where the one whose rows are read has none.
-    pub(super) fn nobody(&self) -> Option<Error> {
+    pub(super) fn no_matching_robot(&self) -> Option<Error> {
         let (_, only) = self.only.as_ref()?;
         Some(
             Error::invalid(format!(

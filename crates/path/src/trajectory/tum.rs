@@ -6,8 +6,8 @@ use super::format::{Format, Parsed, Rendered, beyond_poses};
 use super::reading::{QuaternionOrder, Reading};
 use super::sample::{Layout, Samples};
 use super::text::{Separator, cut, push_number};
+use realgap_core::constant_methods;
 use realgap_core::error::Result;
-use realgap_core::stated;
 
 /// The text format of the TUM RGB-D benchmark, which evo and many SLAM programs read.
 ///
@@ -18,7 +18,7 @@ use realgap_core::stated;
 pub struct Tum;
 
 impl Format for Tum {
-    stated! {
+    constant_methods! {
         name: &'static str = "tum";
         doc: &'static str = "TUM text: timestamp tx ty tz qx qy qz qw, separated by spaces, # comments";
         extensions: &'static [&'static str] = &["tum", "txt"];

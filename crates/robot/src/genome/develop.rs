@@ -1,11 +1,11 @@
 //! Development: turn what is there, turn the new module, place it on top.
 
 use super::development::Development;
+use super::development_error::DevelopmentError;
 use super::lattice::{Cell, Placed, add, direction, face, top_of_column};
 use super::locus::Locus;
-use super::misfit::Misfit;
 use super::sequence::{Gene, Genome};
-use crate::morphology::{Blueprint, Face, Gait, Glue, Module, Morphology};
+use crate::morphology::{Attachment, Blueprint, Face, Gait, Module, Morphology};
 use realgap_core::Error;
 
 impl Development {
@@ -15,11 +15,11 @@ impl Development {
     /// finished robot as it stands on the floor.
     ///
     /// # Errors
-    /// The first [`Misfit`], in the order of building.
-    pub fn develop(&self, name: &str, genome: &Genome) -> Result<Morphology, Misfit> {
-        self.check().map_err(Misfit::Refused)?;
+    /// The first [`DevelopmentError`], in the order of building.
+    pub fn develop(&self, name: &str, genome: &Genome) -> Result<Morphology, DevelopmentError> {
+        self.check().map_err(DevelopmentError::Refused)?;
         if genome.len() > self.max_modules {
-            return Err(Misfit::TooManyModules {
+            return Err(DevelopmentError::TooManyModules {
                 found: genome.len(),
                 allowed: self.max_modules,
             });
@@ -28,15 +28,18 @@ impl Development {
         let blueprint = self
             .blueprint(name, genome, &body, &parents)
             .ok_or_else(|| {
-                Misfit::Refused(Error::invalid(
+                DevelopmentError::Refused(Error::invalid(
                     "a module is not on top of its parent; this is a fault of realgap",
                 ))
             })?;
-        Morphology::new(blueprint).map_err(Misfit::Refused)
+        Morphology::new(blueprint).map_err(DevelopmentError::Refused)
     }
 
     /// Where every module stands, and what it stands on (nothing for the first).
-    fn build(&self, genome: &Genome) -> Result<(Vec<Placed>, Vec<Option<usize>>), Misfit> {
+    fn build(
+        &self,
+        genome: &Genome,
+    ) -> Result<(Vec<Placed>, Vec<Option<usize>>), DevelopmentError> {
         let mut body: Vec<Placed> = Vec::with_capacity(genome.len());
         let mut parents = Vec::with_capacity(genome.len());
         for (module, gene) in genome.genes().iter().enumerate() {
@@ -92,12 +95,12 @@ impl Development {
                 }
             });
         }
-        let mut glue = Vec::with_capacity(body.len());
+        let mut attachments = Vec::with_capacity(body.len());
         for (child, parent) in parents.iter().enumerate() {
             let Some(parent) = *parent else { continue };
             let (from, to) = (body[parent].cell, body[child].cell);
             let face = face([to[0] - from[0], to[1] - from[1], to[2] - from[2]])?;
-            glue.push(Glue {
+            attachments.push(Attachment {
                 parent,
                 face,
                 child,
@@ -109,9 +112,9 @@ impl Development {
             name: name.to_owned(),
             description: format!("developed from a genome of {} modules", body.len()),
             modules,
-            glue,
+            attachments,
             pivots: Vec::new(),
-            never_touch: Vec::new(),
+            collision_exclude: Vec::new(),
             mount_world_m: None,
             track: Some(0),
         })
@@ -126,29 +129,29 @@ fn check_room(
     new: &Placed,
     module: usize,
     below: Option<usize>,
-) -> Result<(), Misfit> {
+) -> Result<(), DevelopmentError> {
     let faced = new.faced_cell();
     for (neighbour, placed) in body.iter().enumerate() {
         let looks_at_it = faced == Some(placed.cell);
         let is_looked_at = placed.faced_cell() == Some(new.cell);
         if Some(neighbour) == below {
             if looks_at_it && is_looked_at {
-                return Err(Misfit::ServoOnServo {
+                return Err(DevelopmentError::ServoOnServo {
                     module,
                     below: neighbour,
                 });
             }
         } else if looks_at_it {
-            return Err(Misfit::NoRoomForPlate { module, neighbour });
+            return Err(DevelopmentError::NoRoomForPlate { module, neighbour });
         } else if is_looked_at {
-            return Err(Misfit::PlateInTheWay { module, neighbour });
+            return Err(DevelopmentError::PlateInTheWay { module, neighbour });
         }
         // Two plates in one cell touch each other at its edges, unless they are on opposite sides of it.
         if let (Some(cell), Some(new), Some(old)) = (faced, new.driven, placed.driven)
             && placed.faced_cell() == Some(cell)
             && add(new, old) != [0; 3]
         {
-            return Err(Misfit::PlateOnPlate { module, neighbour });
+            return Err(DevelopmentError::PlateOnPlate { module, neighbour });
         }
     }
     Ok(())

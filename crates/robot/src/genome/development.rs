@@ -158,7 +158,7 @@ impl Development {
             actuator: Actuator {
                 servo: Servo {
                     law: ServoLaw::Velocity {
-                        gain_1_s: self.servo_gain_1_s,
+                        gain_per_s: self.servo_gain_1_s,
                     },
                     max_torque_nm: self.servo_max_torque_nm,
                     max_speed_rad_s: self.servo_max_speed_rad_s,

@@ -6,8 +6,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::development::Development;
+use super::development_error::DevelopmentError;
 use super::locus::Locus;
-use super::misfit::Misfit;
 use super::sequence::{Gene, Genome, check_value};
 use crate::morphology::Morphology;
 use realgap_core::file::{Source, parse_ron, write_ron};
@@ -15,7 +15,7 @@ use realgap_core::{Error, Result};
 
 /// What a genome file holds.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Specimen {
+pub struct Individual {
     /// Name of the robot: letters, digits, `_` and `-`.
     pub name: String,
     /// The genes.
@@ -28,7 +28,7 @@ pub struct Specimen {
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Genome")]
-pub struct SpecimenFile {
+pub struct IndividualFile {
     /// Name of the robot.
     #[serde(default = "unnamed")]
     name: String,
@@ -45,7 +45,7 @@ fn unnamed() -> String {
     "robot".to_owned()
 }
 
-impl Specimen {
+impl Individual {
     /// A genome with the default settings.
     pub fn new(name: impl Into<String>, genome: Genome) -> Self {
         Self {
@@ -58,7 +58,7 @@ impl Specimen {
     /// Reads a RON file.
     ///
     /// # Errors
-    /// As [`Source::read`] and [`Specimen::parse`].
+    /// As [`Source::read`] and [`Individual::parse`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         Self::parse(&Source::read(path, "genome")?)
     }
@@ -69,7 +69,7 @@ impl Specimen {
     /// Text that is not RON of the form described in the [room](super); genes of the wrong length, numbers that are NaN or
     /// out of bounds; settings out of range. Always with file, line and column.
     pub fn parse(source: &Source) -> Result<Self> {
-        let file = parse_ron::<SpecimenFile>(source)?;
+        let file = parse_ron::<IndividualFile>(source)?;
         let at = |path: &str, error: Error| source.at(path, error).field(path);
         Morphology::check_name(&file.name).map_err(|e| at("name", e))?;
         if file.modules != file.genes.len() {
@@ -116,7 +116,7 @@ impl Specimen {
         })
     }
 
-    /// The same as a RON text that [`Specimen::parse`] reads back equal. Settings are written out only where they are not
+    /// The same as a RON text that [`Individual::parse`] reads back equal. Settings are written out only where they are not
     /// the defaults.
     ///
     /// # Errors
@@ -146,7 +146,7 @@ impl Specimen {
     ///
     /// # Errors
     /// Why it cannot be built.
-    pub fn develop(&self) -> std::result::Result<Morphology, Misfit> {
+    pub fn develop(&self) -> std::result::Result<Morphology, DevelopmentError> {
         self.development.develop(&self.name, &self.genome)
     }
 }

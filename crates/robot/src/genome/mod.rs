@@ -27,7 +27,7 @@
 //!
 //! ```
 //! use realgap_core::file::Source;
-//! use realgap_robot::genome::Specimen;
+//! use realgap_robot::genome::Individual;
 //!
 //! let text = "Genome(
 //!     name: \"sitter\",
@@ -39,27 +39,27 @@
 //!     ],
 //!     development: (max_modules: 8),
 //! )";
-//! let specimen = Specimen::parse(&Source::new("sitter.ron", text))?;
+//! let specimen = Individual::parse(&Source::new("sitter.ron", text))?;
 //! let robot = specimen.develop()?;
 //! assert_eq!(robot.modules().len(), 2);
-//! assert_eq!(Specimen::parse(&Source::new("again.ron", specimen.to_ron()?))?, specimen);
+//! assert_eq!(Individual::parse(&Source::new("again.ron", specimen.to_ron()?))?, specimen);
 //! # Ok::<(), realgap_core::Error>(())
 //! ```
 //!
-//! `name` and `development` may be left out. A genome either develops or says why not: [`Misfit`].
+//! `name` and `development` may be left out. A genome either develops or says why not: [`DevelopmentError`].
 
 mod develop;
 mod development;
+mod development_error;
 mod file;
 mod lattice;
 mod locus;
-mod misfit;
 mod sequence;
 
 pub use development::Development;
-pub use file::Specimen;
+pub use development_error::DevelopmentError;
+pub use file::Individual;
 #[cfg(feature = "schema")]
-pub use file::SpecimenFile;
+pub use file::IndividualFile;
 pub use locus::Locus;
-pub use misfit::Misfit;
 pub use sequence::{Gene, Genome};

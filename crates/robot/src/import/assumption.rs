@@ -21,7 +21,9 @@ impl AssumedLaw {
     /// The law of a servo with that largest torque.
     pub(super) fn of(self, max_torque_nm: f64) -> ServoLaw {
         match self {
-            Self::Velocity => ServoLaw::Velocity { gain_1_s: GAIN_1_S },
+            Self::Velocity => ServoLaw::Velocity {
+                gain_per_s: GAIN_1_S,
+            },
             Self::Torque => ServoLaw::Torque {
                 stiffness_nm_rad: max_torque_nm / FULL_RAD,
                 damping_nm_s_rad: max_torque_nm / FULL_RAD / GAIN_1_S,

@@ -369,7 +369,7 @@ impl Robot<'_> {
                 pairs.insert(pair);
             }
         }
-        self.structure.never_touch = pairs.into_iter().collect();
+        self.structure.collision_exclude = pairs.into_iter().collect();
     }
 
     /// Everything that is read by nobody, one note a kind.

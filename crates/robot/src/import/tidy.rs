@@ -72,7 +72,7 @@ pub(super) fn tidy(structure: &mut Structure, options: &Options, notes: &mut Not
             what,
             "mend their collision shapes, and remove the pairs from `never_touch`",
         );
-        structure.never_touch.extend(pairs);
+        structure.collision_exclude.extend(pairs);
     }
 }
 
@@ -98,7 +98,7 @@ fn rename(structure: &mut Structure, notes: &mut Notes) {
     for mark in &mut structure.marks {
         give(&bodies, &mut mark.body);
     }
-    for (a, b) in &mut structure.never_touch {
+    for (a, b) in &mut structure.collision_exclude {
         give(&bodies, a);
         give(&bodies, b);
     }

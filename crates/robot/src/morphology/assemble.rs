@@ -35,7 +35,7 @@ pub(super) fn assemble(morphology: &Morphology) -> Assembly {
         parts: workshop.parts,
         hinges: workshop.hinges,
         is_modular: true,
-        apart: morphology.never_touch.clone(),
+        apart: morphology.collision_exclude.clone(),
         world_from_mount: morphology
             .mount_world_m
             .map(|mount_m| Isometry3::from_parts(mount_m.into(), UnitQuaternion::identity())),
@@ -57,14 +57,14 @@ impl Workshop<'_> {
             .solids
             .extend(boxes(index, module, placement));
         if let Some(drive) = &module.drive
-            && !is_glued(morphology.glue(), index, drive.face)
+            && !is_glued(morphology.attachments(), index, drive.face)
         {
             let free = self.open_part(index, part, drive, 1.0);
             self.add_plate(index, free, true);
         }
         for &edge in &morphology.tree.children[index] {
             let joint = match edge {
-                Edge::Glue(glue) => &morphology.glue()[glue],
+                Edge::Attachment(attachments) => &morphology.attachments()[attachments],
                 Edge::Pivot(pivot) => {
                     self.open_pivot(pivot, part);
                     continue;

@@ -331,7 +331,7 @@ pub struct Assembly {
 
 impl Assembly {
     /// No robot at all: for what an experiment is without one.
-    pub fn nobody() -> Self {
+    pub fn empty() -> Self {
         Self {
             name: String::new(),
             module_names: Vec::new(),

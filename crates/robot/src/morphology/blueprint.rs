@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use super::flaw::{Checked, Flaw, Range};
 use super::tree::{Links, Tree};
-use super::{Glue, Module, Morphology, Pivot, layout, module, pivot};
+use super::{Attachment, Module, Morphology, Pivot, layout, module, pivot};
 use realgap_core::Error;
 
 /// A robot as somebody wants it, not yet checked; [`Morphology::new`] checks it.
@@ -19,11 +19,11 @@ pub struct Blueprint {
     /// The modules.
     pub modules: Vec<Module>,
     /// The glue, by index of module.
-    pub glue: Vec<Glue>,
+    pub attachments: Vec<Attachment>,
     /// Hinges stated by anchor and axis, by index of module.
     pub pivots: Vec<Pivot>,
     /// Pairs of modules that never touch each other.
-    pub never_touch: Vec<(usize, usize)>,
+    pub collision_exclude: Vec<(usize, usize)>,
     /// Where the root module is held, world frame, upright, m; `None` for a robot that moves freely.
     pub mount_world_m: Option<Vector3<f64>>,
     /// Index of the module whose motion is recorded; the root when `None`.
@@ -36,9 +36,9 @@ impl Morphology {
             name,
             description,
             modules,
-            glue,
+            attachments,
             pivots,
-            never_touch,
+            collision_exclude,
             mount_world_m,
             track,
         } = blueprint;
@@ -49,10 +49,10 @@ impl Morphology {
         }
         names(&modules)?;
         pivot::check_names(&pivots, &modules)?;
-        check_never_touch(&never_touch, modules.len())?;
+        check_collision_exclude(&collision_exclude, modules.len())?;
         check_mount(mount_world_m)?;
         let links = Links {
-            glue: &glue,
+            attachments: &attachments,
             pivots: &pivots,
         };
         let tree = Tree::grow(&modules, links)?;
@@ -66,10 +66,10 @@ impl Morphology {
             ));
         }
         let placements = layout::place(&modules, links, &tree);
-        let blocks = layout::blocks(&modules, &glue, &placements);
+        let blocks = layout::blocks(&modules, &attachments, &placements);
         let are_apart = |a: usize, b: usize| {
-            never_touch.contains(&(a, b))
-                || never_touch.contains(&(b, a))
+            collision_exclude.contains(&(a, b))
+                || collision_exclude.contains(&(b, a))
                 || pivots.iter().any(|pivot| {
                     let ends = (pivot.parent, pivot.child);
                     ends == (a, b) || ends == (b, a)
@@ -80,9 +80,9 @@ impl Morphology {
             name,
             description,
             modules,
-            glue,
+            attachments,
             pivots,
-            never_touch,
+            collision_exclude,
             mount_world_m,
             track,
             tree,
@@ -92,7 +92,7 @@ impl Morphology {
     }
 }
 
-fn check_never_touch(pairs: &[(usize, usize)], modules: usize) -> Checked<()> {
+fn check_collision_exclude(pairs: &[(usize, usize)], modules: usize) -> Checked<()> {
     for (index, &(a, b)) in pairs.iter().enumerate() {
         if a == b || a >= modules || b >= modules {
             return Err(Flaw::new(

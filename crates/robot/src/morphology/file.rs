@@ -4,9 +4,9 @@ use nalgebra::Unit;
 use serde::{Deserialize, Serialize};
 
 use super::assembly::{Actuator, Bearing, Gait, Servo};
+use super::attachment::Attachment;
 use super::face::Face;
 use super::flaw::{Checked, Flaw};
-use super::glue::Glue;
 use super::module::Module;
 use super::module_file::{DefaultsFile, ModuleFile, Triple, required, triple, vector};
 use super::pivot::Pivot;
@@ -30,14 +30,19 @@ pub struct MorphologyFile {
     /// The modules.
     modules: Vec<ModuleFile>,
     /// Which module is glued on which face of which other.
-    #[serde(default)]
-    glue: Vec<GlueFile>,
+    #[serde(rename = "glue", alias = "attachments", default)]
+    attachments: Vec<AttachmentFile>,
     /// Hinges between modules, stated by anchor and axis.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     hinges: Vec<PivotFile>,
     /// Pairs of modules that never touch each other.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    never_touch: Vec<(String, String)>,
+    #[serde(
+        rename = "never_touch",
+        alias = "collision_exclude",
+        default,
+        skip_serializing_if = "Vec::is_empty"
+    )]
+    collision_exclude: Vec<(String, String)>,
     /// Where the first module is held in the world, metres; without it the robot moves freely.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     mount_m: Option<Triple>,
@@ -83,7 +88,7 @@ struct PivotFile {
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "glue")]
-struct GlueFile {
+struct AttachmentFile {
     /// The module that is there already.
     parent: String,
     /// Its face.
@@ -122,9 +127,9 @@ impl MorphologyFile {
                 .copied()
                 .ok_or_else(|| unknown_module(name, path, &modules))
         };
-        let mut glue = Vec::with_capacity(self.glue.len());
-        for (index, joint) in self.glue.into_iter().enumerate() {
-            glue.push(Glue {
+        let mut attachments = Vec::with_capacity(self.attachments.len());
+        for (index, joint) in self.attachments.into_iter().enumerate() {
+            attachments.push(Attachment {
                 parent: lookup(&joint.parent, format!("glue[{index}].parent"))?,
                 face: joint.face,
                 child: lookup(&joint.child, format!("glue[{index}].child"))?,
@@ -158,10 +163,10 @@ impl MorphologyFile {
                 name: hinge.name,
             });
         }
-        let mut never_touch = Vec::with_capacity(self.never_touch.len());
-        for (index, (a, b)) in self.never_touch.iter().enumerate() {
+        let mut collision_exclude = Vec::with_capacity(self.collision_exclude.len());
+        for (index, (a, b)) in self.collision_exclude.iter().enumerate() {
             let path = || format!("never_touch[{index}]");
-            never_touch.push((lookup(a, path())?, lookup(b, path())?));
+            collision_exclude.push((lookup(a, path())?, lookup(b, path())?));
         }
         let track = match self.track {
             Some(name) => Some(lookup(&name, "track".to_owned())?),
@@ -171,9 +176,9 @@ impl MorphologyFile {
             name: self.name,
             description: self.description,
             modules,
-            glue,
+            attachments,
             pivots,
-            never_touch,
+            collision_exclude,
             mount_world_m: self.mount_m.map(vector),
             track,
         })
@@ -191,10 +196,10 @@ impl MorphologyFile {
                 .iter()
                 .map(ModuleFile::from_module)
                 .collect(),
-            glue: morphology
-                .glue()
+            attachments: morphology
+                .attachments()
                 .iter()
-                .map(|joint| GlueFile {
+                .map(|joint| AttachmentFile {
                     parent: name(joint.parent),
                     face: joint.face,
                     child: name(joint.child),
@@ -208,8 +213,8 @@ impl MorphologyFile {
                 .iter()
                 .map(|pivot| PivotFile::from_pivot(pivot, name))
                 .collect(),
-            never_touch: morphology
-                .never_touch()
+            collision_exclude: morphology
+                .collision_exclude()
                 .iter()
                 .map(|&(a, b)| (name(a), name(b)))
                 .collect(),

@@ -59,9 +59,9 @@ impl Morphology {
             name,
             description,
             modules,
-            glue: self.glue.clone(),
+            attachments: self.attachments.clone(),
             pivots,
-            never_touch: self.never_touch.clone(),
+            collision_exclude: self.collision_exclude.clone(),
             mount_world_m: self.mount_world_m,
             track: Some(self.track),
         })

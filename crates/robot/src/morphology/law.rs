@@ -13,7 +13,7 @@ pub enum ServoLaw {
     /// Velocity command `clamp(gain · error, ±max speed)`, followed within the torque limit.
     Velocity {
         /// Gain, 1/s.
-        gain_1_s: f64,
+        gain_per_s: f64,
     },
     /// Torque `stiffness · error − damping · joint velocity`, clamped to the torque limit.
     Torque {
@@ -33,7 +33,7 @@ impl ServoLaw {
     /// stiffness of the torque law.
     pub fn scale_gain(&mut self, factor: f64) {
         match self {
-            Self::Velocity { gain_1_s } => *gain_1_s *= factor,
+            Self::Velocity { gain_per_s } => *gain_per_s *= factor,
             Self::Torque {
                 stiffness_nm_rad, ..
             } => *stiffness_nm_rad *= factor,
@@ -68,7 +68,8 @@ enum LawFile {
     /// Velocity command `clamp(gain error, +- max speed)`, followed within the torque.
     Velocity {
         /// Gain, 1/s.
-        gain_1_s: f64,
+        #[serde(rename = "gain_1_s", alias = "gain_per_s")]
+        gain_per_s: f64,
     },
     /// Torque `stiffness error - damping velocity`, within the torque.
     Torque {
@@ -113,7 +114,7 @@ enum LawFile {
 impl From<LawFile> for ServoLaw {
     fn from(file: LawFile) -> Self {
         match file {
-            LawFile::Velocity { gain_1_s } => Self::Velocity { gain_1_s },
+            LawFile::Velocity { gain_per_s } => Self::Velocity { gain_per_s },
             LawFile::Torque {
                 stiffness_nm_rad,
                 damping_nm_s_rad,
@@ -150,7 +151,7 @@ impl From<LawFile> for ServoLaw {
 impl From<ServoLaw> for LawFile {
     fn from(law: ServoLaw) -> Self {
         match law {
-            ServoLaw::Velocity { gain_1_s } => Self::Velocity { gain_1_s },
+            ServoLaw::Velocity { gain_per_s } => Self::Velocity { gain_per_s },
             ServoLaw::Torque {
                 stiffness_nm_rad,
                 damping_nm_s_rad,

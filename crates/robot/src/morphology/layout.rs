@@ -3,9 +3,9 @@
 use nalgebra::{Isometry3, Translation3, Vector3};
 
 use super::assembly::Role;
+use super::attachment::Attachment;
 use super::face::CubeRotation;
 use super::flaw::{Checked, Flaw};
-use super::glue::Glue;
 use super::module::Module;
 use super::tree::{Edge, Links, Tree, is_glued};
 use realgap_core::Error;
@@ -45,8 +45,8 @@ pub(super) fn place(modules: &[Module], links: Links<'_>, tree: &Tree) -> Vec<Pl
             continue;
         };
         let (parent, turn, centre_m) = match edge {
-            Edge::Glue(index) => {
-                let joint = &links.glue[index];
+            Edge::Attachment(index) => {
+                let joint = &links.attachments[index];
                 let centre_m =
                     joint.child_centre_m(&modules[joint.parent].sides_m, &modules[module].sides_m);
                 (joint.parent, joint.parent_from_child(), centre_m)
@@ -95,7 +95,11 @@ impl Block {
 }
 
 /// Every box that can touch something: those of all modules, and the plates with nothing glued on them.
-pub(super) fn blocks(modules: &[Module], glue: &[Glue], placements: &[Placement]) -> Vec<Block> {
+pub(super) fn blocks(
+    modules: &[Module],
+    attachments: &[Attachment],
+    placements: &[Placement],
+) -> Vec<Block> {
     let mut blocks = Vec::with_capacity(modules.len());
     for (index, (module, placement)) in modules.iter().zip(placements).enumerate() {
         blocks.extend(module.solid_boxes().iter().map(|part| {
@@ -111,7 +115,7 @@ pub(super) fn blocks(modules: &[Module], glue: &[Glue], placements: &[Placement]
         if let Some((centre, half)) = plate_box(module)
             && module
                 .driven_face()
-                .is_some_and(|face| !is_glued(glue, index, face))
+                .is_some_and(|face| !is_glued(attachments, index, face))
         {
             blocks.push(Block {
                 module: index,

@@ -37,7 +37,7 @@
 //! | `description` | optional, free text |
 //! | `defaults` | optional `side_m`, `mass_kg`, `servo` for modules that do not say otherwise |
 //! | `modules` | 1 to [`Morphology::MAX_MODULES`] of `(name, kind)`; names are unique |
-//! | `glue` | which module sits on which face of which other; glue and hinges are one tree, see [`Glue`] |
+//! | `glue` | which module sits on which face of which other; glue and hinges are one tree, see [`Attachment`] |
 //! | `hinges` | optional list of hinges between modules that are not glued, see below |
 //! | `never_touch` | optional list of pairs of names: modules that pass through each other |
 //! | `mount_m` | optional `(x, y, z)`: the root is held there in the world, upright; else the robot moves freely |
@@ -111,6 +111,7 @@
 mod absent;
 mod assemble;
 mod assembly;
+mod attachment;
 mod blueprint;
 pub mod body;
 mod dynamics;
@@ -118,7 +119,6 @@ mod face;
 mod file;
 mod flaw;
 mod gait;
-mod glue;
 mod law;
 mod layout;
 mod module;
@@ -139,11 +139,11 @@ pub use assembly::{
     Actuator, Assembly, Bearing, ClusterMass, Freedom, Gait, Hinge, Mark, Part, Role, Servo, Solid,
     Spring,
 };
+pub use attachment::Attachment;
 pub use blueprint::Blueprint;
 use blueprint::names;
 pub use dynamics::Dynamics;
 pub use face::Face;
-pub use glue::Glue;
 pub use law::ServoLaw;
 pub use module::{Drive, DriveAxis, Module, ModuleBox, Plate};
 pub use motor::{GearFriction, MOST_LOAD, Motor};
@@ -166,9 +166,9 @@ pub struct Morphology {
     name: String,
     description: String,
     modules: Vec<Module>,
-    glue: Vec<Glue>,
+    attachments: Vec<Attachment>,
     pivots: Vec<Pivot>,
-    never_touch: Vec<(usize, usize)>,
+    collision_exclude: Vec<(usize, usize)>,
     mount_world_m: Option<Vector3<f64>>,
     track: usize,
     tree: Tree,
@@ -266,9 +266,9 @@ impl Morphology {
             name: structure.name.clone(),
             description: structure.description.clone(),
             modules: body::modules(&structure, &assembly),
-            glue: Vec::new(),
+            attachments: Vec::new(),
             pivots: Vec::new(),
-            never_touch: assembly.apart.clone(),
+            collision_exclude: assembly.apart.clone(),
             mount_world_m: assembly
                 .world_from_mount
                 .map(|pose| pose.translation.vector),
@@ -311,8 +311,8 @@ impl Morphology {
     }
 
     /// The glue, in the order of the file.
-    pub fn glue(&self) -> &[Glue] {
-        &self.glue
+    pub fn attachments(&self) -> &[Attachment] {
+        &self.attachments
     }
 
     /// The stated hinges, in the order of the file.
@@ -321,13 +321,13 @@ impl Morphology {
     }
 
     /// Pairs of modules that never touch, in the order of the file.
-    pub fn never_touch(&self) -> &[(usize, usize)] {
-        &self.never_touch
+    pub fn collision_exclude(&self) -> &[(usize, usize)] {
+        &self.collision_exclude
     }
 
     /// Whether two modules are stated never to touch.
     pub fn are_apart(&self, a: usize, b: usize) -> bool {
-        self.never_touch.contains(&(a, b)) || self.never_touch.contains(&(b, a))
+        self.collision_exclude.contains(&(a, b)) || self.collision_exclude.contains(&(b, a))
     }
 
     /// Where the root module is held, world frame, upright, m; `None` for a robot that moves freely.

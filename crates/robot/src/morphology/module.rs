@@ -289,8 +289,8 @@ fn check_servo(servo: &Servo, at: &str) -> Checked<()> {
     } = *servo;
     Range::within(0.0, 10.0, "s").check(delay_s, &format!("{at}.delay_s"))?;
     match law {
-        ServoLaw::Velocity { gain_1_s } => {
-            Range::above(0.0, 1e5, "1/s").check(gain_1_s, &format!("{at}.law.gain_1_s"))?;
+        ServoLaw::Velocity { gain_per_s } => {
+            Range::above(0.0, 1e5, "1/s").check(gain_per_s, &format!("{at}.law.gain_1_s"))?;
         }
         ServoLaw::Torque {
             stiffness_nm_rad,

@@ -31,7 +31,7 @@ impl Morphology {
                 let peak_rad_s = TAU * drive.actuator.gait.frequency_hz * drive.actuator.gait.amplitude_rad.abs();
                 let limit_rad_s = drive.actuator.servo.max_speed_rad_s;
                 (peak_rad_s > limit_rad_s).then(|| {
-                    Code::ServoTooSlow.says(format!(
+                    Code::ServoTooSlow.warning(format!(
                         "the gait of `{}` asks for {peak_rad_s:.2} rad/s, its servo turns at {limit_rad_s} rad/s at most",
                         module.name
                     ))
@@ -59,7 +59,7 @@ impl Morphology {
             let counts = density_kg_m3.is_finite() && module.mass_kg >= least_kg;
             (counts && !DENSITIES_KG_M3.contains(&density_kg_m3)).then(|| {
                 let [x, y, z] = [0, 1, 2].map(|axis| number(module.sides_m[axis]));
-                Code::UnlikelyMass.says(format!(
+                Code::UnlikelyMass.warning(format!(
                     "`{}` of {x} x {y} x {z} m weighs {} kg, which is {density_kg_m3:.3} kg/m³, where air has 1.2 and water 1000: \
                          is the mass in kilograms, and are the lengths in metres?",
                     module.name,
@@ -78,7 +78,7 @@ impl Morphology {
             let ends = [gait.offset_rad - gait.amplitude_rad.abs(), gait.offset_rad + gait.amplitude_rad.abs()];
             let slack = 1e-9 + 0.05 * (high - low);
             (ends[0] < low - slack || ends[1] > high + slack).then(|| {
-                Code::BeyondLimits.says(format!(
+                Code::BeyondLimits.warning(format!(
                     "the gait of `{}` goes from {} to {}, its limits are {low} and {high}: lower offset_rad or amplitude_rad",
                     hinge.name,
                     ends[0],
@@ -95,7 +95,7 @@ impl Morphology {
             let farthest_rad = drive.actuator.gait.offset_rad.abs() + drive.actuator.gait.amplitude_rad.abs();
             let bends = matches!(drive.axis, DriveAxis::Tangent { .. });
             (bends && farthest_rad > FRAC_PI_2 * (1.0 + 1e-9)).then(|| {
-                Code::BentTooFar.says(format!(
+                Code::BentTooFar.warning(format!(
                     "the gait of `{}` bends its face by up to {:.0} degrees, into its own cube: a right angle is the most; \
                          lower offset_rad or amplitude_rad",
                     module.name,
@@ -109,7 +109,7 @@ impl Morphology {
         self.modules().iter().filter_map(|module| {
             let plate = module.plate()?;
             (module.is_cube() && plate.side_m == module.sides_m.x).then(|| {
-                Code::TiedPlate.says(format!(
+                Code::TiedPlate.warning(format!(
                     "the plate of `{}` is as large as its cube: both carry the robot, and only a difference of their frictions (friction_plate_relative of the noise) decides which of them slips",
                     module.name
                 ))
@@ -137,7 +137,7 @@ impl Morphology {
             })
             .map(|hinge| {
                 let (light_kg, heavy_kg) = of(hinge);
-                Code::MassRatio.says(format!(
+                Code::MassRatio.warning(format!(
                     "the joint `{}` has {light_kg} kg and {heavy_kg} kg on its sides: beyond a ratio of {MASS_RATIO} joints come apart \
                          in any simulation; check the masses",
                     hinge.name

@@ -82,7 +82,7 @@ fn box_of_modules(
 ) -> (Vector3<f64>, Vector3<f64>) {
     let all = blocks(
         morphology.modules(),
-        morphology.glue(),
+        morphology.attachments(),
         &morphology.placements,
     );
     all.iter().fold(nothing, |(lower, upper), block| {

@@ -13,7 +13,7 @@ const ANGLES: u32 = 64;
 pub(super) fn blocked_plates(morphology: &Morphology) -> Vec<(usize, usize)> {
     let all = blocks(
         morphology.modules(),
-        morphology.glue(),
+        morphology.attachments(),
         &morphology.placements,
     );
     let mut blocked = Vec::new();

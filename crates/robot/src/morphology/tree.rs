@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
+use super::attachment::Attachment;
 use super::face::Face;
 use super::flaw::{Checked, Flaw};
-use super::glue::Glue;
 use super::module::{DriveAxis, Module};
 use super::pivot::Pivot;
 use realgap_core::Error;
@@ -14,7 +14,7 @@ use realgap_core::Error;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Edge {
     /// Index of the glue.
-    Glue(usize),
+    Attachment(usize),
     /// Index of the stated hinge.
     Pivot(usize),
 }
@@ -23,7 +23,7 @@ impl Edge {
     /// Path in the file.
     pub(super) fn path(self) -> String {
         match self {
-            Self::Glue(index) => format!("glue[{index}]"),
+            Self::Attachment(index) => format!("glue[{index}]"),
             Self::Pivot(index) => format!("hinges[{index}]"),
         }
     }
@@ -32,7 +32,7 @@ impl Edge {
 /// Everything that joins modules.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Links<'a> {
-    pub(super) glue: &'a [Glue],
+    pub(super) attachments: &'a [Attachment],
     pub(super) pivots: &'a [Pivot],
 }
 
@@ -40,14 +40,17 @@ impl Links<'_> {
     /// Parent and child.
     fn ends(&self, edge: Edge) -> (usize, usize) {
         match edge {
-            Edge::Glue(index) => (self.glue[index].parent, self.glue[index].child),
+            Edge::Attachment(index) => (
+                self.attachments[index].parent,
+                self.attachments[index].child,
+            ),
             Edge::Pivot(index) => (self.pivots[index].parent, self.pivots[index].child),
         }
     }
 
     fn edges(&self) -> impl Iterator<Item = Edge> {
-        let glue = (0..self.glue.len()).map(Edge::Glue);
-        glue.chain((0..self.pivots.len()).map(Edge::Pivot))
+        let attachments = (0..self.attachments.len()).map(Edge::Attachment);
+        attachments.chain((0..self.pivots.len()).map(Edge::Pivot))
     }
 }
 
@@ -108,8 +111,8 @@ impl Tree {
         if let Some(lost) = (0..modules.len()).find(|module| !order.contains(module)) {
             return Err(cycle(lost, modules, links, &parent));
         }
-        check_faces(modules, links.glue)?;
-        check_drives(modules, links.glue)?;
+        check_faces(modules, links.attachments)?;
+        check_drives(modules, links.attachments)?;
         Ok(Self {
             root,
             order,
@@ -137,10 +140,10 @@ fn check_indices(edge: Edge, links: Links<'_>, modules: &[Module]) -> Checked<()
             Error::invalid(format!("`{}` is glued onto itself", modules[child].name)),
         ));
     }
-    if let Edge::Glue(index) = edge
-        && links.glue[index].quarter_turns > 3
+    if let Edge::Attachment(index) = edge
+        && links.attachments[index].quarter_turns > 3
     {
-        let turns = links.glue[index].quarter_turns;
+        let turns = links.attachments[index].quarter_turns;
         return Err(quarter_turns_flaw(index, turns.into()));
     }
     Ok(())
@@ -192,7 +195,7 @@ fn find_root(modules: &[Module], links: Links<'_>, parent: &[Option<Edge>]) -> C
 /// Climbs from a module that the root does not reach until a module comes up again.
 fn cycle(start: usize, modules: &[Module], links: Links<'_>, parent: &[Option<Edge>]) -> Flaw {
     let mut climbed = vec![start];
-    let mut last = Edge::Glue(0);
+    let mut last = Edge::Attachment(0);
     let mut module = start;
     while let Some(edge) = parent[module] {
         last = edge;
@@ -218,9 +221,9 @@ fn cycle(start: usize, modules: &[Module], links: Links<'_>, parent: &[Option<Ed
     )
 }
 
-fn check_faces(modules: &[Module], glue: &[Glue]) -> Checked<()> {
+fn check_faces(modules: &[Module], attachments: &[Attachment]) -> Checked<()> {
     let mut taken: HashMap<(usize, Face), usize> = HashMap::new();
-    for (index, joint) in glue.iter().enumerate() {
+    for (index, joint) in attachments.iter().enumerate() {
         for (field, module, face, other) in [
             ("face", joint.parent, joint.face, joint.child),
             ("child_face", joint.child, joint.child_face, joint.parent),
@@ -252,8 +255,8 @@ fn check_faces(modules: &[Module], glue: &[Glue]) -> Checked<()> {
 }
 
 /// Every servo must move something, and each by itself.
-fn check_drives(modules: &[Module], glue: &[Glue]) -> Checked<()> {
-    for (index, joint) in glue.iter().enumerate() {
+fn check_drives(modules: &[Module], attachments: &[Attachment]) -> Checked<()> {
+    for (index, joint) in attachments.iter().enumerate() {
         if modules[joint.parent].driven_face() == Some(joint.face)
             && modules[joint.child].driven_face() == Some(joint.child_face)
         {
@@ -275,7 +278,7 @@ fn check_drives(modules: &[Module], glue: &[Glue]) -> Checked<()> {
     }
     for (index, module) in modules.iter().enumerate() {
         let Some(drive) = module.drive else { continue };
-        if module.plate().is_some() || is_glued(glue, index, drive.face) {
+        if module.plate().is_some() || is_glued(attachments, index, drive.face) {
             continue;
         }
         let hint = match drive.axis {
@@ -295,8 +298,8 @@ fn check_drives(modules: &[Module], glue: &[Glue]) -> Checked<()> {
 }
 
 /// True if another module sits on this face.
-pub(super) fn is_glued(glue: &[Glue], module: usize, face: Face) -> bool {
-    glue.iter().any(|joint| {
+pub(super) fn is_glued(attachments: &[Attachment], module: usize, face: Face) -> bool {
+    attachments.iter().any(|joint| {
         (joint.parent, joint.face) == (module, face)
             || (joint.child, joint.child_face) == (module, face)
     })

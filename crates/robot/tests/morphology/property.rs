@@ -6,8 +6,8 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 use realgap_core::file::Source;
 use realgap_robot::morphology::{
-    Actuator, Assembly, Blueprint, Drive, DriveAxis, Face, Gait, Glue, Module, Morphology, Plate,
-    Role, Servo, ServoLaw,
+    Actuator, Assembly, Attachment, Blueprint, Drive, DriveAxis, Face, Gait, Module, Morphology,
+    Plate, Role, Servo, ServoLaw,
 };
 
 /// One step of growing a robot: numbers from which module, faces and drive are taken.
@@ -52,7 +52,9 @@ fn module(index: usize, seed: &Seed) -> Module {
         actuator: Actuator {
             servo: Servo {
                 law: if turns == 0 {
-                    ServoLaw::Velocity { gain_1_s: mass_kg }
+                    ServoLaw::Velocity {
+                        gain_per_s: mass_kg,
+                    }
                 } else {
                     ServoLaw::Torque {
                         stiffness_nm_rad: mass_kg,
@@ -83,9 +85,9 @@ fn grow(seeds: &[Seed]) -> Morphology {
             drive: None,
             ..module(0, &seeds[0])
         }],
-        glue: Vec::new(),
+        attachments: Vec::new(),
         pivots: Vec::new(),
-        never_touch: Vec::new(),
+        collision_exclude: Vec::new(),
         mount_world_m: None,
         track: None,
     };
@@ -98,7 +100,7 @@ fn grow(seeds: &[Seed]) -> Morphology {
         if let Some(drive) = blueprint.modules[parent].drive.filter(|_| seed.4 % 2 == 0) {
             face = drive.face;
         }
-        bigger.glue.push(Glue {
+        bigger.attachments.push(Attachment {
             parent,
             face,
             child,
@@ -112,7 +114,7 @@ fn grow(seeds: &[Seed]) -> Morphology {
             for (index, module) in relaxed.modules.iter_mut().enumerate() {
                 let moves = |drive: &Drive| {
                     matches!(drive.axis, DriveAxis::Normal { .. })
-                        || blueprint.glue.iter().any(|g| {
+                        || blueprint.attachments.iter().any(|g| {
                             (g.parent, g.face) == (index, drive.face)
                                 || (g.child, g.child_face) == (index, drive.face)
                         })

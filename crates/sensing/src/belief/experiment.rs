@@ -172,14 +172,14 @@ impl BeliefReport {
             options.approach != 0.0 && side.simulated.belief_sd < NARROW * cell
         };
         if let Some(side) = distances.iter().find(narrow) {
-            warnings.push(Code::CoarseGrid.says(format!(
+            warnings.push(Code::CoarseGrid.warning(format!(
                 "cells of {cell:.3} {} are too wide for beliefs at {}: take more of them",
                 model.distance_unit.symbol(),
                 side.distance
             )));
         }
         if restarts > 0 {
-            warnings.push(Code::BeliefRestarted.says(format!(
+            warnings.push(Code::BeliefRestarted.warning(format!(
                 "readings were impossible at every distance {restarts} times; the belief began again from the uniform one"
             )));
         }

@@ -153,7 +153,7 @@ impl Evaluation {
         let outside = 1.0 - within.count() as f64 / log.scans.len() as f64;
         let mut warnings = Vec::new();
         if outside > 0.0 {
-            warnings.push(Code::Extrapolated.says(format!(
+            warnings.push(Code::Extrapolated.warning(format!(
                 "{:.1} % of the scans were taken outside of the places that the model was fitted to",
                 100.0 * outside
             )));
@@ -165,7 +165,7 @@ impl Evaluation {
                 .filter(|scan| arena.check_place(scan.position_world_m, 0.0).is_err());
             let inside = inside.count();
             if inside > 0 {
-                warnings.push(Code::InsideWall.says(format!(
+                warnings.push(Code::InsideWall.warning(format!(
                     "{inside} of {} scans were taken inside of a wall of the arena, or outside of its field: is it the arena of this log?",
                     log.scans.len()
                 )));
@@ -176,7 +176,7 @@ impl Evaluation {
         if mean_absolute_error_m >= baseline_constant_m {
             warnings.push(
                 Code::BaselineNotBeaten
-                    .says("the model foretells no better than each segment's mean does"),
+                    .warning("the model foretells no better than each segment's mean does"),
             );
         }
         let optional = |of: fn(&Sample) -> Option<f64>| {
@@ -220,7 +220,7 @@ pub(super) fn better_lookup(model_m: f64, tried: &[(Frame, Option<f64>)]) -> Opt
         _ => ("nearest", "pose"),
     };
     (error_m < model_m).then(|| {
-        Code::LookupBetter.says(format!(
+        Code::LookupBetter.warning(format!(
             "the scan at the nearest logged {words} is {error_m:.3} m off where the polynomials are {model_m:.3} m off: a fit in the frame `{name}` makes a model of it"
         ))
     })

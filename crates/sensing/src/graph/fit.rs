@@ -118,7 +118,7 @@ pub fn fit(log: &ScanLog, options: &GraphOptions) -> Result<FittedGraph> {
     let mut model = with_polynomials(log, graph, options, &whole);
     let empty = model.polynomials.iter().filter(|p| p.samples == 0).count();
     if empty > 0 {
-        warnings.push(Code::EmptyHeadings.says(format!(
+        warnings.push(Code::EmptyHeadings.warning(format!(
             "the log has no sample for {empty} of {} polynomials; the mean of all stands in for them",
             model.polynomials.len()
         )));
@@ -128,7 +128,7 @@ pub fn fit(log: &ScanLog, options: &GraphOptions) -> Result<FittedGraph> {
         let short = |p: &&Polynomial| p.samples > 0 && p.terms.len() < asked;
         let fewer = model.polynomials.iter().filter(short).count();
         if fewer > 0 {
-            warnings.push(Code::FewerTerms.says(format!(
+            warnings.push(Code::FewerTerms.warning(format!(
                 "{fewer} of {} polynomials have fewer than {asked} terms: a term needs {SAMPLES_PER_TERM} samples, and places that differ",
                 model.polynomials.len()
             )));

@@ -119,7 +119,7 @@ impl ScanLog {
                 .hint("both files must have the same clock"));
         }
         let warning = (log.scans.len() < all).then(|| {
-            Code::ScansWithoutPose.says(format!(
+            Code::ScansWithoutPose.warning(format!(
                 "{} of {all} scans lie outside of the times of the poses and are left out",
                 all - log.scans.len()
             ))

@@ -30,7 +30,7 @@ pub(super) fn check_places(
         );
     }
     if outside > 0 {
-        warnings.push(Code::OutsideArena.says(format!(
+        warnings.push(Code::OutsideArena.warning(format!(
             "{} were taken outside of the arena",
             counted(outside, "reading")
         )));
@@ -45,7 +45,7 @@ pub(super) fn check_places(
         .map(|a| a.name.as_str())
         .collect();
     if !walled.is_empty() {
-        warnings.push(Code::AnchorInWall.says(format!(
+        warnings.push(Code::AnchorInWall.warning(format!(
             "in a wall, which does not count between it and a robot: anchor {}",
             walled.join(", ")
         )));

@@ -134,7 +134,7 @@ impl Evaluation {
         let (rmse_low_db, rmse_high_db) = interval(log, &errors);
         let mut warnings = log.warnings.clone();
         if half == 0.0 {
-            warnings.push(Code::NoInterval.says(
+            warnings.push(Code::NoInterval.warning(
                 "the model states no interval, so that its coverage says nothing; `interval_90_db` in its file does, and a fit writes it",
             ));
         }

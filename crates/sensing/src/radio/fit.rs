@@ -95,7 +95,7 @@ pub fn fit(
         return Err(undetermined(most, options));
     };
     if most == 0 && options.propagation.is_none() {
-        warnings.push(Code::NoWalls.says(
+        warnings.push(Code::NoWalls.warning(
             "no link of the log crosses a wall of the arena, so that nothing is known of walls",
         ));
     }
@@ -233,7 +233,7 @@ fn describe(
         .iter()
         .fold(0.0, |a: f64, e| a.max(e.abs()));
     let interval_90_db = grouped_quantile(&left_out, LEVEL).unwrap_or_else(|| {
-        warnings.push(Code::FewPlaces.says(format!(
+        warnings.push(Code::FewPlaces.warning(format!(
             "{} are too few to say what 90 % of the strengths elsewhere will be within; the interval is the largest error here",
             counted(material.places, "place")
         )));

@@ -138,13 +138,13 @@ impl RadioLog {
                 .hint(COLUMNS));
         }
         if impossible > 0 {
-            log.warnings.push(Code::ImpossibleReadings.says(format!(
+            log.warnings.push(Code::ImpossibleReadings.warning(format!(
                 "{} of 0 dBm or more, or under -120 dBm, counted as not heard",
                 counted(impossible, "strength")
             )));
         }
         if wanted.is_none() && sessions.len() > 1 {
-            log.warnings.push(Code::SeveralSessions.says(format!(
+            log.warnings.push(Code::SeveralSessions.warning(format!(
                 "sessions {} are taken together; choose one to hold the others against it",
                 sessions.join(", ")
             )));

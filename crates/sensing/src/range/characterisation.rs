@@ -182,7 +182,7 @@ impl Characterisation {
         let mut reach = vec![normal_quantile(0.5 + 0.5 * level); plan.parameters(&fitted)];
         let mut sessions = None;
         if (1..LEAST_SESSIONS).contains(&log.sessions.len()) {
-            warnings.push(Code::FewSessions.says(format!(
+            warnings.push(Code::FewSessions.warning(format!(
                 "{} sessions do not tell how sessions differ: intervals are those of independent readings, and too sure for another session",
                 log.sessions.len()
             )));
@@ -274,13 +274,13 @@ fn ends(data: &[Summary], rows: usize) -> Result<(f64, f64)> {
 fn doubts(plan: Plan, lack_of_fit_p: Option<f64>, normality: Normality) -> Vec<Warning> {
     let mut warnings = Vec::new();
     if lack_of_fit_p.is_some_and(|p| p < DOUBTFUL) {
-        warnings.push(Code::LackOfFit.says(format!(
+        warnings.push(Code::LackOfFit.warning(format!(
             "mean readings are further from the {} form than chance puts them: its intervals are too sure, and between the distances of the log it may be off",
             plan.mean.name()
         )));
     }
     if normality.adjusted_p < DOUBTFUL {
-        warnings.push(Code::NotNormal.says(format!(
+        warnings.push(Code::NotNormal.warning(format!(
             "readings are not spread normally at {} of {} distances (rounded readings alone can be why)",
             normality.rejected,
             normality.tested
@@ -320,7 +320,7 @@ fn pick(plans: &[Plan], data: &[Summary], warnings: &mut Vec<Warning>) -> (Plan,
     }
     warnings.push(
         Code::FewDistances
-            .says("two distances cannot tell one form from another; the line is a guess"),
+            .warning("two distances cannot tell one form from another; the line is a guess"),
     );
     let is_line = |form: &dyn Form| form.name() == Linear.name();
     let line = plans

@@ -163,13 +163,13 @@ impl ReadingLog {
             log.sampling_time_s = Some(realgap_core::statistics::median(&steps_s));
         }
         if wanted.is_none() && materials.len() > 1 {
-            log.warnings.push(Code::SeveralMaterials.says(format!(
+            log.warnings.push(Code::SeveralMaterials.warning(format!(
                 "readings off {} are fitted as one sensor; choose one to tell them apart",
                 materials.join(", ")
             )));
         }
         if impossible > 0 {
-            log.warnings.push(Code::ImpossibleReadings.says(format!(
+            log.warnings.push(Code::ImpossibleReadings.warning(format!(
                 "{} of 0 or below counted as readings that never came",
                 counted(impossible, "reading")
             )));

@@ -215,7 +215,7 @@ impl RangeModel {
     pub fn warning_at(&self, distance_m: f64) -> Option<Warning> {
         let (low_m, high_m) = self.range_m();
         (distance_m < low_m - 1e-9 || distance_m > high_m + 1e-9).then(|| {
-            Code::Extrapolated.says(format!(
+            Code::Extrapolated.warning(format!(
                 "{:.4} m is outside of the {low_m:.4} to {high_m:.4} m for which the sensor was characterised; what it would read there is extrapolated",
                 distance_m
             ))

@@ -125,7 +125,7 @@ impl TaskComparison {
             .filter(|name| !factors.contains(name))
             .collect();
         if !only.is_empty() {
-            warnings.push(Code::ColumnsIgnored.says(format!(
+            warnings.push(Code::ColumnsIgnored.warning(format!(
                 "in one of the two logs only, and not used: {}",
                 only.join(", ")
             )));
@@ -137,7 +137,7 @@ impl TaskComparison {
                 .hint("columns and their values must be called alike in both"));
         }
         if !lonely.is_empty() {
-            warnings.push(Code::UnmatchedConditions.says(format!(
+            warnings.push(Code::UnmatchedConditions.warning(format!(
                 "in one of the two logs only, and left out: {}",
                 lonely.join("; ")
             )));
@@ -156,7 +156,7 @@ impl TaskComparison {
             .collect();
         if !few.is_empty() {
             warnings.push(
-                Code::FewRepeats.says(format!("fewer than {FEW} trials: {}", few.join("; "))),
+                Code::FewRepeats.warning(format!("fewer than {FEW} trials: {}", few.join("; "))),
             );
         }
         let medians: (Vec<f64>, Vec<f64>) = conditions

@@ -103,7 +103,7 @@ impl TaskLog {
         }
         let mut warnings = Vec::new();
         if trials.iter().any(|t| t.duration.time_s > LONG_S) {
-            warnings.push(Code::LongTask.says(format!(
+            warnings.push(Code::LongTask.warning(format!(
                 "{}: a task of more than a week; durations are read as seconds",
                 path.display()
             )));

@@ -5,9 +5,9 @@
 //! its own, in step with the others: they see and hear one another, and do not touch.
 
 mod check;
-mod crew;
 mod file;
 mod mount;
+mod robot_group;
 mod rule;
 
 use std::sync::Arc;
@@ -24,9 +24,9 @@ use realgap_sensing::graph::Sensorgraph;
 use realgap_sensing::radio::{RadioModel, ServiceOptions};
 use realgap_sensing::range::RangeModel;
 
-pub(super) use crew::steered;
 #[cfg(feature = "schema")]
 pub use file::ControllerFile;
+pub(super) use robot_group::steered;
 pub use rule::{Condition, Rule};
 
 /// What a robot is called that has no name.
@@ -103,7 +103,7 @@ pub struct Radio {
 /// A message that arrived.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Heard {
-    /// Who sent it, by its number in the crew.
+    /// Who sent it, by its number in the group.
     pub from: usize,
     /// Where it was then, in the arena, metres.
     pub position_m: [f64; 3],
@@ -118,7 +118,7 @@ pub struct Heard {
 /// What one robot knows when it decides.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensed {
-    /// Which robot of the crew: 0 is the experiment's own.
+    /// Which robot of the group: 0 is the experiment's own.
     pub robot: usize,
     /// Time, seconds.
     pub time_s: f64,

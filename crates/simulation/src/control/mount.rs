@@ -62,7 +62,7 @@ fn module(assembly: &Assembly, name: &str) -> Option<(usize, Isometry3<f64>)> {
 }
 
 impl<'a> Eye<'a> {
-    /// The sensors of one robot of the crew; what is random of each has a stream of its own.
+    /// The sensors of one robot of the group; what is random of each has a stream of its own.
     pub fn all(
         controller: &'a Controller,
         assembly: &Assembly,

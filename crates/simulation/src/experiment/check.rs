@@ -1,6 +1,6 @@
 //! What an experiment must be to be simulated.
 
-use super::{EngineChoice, Experiment, FrictionModel, JointKind, Sampling};
+use super::{EngineChoice, Experiment, FrictionModel, JointFormulation, Sampling};
 use realgap_core::error::{Error, Result};
 use realgap_robot::morphology::{Hinge, Role};
 
@@ -97,7 +97,7 @@ impl Experiment {
             );
         }
         let is_pyramid = self.contact.friction_model == FrictionModel::Simplified;
-        if is_pyramid && self.joint_kind() == JointKind::Impulse {
+        if is_pyramid && self.joint_kind() == JointFormulation::Impulse {
             return Err(
                 Error::invalid("this friction model does not say what friction did")
                     .field("contact.friction_model")
@@ -121,7 +121,7 @@ impl Experiment {
                 .map(|part| self.assembly.parts[part].mass_kg());
             a.min(b) < LEAST_BESIDE * a.max(b)
         };
-        let (why, allowed) = if self.joint_kind() != JointKind::Impulse {
+        let (why, allowed) = if self.joint_kind() != JointFormulation::Impulse {
             (
                 "multibody joints cannot give way",
                 "0, or impulse joints (solver.joint 0)",

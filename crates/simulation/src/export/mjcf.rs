@@ -105,19 +105,19 @@ impl Format for Mjcf {
 
 fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
     let mut warnings = vec![
-        Code::RestitutionNotExported.says(format!(
+        Code::RestitutionNotExported.warning(format!(
             "restitution {} (MuJoCo has no such coefficient; its contacts hardly bounce)",
             robot.floor.restitution
         )),
-        Code::SolverNotExported.says(
+        Code::SolverNotExported.warning(
             "realgap's timestep, substeps and contact settings (the file has hardened MuJoCo settings of its own)",
         ),
     ];
     if robot.assembly.is_compliant() {
-        warnings.push(Code::SpringNotExported.says("how bearings give way (hinge.bearing_hz)"));
+        warnings.push(Code::SpringNotExported.warning("how bearings give way (hinge.bearing_hz)"));
     }
     if robot.has_servos() {
-        warnings.push(Code::GaitNeedsProgram.says(
+        warnings.push(Code::GaitNeedsProgram.warning(
             "the gait as motion (it is in <custom>; tools/record_standin.py reads it and drives the servos)",
         ));
     }
@@ -163,13 +163,13 @@ fn custom(robot: &Robot<'_>) -> Element {
             ..
         } = *servo;
         let (law, data) = match law {
-            ServoLaw::Velocity { gain_1_s } => {
+            ServoLaw::Velocity { gain_per_s } => {
                 let speed = if max_speed_rad_s.is_finite() {
                     max_speed_rad_s
                 } else {
                     -1.0
                 };
-                ("velocity", [gain_1_s, speed, max_torque_nm])
+                ("velocity", [gain_per_s, speed, max_torque_nm])
             }
             ServoLaw::Torque {
                 stiffness_nm_rad,

@@ -60,11 +60,11 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
     let track = robot.assembly.robot_from_track.translation.vector
         - link_origin_robot_m(robot, robot.assembly.track_part);
     let mut warnings = vec![
-        Code::FloorNotExported.says(format!(
+        Code::FloorNotExported.warning(format!(
             "the floor, its friction {} and restitution {}, and gravity",
             robot.floor.friction, robot.floor.restitution
         )),
-        Code::TrackNotExported.says(format!(
+        Code::TrackNotExported.warning(format!(
             "the tracked point (link {}, at {} m in its frame)",
             robot.part_name(robot.assembly.track_part),
             vector(&track)
@@ -73,7 +73,7 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
     if robot.has_servos() {
         warnings.push(
             Code::GaitNotExported
-                .says("gait and servo law (only the limits of torque and speed are here)"),
+                .warning("gait and servo law (only the limits of torque and speed are here)"),
         );
     }
     let mut bearings = robot.assembly.hinges.iter().map(|hinge| &hinge.bearing);
@@ -82,18 +82,19 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
     };
     if bearings.any(springs) || !robot.assembly.marks.is_empty() {
         warnings.push(
-            Code::SpringNotExported.says("springs, armatures and compliance of joints, and marks"),
+            Code::SpringNotExported
+                .warning("springs, armatures and compliance of joints, and marks"),
         );
     }
     if !robot.assembly.hinges.is_empty() {
-        warnings.push(Code::ExclusionNotExported.says(
+        warnings.push(Code::ExclusionNotExported.warning(
             "that parts joined by a hinge do not collide (most readers assume it, URDF cannot say it)",
         ));
         if robot
             .driven_hinges()
             .any(|(_, driven)| driven.servo.max_speed_rad_s.is_infinite())
         {
-            warnings.push(Code::SpeedLimitInvented.says(format!(
+            warnings.push(Code::SpeedLimitInvented.warning(format!(
                 "servos without speed limit (URDF demands one: {UNLIMITED_RAD_S} rad/s stands in)"
             )));
         }

@@ -166,7 +166,7 @@ impl ParameterSet {
         };
         let idle = self.0.iter().filter_map(|a| Some((a, why(a)?)));
         idle.map(|(a, why)| {
-            Code::NoEffect.says(format!("{} has no effect: {why}", a.parameter.name))
+            Code::NoEffect.warning(format!("{} has no effect: {why}", a.parameter.name))
         })
         .collect()
     }

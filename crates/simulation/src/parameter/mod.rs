@@ -368,7 +368,7 @@ impl Parameter {
 
     /// The value where nothing is set; `None` where the robot's file decides.
     pub fn default_value(&self) -> Option<f64> {
-        (self.get)(&Experiment::new(Assembly::nobody()), self.subject)
+        (self.get)(&Experiment::new(Assembly::empty()), self.subject)
     }
 
     /// `value` made a little smaller and a little larger (see [`Nudge`]); `None` at a bound.

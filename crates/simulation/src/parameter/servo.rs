@@ -6,7 +6,7 @@ use crate::HingeAdjustment;
 use realgap_robot::morphology::{Hinge, Servo, ServoLaw};
 
 /// What the robot's file states of a servo: the place of a number in it, where its law has one.
-macro_rules! stated {
+macro_rules! servo_parameter {
     ($name:literal, $unit:ident, $high:literal, $doc:literal, $servo:ident => $place:expr) => {
         entry!(
             $name,
@@ -58,21 +58,21 @@ macro_rules! adjusted {
 
 #[rustfmt::skip] // a table
 pub(super) static PARAMETERS: &[Parameter] = &[
-    stated!("servo.max_torque_nm", NewtonMetre, 1000.0,
+    servo_parameter!("servo.max_torque_nm", NewtonMetre, 1000.0,
         "Torque limit of every servo, in place of the robot file's.", servo => Some(&mut servo.max_torque_nm)),
-    stated!("servo.max_speed_rad_s", RadianPerSecond, 1000.0,
+    servo_parameter!("servo.max_speed_rad_s", RadianPerSecond, 1000.0,
         "Speed limit of every servo, in place of the robot file's.", servo => Some(&mut servo.max_speed_rad_s)),
-    stated!("servo.gain_1_s", PerSecond, 1e5,
+    servo_parameter!("servo.gain_1_s", PerSecond, 1e5,
         "Gain of every servo with the Velocity law.", servo => match &mut servo.law {
-            ServoLaw::Velocity { gain_1_s } => Some(gain_1_s),
+            ServoLaw::Velocity { gain_per_s } => Some(gain_per_s),
             _ => None,
         }),
-    stated!("servo.stiffness_nm_rad", NewtonMetrePerRadian, 1e6,
+    servo_parameter!("servo.stiffness_nm_rad", NewtonMetrePerRadian, 1e6,
         "Stiffness of every servo with the Torque law.", servo => match &mut servo.law {
             ServoLaw::Torque { stiffness_nm_rad, .. } => Some(stiffness_nm_rad),
             _ => None,
         }),
-    stated!("servo.damping_nm_s_rad", NewtonMetreSecondPerRadian, 1e6,
+    servo_parameter!("servo.damping_nm_s_rad", NewtonMetreSecondPerRadian, 1e6,
         "Damping of every servo with the Torque law.", servo => match &mut servo.law {
             ServoLaw::Torque { damping_nm_s_rad, .. } => Some(damping_nm_s_rad),
             _ => None,

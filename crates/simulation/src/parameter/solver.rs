@@ -1,7 +1,7 @@
 //! Numerical settings: worth a sweep of their own, because they change results too.
 
 use super::{Nudge, Parameter, choice, entry, field};
-use crate::{ENGINES, JointKind};
+use crate::{ENGINES, JointFormulation};
 
 /// A whole number of the solver's settings.
 macro_rules! count {
@@ -36,11 +36,11 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         whole: true,
         ..entry!("solver.joint", One, (0.0, 1.0), Linear, Nudge::Absolute(1.0),
             "0: impulse joints (constraints); 1: multibody joints (reduced coordinates).",
-            |e, _| Some(f64::from(u8::from(e.joint_kind() == JointKind::Multibody))),
+            |e, _| Some(f64::from(u8::from(e.joint_kind() == JointFormulation::Multibody))),
             |e, _, value| {
                 e.solver.joint = match value == 0.0 {
-                    true => JointKind::Impulse,
-                    false => JointKind::Multibody,
+                    true => JointFormulation::Impulse,
+                    false => JointFormulation::Multibody,
                 };
             })
     },

@@ -1,10 +1,10 @@
 //! Rapier, the first engine and the reference of every answer: rigid bodies, multibodies and contacts of its own.
 
-mod axle;
 mod driven;
 mod friction;
 mod hook;
 mod integration;
+mod joint;
 mod load;
 mod mass;
 mod pose;
@@ -14,14 +14,14 @@ mod surface;
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 
 use super::engine::{Engine, Load, Motion, Setup, World};
-use super::experiment::{Experiment, FrictionModel, JointKind};
+use super::experiment::{Experiment, FrictionModel, JointFormulation};
 use super::kinematics::{Turn, joint_turns, robot_from_part_at_zero};
 use super::motor::Effort;
 use super::part_state::PartState;
 use super::servo::Command;
-use axle::{Axle, Seat, rotor_inertia_kg_m2};
 use friction::Friction;
 use hook::{Hooks, module_mark};
+use joint::{JointFrame, RapierJoint, rotor_inertia_kg_m2};
 use rapier3d_f64::math::{Pose, Vector};
 use rapier3d_f64::prelude::{
     ActiveHooks, BroadPhaseBvh, CCDSolver, CoefficientCombineRule, ColliderBuilder, ColliderSet,
@@ -130,7 +130,7 @@ struct RapierWorld {
     soft_bodies: SoftBodySet,
     ccd: CCDSolver,
     parts: Vec<Member>,
-    axles: Vec<Axle>,
+    axles: Vec<RapierJoint>,
     hooks: Hooks,
     /// Bodies of the scene, in its order.
     scene: Vec<RigidBodyHandle>,
@@ -177,8 +177,8 @@ impl RapierWorld {
             let part_from_robot = robot_from_part_at_zero(assembly, index).inverse();
             let is_held = index == 0 && assembly.world_from_mount.is_some();
             let rotors_kg_m2 = match kind {
-                JointKind::Impulse => rotor_inertia_kg_m2(assembly, index, &part_from_robot),
-                JointKind::Multibody | JointKind::Auto => Matrix3::zeros(),
+                JointFormulation::Impulse => rotor_inertia_kg_m2(assembly, index, &part_from_robot),
+                JointFormulation::Multibody | JointFormulation::Auto => Matrix3::zeros(),
             };
             let mut mass = weighable(part.mass(&part_from_robot), least_kg);
             mass.inertia_kg_m2 += rotors_kg_m2;
@@ -211,16 +211,16 @@ impl RapierWorld {
                 world.parts[hinge.child_part],
             );
             let seats = [
-                Seat {
+                JointFrame {
                     body: parent.body,
                     body_from_hinge: parent.body_from_part() * frame,
                 },
-                Seat {
+                JointFrame {
                     body: child.body,
                     body_from_hinge: child.body_from_part() * child_from_parent * frame,
                 },
             ];
-            world.axles.push(Axle::new(
+            world.axles.push(RapierJoint::new(
                 kind,
                 hinge,
                 seats,

@@ -8,7 +8,7 @@ use super::super::energy::Meter;
 use super::super::experiment::{Experiment, JointState, Start};
 use super::super::outcome::{Divergence, Outcome};
 use super::super::path::{Path, between};
-use super::super::watch::{Attendance, Observer, Snapshot};
+use super::super::watch::{Observer, RunHooks, Snapshot};
 use super::{Rollout, Run, SETTLE_LIMIT_S};
 use crate::control::Steer;
 use realgap_core::error::Result;
@@ -46,18 +46,14 @@ impl Rollout<'_> {
         &mut self.steering
     }
 
-    pub(super) fn run(
-        &mut self,
-        experiment: &Experiment,
-        attendance: &mut Attendance<'_>,
-    ) -> Result<Run> {
-        let mut course = match self.begin(experiment, &mut attendance.observer)? {
+    pub(super) fn run(&mut self, experiment: &Experiment, hooks: &mut RunHooks<'_>) -> Result<Run> {
+        let mut course = match self.begin(experiment, &mut hooks.observer)? {
             Ok(course) => course,
             Err(divergence) => return Ok(self.told(Outcome::Diverged(divergence))),
         };
         for step in 1..=course.steps {
-            attendance.tell(step - 1, course.steps)?;
-            if let Some(divergence) = self.advance(&mut course, step, &mut attendance.observer) {
+            hooks.tell(step - 1, course.steps)?;
+            if let Some(divergence) = self.advance(&mut course, step, &mut hooks.observer) {
                 return Ok(self.told(Outcome::Diverged(divergence)));
             }
         }

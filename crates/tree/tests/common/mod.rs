@@ -4,7 +4,7 @@
 use realgap_tree::parry::math::{Mat3, Pose, Rot3, Vec3};
 use realgap_tree::parry::shape::SharedShape;
 use realgap_tree::{
-    Attachment, Collider, Command, Fixture, Joint, JointKind, Link, Model, Settings, World,
+    Attachment, Collider, Command, Fixture, Joint, JointType, Link, Model, Settings, World,
 };
 
 pub const G: f64 = 9.81;
@@ -112,7 +112,7 @@ pub fn mount() -> Link {
 pub fn hinge_y(parent: usize, x: f64, y: f64, z: f64) -> Joint {
     Joint {
         parent_from_joint: at(x, y, z),
-        ..Joint::new(parent, JointKind::Continuous, Vec3::Y)
+        ..Joint::new(parent, JointType::Continuous, Vec3::Y)
     }
 }
 
@@ -129,7 +129,7 @@ pub fn cube_on_plate(friction: f64, restitution: f64, above_m: f64) -> Vec<Link>
     let mut plate = block(0.012, plate_size, friction, Pose::identity());
     plate.attachment = Attachment::Joint(Joint {
         parent_from_joint: at(0.0, 0.0, -0.029 - 0.5 * thickness_m),
-        ..Joint::new(0, JointKind::Continuous, Vec3::Z)
+        ..Joint::new(0, JointType::Continuous, Vec3::Z)
     });
     body.colliders[0].restitution = restitution;
     plate.colliders[0].restitution = restitution;

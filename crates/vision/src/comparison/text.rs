@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::super::alignment::RelativeTo;
 use super::super::extractor::Measure;
-use super::{Answer, ExtractorReport, Mean, Verdict, VisionReport};
+use super::{Answer, ExtractorReport, Mean, PairedComparison, VisionReport};
 use realgap_core::table::Side::{Left, Right};
 use realgap_core::table::TextTable;
 use realgap_core::unit::counted;
@@ -31,7 +31,7 @@ fn mean(mean: Option<Mean>, unit: &str) -> String {
     }
 }
 
-impl fmt::Display for Verdict {
+impl fmt::Display for PairedComparison {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let answer = match self.answer {
             Answer::Nearer => "yes",

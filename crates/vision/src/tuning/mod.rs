@@ -278,13 +278,13 @@ fn unknown_compression(compression: &TunedSetting, quality: Option<u8>) -> Optio
         None => "were not compressed".to_owned(),
     };
     let what = format!("exposure, gain and read noise are found as if pictures {as_if}");
-    Some(Code::CompressionUnknown.says(what))
+    Some(Code::CompressionUnknown.warning(what))
 }
 
 /// Says that a search ended by its budget.
 fn unfinished(found: &sensor::Found, budget: usize) -> Option<Warning> {
     let what = format!("the search had more to try when its budget of {budget} was spent");
-    (!found.is_ended).then(|| Code::Incomplete.says(what))
+    (!found.is_ended).then(|| Code::Incomplete.warning(what))
 }
 
 /// How far simulated pictures are from some real ones, with the camera of before and with the tuned one; both look for where these

@@ -110,7 +110,7 @@ pub(super) fn split(
             .hint("intervals are by how much views differ"));
     }
     if held.is_empty() {
-        warnings.push(Code::FewRecordings.says(format!(
+        warnings.push(Code::FewRecordings.warning(format!(
             "{}: nothing is held out to judge the camera",
             counted(fitted.len(), "view")
         )));

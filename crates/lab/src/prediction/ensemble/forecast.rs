@@ -77,7 +77,7 @@ impl Forecast {
             && !ensemble.noise.is_zero()
             && !(spread.q05..=spread.q95).contains(&alone_m)
         {
-            warnings.push(Code::AtypicalPrediction.says(format!(
+            warnings.push(Code::AtypicalPrediction.warning(format!(
                 "without noise the robot gets {alone_m:.3} m far, outside what 90 % of its repeats do ({:.3} to {:.3} m): \
                      the one run without noise does not predict them",
                 spread.q05,

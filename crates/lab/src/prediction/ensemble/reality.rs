@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{Ensemble, Forecast, LEVELS};
-use crate::claim::{self, Claim, Says};
+use crate::claim::{self, Claim, Conclusion};
 use realgap_core::Result;
 use realgap_core::statistics::{EnergyTest, Proportion, energy_test, mean_of};
 use realgap_path::trajectory::{Prepared, rms_m};
@@ -166,7 +166,7 @@ impl Reality {
                 let whole_path = in_band.map(|held| Proportion::of(held, INTERVAL));
                 let claim = claim::region(level, &at_end, whole_path.as_ref());
                 Coverage {
-                    is_honest: claim.says == Says::Holds,
+                    is_honest: claim.conclusion == Conclusion::Supported,
                     whole_path,
                     level,
                     over_time: mean_of(runs.iter().map(|run| run.time_inside[index])),

@@ -10,7 +10,7 @@ use realgap_core::{Code, Error, ErrorKind, Result, Warning};
 use realgap_optimization::RunOptions;
 use realgap_path::trajectory::{Prepared, prepare};
 use realgap_simulation::{
-    Attendance, EnergyBalance, Experiment, Noise, Outcome, Perturbation, Run, attend,
+    EnergyBalance, Experiment, Noise, Outcome, Perturbation, Run, RunHooks, run_with,
 };
 
 /// A run that is known already, by its number.
@@ -210,11 +210,11 @@ pub fn run_each(
 /// One run; `None` where the work is stopped before its end.
 fn unless_stopped(experiment: &Experiment, run: &RunOptions<'_>) -> Result<Option<Run>> {
     let mut clock = |_| run.go_on();
-    let attendance = Attendance {
+    let hooks = RunHooks {
         clock: Some(&mut clock),
-        ..Attendance::default()
+        ..RunHooks::default()
     };
-    match attend(experiment, attendance) {
+    match run_with(experiment, hooks) {
         Err(error) if run.is_stopped() && error.kind() == ErrorKind::Interrupted => Ok(None),
         simulated => simulated.map(|(run, _)| Some(run)),
     }
@@ -252,7 +252,7 @@ fn recorded(run: Run, noise: &Noise, seed: u64, number: u64) -> Result<Run> {
 /// Repeats without a camera are nearer to each other than recordings can be.
 pub fn no_camera(noise: &Noise) -> Option<Warning> {
     (noise.camera.is_zero() && !noise.is_zero()).then(|| {
-        Code::NoCamera.says(
+        Code::NoCamera.warning(
             "the noise has no camera, but recordings were seen by one: where repeats differ by less than it does (at first),              regions are too narrow; add e.g. camera: (position_m: Normal(0.001))",
         )
     })
@@ -274,28 +274,29 @@ fn warnings(ensemble: &Ensemble) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let count = ensemble.repeats.len();
     if ensemble.noise.is_zero() {
-        warnings.push(Code::NoNoise.says(
+        warnings.push(Code::NoNoise.warning(
             "the noise is zero, so all repeats are the same run: nothing follows from this about how sure the prediction is",
         ));
     }
     if !ensemble.is_complete() {
-        warnings.push(Code::Incomplete.says(format!(
+        warnings.push(Code::Incomplete.warning(format!(
             "stopped after {count} of {} repeats",
             ensemble.asked
         )));
     } else if count < FEW_REPEATS {
-        warnings.push(Code::FewRepeats.says(format!(
+        warnings.push(Code::FewRepeats.warning(format!(
             "{count} repeats say little about tails and rare behaviours; {FEW_REPEATS} are the least, 200 are usual"
         )));
     }
     let diverged = count - ensemble.motions().count();
     if diverged > 0 {
-        warnings.push(Code::Diverged.says(format!(
+        warnings.push(Code::Diverged.warning(format!(
             "{diverged} of {count} repeats diverged; they count as failures and are in no other number"
         )));
     }
     if let Some(divergence) = ensemble.noise_free.divergence() {
-        warnings.push(Code::Diverged.says(format!("the run without noise diverged {divergence}")));
+        warnings
+            .push(Code::Diverged.warning(format!("the run without noise diverged {divergence}")));
     }
     warnings
 }

@@ -148,7 +148,7 @@ fn no_common_start(recordings: usize) -> NoiseFloor {
         recordings,
         pairs: 0,
         metrics: Vec::new(),
-        warnings: vec![Code::NoRepeats.says(
+        warnings: vec![Code::NoRepeats.warning(
             "every recording has a start of its own, so that none repeats another: a noise floor (and a gap ratio) needs several \
              recordings of the same start",
         )],

@@ -124,7 +124,7 @@ pub(super) fn measure(
     let mut warnings = Vec::new();
     let count = recordings.len();
     if count < 2 {
-        warnings.push(Code::OneRecording.says(
+        warnings.push(Code::OneRecording.warning(
             "one recording has no repeat to be compared with: there is no noise floor, and no gap ratio",
         ));
     }

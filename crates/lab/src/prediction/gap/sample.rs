@@ -87,7 +87,7 @@ pub(super) fn distance(
     let [real, other] = [real, other].map(|sample| (&sample.motion, &sample.prepared));
     let pair = Pair::new(real, other);
     let score = metric.compare(&pair, context)?;
-    heard.hear(score.warnings);
+    heard.add_warnings(score.warnings);
     Ok(score.value)
 }
 
@@ -96,7 +96,7 @@ pub(super) fn distance(
 pub(super) struct Heard(Vec<(Warning, usize)>);
 
 impl Heard {
-    pub(super) fn hear(&mut self, warnings: Vec<Warning>) {
+    pub(super) fn add_warnings(&mut self, warnings: Vec<Warning>) {
         for warning in warnings {
             self.add(warning, 1);
         }
@@ -124,7 +124,7 @@ impl Heard {
             };
             warning
                 .code
-                .says(format!("{what}: {}{more}", warning.message))
+                .warning(format!("{what}: {}{more}", warning.message))
         });
         said.collect()
     }

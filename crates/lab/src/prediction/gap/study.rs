@@ -238,12 +238,12 @@ fn study_gap(
         );
     }
     if diverged > 0 {
-        warnings.push(Code::Diverged.says(format!(
+        warnings.push(Code::Diverged.warning(format!(
             "{diverged} of {begun} runs diverged; they are in no number here"
         )));
     }
     if begun < total {
-        warnings.push(Code::Incomplete.says(format!("stopped after {begun} of {total} runs")));
+        warnings.push(Code::Incomplete.warning(format!("stopped after {begun} of {total} runs")));
     }
     warnings.extend(different_durations(&real));
     let body_length_m = definition.morphology.assemble().body_length_m;
@@ -366,7 +366,7 @@ fn usable_noise(noise: Option<Noise>, warnings: &mut Vec<Warning>) -> Result<Opt
             return Ok(Some(noise));
         }
     };
-    warnings.push(Code::NoNoise.says(message));
+    warnings.push(Code::NoNoise.warning(message));
     Ok(None)
 }
 
@@ -383,7 +383,7 @@ fn completed(run: Run, number: u64) -> Result<Option<Sample>> {
 fn different_durations(real: &[Sample]) -> Option<Warning> {
     let (shortest_s, longest_s) = ends_of(real.iter().map(|run| run.motion.duration_s()));
     (longest_s > 1.01 * shortest_s).then(|| {
-        Code::DifferentDurations.says(format!(
+        Code::DifferentDurations.warning(format!(
             "recordings last {shortest_s:.2} to {longest_s:.2} s: curves over time are over the share of each run, drawn in seconds of the mean one"
         ))
     })

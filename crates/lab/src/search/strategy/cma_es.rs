@@ -5,7 +5,9 @@ use serde::Deserialize;
 use super::{Evaluated, Space, Strategy, StrategySettings};
 use crate::search::body::GAIT;
 use realgap_core::{Error, Result};
-use realgap_optimization::{Brief, History, Proposal, Told, optimizer_by_name};
+use realgap_optimization::{
+    EvaluatedPoint, History, OptimizationProblem, Proposal, optimizer_by_name,
+};
 use realgap_robot::genome::{Gene, Genome, Locus};
 
 /// CMA-ES as a file names it: on the gait of the genome or the robot that the search starts from.
@@ -86,9 +88,9 @@ impl Strategy for CmaEs {
         if left == 0 {
             return Ok(Vec::new());
         }
-        let told: Vec<Told> = history
+        let told: Vec<EvaluatedPoint> = history
             .iter()
-            .map(|evaluated| Told {
+            .map(|evaluated| EvaluatedPoint {
                 point: self
                     .searched
                     .iter()
@@ -99,7 +101,7 @@ impl Strategy for CmaEs {
                 errors: Vec::new(),
             })
             .collect();
-        let brief = Brief {
+        let brief = OptimizationProblem {
             points: vec![1; self.searched.len()],
             budget: self.evaluations,
             seed: self.seed,

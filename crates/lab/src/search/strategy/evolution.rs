@@ -97,7 +97,7 @@ impl StrategySettings for Evolution {
 }
 
 impl Strategy for Evolution {
-    realgap_core::stated! {
+    realgap_core::constant_methods! {
         name: &'static str = "evolution";
         batch_name: &'static str = "generation";
     }

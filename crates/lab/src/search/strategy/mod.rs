@@ -29,7 +29,7 @@ pub use evolution::Evolution;
 pub use generator::generator;
 pub use grid::{GeneValues, Grid, GridSettings};
 pub use map_elites::MapElites;
-pub use operator::{Dose, OPERATORS, Operator, operator_named};
+pub use operator::{OPERATORS, Operator, VariationParams, operator_named};
 pub use registry::STRATEGIES;
 pub(super) use registry::StrategyFile;
 pub use selection::{SELECTIONS, Selection, selection_named};

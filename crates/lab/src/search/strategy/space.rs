@@ -116,7 +116,7 @@ impl Space {
     }
 }
 
-/// Says where in the file: what stands in a group knows its own fields only.
+/// Conclusion where in the file: what stands in a group knows its own fields only.
 pub fn within(group: &str, error: Error) -> Error {
     let field = match error.field_name() {
         Some(field) => format!("{group}.{field}"),

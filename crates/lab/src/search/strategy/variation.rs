@@ -3,7 +3,7 @@
 use rand::Rng;
 use serde::{Deserialize, Serialize};
 
-use super::{Dose, operator_named};
+use super::{VariationParams, operator_named};
 use realgap_core::{Error, Result};
 use realgap_robot::genome::Genome;
 
@@ -51,7 +51,7 @@ impl Variation {
             ("mutation_rate", self.mutation_rate),
             ("length_rate", self.length_rate),
         ] {
-            self.dose(rate).check().map_err(|e| e.field(field))?;
+            self.params(rate).check().map_err(|e| e.field(field))?;
         }
         if operator_named(&self.crossover)?.is_crossover() {
             return Ok(());
@@ -61,8 +61,8 @@ impl Variation {
             .found(&self.crossover))
     }
 
-    fn dose(&self, rate: f64) -> Dose {
-        Dose {
+    fn params(&self, rate: f64) -> VariationParams {
+        VariationParams {
             rate,
             standard_deviation: self.mutation_sd,
             max_modules: self.max_modules,
@@ -75,14 +75,14 @@ impl Variation {
     /// As [`Variation::check`].
     pub fn child(&self, first: &Genome, second: &Genome, rng: &mut dyn Rng) -> Result<Genome> {
         let crossover = operator_named(&self.crossover)?;
-        let mut child = crossover.vary(first, second, &self.dose(self.crossover_rate), rng);
+        let mut child = crossover.vary(first, second, &self.params(self.crossover_rate), rng);
         for (name, rate) in [
             ("add", self.length_rate),
             ("remove", self.length_rate),
             ("duplicate", self.length_rate),
             ("gaussian", self.mutation_rate),
         ] {
-            child = operator_named(name)?.vary(&child, &child, &self.dose(rate), rng);
+            child = operator_named(name)?.vary(&child, &child, &self.params(rate), rng);
         }
         Ok(child)
     }

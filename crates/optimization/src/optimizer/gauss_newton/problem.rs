@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-use super::super::{Brief, UnitPoint};
+use super::super::{OptimizationProblem, UnitPoint};
 use super::log::Lean;
 use super::solve;
 
@@ -120,7 +120,7 @@ impl Problem {
     pub fn new(
         at: &UnitPoint,
         errors: &[f64],
-        brief: &Brief,
+        brief: &OptimizationProblem,
         moved: &[UnitPoint],
         shifted: &[Option<&[f64]>],
     ) -> Self {

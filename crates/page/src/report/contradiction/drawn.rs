@@ -8,8 +8,8 @@ use nalgebra::Vector3;
 
 use realgap_core::unit::Unit;
 use realgap_lab::calibration::{
-    Audit, AuditRow, Best, BestDraws, EngineWish, Fit, HowSure, PointScore, Report, Scores, Tables,
-    Uncertainty, UncertaintySource, Unvisited, Verdict,
+    Audit, AuditRow, Best, BestDraws, BestPointUncertainty, EngineWish, Fit, PointScore, Report,
+    Scores, Tables, Uncertainty, UncertaintySource, Unvisited, Verdict,
 };
 use realgap_lab::prediction::ensemble::{Ensemble, Forecast, Motion, Reality, Repeat};
 use realgap_lab::prediction::gap::{
@@ -149,7 +149,7 @@ impl Swept {
             misfit: None,
         });
         let mut report = empty(&scores, recordings);
-        report.uncertainty = Some(HowSure {
+        report.uncertainty = Some(BestPointUncertainty {
             source: uncertainty.source,
             level: uncertainty.level,
             best_score_sd: 0.01,

@@ -8,7 +8,7 @@ use crate::results::write_report;
 use realgap_core::error::{Error, Result};
 use realgap_core::file::write_atomic;
 use realgap_lab::search::{Body, Finalist, Search};
-use realgap_robot::genome::Specimen;
+use realgap_robot::genome::Individual;
 use realgap_simulation::export::{Robot, format_named};
 
 /// The folder in the results folder.
@@ -24,7 +24,7 @@ pub(super) fn write(folder: &Path, search: &Search, finalist: &Finalist) -> Resu
     let at = |ending: &str| best.join(format!("{file}{ending}"));
     write_atomic(at(".ron"), robot.to_ron()?.as_bytes())?;
     if let Body::Developed(development) = search.body() {
-        let specimen = Specimen {
+        let specimen = Individual {
             name: robot.name().to_owned(),
             genome: finalist.evaluated.genome.clone(),
             development: development.clone(),

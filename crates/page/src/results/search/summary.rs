@@ -169,12 +169,12 @@ impl SearchSummary {
 fn warnings(search: &Search, best: &[BestRobot], baseline: Option<&Baseline>) -> Vec<Warning> {
     let mut warnings = Vec::new();
     if search.noise().is_zero() && search.uncertain().is_empty() {
-        warnings.push(Code::NoNoise.says(
+        warnings.push(Code::NoNoise.warning(
             "all repeats are the same run: the best robot is the best at one point, and nothing says how sure that is",
         ));
     }
     if !best.is_empty() && best.iter().all(|robot| !robot.survives) {
-        warnings.push(Code::NoSurvivor.says(
+        warnings.push(Code::NoSurvivor.warning(
             "no finalist walks the same under other solver settings: what was found may be an artefact of the simulation",
         ));
     }
@@ -183,7 +183,7 @@ fn warnings(search: &Search, best: &[BestRobot], baseline: Option<&Baseline>) ->
     if let (Some(start), Some(found)) = (fitness, again.reduce(f64::max))
         && found <= start
     {
-        warnings.push(Code::BaselineNotBeaten.says(
+        warnings.push(Code::BaselineNotBeaten.warning(
             "no finalist is better than what the search started from, with draws that chose neither",
         ));
     }

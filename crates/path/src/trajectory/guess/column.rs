@@ -7,7 +7,7 @@ use super::super::format::Format as _;
 use super::super::reading::Reading;
 use super::super::table::Table;
 use super::super::text::{cells_of, excerpt};
-use super::Guess;
+use super::InferredReading;
 use realgap_core::error::{Advice, Error, Result};
 
 /// Words before the name of an axis that make it something else than a place.
@@ -124,7 +124,7 @@ fn lines_before(text: &str) -> Option<usize> {
 ///
 /// # Errors
 /// No column of times or of positions.
-pub(super) fn name(text: &str, guess: &mut Guess) -> Result<()> {
+pub(super) fn name(text: &str, guess: &mut InferredReading) -> Result<()> {
     match Table::open(text, &guess.reading, &[]) {
         Ok(_) => return heading_in_degrees(text, guess),
         Err(empty) if text.trim().is_empty() => return Err(empty),
@@ -204,7 +204,7 @@ pub(super) fn name(text: &str, guess: &mut Guess) -> Result<()> {
 }
 
 /// Whether the file has a set of columns for each of several bodies, as they are read here: the first is the robot then.
-fn several_bodies(text: &str, guess: &mut Guess) -> bool {
+fn several_bodies(text: &str, guess: &mut InferredReading) -> bool {
     let names = Csv.columns(text, &guess.reading);
     let bodies = body_column::names(&names);
     let Some(first) = bodies.first() else {
@@ -229,7 +229,7 @@ fn several_bodies(text: &str, guess: &mut Guess) -> bool {
 }
 
 /// The unit of headings, which no whole number of turns of radians explains where they go on to hundreds.
-fn heading_in_degrees(text: &str, guess: &mut Guess) -> Result<()> {
+fn heading_in_degrees(text: &str, guess: &mut InferredReading) -> Result<()> {
     let Some(column) = guess.reading.columns.get(Role::Heading) else {
         return Ok(());
     };
@@ -268,7 +268,7 @@ fn heading_in_degrees(text: &str, guess: &mut Guess) -> Result<()> {
     Ok(())
 }
 
-fn column_name(guess: &Guess) -> String {
+fn column_name(guess: &InferredReading) -> String {
     let column = guess.reading.columns.get(Role::Heading);
     column.map(|column| column.name.clone()).unwrap_or_default()
 }

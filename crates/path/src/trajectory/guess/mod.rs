@@ -21,20 +21,20 @@ use realgap_core::warning::Code;
 
 /// How files are to be read, why, and what nobody can tell from the files alone.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Guess {
+pub struct InferredReading {
     /// What was said before, and what was guessed.
     pub reading: Reading,
     /// What was guessed, each with its evidence.
-    pub clues: Vec<Clue>,
+    pub clues: Vec<Evidence>,
     /// What somebody has to say.
-    pub open: Vec<Open>,
+    pub open: Vec<Ambiguity>,
     /// Whether the first recording falls freely somewhere.
     pub falls: bool,
 }
 
 /// A guess and its evidence.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Clue {
+pub struct Evidence {
     /// What is taken to be so.
     pub what: String,
     /// What it was seen from.
@@ -43,16 +43,16 @@ pub struct Clue {
 
 /// What the files alone do not tell.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Open {
+pub struct Ambiguity {
     /// What is asked.
-    pub ask: Ask,
+    pub ask: Question,
     /// What was seen of it.
     pub found: String,
 }
 
 /// What somebody has to say about files.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Ask {
+pub enum Question {
     /// The unit of times.
     Time,
     /// The unit of lengths.
@@ -70,7 +70,7 @@ const LENGTHS: std::ops::RangeInclusive<f64> = 0.15..=150.0;
 /// Free fall is recognised within this share.
 const FALL: f64 = 0.12;
 
-impl Guess {
+impl InferredReading {
     /// How these files are to be read, as the first of them tells. What `known` says is not guessed; `body_m` is the size of the
     /// robot, metres.
     ///
@@ -96,7 +96,7 @@ impl Guess {
         if known.time.is_none() && guess.time(&recording.trajectory) {
             recording = guess.first(path, &bytes)?;
         }
-        if guess.open.iter().any(|open| open.ask == Ask::Whose) {
+        if guess.open.iter().any(|open| open.ask == Question::Whose) {
             return Ok(guess);
         }
         let fall = motion::free_fall(&recording.trajectory);
@@ -128,14 +128,14 @@ impl Guess {
     }
 
     fn say(&mut self, what: impl Into<String>, because: impl Into<String>) {
-        self.clues.push(Clue {
+        self.clues.push(Evidence {
             what: what.into(),
             because: because.into(),
         });
     }
 
-    fn ask(&mut self, ask: Ask, found: impl Into<String>) {
-        self.open.push(Open {
+    fn ask(&mut self, ask: Question, found: impl Into<String>) {
+        self.open.push(Ambiguity {
             ask,
             found: found.into(),
         });
@@ -173,9 +173,9 @@ impl Guess {
     /// Asks whose rows are meant, where a path jumps between several.
     fn whose(&mut self, recording: &Recording) {
         let several = |w: &&realgap_core::Warning| w.code == Code::SeveralRobots;
-        let asked = self.open.iter().any(|open| open.ask == Ask::Whose);
+        let asked = self.open.iter().any(|open| open.ask == Question::Whose);
         if let (Some(warning), false) = (recording.warnings.iter().find(several), asked) {
-            self.ask(Ask::Whose, warning.message.clone());
+            self.ask(Question::Whose, warning.message.clone());
         }
     }
 
@@ -214,7 +214,7 @@ impl Guess {
             }
             _ => {
                 self.ask(
-                    Ask::Time,
+                    Question::Time,
                     format!("samples are {usual} apart in the file's own unit"),
                 );
                 false
@@ -257,7 +257,7 @@ impl Guess {
         let Some(body_m) = body_m else {
             if !is_said {
                 self.ask(
-                    Ask::Length,
+                    Question::Length,
                     "no name of a column says it, nothing falls freely, and no robot is known",
                 );
             }
@@ -288,7 +288,7 @@ impl Guess {
             }
             _ => {
                 let all: Vec<String> = LengthUnit::ALL.iter().map(seen).collect();
-                self.ask(Ask::Length, all.join(", "));
+                self.ask(Question::Length, all.join(", "));
                 false
             }
         }
@@ -320,7 +320,7 @@ impl Guess {
                         format!("it stays near {level_m:.3} m along it, as on a floor"),
                     ),
                     None => {
-                        self.ask(Ask::Up, "it never falls freely, and stays at no height of its size along one axis");
+                        self.ask(Question::Up, "it never falls freely, and stays at no height of its size along one axis");
                         return false;
                     }
                 }
@@ -332,7 +332,10 @@ impl Guess {
             motion::Up::MinusZ => (Some(Axes::ZDown), "-z"),
             motion::Up::MinusY => (Some(Axes::Camera), "-y"),
             motion::Up::Other => {
-                self.ask(Ask::Up, format!("neither y nor z points up: {because}"));
+                self.ask(
+                    Question::Up,
+                    format!("neither y nor z points up: {because}"),
+                );
                 return false;
             }
         };
@@ -350,7 +353,7 @@ impl Guess {
                     .find(|order| warning.message.contains(&format!("\"{}\"", order.name())));
                 self.reading.quaternion = order.copied();
                 let what = "quaternions are in the other order".to_owned();
-                self.clues.push(Clue {
+                self.clues.push(Evidence {
                     what,
                     because: warning.message.clone(),
                 });

@@ -6,9 +6,9 @@ use super::stream::{Log, Said};
 use crate::trajectory::csv::Csv;
 use crate::trajectory::format::{Format, Parsed, Rendered, beyond_poses, not_written};
 use crate::trajectory::{Reading, Trajectory};
+use realgap_core::constant_methods;
 use realgap_core::error::Result;
 use realgap_core::file::{McapWriter, Topic, read_mcap, stamp};
-use realgap_core::stated;
 use realgap_core::warning::Warning;
 
 /// The files that ROS 2 and Foxglove record (<https://mcap.dev>).
@@ -43,7 +43,7 @@ pub(super) fn applied(reading: &Reading) -> Reading {
 }
 
 impl Format for Mcap {
-    stated! {
+    constant_methods! {
         name: &'static str = "mcap";
         doc: &'static str = "MCAP: poses, odometry, transforms or a path among the messages of ROS 2 or Foxglove";
         extensions: &'static [&'static str] = &["mcap"];

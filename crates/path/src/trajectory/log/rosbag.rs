@@ -7,8 +7,8 @@ use super::stream::{Log, Said};
 use crate::trajectory::csv::Csv;
 use crate::trajectory::format::{Format, Parsed, Rendered};
 use crate::trajectory::{Reading, Trajectory};
+use realgap_core::constant_methods;
 use realgap_core::error::{Error, Result};
-use realgap_core::stated;
 use realgap_store::{read_bag, read_closed_bag};
 
 /// The files that `ros2 bag record` writes with its storage `sqlite3`.
@@ -19,7 +19,7 @@ use realgap_store::{read_bag, read_closed_bag};
 pub struct Rosbag;
 
 impl Format for Rosbag {
-    stated! {
+    constant_methods! {
         name: &'static str = "rosbag";
         doc: &'static str = "a bag of ROS 2 in SQLite: poses, odometry, transforms or a path among its messages";
         extensions: &'static [&'static str] = &["db3"];

@@ -275,7 +275,7 @@ impl Workshop<'_> {
         }
         by_name(structure.marks.iter().map(|mark| &mark.name), "marks")?;
         let mut apart = Vec::new();
-        for (index, (a, b)) in structure.never_touch.iter().enumerate() {
+        for (index, (a, b)) in structure.collision_exclude.iter().enumerate() {
             let at = || format!("never_touch[{index}]");
             let pair = (
                 look_up(a, bodies, "body", at())?,

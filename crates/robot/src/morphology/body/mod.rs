@@ -74,8 +74,13 @@ pub struct Structure {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub marks: Vec<Frame>,
     /// Pairs of bodies that never touch each other.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub never_touch: Vec<(String, String)>,
+    #[serde(
+        rename = "never_touch",
+        alias = "collision_exclude",
+        default,
+        skip_serializing_if = "Vec::is_empty"
+    )]
+    pub collision_exclude: Vec<(String, String)>,
     /// Where the root body is held in the world; without it the robot moves freely.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mount: Option<Pose>,

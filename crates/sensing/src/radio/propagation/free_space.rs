@@ -1,13 +1,13 @@
 //! Free space: a square law.
 
 use super::{Link, Parameter, Propagation, Terms};
-use realgap_core::stated;
+use realgap_core::constant_methods;
 
 /// P(d₀) − 20 log₁₀(d/d₀): power falls with the square of the distance (Friis 1946).
 pub struct FreeSpace;
 
 impl Propagation for FreeSpace {
-    stated! {
+    constant_methods! {
         name: &'static str = "free-space";
         formula: &'static str = "P(d0) - 20 log10(d/d0)";
     }

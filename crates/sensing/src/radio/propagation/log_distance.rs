@@ -1,13 +1,13 @@
 //! Log-distance: a power law with an exponent of its own.
 
 use super::{Link, Parameter, Propagation, Terms};
-use realgap_core::stated;
+use realgap_core::constant_methods;
 
 /// P(d₀) − 10 n log(d/d₀): equation 2 of paper 002 without walls.
 pub struct LogDistance;
 
 impl Propagation for LogDistance {
-    stated! {
+    constant_methods! {
         name: &'static str = "log-distance";
         formula: &'static str = "P(d0) - 10 n log(d/d0)";
     }

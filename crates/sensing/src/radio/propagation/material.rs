@@ -1,13 +1,13 @@
 //! Materials: a loss for each class of wall.
 
 use super::{Link, LogDistance, Parameter, Propagation, Terms};
-use realgap_core::stated;
+use realgap_core::constant_methods;
 
 /// P(d₀) − 10 n log(d/d₀) − Σ WAF of the material of each of the first C walls.
 pub struct Materials;
 
 impl Propagation for Materials {
-    stated! {
+    constant_methods! {
         name: &'static str = "materials";
         formula: &'static str = "P(d0) - 10 n log(d/d0) - sum of WAF[material] over the first C walls";
     }

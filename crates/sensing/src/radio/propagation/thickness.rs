@@ -1,14 +1,14 @@
 //! Thickness: a loss for each wall and one for each metre of it.
 
 use super::{Link, Parameter, Propagation, Terms, Walls};
-use realgap_core::stated;
+use realgap_core::constant_methods;
 
 /// As [`Walls`], and a loss for every metre of wall along the ray: two crossings of thin walls lose less than one of a thick one
 /// hit at a shallow angle.
 pub struct Thickness;
 
 impl Propagation for Thickness {
-    stated! {
+    constant_methods! {
         name: &'static str = "thickness";
         formula: &'static str = "P(d0) - 10 n log(d/d0) - min(nW, C) WAF - a t";
     }

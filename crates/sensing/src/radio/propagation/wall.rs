@@ -1,13 +1,13 @@
 //! Walls: the same loss for each, up to a number.
 
 use super::{Link, LogDistance, Parameter, Propagation, Terms, counted_walls};
-use realgap_core::stated;
+use realgap_core::constant_methods;
 
 /// P(d₀) − 10 n log(d/d₀) − min(nW, C) WAF: equation 2 of paper 002 (the RADAR model).
 pub struct Walls;
 
 impl Propagation for Walls {
-    stated! {
+    constant_methods! {
         name: &'static str = "walls";
         formula: &'static str = "P(d0) - 10 n log(d/d0) - min(nW, C) WAF";
     }

@@ -63,7 +63,7 @@ pub(super) fn crowds(distances: &[DistanceReport], step: f64, unit: &str) -> Vec
     let rounded = many.iter().filter(is_rounded).count();
     if rounded > 0 {
         let alone = many.iter().filter(|d| d.different == 1).count();
-        warnings.push(Code::QuantisedReadings.says(format!(
+        warnings.push(Code::QuantisedReadings.warning(format!(
             "readings come in steps of {} {unit}, more than half of what they spread at {rounded} of {} distances; at {alone} all are the same: the spread there is at least that of rounding",
             number(step),
             many.len()
@@ -79,7 +79,7 @@ pub(super) fn crowds(distances: &[DistanceReport], step: f64, unit: &str) -> Vec
             .iter()
             .map(|p| format!("{} ({:.0} %)", number(p.centre), 100.0 * p.share))
             .collect();
-        warnings.push(Code::SeveralPeaks.says(format!(
+        warnings.push(Code::SeveralPeaks.warning(format!(
             "readings crowd in several places at {} of {} distances, e.g. at {}: {} {unit}; one normal spread holds all of them",
             crowded.len(),
             distances.len(),

@@ -1,13 +1,13 @@
 //! An exponential of the distance.
 
 use super::{Form, Point, log_points, weighted_line};
-use realgap_core::stated;
+use realgap_core::constant_methods;
 
 /// `factor · exp(rate · d)`.
 pub struct Exponential;
 
 impl Form for Exponential {
-    stated! {
+    constant_methods! {
         name: &'static str = "exponential";
         formula: &'static str = "factor exp(rate d)";
     }

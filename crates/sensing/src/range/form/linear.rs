@@ -1,13 +1,13 @@
 //! A straight line.
 
 use super::{Form, Point, weighted_line};
-use realgap_core::stated;
+use realgap_core::constant_methods;
 
 /// `intercept + slope · d`.
 pub struct Linear;
 
 impl Form for Linear {
-    stated! {
+    constant_methods! {
         name: &'static str = "linear";
         formula: &'static str = "intercept + slope d";
     }

@@ -1,13 +1,13 @@
 //! A power of the distance.
 
 use super::{Form, Point, log_points, weighted_line};
-use realgap_core::stated;
+use realgap_core::constant_methods;
 
 /// `factor · d^exponent`: infrared sensors, whose light spreads.
 pub struct Power;
 
 impl Form for Power {
-    stated! {
+    constant_methods! {
         name: &'static str = "power";
         formula: &'static str = "factor d^exponent";
     }

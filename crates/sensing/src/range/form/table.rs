@@ -1,7 +1,7 @@
 //! Values at given distances, straight between them.
 
 use super::{Form, Point, least_squares};
-use realgap_core::stated;
+use realgap_core::constant_methods;
 
 /// Values at knots, linear between two, constant beyond the ends: what fits where no formula does.
 pub struct Table;
@@ -26,7 +26,7 @@ impl Table {
 }
 
 impl Form for Table {
-    stated! {
+    constant_methods! {
         name: &'static str = "table";
         formula: &'static str = "values at knots, linear between them";
     }

@@ -3,25 +3,31 @@
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 
-use super::{Dose, Operator, child_or};
+use super::{Operator, VariationParams, child_or};
 use realgap_robot::genome::{Gene, Genome, Locus};
 
 /// Adds a normal change to each number with the rate's probability.
 pub(super) struct Gaussian;
 
 impl Operator for Gaussian {
-    realgap_core::stated! {
+    realgap_core::constant_methods! {
         name: &'static str = "gaussian";
         doc: &'static str = "adds a normal change to each number, with the probability `rate`";
     }
 
-    fn vary(&self, first: &Genome, _second: &Genome, dose: &Dose, rng: &mut dyn Rng) -> Genome {
+    fn vary(
+        &self,
+        first: &Genome,
+        _second: &Genome,
+        params: &VariationParams,
+        rng: &mut dyn Rng,
+    ) -> Genome {
         let genes = first.genes().iter().map(|gene| {
             let mut values = *gene.values();
             for (locus, value) in Locus::ALL.into_iter().zip(&mut values) {
-                if rng.random_bool(dose.rate) {
+                if rng.random_bool(params.rate) {
                     let normal: f64 = StandardNormal.sample(rng);
-                    let moved = *value + normal * dose.standard_deviation;
+                    let moved = *value + normal * params.standard_deviation;
                     *value = if locus.is_periodic() {
                         moved.rem_euclid(1.0)
                     } else {

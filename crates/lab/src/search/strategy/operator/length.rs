@@ -2,7 +2,7 @@
 
 use rand::{Rng, RngExt};
 
-use super::{Dose, Operator, child_or};
+use super::{Operator, VariationParams, child_or};
 use realgap_robot::genome::{Gene, Genome};
 
 /// One module more or fewer.
@@ -36,13 +36,19 @@ impl Operator for Length {
         }
     }
 
-    fn vary(&self, first: &Genome, _second: &Genome, dose: &Dose, rng: &mut dyn Rng) -> Genome {
+    fn vary(
+        &self,
+        first: &Genome,
+        _second: &Genome,
+        params: &VariationParams,
+        rng: &mut dyn Rng,
+    ) -> Genome {
         let mut genes = first.genes().to_vec();
         let has_room = match self {
-            Self::Add | Self::Duplicate => genes.len() < dose.max_modules,
+            Self::Add | Self::Duplicate => genes.len() < params.max_modules,
             Self::Remove => genes.len() > 1,
         };
-        if !rng.random_bool(dose.rate) || !has_room {
+        if !rng.random_bool(params.rate) || !has_room {
             return first.clone();
         }
         match self {

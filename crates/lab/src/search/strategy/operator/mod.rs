@@ -16,7 +16,7 @@ use realgap_robot::genome::{Gene, Genome};
 
 /// How much an operator may change.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Dose {
+pub struct VariationParams {
     /// Probability that it acts: on each number (`gaussian`), on the genome (all others). At 0 the first parent
     /// comes back as it is.
     pub rate: f64,
@@ -26,7 +26,7 @@ pub struct Dose {
     pub max_modules: usize,
 }
 
-impl Dose {
+impl VariationParams {
     /// Checks every number.
     ///
     /// # Errors
@@ -40,8 +40,8 @@ impl Dose {
     }
 }
 
-/// Makes one child. The child's numbers are from 0 to 1, and it has no more modules than the dose allows where its parents
-/// have not. Same parents, dose and generator state: same child.
+/// Makes one child. The child's numbers are from 0 to 1, and it has no more modules than the params allows where its parents
+/// have not. Same parents, params and generator state: same child.
 pub trait Operator: Sync {
     /// Name in files and on the command line.
     fn name(&self) -> &'static str;
@@ -55,7 +55,13 @@ pub trait Operator: Sync {
     }
 
     /// The child.
-    fn vary(&self, first: &Genome, second: &Genome, dose: &Dose, rng: &mut dyn Rng) -> Genome;
+    fn vary(
+        &self,
+        first: &Genome,
+        second: &Genome,
+        params: &VariationParams,
+        rng: &mut dyn Rng,
+    ) -> Genome;
 }
 
 /// Every operator.

@@ -2,21 +2,27 @@
 
 use rand::{Rng, RngExt};
 
-use super::{Dose, Operator, child_or};
+use super::{Operator, VariationParams, child_or};
 use realgap_robot::genome::Genome;
 
 /// Cuts both parents behind the same module.
 pub(super) struct OnePoint;
 
 impl Operator for OnePoint {
-    realgap_core::stated! {
+    realgap_core::constant_methods! {
         name: &'static str = "one-point";
         doc: &'static str = "the first modules of one parent and the rest of the other, with the probability `rate`";
         is_crossover: bool = true;
     }
 
-    fn vary(&self, first: &Genome, second: &Genome, dose: &Dose, rng: &mut dyn Rng) -> Genome {
-        if !rng.random_bool(dose.rate) {
+    fn vary(
+        &self,
+        first: &Genome,
+        second: &Genome,
+        params: &VariationParams,
+        rng: &mut dyn Rng,
+    ) -> Genome {
+        if !rng.random_bool(params.rate) {
             return first.clone();
         }
         let cut = rng.random_range(1..=first.len().min(second.len()));

@@ -2,21 +2,27 @@
 
 use rand::{Rng, RngExt};
 
-use super::{Dose, Operator, child_or};
+use super::{Operator, VariationParams, child_or};
 use realgap_robot::genome::{Gene, Genome};
 
 /// Tosses a coin for the length and for every number that both parents have.
 pub(super) struct Uniform;
 
 impl Operator for Uniform {
-    realgap_core::stated! {
+    realgap_core::constant_methods! {
         name: &'static str = "uniform";
         doc: &'static str = "every number from either parent, and the length of either, with the probability `rate`";
         is_crossover: bool = true;
     }
 
-    fn vary(&self, first: &Genome, second: &Genome, dose: &Dose, rng: &mut dyn Rng) -> Genome {
-        if !rng.random_bool(dose.rate) {
+    fn vary(
+        &self,
+        first: &Genome,
+        second: &Genome,
+        params: &VariationParams,
+        rng: &mut dyn Rng,
+    ) -> Genome {
+        if !rng.random_bool(params.rate) {
             return first.clone();
         }
         let frame = if rng.random() { first } else { second };

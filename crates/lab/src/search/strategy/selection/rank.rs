@@ -8,7 +8,7 @@ use super::{Selection, comparable};
 pub(super) struct Rank;
 
 impl Selection for Rank {
-    realgap_core::stated! {
+    realgap_core::constant_methods! {
         name: &'static str = "rank";
         doc: &'static str = "picks with a probability that falls linearly with the rank";
     }

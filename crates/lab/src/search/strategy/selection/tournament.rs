@@ -11,7 +11,7 @@ const ENTRANTS: usize = 2;
 pub(super) struct Tournament;
 
 impl Selection for Tournament {
-    realgap_core::stated! {
+    realgap_core::constant_methods! {
         name: &'static str = "tournament";
         doc: &'static str = "draws two evenly and keeps the fitter";
     }

@@ -6,7 +6,7 @@ use super::super::experiment::Experiment;
 use super::super::outcome::Outcome;
 use super::super::run::{Course, Rollout, Run};
 use super::super::scene::SceneBody;
-use super::super::watch::Attendance;
+use super::super::watch::RunHooks;
 use super::mount::{Eye, plan};
 use super::rule::Mind;
 use super::{Controller, Decision, Feedback, Heard, Log, Sensed, Steer, arena_from_start};
@@ -32,7 +32,7 @@ struct Member<'a> {
 pub(in super::super) fn steered(
     experiment: &Experiment,
     controller: &Controller,
-    mut attendance: Attendance<'_>,
+    mut hooks: RunHooks<'_>,
 ) -> Result<(Run, Log)> {
     controller.check(experiment)?;
     let start = controller.arena.start.unwrap_or([0.0; 3]);
@@ -47,12 +47,12 @@ pub(in super::super) fn steered(
         .iter()
         .map(Experiment::adjusted_assembly)
         .collect();
-    let mut crew = Vec::with_capacity(starts.len());
+    let mut group = Vec::with_capacity(starts.len());
     for (robot, (name, start)) in starts.iter().enumerate() {
         let mut rollout = Rollout::new(&experiments[robot], &assemblies[robot])?;
         let mut nobody = None;
         let watched = if robot == 0 {
-            &mut attendance.observer
+            &mut hooks.observer
         } else {
             &mut nobody
         };
@@ -63,7 +63,7 @@ pub(in super::super) fn steered(
                 return Ok((rollout.told(outcome), Log::default()));
             }
         };
-        crew.push(Member {
+        group.push(Member {
             name,
             rollout,
             course,
@@ -83,31 +83,31 @@ pub(in super::super) fn steered(
     let mut log = Log::default();
     let timestep_s = experiment.solver.timestep_s;
     let (mut decisions, mut sendings) = (0_u64, 0_u64);
-    for step in 1..=crew[0].course.steps {
-        attendance.tell(step - 1, crew[0].course.steps)?;
+    for step in 1..=group[0].course.steps {
+        hooks.tell(step - 1, group[0].course.steps)?;
         let now_s = (step - 1) as f64 * timestep_s;
         // Times of decisions are whole multiples of the period, so that rounding does not add up.
         if now_s + 1e-9 >= decisions as f64 / controller.rate_hz {
             decisions += 1;
-            let poses: Vec<Vec<Isometry3<f64>>> = crew.iter().map(Member::poses).collect();
+            let poses: Vec<Vec<Isometry3<f64>>> = group.iter().map(Member::poses).collect();
             if let Some(air) = air.as_ref().filter(|air| air.is_due(now_s, sendings)) {
-                air.send(&mut crew, now_s, sendings);
+                air.send(&mut group, now_s, sendings);
                 sendings += 1;
             }
             decide(
                 (controller, &by_rule),
                 &assemblies,
                 &poses,
-                &mut crew,
+                &mut group,
                 now_s,
-                &mut attendance.feedback,
+                &mut hooks.feedback,
                 &mut log,
             )?;
         }
-        for (robot, member) in crew.iter_mut().enumerate() {
+        for (robot, member) in group.iter_mut().enumerate() {
             let mut nobody = None;
             let watched = if robot == 0 {
-                &mut attendance.observer
+                &mut hooks.observer
             } else {
                 &mut nobody
             };
@@ -119,20 +119,20 @@ pub(in super::super) fn steered(
                 divergence.why = format!("robot {}: {}", member.name, divergence.why);
             }
             let outcome = Outcome::Diverged(divergence);
-            return Ok((crew[0].rollout.told(outcome), log));
+            return Ok((group[0].rollout.told(outcome), log));
         }
     }
-    arrived(crew, &arena_from_start(start).inverse(), log)
+    arrived(group, &arena_from_start(start).inverse(), log)
 }
 
 /// What the robot did, and the others in its frame.
 fn arrived(
-    crew: Vec<Member<'_>>,
+    group: Vec<Member<'_>>,
     own_from_arena: &Isometry3<f64>,
     mut log: Log,
 ) -> Result<(Run, Log)> {
     let mut own = None;
-    for mut member in crew {
+    for mut member in group {
         let path = member.course.finish()?;
         if own.is_none() {
             own = Some(member.rollout.told(Outcome::Completed(path)));
@@ -141,7 +141,7 @@ fn arrived(
             log.others.push((member.name.to_owned(), path));
         }
     }
-    let own = own.ok_or_else(|| Error::invalid("a crew without robots"))?;
+    let own = own.ok_or_else(|| Error::invalid("a group without robots"))?;
     Ok((own, log))
 }
 
@@ -200,7 +200,7 @@ fn decide(
     (controller, by_rule): (&Controller, &[Vec<(usize, Steer)>]),
     assemblies: &[Assembly],
     poses: &[Vec<Isometry3<f64>>],
-    crew: &mut [Member<'_>],
+    group: &mut [Member<'_>],
     now_s: f64,
     feedback: &mut Option<Feedback<'_>>,
     log: &mut Log,
@@ -210,7 +210,7 @@ fn decide(
         .zip(poses)
         .map(|(a, poses)| plan(a, poses))
         .collect();
-    for (robot, member) in crew.iter_mut().enumerate() {
+    for (robot, member) in group.iter_mut().enumerate() {
         let mut seen = Arena::clone(&controller.arena);
         for (_, plan) in plans
             .iter()
@@ -287,10 +287,10 @@ impl<'a> Air<'a> {
     }
 
     /// Every robot tells every other where it is now.
-    fn send(&self, crew: &mut [Member<'_>], at_s: f64, sending: u64) {
-        let places: Vec<[f64; 3]> = crew.iter().map(Member::place_m).collect();
+    fn send(&self, group: &mut [Member<'_>], at_s: f64, sending: u64) {
+        let places: Vec<[f64; 3]> = group.iter().map(Member::place_m).collect();
         let count = places.len() as u64;
-        for (to, member) in crew.iter_mut().enumerate() {
+        for (to, member) in group.iter_mut().enumerate() {
             for (from, from_m) in places.iter().enumerate().filter(|(from, _)| *from != to) {
                 let message = Message {
                     number: (sending * count + from as u64) * count + to as u64,

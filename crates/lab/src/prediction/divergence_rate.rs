@@ -15,8 +15,8 @@ const START_M: f64 = 1e-3;
 /// How fast a small difference grows.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Growth {
-    /// Growth rate of the distance between two runs whose servo zeros differ by a microradian, 1/s: slope of the logarithm of their
+pub struct DivergenceRate {
+    /// DivergenceRate rate of the distance between two runs whose servo zeros differ by a microradian, 1/s: slope of the logarithm of their
     /// distance over time, least squares, until they are 1 cm apart.
     pub rate_1_s: f64,
     /// Length of the run, seconds.
@@ -25,7 +25,7 @@ pub struct Growth {
     pub body_length_m: f64,
 }
 
-impl Growth {
+impl DivergenceRate {
     /// Two runs of `experiment` without noise; `None` for a robot without servos, or where a run diverges.
     ///
     /// # Errors
@@ -68,7 +68,7 @@ impl Growth {
     /// The warning that goes with it.
     pub fn warning(&self) -> Option<Warning> {
         self.only_distributions_compare().then(|| {
-            Code::OnlyDistributions.says(format!(
+            Code::OnlyDistributions.warning(format!(
                 "a small difference grows by a factor of {:.1} per second: single runs do not compare, between settings or engines, and distributions do",
                 self.factor_per_s()
             ))
@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn only_what_grows_to_a_body_length_is_called_chaotic() {
-        let growth = |rate_1_s| Growth {
+        let growth = |rate_1_s| DivergenceRate {
             rate_1_s,
             duration_s: 20.0,
             body_length_m: 0.06,

@@ -1,8 +1,8 @@
 //! What types of files and registries have alike, written once.
 
-/// Methods of a trait that state one value each, in an implementation of it: `stated! { name: &'static str = "pca"; … }`.
+/// Methods of a trait that state one value each, in an implementation of it: `constant_methods! { name: &'static str = "pca"; … }`.
 #[macro_export]
-macro_rules! stated {
+macro_rules! constant_methods {
     ($($name:ident: $type:ty = $value:expr;)*) => {
         $(fn $name(&self) -> $type {
             $value

@@ -11,7 +11,7 @@ use super::face::{CubeRotation, Face};
 /// the parent's z axis (x axis for the faces ±z) when the two have the same name. Then it is turned by
 /// `quarter_turns` × 90° about the outward normal of the parent's face, right-handed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Glue {
+pub struct Attachment {
     /// Index of the parent module.
     pub parent: usize,
     /// Face of the parent, in the parent's frame.
@@ -24,7 +24,7 @@ pub struct Glue {
     pub quarter_turns: u8,
 }
 
-impl Glue {
+impl Attachment {
     /// Rotation of the child in the frame of the parent.
     pub(super) fn parent_from_child(&self) -> CubeRotation {
         CubeRotation::between(self.child_face, self.face.opposite())

@@ -9,7 +9,7 @@ use realgap_core::statistics::mean;
 /// What going costs a robot, mechanically: what its servos gave, what they took counted as lost. No heat, no electronics.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Economy {
+pub struct CostOfTransport {
     /// Mean over the repeats of what the servos gave, joules.
     pub servo_j: f64,
     /// All energy over all distance of the repeats, J/m.
@@ -20,15 +20,15 @@ pub struct Economy {
     pub residual_share: f64,
 }
 
-impl Economy {
+impl CostOfTransport {
     /// Of repeats in which servos gave so much energy, over net displacements, by a robot of this weight. `None` where that is no
     /// number: nothing given, nowhere got, no weight.
     ///
     /// ```
-    /// use realgap_lab::prediction::Economy;
+    /// use realgap_lab::prediction::CostOfTransport;
     ///
     /// // 3 J in all over 1.5 m, by a robot of 5 N.
-    /// let economy = Economy::new(&[1.0, 2.0], &[0.5, 1.0], 5.0, [0.01, 0.004]).unwrap();
+    /// let economy = CostOfTransport::new(&[1.0, 2.0], &[0.5, 1.0], 5.0, [0.01, 0.004]).unwrap();
     /// assert_eq!((economy.joules_per_metre, economy.cost_of_transport), (2.0, 0.4));
     /// assert_eq!(economy.residual_share, 0.01);
     /// ```
@@ -49,7 +49,7 @@ impl Economy {
     }
 }
 
-impl fmt::Display for Economy {
+impl fmt::Display for CostOfTransport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,

@@ -7,7 +7,7 @@ use realgap_core::Error;
 /// Why a genome does not develop. Modules are counted from 0, in the order of building.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-pub enum Misfit {
+pub enum DevelopmentError {
     /// More genes than the settings allow.
     TooManyModules {
         /// How many.
@@ -47,7 +47,7 @@ pub enum Misfit {
     Refused(Error),
 }
 
-impl Misfit {
+impl DevelopmentError {
     /// A stable short name, for tables and counts.
     pub fn code(&self) -> &'static str {
         match self {
@@ -61,7 +61,7 @@ impl Misfit {
     }
 }
 
-impl fmt::Display for Misfit {
+impl fmt::Display for DevelopmentError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::TooManyModules { found, allowed } => {
@@ -88,12 +88,12 @@ impl fmt::Display for Misfit {
     }
 }
 
-impl std::error::Error for Misfit {}
+impl std::error::Error for DevelopmentError {}
 
-impl From<Misfit> for Error {
-    fn from(misfit: Misfit) -> Self {
+impl From<DevelopmentError> for Error {
+    fn from(misfit: DevelopmentError) -> Self {
         match misfit {
-            Misfit::Refused(error) => error,
+            DevelopmentError::Refused(error) => error,
             other => Self::invalid("the genome does not develop into a robot")
                 .found(&other)
                 .hint("change the gene of that module, or draw another genome"),

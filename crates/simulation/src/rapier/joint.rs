@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 
 use super::{from_rotation, from_vector, to_pose, to_vector};
-use crate::experiment::JointKind;
+use crate::experiment::JointFormulation;
 use crate::motor::Effort;
 use crate::servo::Command;
 use rapier3d_f64::prelude::{
@@ -24,7 +24,7 @@ enum Joint {
 
 /// Where a hinge's motor finds its parts.
 #[derive(Debug, Clone)]
-pub(super) struct Axle {
+pub(super) struct RapierJoint {
     joint: Joint,
     /// The joint whose motor brakes: friction where the joint is an impulse joint. Where a servo has the motor of the hinge's own
     /// joint, it is a second joint with nothing but a motor, which the solver holds less firmly.
@@ -49,7 +49,7 @@ pub(super) struct Axle {
 }
 
 /// One of the two bodies of a hinge, and where the hinge sits in it.
-pub(super) struct Seat {
+pub(super) struct JointFrame {
     /// The body.
     pub body: RigidBodyHandle,
     /// The hinge's frame, x along the axis, in the body's frame at the start.
@@ -89,12 +89,12 @@ pub(super) fn rotor_inertia_kg_m2(
 /// Dry friction of an impulse joint acts in full above this speed, rad/s: below it the hinge creeps instead of sticking.
 const CREEP_RAD_S: f64 = 1e-4;
 
-impl Axle {
+impl RapierJoint {
     /// Joins two bodies that are where they start, `start_rad` apart.
     pub fn new(
-        kind: JointKind,
+        kind: JointFormulation,
         hinge: &Hinge,
-        seats: [Seat; 2],
+        seats: [JointFrame; 2],
         start_rad: f64,
         impulse_joints: &mut ImpulseJointSet,
         multibody_joints: &mut MultibodyJointSet,
@@ -125,7 +125,7 @@ impl Axle {
         }
         let data: GenericJoint = data.build();
         let (parent, child) = (seats[0].body, seats[1].body);
-        let multibody = (kind == JointKind::Multibody)
+        let multibody = (kind == JointFormulation::Multibody)
             .then(|| multibody_joints.insert(parent, child, data, true))
             .flatten();
         // `insert` refuses only loops, and hinges form a tree.
