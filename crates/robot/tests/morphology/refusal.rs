@@ -53,7 +53,7 @@ fn an_unknown_field_is_refused_with_the_allowed_ones() {
     insta::assert_snapshot!(refusal("(nam: \"x\", modules: [])"), @r"
     robot.ron:1:2: nam: unknown field
       found:   nam
-      allowed: name, description, defaults, modules, glue, attachments, hinges, never_touch, collision_exclude, mount_m, track
+      allowed: name, description, defaults, modules, attachments, glue, hinges, collision_exclude, never_touch, mount_m, track
       hint:    did you mean `name`?
     ");
 }
