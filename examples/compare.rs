@@ -1,41 +1,23 @@
-//! How far apart are two recordings, by every metric that asks for no basis? `cargo run --release --example compare`
+//! Loads a recording, simulates its robot, and compares the two. `cargo run --release --example compare`
 
 #![allow(clippy::print_stdout)]
 
-use realgap::Result;
-use realgap::comparison::{Context, METRICS, Pair};
-use realgap::trajectory::{prepare, read};
-use realgap::unit::{LengthUnit, quantity};
+use realgap::comparison::compare;
+use realgap::robot::morphology::Morphology;
+use realgap::simulation::{Experiment, run};
+use realgap::{Result, trajectory, unit::LengthUnit};
 
-/// Compares two recordings and prints a line a metric.
+/// Compares a recorded run of the tripod with a simulated one, by three metrics.
 pub fn main() -> Result<()> {
-    let file = |run| format!("real_trajectories/tripod_mujoco/run_{run:02}.csv");
-    let real = read(file(0), LengthUnit::Metre)?.trajectory;
-    let other = read(file(1), LengthUnit::Metre)?.trajectory;
-    let (real_prepared, simulated_prepared) = (&prepare(&real)?, &prepare(&other)?);
-    let pair = Pair {
-        real: &real,
-        simulated: &other,
-        real_prepared,
-        simulated_prepared,
-    };
-    let context = Context {
-        basis: None,
-        spread: None,
-        body_length_m: Some(0.06),
-    };
-    for metric in METRICS
-        .iter()
-        .filter(|metric| !metric.needs().basis && !metric.needs().spread)
-        // These recordings have no joints.
-        .filter(|metric| !metric.needs().joints)
-    {
-        let score = metric.compare(&pair, &context)?;
-        println!(
-            "{:<13} {}",
-            metric.name(),
-            quantity(score.value, score.unit)
-        );
+    let file = "real_trajectories/tripod_mujoco/run_00.csv";
+    let real = trajectory::read(file, LengthUnit::Metre)?.trajectory;
+
+    let mut experiment = Experiment::new(Morphology::read("morphologies/tripod.ron")?.assemble());
+    experiment.duration_s = real.duration_s();
+    let simulated = run(&experiment)?.outcome.into_result()?;
+
+    for metric in ["pca", "rms", "displacement"] {
+        println!("{metric:<13} {}", compare(&real, &simulated, metric)?);
     }
     Ok(())
 }

@@ -11,46 +11,24 @@
 //!
 //! [`robot`] → [`simulation`] → [`trajectory`] → [`comparison`] → [`calibration`] → [`prediction`] → [`search`] → [`results`]
 //!
-//! A robot is a text; a simulation is plain data that [`simulation::run`] turns into a trajectory; two
-//! trajectories, prepared, have a distance:
+//! A robot is a text; a simulation is plain data that [`simulation::run`] turns into a trajectory; [`comparison::compare`] gives the
+//! distance between two trajectories:
 //!
 //! ```
-//! use realgap::comparison::{Context, Pair, by_name};
-//! use realgap::file::Source;
+//! use realgap::comparison::compare;
 //! use realgap::robot::morphology::Morphology;
 //! use realgap::simulation::{Experiment, run};
-//! use realgap::trajectory::prepare;
+//! use realgap::{trajectory, unit::LengthUnit};
 //!
-//! let robot = Morphology::parse(&Source::new(
-//!     "walker",
-//!     r#"(
-//!         name: "walker",
-//!         defaults: (side_m: 0.06, mass_kg: 0.1),
-//!         modules: [
-//!             (name: "tail", kind: Active(face: PosX, axis: Tangent(axis: PosY),
-//!                 servo: (law: Velocity(gain_1_s: 20.0), max_torque_nm: 0.5),
-//!                 gait: (amplitude_rad: 0.6, frequency_hz: 1.0))),
-//!             (name: "head", kind: Passive()),
-//!         ],
-//!         glue: [(parent: "tail", face: PosX, child: "head")],
-//!     )"#,
-//! ))?;
+//! let real = trajectory::read("real_trajectories/tripod_mujoco/run_00.csv", LengthUnit::Metre)?.trajectory;
 //!
-//! let mut real = Experiment::new(robot.assemble());
-//! real.duration_s = 2.0;
-//! let mut simulated = real.clone();
-//! simulated.floor.friction = 0.2;
+//! let mut experiment = Experiment::new(Morphology::read("morphologies/tripod.ron")?.assemble());
+//! experiment.duration_s = real.duration_s();
+//! let simulated = run(&experiment)?.outcome.into_result()?;
 //!
-//! let motions = [run(&real)?.outcome.into_result()?, run(&simulated)?.outcome.into_result()?];
-//! let prepared = [prepare(&motions[0])?, prepare(&motions[1])?];
-//! let pair = Pair {
-//!     real: &motions[0],
-//!     simulated: &motions[1],
-//!     real_prepared: &prepared[0],
-//!     simulated_prepared: &prepared[1],
-//! };
-//! let score = by_name("rms")?.compare(&pair, &Context::default())?;
-//! assert!(score.value > 0.0 && score.value < 0.5, "{} {}", score.value, score.unit);
+//! let score = compare(&real, &simulated, "rms")?;
+//! println!("{score}");
+//! assert!(score.value > 0.0 && score.value < 1.0);
 //! # Ok::<(), realgap::Error>(())
 //! ```
 //!

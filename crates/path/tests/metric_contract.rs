@@ -7,7 +7,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use realgap_core::unit::Unit;
 use realgap_path::comparison::{
-    Basis, Components, Context, DEFAULT_METRIC, METRICS, Metric, Pair, Spread, by_name, pose_errors,
+    Basis, Components, Context, DEFAULT_METRIC, METRICS, Metric, Pair, Spread, by_name, compare,
+    pose_errors,
 };
 use realgap_path::trajectory::{JointTrack, Trajectory, prepare};
 
@@ -180,6 +181,31 @@ fn a_metric_says_what_it_misses() {
     assert!(missing("pca").message().contains("basis"));
     assert!(missing("rotation").message().contains("orientations"));
     assert!(missing("pose").message().contains("body length"));
+}
+
+#[test]
+fn one_call_gives_the_distance_by_every_metric_that_needs_two_trajectories_only() {
+    let (a, b) = (path([0.2, 0.4, -0.3, 0.1, 0.5], 120), path([0.1; 5], 75));
+    let mut compared = 0;
+    for metric in METRICS {
+        let needs = metric.needs();
+        if needs.spread || needs.body_length {
+            let error = compare(&a, &b, metric.name()).unwrap_err();
+            assert!(error.message().contains(metric.name()), "{error}");
+            continue;
+        }
+        let distance = compare(&a, &b, metric.name()).unwrap();
+        assert_eq!(distance.unit, metric.unit());
+        assert!(distance.value > 0.0, "{}", metric.name());
+        assert!(compare(&a, &a, metric.name()).unwrap().value <= 1e-7);
+        if !needs.basis {
+            assert_eq!(distance.value, score(*metric, &a, &b), "{}", metric.name());
+        }
+        compared += 1;
+    }
+    assert!(compared >= 10, "{compared}");
+    let error = compare(&a, &b, "euclid").unwrap_err();
+    assert!(error.to_string().contains("rms"), "{error}");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use super::basis::Basis;
 use super::spread::Spread;
 use crate::trajectory::{Prepared, Trajectory};
 use realgap_core::error::{Error, Result};
-use realgap_core::unit::Unit;
+use realgap_core::unit::{Unit, quantity};
 use realgap_core::warning::{Code, Warning};
 
 /// Two trajectories to be compared, raw and prepared.
@@ -89,6 +89,12 @@ pub struct Score {
     pub samples: usize,
     /// What the reader should know.
     pub warnings: Vec<Warning>,
+}
+
+impl std::fmt::Display for Score {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&quantity(self.value, self.unit))
+    }
 }
 
 /// What [`Metric::measure`] returns.

@@ -5,6 +5,7 @@
 
 mod basis;
 mod cluster;
+mod compare;
 mod evo;
 mod joint;
 mod metric;
@@ -21,6 +22,7 @@ mod whitened;
 
 pub use basis::{Basis, Components};
 pub use cluster::PcaCluster;
+pub use compare::compare;
 pub use evo::{Ape, Rpe, UmeyamaApe};
 pub use joint::{JointError, JointSamples, Joints, joint_error_rad, joint_errors, joint_samples};
 pub use metric::{Context, Measurement, Metric, Needs, Pair, Score};
