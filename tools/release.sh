@@ -24,10 +24,9 @@ name="realgap-$version-$machine-linux"
 
 say "the command, without any library of the machine's"
 if command -v musl-gcc >/dev/null && rustup target add "$target" >/dev/null 2>&1; then
-    cargo build --release --locked --bin realgap --target "$target"
+    cargo build --profile dist --locked --bin realgap --target "$target"
     mkdir "$work/$name"
-    cp "$build/$target/release/realgap" "$work/$name/"
-    strip "$work/$name/realgap"
+    cp "$build/$target/dist/realgap" "$work/$name/"
     git archive HEAD -- "${shipped[@]}" | tar -x -C "$work/$name"
     tar -C "$work" --sort=name --owner=0 --group=0 --numeric-owner --mtime="@$(git log -1 --format=%ct)" -cf - "$name" \
         | gzip -n -9 >"$folder/$name.tar.gz"
@@ -73,7 +72,7 @@ fi
 say "the wheel, with the command in it"
 python3 -m venv "$work/maker"
 "$work/maker/bin/pip" install --quiet 'maturin>=1.9,<2'
-"$work/maker/bin/maturin" build --release --locked -m python/Cargo.toml --out "$folder"
+"$work/maker/bin/maturin" build --profile dist --locked -m python/Cargo.toml --out "$folder"
 python3 -m venv "$work/user"
 "$work/user/bin/pip" install --quiet "$folder"/*.whl
 "$work/user/bin/realgap" sweep sweeps/cube_toss.ron --points 3 -o "$work/wheel"

@@ -8,4 +8,5 @@ mod golden;
 mod guess;
 mod metric_contract;
 mod preparation;
+mod principal_components;
 mod whitened;
