@@ -209,7 +209,7 @@ impl optimization::Optimizer for PythonOptimizer {
                 .map(|told| (told.point.clone(), told.score))
                 .collect()
         };
-        let (design, told) = (rows(history.design), rows(history.told));
+        let (design, told) = (rows(history.design), rows(history.evaluated));
         let points = Python::attach(|py| {
             let propose = self.propose.lock().unwrap_or_else(PoisonError::into_inner);
             let propose = propose.as_ref().map(|propose| propose.clone_ref(py));

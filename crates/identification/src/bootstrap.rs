@@ -1,10 +1,10 @@
-//! Confidence intervals by drawing recordings again.
+//! Confidence intervals of estimates by the percentile bootstrap over recordings.
 
 use serde::Serialize;
 
 use realgap_core::statistics::{percentile_interval, resamples};
 
-/// Resamples of the bootstrap.
+/// Number of resamples of the bootstrap.
 const RESAMPLES: usize = 1000;
 /// Share of the resampled estimates on either side of an interval of 95 %.
 const TAIL: f64 = 0.025;
@@ -15,19 +15,19 @@ const TAIL: f64 = 0.025;
 pub struct Interval {
     /// The estimate from all recordings.
     pub value: f64,
-    /// 2.5 % of the resampled estimates lie below.
+    /// Lower end: 2.5 % of the resampled estimates lie below it.
     pub low: f64,
-    /// 2.5 % of the resampled estimates lie above.
+    /// Upper end: 2.5 % of the resampled estimates lie above it.
     pub high: f64,
 }
 
 impl Interval {
-    /// Whether the data allow `value`.
+    /// Whether `value` is within the interval.
     pub fn contains(&self, value: f64) -> bool {
         (self.low..=self.high).contains(&value)
     }
 
-    /// The interval of the quantity times `factor`, more than 0.
+    /// The interval of the quantity multiplied by `factor`, which is greater than 0.
     #[must_use]
     pub fn times(&self, factor: f64) -> Self {
         Self {
@@ -40,8 +40,9 @@ impl Interval {
 
 /// Percentile bootstrap over recordings (Efron & Tibshirani 1993, chapter 13) of several quantities at once.
 ///
-/// `estimate` gets how often each recording is drawn; `None` (nothing can be estimated) is left out. `None` where
-/// all recordings together give nothing; an unbounded interval for a single recording.
+/// `estimate` receives how often each recording is drawn; resamples for which it returns `None` (nothing can be estimated) are
+/// left out. The result is `None` if nothing can be estimated from all recordings together. The interval of a single recording
+/// is unbounded.
 pub(super) fn intervals<const N: usize>(
     recordings: usize,
     seed: u64,
@@ -49,7 +50,7 @@ pub(super) fn intervals<const N: usize>(
 ) -> Option<[Interval; N]> {
     let values = estimate(&vec![1.0; recordings])?;
     if recordings < 2 {
-        // One recording says nothing about how much another would differ.
+        // The spread between recordings is unknown if there is only one.
         return Some(values.map(|value| Interval {
             value,
             low: f64::NEG_INFINITY,
@@ -65,14 +66,15 @@ pub(super) fn intervals<const N: usize>(
     }))
 }
 
-/// A quantity that is the mean over recordings.
+/// The weighted mean of a quantity over recordings; `None` if all weights are zero.
 pub(super) fn weighted_mean(weights: &[f64], values: &[f64]) -> Option<[f64; 1]> {
     let total: f64 = weights.iter().sum();
     let sum: f64 = weights.iter().zip(values).map(|(w, v)| w * v).sum();
     (total > 0.0).then(|| [sum / total])
 }
 
-/// What `estimate` gives for recordings drawn again; `None` is left out, and a single recording gives nothing.
+/// The estimates for all resamples of the recordings. Resamples for which `estimate` returns `None` are left out, and the result
+/// is empty for a single recording.
 pub(super) fn draws_of<T>(
     recordings: usize,
     seed: u64,

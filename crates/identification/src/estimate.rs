@@ -1,4 +1,4 @@
-//! Identification before contact: centre of mass, apparent gravity and the lag of the velocities from free flight.
+//! Estimates the centre of mass, the apparent gravity and the lag of recorded velocities of a rigid robot from free flight.
 
 use std::collections::BTreeMap;
 
@@ -16,13 +16,13 @@ use realgap_core::warning::{Code, Warning};
 use realgap_path::trajectory::{Recording, State, Trajectory};
 use realgap_simulation::{Experiment, JointState};
 
-/// How an apparent gravity other than the stated one is read.
+/// How an apparent gravity that differs from the stated gravity is interpreted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LengthReading {
-    /// Gravity is as stated, and recorded lengths are off by the ratio (a camera calibration).
+    /// Gravity is as stated, and recorded lengths are wrong by the ratio (an error of the camera calibration).
     #[default]
     LengthScale,
-    /// Lengths are right, and gravity is what it appears to be.
+    /// Recorded lengths are right, and gravity has its apparent value.
     Gravity,
 }
 
@@ -32,11 +32,11 @@ pub enum LengthReading {
 pub struct Grounded {
     /// Name of the recording.
     pub recording: String,
-    /// Samples in flight, too few to say anything.
+    /// Number of samples in flight, which is too small for an estimate.
     pub flight_samples: usize,
 }
 
-/// Start of one recording as its flight tells it, in recorded lengths.
+/// Start state of one recording, fitted to its flight, in recorded lengths.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FlightStart {
@@ -55,11 +55,11 @@ pub struct FlightStart {
     /// Angles of the joints, in the order of the robot's hinges, radians.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub joint_angles_rad: Vec<f64>,
-    /// Their speeds, rad/s.
+    /// Speeds of the joints, in the order of the robot's hinges, rad/s.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub joint_speeds_rad_s: Vec<f64>,
-    /// Root mean square distance of the centre of mass from its parabola, metres; of jointed robots: of the tracked point from
-    /// where the fit has it.
+    /// Root mean square distance of the centre of mass from its parabola, metres; for jointed robots, of the recorded from the
+    /// fitted position of the tracked point.
     pub residual_m: f64,
 }
 
@@ -86,7 +86,7 @@ impl FlightStart {
     }
 }
 
-/// What the estimate would be without the first samples, where trackers have transients.
+/// The estimate without the first samples of every flight, where trackers often have transients.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Trimmed {
@@ -96,35 +96,35 @@ pub struct Trimmed {
     pub centre_of_mass_m: [f64; 3],
     /// Apparent gravity downwards, m/s².
     pub gravity_m_s2: f64,
-    /// What is left unexplained per axis, metres.
+    /// Root mean square residual of the positions per axis, metres.
     pub residual_m: f64,
 }
 
-/// What the flights say. Intervals: 95 %, bootstrap over recordings.
+/// The properties of a rigid robot that were identified from flights. Intervals are 95 % bootstrap intervals over recordings.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Identification {
-    /// Recordings looked at.
+    /// Number of recordings that were examined.
     pub recordings: usize,
-    /// Recordings with a flight.
+    /// Number of recordings with a flight.
     pub flying: usize,
-    /// Samples in flight.
+    /// Number of samples in flight, over all recordings.
     pub samples: usize,
-    /// Recordings without one.
+    /// Recordings without a flight.
     pub grounded: Vec<Grounded>,
-    /// Centre of mass in the body frame as recorded lengths show it, metres: x, y, z.
+    /// Centre of mass in the body frame, in recorded lengths, metres: x, y, z.
     pub centre_of_mass_recorded_m: [Interval; 3],
     /// Acceleration of the centre of mass in recorded lengths, world frame, m/s²: x, y, z.
     pub acceleration_world_m_s2: [Interval; 3],
-    /// Its part downwards, m/s².
+    /// Downward component of the acceleration of the centre of mass, in recorded lengths, m/s².
     pub apparent_gravity_m_s2: Interval,
-    /// Apparent over stated gravity: recorded lengths over true ones, if gravity is as stated.
+    /// Apparent divided by stated gravity. If gravity is as stated, this is the ratio of recorded lengths to true lengths.
     pub length_scale: Interval,
-    /// How late the recorded velocities are, seconds; `None` without recorded velocities.
+    /// Delay of the recorded velocities, seconds; `None` without recorded velocities.
     pub velocity_lag_s: Option<Interval>,
     /// Half the time between samples, seconds: the lag of a backward difference.
     pub half_sample_s: f64,
-    /// What the parabolas leave unexplained per axis, metres.
+    /// Root mean square distance of the positions from the fitted parabolas per axis, metres.
     pub residual_m: f64,
     /// The estimate without the first samples of every flight.
     pub sensitivity: Vec<Trimmed>,
@@ -132,14 +132,14 @@ pub struct Identification {
     pub rest: RestReport,
     /// Values for `--parameters`, in true lengths.
     pub parameters: BTreeMap<String, f64>,
-    /// Start states, one a flight.
+    /// Start states, one for each flight.
     pub starts: Vec<FlightStart>,
-    /// Where the stated model is contradicted, and what else the reader should know.
+    /// Warnings, for example where the flights contradict the stated model.
     pub warnings: Vec<Warning>,
 }
 
-/// Estimates from recordings and the stated robot, floor height and gravity. `experiment.recording_length_scale` is
-/// what is looked for, so it is not used.
+/// Estimates the properties of a rigid robot from recordings and the stated robot, floor height and gravity.
+/// `experiment.recording_length_scale` is not used, because it is one of the quantities to be estimated.
 ///
 /// # Errors
 /// A robot with servos, no recording with a flight, or flights that do not turn.
@@ -162,13 +162,15 @@ pub fn identify(
     if flights.is_empty() {
         return Err(Error::invalid("none of the recordings has a flight")
             .found(format!("{}, on or near the floor (or without orientations) from the start", counted(recordings.len(), "recording")))
-            .allowed(format!("at least {LEAST_SAMPLES} samples before anything of the robot comes near the floor"))
-            .hint("walkers say nothing here: toss or drop the robot and record that; check floor.height_m and the length unit if it did fly"));
+            .allowed(format!("at least {LEAST_SAMPLES} samples before any part of the robot comes near the floor"))
+            .hint("walking robots are never in free flight: toss or drop the robot and record that; if it was in flight, check floor.height_m and the length unit"));
     }
     let still = || {
-        Error::invalid("the flights hardly turn, so the centre of mass cannot be seen")
-            .found(format!("{} flights", flights.len()))
-            .hint("toss the robot with a spin")
+        Error::invalid(
+            "the robot hardly turns in the flights, so its centre of mass cannot be estimated",
+        )
+        .found(format!("{} flights", flights.len()))
+        .hint("toss the robot with a spin")
     };
     let equations: Vec<Equations> = flights
         .iter()
@@ -223,7 +225,7 @@ pub fn identify(
     Ok(found)
 }
 
-/// Recordings with as many samples of flight as an estimate needs, and the others.
+/// Splits recordings into those with enough samples of flight for an estimate, and the others.
 pub(super) fn part_flights<'a>(
     counted: impl Iterator<Item = (&'a Recording, usize)>,
 ) -> (Vec<(&'a Recording, usize)>, Vec<Grounded>) {
@@ -238,7 +240,7 @@ pub(super) fn part_flights<'a>(
     (flights, grounded.collect())
 }
 
-/// The start of every flight that can be fitted with this body, and by how much its recorded velocities are late, seconds.
+/// The start of every flight that can be fitted with this body, and the delay of its recorded velocities, seconds.
 fn starts_and_lags(body: &Body, flights: &[(&Recording, usize)]) -> (Vec<FlightStart>, Vec<f64>) {
     let mut starts = Vec::new();
     let mut lags = Vec::new();
@@ -253,7 +255,7 @@ fn starts_and_lags(body: &Body, flights: &[(&Recording, usize)]) -> (Vec<FlightS
                 &[],
                 residual_m,
             ));
-            // v(t − lag) = v(t) + g·lag: what a late velocity is too high by.
+            // v(t − lag) = v(t) + g·lag: the difference between a late and the true velocity is proportional to the lag.
             lags.extend(motion.velocities_world_m_s().map(|recorded| {
                 (recorded[0].z - fit.state.velocity_world_m_s.z) / body.gravity_m_s2
             }));
@@ -262,7 +264,7 @@ fn starts_and_lags(body: &Body, flights: &[(&Recording, usize)]) -> (Vec<FlightS
     (starts, lags)
 }
 
-/// The estimate without the first samples.
+/// The estimate without the first 0, 3 and 5 samples of every flight.
 fn sensitivity(flights: &[(&Recording, usize)]) -> Vec<Trimmed> {
     [0, 3, 5]
         .into_iter()
@@ -296,7 +298,8 @@ fn parameters(
         LengthReading::LengthScale => apparent.value / experiment.gravity_m_s2,
         LengthReading::Gravity => 1.0,
     };
-    // An axis on which the flights do not contradict the stated centre keeps it: noise is no knowledge.
+    // On an axis on which the flights do not contradict the stated centre, the stated value is kept, because the difference may be
+    // noise.
     let centre_m = Vector3::from_fn(|axis, _| {
         let seen = &centre_recorded_m[axis];
         if seen.contains(stated.centre_track_m[axis]) {
@@ -329,7 +332,7 @@ fn parameters(
     Ok(values)
 }
 
-/// Where the stated model is contradicted.
+/// Warnings about contradictions between the flights and the stated model, and about limits of the estimate.
 fn warnings(stated: &Body, found: &Identification) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let ratio = |i: &Interval| format!("{:.4} ({:.4} to {:.4})", i.value, i.low, i.high);
@@ -341,7 +344,7 @@ fn warnings(stated: &Body, found: &Identification) -> Vec<Warning> {
     ) {
         if !interval.contains(*stated_m) {
             warnings.push(Code::CentreOfMassContradicted.warning(format!(
-                "the stated centre of mass is at {axis} = {:.2} mm, the flights say {:.2} mm ({:.2} to {:.2})",
+                "the stated centre of mass is at {axis} = {:.2} mm, the flights give {:.2} mm ({:.2} to {:.2})",
                 1e3 * stated_m,
                 1e3 * interval.value,
                 1e3 * interval.low,
@@ -357,12 +360,12 @@ fn warnings(stated: &Body, found: &Identification) -> Vec<Warning> {
             .as_ref()
             .map_or(String::new(), |rest| {
                 format!(
-                    "; the height at rest is {} of what the robot's size says",
+                    "; the height at rest is {} times the height that follows from the robot's size",
                     ratio(rest)
                 )
             });
         warnings.push(Code::GravityContradicted.warning(format!(
-            "the flights fall at {:.3} m/s^2 ({:.3} to {:.3}) instead of {:.3}: if gravity is right, recorded lengths are {} of true ones{rest}",
+            "the flights fall at {:.3} m/s^2 ({:.3} to {:.3}) instead of {:.3}: if gravity is right, recorded lengths are {} times the true lengths{rest}",
             gravity.value,
             gravity.low,
             gravity.high,
@@ -389,7 +392,7 @@ fn warnings(stated: &Body, found: &Identification) -> Vec<Warning> {
     }
     if !found.grounded.is_empty() {
         warnings.push(Code::NoFlight.warning(format!(
-            "{} of {} recordings have no flight and say nothing here",
+            "{} of {} recordings have no flight and do not contribute to the estimate",
             found.grounded.len(),
             found.recordings
         )));

@@ -1,4 +1,4 @@
-//! Finding the free flight of a robot without servos: the samples before anything of it comes near the floor.
+//! Finds the free flight of a robot without servos: the samples before any part of the robot comes near the floor.
 
 use nalgebra::{Isometry3, Vector3};
 
@@ -10,28 +10,28 @@ use realgap_robot::morphology::{Part, Solid};
 use realgap_simulation::{Experiment, Floor};
 
 /// Share of the body length by which the lowest corner must clear the floor: about the error of a tracker
-/// plus what the robot sinks in a sample.
+/// plus the distance that the robot falls in one sample.
 const CLEARANCE: f64 = 0.03;
 
-/// The same for the sample to come of a jointed robot: heights of hinged boxes that were tossed are off by up to 8 mm of 0.1 m
-/// where they first touch (docs/fidelity/hardware.md).
+/// Share of the body length by which the lowest corner of a jointed robot must clear the floor at the next sample. Heights of
+/// hinged boxes that were tossed are off by up to 8 mm of 0.1 m where they first touch (docs/fidelity/hardware.md).
 const JOINTED: f64 = 0.12;
 
 /// Up to this ratio of the principal moments a free body turns at a nearly constant rate.
 pub const EQUAL_MOMENTS: f64 = 1.05;
 
-/// A robot without servos as its flight sees it: where its corners and its centre of mass are, and the floor below.
+/// The properties of a robot without servos that matter for its flight: corners, centre of mass, and the floor below.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
-    /// Centre of mass in the tracked frame, metres; of a jointed robot at zero angles.
+    /// Centre of mass in the tracked frame, metres; for a jointed robot, at zero angles.
     pub centre_track_m: Vector3<f64>,
     /// Magnitude of gravity, along −z of the world, m/s².
     pub gravity_m_s2: f64,
     /// Largest over smallest principal moment of inertia; 1 for a cube.
     pub moment_ratio: f64,
-    /// What the parts are joined by; `None` for one rigid part.
+    /// The hinged parts of a jointed robot; `None` for one rigid part.
     pub linkage: Option<Linkage>,
-    /// By part, in the tracked frame at zero angles.
+    /// Corners of each part, in the tracked frame at zero angles.
     corners_track_m: Vec<Vec<Vector3<f64>>>,
     floor: Floor,
     clearance_m: f64,
@@ -41,17 +41,17 @@ impl Body {
     /// The robot of an experiment, with its adjustments.
     ///
     /// # Errors
-    /// A robot with servos, or on hinges with another module than the root tracked.
+    /// A robot with servos, or a robot with hinges of which another part than the root is tracked.
     pub fn new(experiment: &Experiment) -> Result<Self> {
         let robot = experiment.adjusted_assembly();
         let linkage = Linkage::new(&robot);
         if robot.parts.len() != 1 && linkage.is_none() {
             let servos = robot.hinges.iter().filter(|h| h.actuator.is_some()).count();
             return Err(
-                Error::invalid("free flight says something about robots without servos only")
+                Error::invalid("only robots without servos can be identified from free flight")
                     .found(format!("a robot with {servos} servos and {} hinges", robot.hinges.len()))
                     .allowed("one rigid part, or parts on passive hinges whose root is tracked")
-                    .hint("walkers have no free flight to learn from; toss the body without its servos, if it can be had")
+                    .hint("walking robots are never in free flight; if possible, toss the body without its servos")
                     .advise(Advice::LeastSquares),
             );
         }
@@ -81,7 +81,7 @@ impl Body {
             moment_ratio: moments.max() / moments.min(),
             linkage,
             corners_track_m,
-            // What it is like to touch does not matter in flight.
+            // The contact properties of the floor do not matter in flight.
             floor: Floor {
                 height_m: experiment.floor.height_m,
                 slope_rad: experiment.floor.slope_rad,
@@ -91,10 +91,10 @@ impl Body {
         })
     }
 
-    /// How many samples from the first are surely in flight; 0 where the run starts on the floor or has no
+    /// Number of samples, from the first on, that are certainly in flight; 0 if the run starts on the floor or has no
     /// orientations. `motion` is in true lengths.
     ///
-    /// The sample before the first that comes near the floor is left out too: it may already hide a contact.
+    /// The sample before the first one near the floor is left out, too, because a contact may follow it before the next sample.
     pub fn flight_samples(&self, motion: &Trajectory) -> usize {
         let Some(orientations) = motion.orientations_world_from_body() else {
             return 0;
@@ -116,8 +116,8 @@ impl Body {
                 .count()
                 .saturating_sub(1);
         }
-        // Long thin parts touch the floor between two samples that both seem clear of it: a flight ends before the sample that
-        // would be too low if everything went on as it goes.
+        // Long thin parts can touch the floor between two samples that are both clear of it. Therefore the flight ends before the
+        // first sample that would be too low if the height went on changing at the same rate.
         let (mut samples, mut last_m) = (0_usize, f64::NAN);
         for here_m in clear_m {
             if here_m < self.clearance_m {
@@ -132,7 +132,7 @@ impl Body {
         samples
     }
 
-    /// Angles of the robot's joints as recorded; `None` where one of them is not.
+    /// Recorded angles of the robot's joints; `None` if a joint is not recorded.
     fn joints_of<'a>(&self, motion: &'a Trajectory) -> Option<Vec<&'a [f64]>> {
         let names = self.linkage.iter().flat_map(Linkage::joint_names);
         names
@@ -140,7 +140,7 @@ impl Body {
             .collect()
     }
 
-    /// The smallest reach of any corner along a direction of the tracked frame, metres.
+    /// The smallest coordinate of any corner along a direction of the tracked frame, metres.
     fn lowest_along_m(&self, angles_rad: &[f64], along_track: &Vector3<f64>) -> f64 {
         let moved = match &self.linkage {
             Some(linkage) => linkage.moved(angles_rad),
@@ -159,7 +159,7 @@ impl Body {
         lowest_m
     }
 
-    /// How far the tracked point is from the outside of the robot along a direction of the tracked frame, metres.
+    /// Distance from the tracked point to the outermost corner along a direction of the tracked frame, metres.
     pub fn reach_m(&self, along_track: &Vector3<f64>) -> f64 {
         self.corners_track_m
             .iter()
@@ -168,7 +168,7 @@ impl Body {
             .fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// The floor below.
+    /// The floor below the robot, without its contact properties.
     pub fn floor(&self) -> &Floor {
         &self.floor
     }

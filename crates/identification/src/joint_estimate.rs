@@ -1,5 +1,5 @@
-//! What free flight tells about a robot of parts on passive hinges: masses, centres of mass, inertias, hinge friction, and
-//! what it does not tell.
+//! Estimates masses, centres of mass, inertias and hinge friction of a robot of parts on passive hinges from free flight, and
+//! determines which of these parameters the flights do not determine.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::bootstrap::{Interval, draws_of};
 use super::estimate::{FlightStart, Grounded, LengthReading, part_flights};
 use super::flight::Body;
-use super::joint_flight::{JointFit, Left, Samples, fit, flown, slopes};
+use super::joint_flight::{JointFit, Residual, Samples, fit, flown, slopes};
 use super::joint_prior::{Prior, priors, set};
 use super::linkage::{Attitude, Linkage};
 use super::start::LEAST_SAMPLES;
@@ -20,79 +20,80 @@ use realgap_core::warning::{Code, Warning};
 use realgap_path::trajectory::Recording;
 use realgap_simulation::Experiment;
 
-/// A parameter whose deviation flights do not shrink below this share of the prior's is not determined by them.
+/// Flights determine a parameter if its standard deviation is below this share of the prior's standard deviation.
 const DETERMINED: f64 = 0.5;
 /// Rounds of Gauss-Newton over all flights.
 const ROUNDS: usize = 5;
-/// Change, in prior deviations, by which flights are differentiated.
+/// Change of a parameter by which flights are differentiated, in standard deviations of the prior.
 const NUDGE: f64 = 1e-3;
-/// Flights that are this much farther off than most are none.
+/// A recording whose residual is more than this factor times the median residual is not treated as a free flight.
 const ODD: f64 = 4.0;
-/// Share of a flight from which the rest is predicted.
+/// Share of a flight that is fitted in order to predict the rest of the flight.
 const SEEN: f64 = 2.0 / 3.0;
+/// Share of the bootstrap estimates on either side of an interval of 95 %.
 const TAIL: f64 = 0.025;
 
-/// What flights say about one parameter.
+/// The result of the identification for one parameter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JointVerdict {
     /// Name of the parameter.
     pub parameter: &'static str,
-    /// This is what the robot's file says.
+    /// The value in the robot's file.
     pub stated: f64,
-    /// Estimate with its 95 % interval (bootstrap over recordings); the stated value where flights do not determine it.
+    /// Estimate with its 95 % interval (bootstrap over recordings); the stated value if flights do not determine the parameter.
     pub estimate: Interval,
-    /// How much of the prior's standard deviation is left: 1 where flights say nothing.
+    /// Standard deviation after the flights divided by that of the prior: 1 if flights contain no information about the parameter.
     pub left_of_prior: f64,
-    /// Whether flights determine it.
+    /// Whether flights determine the parameter.
     pub is_determined: bool,
 }
 
-/// How far flights are from recordings: medians over recordings.
+/// Errors of fitted or predicted flights compared with the recordings: medians over recordings.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FlightErrors {
-    /// Position of the tracked point, metres.
+    /// Error of the position of the tracked point, metres.
     pub position_m: f64,
-    /// Rotation of the tracked part, degrees.
+    /// Error of the rotation of the tracked part, degrees.
     pub rotation_deg: f64,
-    /// Mean over the joints, degrees.
+    /// Mean absolute error of the joint angles, degrees.
     pub hinge_deg: f64,
 }
 
-/// What the flights of a jointed robot say.
+/// The properties of a jointed robot that were identified from flights.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JointIdentification {
-    /// Recordings looked at.
+    /// Number of recordings that were examined.
     pub recordings: usize,
-    /// Recordings with a flight.
+    /// Number of recordings with a flight.
     pub flying: usize,
-    /// Samples in flight.
+    /// Number of samples in flight, over all recordings.
     pub samples: usize,
-    /// Recordings without one.
+    /// Recordings without a flight.
     pub grounded: Vec<Grounded>,
-    /// One entry a parameter.
+    /// The result for each parameter.
     pub verdicts: Vec<JointVerdict>,
-    /// At the last sample of flights that were fitted whole, the robot as stated.
+    /// Errors at the last sample of each flight if the whole flight is fitted, with the robot as stated.
     pub last_sample_as_stated: FlightErrors,
-    /// These errors with what was identified.
+    /// Errors at the last sample of each flight if the whole flight is fitted, with the identified parameters.
     pub last_sample: FlightErrors,
-    /// At the last sample when only the first two thirds of each flight were fitted, the robot as stated.
+    /// Errors at the last sample of each flight if only its first two thirds are fitted, with the robot as stated.
     pub predicted_as_stated: FlightErrors,
-    /// These errors with what was identified.
+    /// Errors at the last sample of each flight if only its first two thirds are fitted, with the identified parameters.
     pub predicted: FlightErrors,
-    /// Root mean square of what is left of the positions, metres.
+    /// Root mean square residual of the positions, metres.
     pub residual_m: f64,
-    /// Values for `--parameters`, in true lengths: what flights determine.
+    /// Values for `--parameters`, in true lengths, of the parameters that flights determine.
     pub parameters: BTreeMap<String, f64>,
-    /// Start states, one a flight, in recorded lengths.
+    /// Start states, one for each flight, in recorded lengths.
     pub starts: Vec<FlightStart>,
-    /// What the reader should know.
+    /// Warnings, for example where the flights contradict the robot's description.
     pub warnings: Vec<Warning>,
 }
 
-/// Estimates from recordings of a robot on passive hinges.
+/// Estimates the parameters of a robot on passive hinges from recordings of its flights.
 ///
 /// # Errors
 /// A robot with servos or without hinges, no recording with a flight.
@@ -119,12 +120,12 @@ pub fn identify_joints(
     let nothing = || {
         Error::invalid("none of the recordings has a flight that can be fitted")
             .found(counted(recordings.len(), "recording"))
-            .allowed(format!("at least {LEAST_SAMPLES} samples, with all joints, before anything of the robot comes near the floor"))
+            .allowed(format!("at least {LEAST_SAMPLES} samples, with all joints, before any part of the robot comes near the floor"))
     };
     let odd = leave_out_odd(experiment, &mut flights)?;
     let first = solve(experiment, &priors, &all, &flights, seed)?.ok_or_else(nothing)?;
     let mut known = all.clone();
-    known.retain(|index| first.left[*index] < DETERMINED);
+    known.retain(|index| first.left_of_prior[*index] < DETERMINED);
     let last = solve(experiment, &priors, &known, &flights, seed)?.ok_or_else(nothing)?;
     let mut verdicts = Vec::new();
     let mut parameters = BTreeMap::new();
@@ -140,7 +141,7 @@ pub fn identify_joints(
             parameter: prior.parameter.name,
             stated: prior.stated,
             estimate,
-            left_of_prior: first.left[index],
+            left_of_prior: first.left_of_prior[index],
             is_determined: place.is_some(),
         });
     }
@@ -149,7 +150,7 @@ pub fn identify_joints(
     let mut warnings = warnings(&verdicts, &grounded, recordings.len());
     if !odd.is_empty() {
         warnings.push(Code::NoFlight.warning(format!(
-            "{} of {} flights are no free flight of this robot (more than {ODD} times as far off as most) and are left out: {}",
+            "{} of {} flights are not free flights of this robot (their residual is more than {ODD} times the median) and are left out: {}",
             odd.len(),
             odd.len() + flights.len(),
             odd.join(", ")
@@ -172,7 +173,8 @@ pub fn identify_joints(
     })
 }
 
-/// Takes out flights that no start explains: still held, or touched on the way. Their names.
+/// Removes flights that no start state explains, for example because the robot was still held or touched something on the way.
+/// Returns the names of the recordings.
 fn leave_out_odd(experiment: &Experiment, flights: &mut Vec<Flight<'_>>) -> Result<Vec<String>> {
     let misfits: Vec<f64> = fit_all(experiment, flights)?
         .iter()
@@ -192,7 +194,7 @@ fn leave_out_odd(experiment: &Experiment, flights: &mut Vec<Flight<'_>>) -> Resu
     Ok(odd)
 }
 
-/// One flight as recorded.
+/// One recorded flight and its number of samples.
 struct Flight<'a> {
     recording: &'a Recording,
     count: usize,
@@ -205,8 +207,8 @@ impl Flight<'_> {
         Ok(Samples::new(&model.linkage, &motion, count))
     }
 
-    /// What it says about the parameters that differ in the nudged models, with its own start eliminated; `None` where it cannot
-    /// be fitted.
+    /// The normal equations of this flight for the parameters that differ in the nudged models, with the start of the flight
+    /// eliminated; `None` if the flight cannot be fitted.
     fn equations(
         &self,
         model: &Model,
@@ -242,14 +244,14 @@ impl Flight<'_> {
             matrix: clear.transpose() * &clear,
             slope: clear.transpose() * &here,
             squares: here.norm_squared(),
-            // Translation costs six more.
+            // The position and velocity of the centre of mass are fitted, too, which takes six more degrees of freedom.
             freedom: (here.len() as f64 - own.ncols() as f64 - 6.0).max(0.0),
             fit: found,
         }))
     }
 }
 
-/// What one flight says about the shared parameters.
+/// Normal equations of one flight for the parameters that all flights share.
 struct FlightEquations {
     matrix: DMatrix<f64>,
     slope: DVector<f64>,
@@ -258,7 +260,7 @@ struct FlightEquations {
     fit: JointFit,
 }
 
-/// What an experiment says about flight.
+/// The properties of an experiment that determine a flight.
 struct Model {
     linkage: Linkage,
     gravity_m_s2: f64,
@@ -279,13 +281,13 @@ impl Model {
     }
 }
 
-/// Where the parameters end up.
+/// The estimated parameters.
 struct Solution {
     /// Deviations from the stated values.
     values: Vec<f64>,
     estimates: Vec<Interval>,
-    /// What is left of the priors' deviations.
-    left: Vec<f64>,
+    /// Standard deviations after the flights divided by those of the priors.
+    left_of_prior: Vec<f64>,
 }
 
 /// Gauss-Newton over all flights at once, each with a start of its own that is eliminated (Schur complement).
@@ -333,7 +335,7 @@ fn solve(
             break;
         };
         for (value, step) in values.iter_mut().zip(step.iter()) {
-            // Far beyond any prior is nowhere.
+            // A value of more than five standard deviations of the prior is implausible.
             *value = (*value + step).clamp(-5.0, 5.0);
         }
         if step.amax() < 1e-3 && round > 0 {
@@ -356,18 +358,18 @@ fn solve(
         total += matrix / noise;
     }
     total += DMatrix::identity(size, size);
-    let left = match total.try_inverse() {
+    let left_of_prior = match total.try_inverse() {
         Some(inverse) => (0..size).map(|k| inverse[(k, k)].max(0.0).sqrt()).collect(),
         None => vec![1.0; size],
     };
     Ok(Some(Solution {
         values,
         estimates,
-        left,
+        left_of_prior,
     }))
 }
 
-/// The step that the equations, each `weights` times, and the priors ask for.
+/// The Gauss-Newton step from the equations, each multiplied by its weight, and the priors.
 fn step(
     equations: &[(DMatrix<f64>, DVector<f64>)],
     weights: &[f64],
@@ -395,7 +397,7 @@ fn fit_all(experiment: &Experiment, flights: &[Flight<'_>]) -> Result<Vec<Option
         .collect()
 }
 
-/// Errors at the last sample of flight when the first `share` of it was fitted.
+/// Errors at the last sample of each flight if the first `share` of the flight is fitted.
 fn errors(experiment: &Experiment, flights: &[Flight<'_>], share: f64) -> Result<FlightErrors> {
     let model = Model::new(experiment)?;
     let mut last = Vec::new();
@@ -410,29 +412,34 @@ fn errors(experiment: &Experiment, flights: &[Flight<'_>], share: f64) -> Result
         let found = fit(&model.linkage, model.gravity_m_s2, &part, None);
         last.extend(found.and_then(|found| ahead(&model, &whole, &found)));
     }
-    let of = |value: fn(&Left) -> f64| median(&last.iter().map(value).collect::<Vec<_>>());
+    let of = |value: fn(&Residual) -> f64| median(&last.iter().map(value).collect::<Vec<_>>());
     if last.is_empty() {
         return Err(Error::invalid("no flight could be fitted"));
     }
     Ok(FlightErrors {
-        position_m: of(|left| left.position_m.norm()),
-        rotation_deg: of(|left| left.turn_rad.norm().to_degrees()),
-        hinge_deg: of(|left| {
-            let errors: Vec<f64> = left.joints_rad.iter().map(|e| e.abs()).collect();
+        position_m: of(|residual| residual.position_m.norm()),
+        rotation_deg: of(|residual| residual.turn_rad.norm().to_degrees()),
+        hinge_deg: of(|residual| {
+            let errors: Vec<f64> = residual.joints_rad.iter().map(|e| e.abs()).collect();
             mean(&errors).to_degrees()
         }),
     })
 }
 
-/// What a fit to the beginning leaves of the last sample of the whole flight.
-fn ahead(model: &Model, whole: &Samples, found: &JointFit) -> Option<Left> {
+/// Residual at the last sample of the whole flight of a fit to the beginning of the flight.
+fn ahead(model: &Model, whole: &Samples, found: &JointFit) -> Option<Residual> {
     let last = whole.len() - 1;
     let time_s = whole.times_s[last];
     let end = model.linkage.fly(&found.start, &whole.times_s)?.pop()?;
     let fall = nalgebra::Vector3::z() * (0.5 * model.gravity_m_s2 * time_s * time_s);
     let centre = found.centre_m + found.velocity_m_s * time_s - fall;
     let at = centre - end.world_from_body * model.linkage.centre_m(&end.angles_rad);
-    Some(Left::of(whole, last, whole.positions_m[last] - at, &end))
+    Some(Residual::of(
+        whole,
+        last,
+        whole.positions_m[last] - at,
+        &end,
+    ))
 }
 
 fn rms(fits: &[Option<JointFit>]) -> f64 {
@@ -480,7 +487,7 @@ fn warnings(verdicts: &[JointVerdict], grounded: &[Grounded], recordings: usize)
     }
     if !grounded.is_empty() {
         warnings.push(Code::NoFlight.warning(format!(
-            "{} of {recordings} recordings have no flight and say nothing here",
+            "{} of {recordings} recordings have no flight and do not contribute to the estimate",
             grounded.len()
         )));
     }

@@ -1,4 +1,4 @@
-//! The start of a jointed robot fitted to a whole flight.
+//! Fits the start state of a jointed robot to all samples of a free flight.
 
 use std::f64::consts::TAU;
 
@@ -9,15 +9,16 @@ use super::solve::line;
 use realgap_path::trajectory::{State, Trajectory};
 use realgap_simulation::JointState;
 
-/// What a tracker is off by, about: what weighs positions, orientations and joint angles against each other.
+/// Typical errors of a tracker, by which residuals of positions, orientations and joint angles are divided so that they can be
+/// added.
 const POSITION_M: f64 = 1.5e-3;
 const ROTATION_RAD: f64 = 0.012;
 const JOINT_RAD: f64 = 0.015;
 /// Gauss-Newton converges in a few rounds from a start that is a few degrees off.
 const ROUNDS: usize = 8;
-/// Samples from which the start is guessed.
+/// Number of samples from which the initial guess of the start is computed.
 const GUESSED: usize = 8;
-/// Changes of the start below this are none: radians, and rad/s.
+/// The fit has converged if the start changes by less than this: radians, and rad/s.
 const CONVERGED: f64 = 1e-6;
 /// Change of a coordinate of the start by which the flight is differentiated.
 const NUDGE: f64 = 1e-5;
@@ -28,7 +29,7 @@ pub(super) struct Samples {
     pub times_s: Vec<f64>,
     pub positions_m: Vec<Vector3<f64>>,
     pub orientations: Vec<UnitQuaternion<f64>>,
-    /// By joint.
+    /// Angles of each joint at all samples, radians.
     pub angles_rad: Vec<Vec<f64>>,
 }
 
@@ -55,7 +56,7 @@ impl Samples {
         self.times_s.len()
     }
 
-    /// The first `count` of them.
+    /// The first `count` samples.
     fn beginning(&self, count: usize) -> Self {
         Self {
             times_s: self.times_s[..count].to_vec(),
@@ -69,9 +70,9 @@ impl Samples {
         }
     }
 
-    /// A first guess from differences over the whole flight.
+    /// An initial guess of the start from differences over the first samples of the flight.
     fn guess(&self) -> Attitude {
-        // Not the whole flight: a body that tumbles does not keep its rate.
+        // Only the first samples are used, because the angular velocity of a tumbling body changes during the flight.
         let last = GUESSED.min(self.len()) - 1;
         let span_s = self.times_s[last];
         let turned: Vector3<f64> = self
@@ -93,32 +94,32 @@ impl Samples {
     }
 }
 
-/// A flight that was fitted.
+/// The result of fitting a start to one flight.
 #[derive(Debug, Clone)]
 pub(super) struct JointFit {
-    /// How it turns at the first sample.
+    /// Orientation, angular velocity, joint angles and joint speeds at the first sample.
     pub start: Attitude,
-    /// Centre of mass of the whole at the first sample, world frame, metres.
+    /// Centre of mass of the whole robot at the first sample, world frame, metres.
     pub centre_m: Vector3<f64>,
-    /// Its velocity then, m/s.
+    /// Velocity of the centre of mass at the first sample, world frame, m/s.
     pub velocity_m_s: Vector3<f64>,
-    /// What is left of every sample: position (metres), turn (radians), joints (radians).
-    pub left: Vec<Left>,
+    /// Residuals of every sample: position (metres), turn (radians), joints (radians).
+    pub residuals: Vec<Residual>,
 }
 
-/// What a fit leaves of one sample.
+/// The residual of a fit at one sample.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Left {
-    /// Recorded less fitted position of the tracked point, world frame, metres.
+pub(super) struct Residual {
+    /// Recorded minus fitted position of the tracked point, world frame, metres.
     pub position_m: Vector3<f64>,
     /// Turn from the fitted to the recorded orientation, body frame, radians.
     pub turn_rad: Vector3<f64>,
-    /// Recorded less fitted angles, radians, within half a turn.
+    /// Recorded minus fitted joint angles, radians, within half a turn.
     pub joints_rad: Vec<f64>,
 }
 
-impl Left {
-    /// Of one sample, where a fit turns like this.
+impl Residual {
+    /// The residual at one sample, from the residual of the position and the fitted attitude.
     pub fn of(
         samples: &Samples,
         sample: usize,
@@ -170,26 +171,30 @@ impl JointFit {
         (state, joints.collect())
     }
 
-    /// Everything that is left, in units of what a tracker is off by.
+    /// All residuals, each divided by the typical error of a tracker.
     pub fn weighted(&self) -> DVector<f64> {
-        let values: Vec<f64> = self.left.iter().flat_map(Left::weighted).collect();
+        let values: Vec<f64> = self.residuals.iter().flat_map(Residual::weighted).collect();
         DVector::from_vec(values)
     }
 
-    /// Root mean square of all that is left, in units of what a tracker is off by.
+    /// Root mean square of all residuals, each divided by the typical error of a tracker.
     pub fn misfit(&self) -> f64 {
-        let left = self.weighted();
-        left.norm() / (left.len() as f64).sqrt()
+        let weighted = self.weighted();
+        weighted.norm() / (weighted.len() as f64).sqrt()
     }
 
-    /// Root mean square of what is left of the positions, metres.
+    /// Root mean square of the residuals of the positions, metres.
     pub fn residual_m(&self) -> f64 {
-        let squares = self.left.iter().map(|left| left.position_m.norm_squared());
-        (squares.sum::<f64>() / self.left.len() as f64).sqrt()
+        let squares = self
+            .residuals
+            .iter()
+            .map(|one| one.position_m.norm_squared());
+        (squares.sum::<f64>() / self.residuals.len() as f64).sqrt()
     }
 }
 
-/// The flight from a given start: its centre of mass on the parabola that fits best.
+/// Simulates the flight from a given start; the centre of mass moves on the parabola that fits the samples best. `None` if the
+/// simulation fails.
 pub(super) fn flown(
     linkage: &Linkage,
     gravity_m_s2: f64,
@@ -210,21 +215,21 @@ pub(super) fn flown(
         .map(|((t, p), arm)| p + arm + fall(*t))
         .collect();
     let (centre_m, velocity_m_s) = line(times_s, &centres);
-    let left = (0..samples.len())
+    let residuals = (0..samples.len())
         .map(|k| {
             let position_m = centres[k] - centre_m - velocity_m_s * times_s[k];
-            Left::of(samples, k, position_m, &flight[k])
+            Residual::of(samples, k, position_m, &flight[k])
         })
         .collect();
     Some(JointFit {
         start: start.clone(),
         centre_m,
         velocity_m_s,
-        left,
+        residuals,
     })
 }
 
-/// A start moved by `step`: turn (body frame), rate, angles, speeds.
+/// A start changed by `step`: turn (body frame, radians), angular velocity, joint angles, joint speeds.
 fn moved(start: &Attitude, step: &DVector<f64>) -> Attitude {
     let joints = start.angles_rad.len();
     let part = |from: usize| Vector3::new(step[from], step[from + 1], step[from + 2]);
@@ -240,7 +245,7 @@ fn moved(start: &Attitude, step: &DVector<f64>) -> Attitude {
     }
 }
 
-/// How what is left changes with the start.
+/// Jacobian of the weighted residuals with respect to the start, by finite differences.
 pub(super) fn slopes(
     linkage: &Linkage,
     gravity_m_s2: f64,
@@ -259,7 +264,7 @@ pub(super) fn slopes(
     Some(slopes)
 }
 
-/// The start that explains all samples best, by Gauss-Newton; `None` where that leads nowhere.
+/// The start that fits all samples best, by Gauss-Newton; `None` if Gauss-Newton fails.
 pub(super) fn fit(
     linkage: &Linkage,
     gravity_m_s2: f64,
@@ -269,7 +274,8 @@ pub(super) fn fit(
     let guess = match from {
         Some(start) => start.clone(),
         None => {
-            // First the beginning, then twice as much and so on: a wrong rate leads a long flight astray.
+            // The first samples are fitted first, then twice as many and so on, because Gauss-Newton does not converge on a long
+            // flight if the guess of the angular velocity is wrong.
             let mut guess = samples.guess();
             let mut count = GUESSED;
             while count < samples.len() {
@@ -282,7 +288,7 @@ pub(super) fn fit(
     converge(linkage, gravity_m_s2, samples, guess)
 }
 
-/// Gauss-Newton from a guess.
+/// Gauss-Newton from an initial guess.
 fn converge(
     linkage: &Linkage,
     gravity_m_s2: f64,
@@ -297,7 +303,7 @@ fn converge(
         let step = normal.cholesky()?.solve(&-(slopes.transpose() * &here));
         let mut share = 1.0;
         let mut next = None;
-        // A step that is too long is halved.
+        // A step that increases the residuals is halved.
         for _ in 0..6 {
             let tried = flown(
                 linkage,

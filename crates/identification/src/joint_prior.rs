@@ -1,12 +1,12 @@
-//! What is known of a jointed robot before any flight.
+//! Prior distributions of the parameters of a jointed robot, before any flight is used.
 
 use super::estimate::LengthReading;
 use realgap_core::error::Result;
 use realgap_simulation::Experiment;
 use realgap_simulation::parameter::{Assignment, Parameter, ParameterSet, Scale, by_name};
 
-/// What is known of a parameter before any flight: one standard deviation about the stated value. Weak, so that flights that
-/// say nothing leave it where it was.
+/// Prior of one parameter: the stated value with a standard deviation. The priors are weak; they keep a parameter at its stated
+/// value if the flights contain no information about it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Prior {
     pub(super) parameter: &'static Parameter,
@@ -14,13 +14,13 @@ pub(super) struct Prior {
     pub(super) deviation: f64,
 }
 
-/// What may be identified, and how far it may reasonably be from what is stated.
+/// The parameters that can be identified, each with the standard deviation of its plausible values about the stated value.
 pub(super) fn priors(experiment: &Experiment, reading: LengthReading) -> Result<Vec<Prior>> {
     let robot = experiment.adjusted_assembly();
     let length_m = robot.body_length_m;
     let mut named: Vec<(String, f64)> = Vec::new();
     for (index, name) in robot.module_names.iter().enumerate() {
-        // Only ratios of masses act in flight.
+        // Only ratios of masses affect a flight, so the mass of the first module is fixed.
         if index > 0 {
             named.push((format!("module.{name}.mass_scale"), 0.2));
         }
@@ -31,7 +31,7 @@ pub(super) fn priors(experiment: &Experiment, reading: LengthReading) -> Result<
             named.push((format!("module.{name}.inertia_{axis}_scale"), 0.3));
         }
     }
-    // Friction that would stop a part within a second.
+    // The deviation of hinge friction is of the size that would stop a part within a second.
     let part = robot.parts[robot.hinges[0].child_part].mass(&nalgebra::Isometry3::identity());
     let resists = part.inertia_kg_m2.trace() / 3.0 + 0.25 * part.mass_kg * length_m * length_m;
     named.push(("hinge.viscous_nm_s_rad".to_owned(), resists));
@@ -54,7 +54,7 @@ pub(super) fn priors(experiment: &Experiment, reading: LengthReading) -> Result<
 }
 
 impl Prior {
-    /// The value so many deviations from the stated one, within the parameter's bounds.
+    /// The value that lies `deviations` standard deviations from the stated value, limited to the parameter's bounds.
     pub(super) fn value(&self, deviations: f64) -> f64 {
         let moved = self.deviation * deviations;
         let value = match self.parameter.scale {
@@ -65,6 +65,7 @@ impl Prior {
     }
 }
 
+/// Values of the parameters `free`, given in standard deviations from their stated values.
 pub(super) fn set(priors: &[Prior], free: &[usize], deviations: &[f64]) -> Result<ParameterSet> {
     free.iter()
         .zip(deviations)

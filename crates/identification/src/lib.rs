@@ -1,8 +1,9 @@
-//! What a recording tells before any contact model can spoil it: the free flight, and how things come to rest.
+//! Identifies properties of a robot from its free flight and its resting poses, which do not depend on any contact model.
 //!
-//! [`Body`] finds the flight of a robot without servos, [`fit_flight`] its start state, [`identify`] the centre of mass,
-//! the apparent gravity and the lag of the velocities over many recordings, [`identify_joints`] what flights of parts on passive hinges
-//! tell, [`RestReport`] the resting faces.
+//! [`Body`] finds the samples of a recording in which a robot without servos is in free flight. [`fit_flight`] fits the start
+//! state to them. [`identify`] estimates the centre of mass, the apparent gravity and the lag of the recorded velocities from
+//! many recordings of a rigid robot, and [`identify_joints`] the mass properties and hinge friction of a robot of parts on passive
+//! hinges. [`RestReport`] counts the faces on which the robot comes to rest.
 
 mod bootstrap;
 mod estimate;

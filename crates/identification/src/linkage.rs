@@ -1,8 +1,8 @@
-//! Free flight of parts joined by passive hinges: dynamics without translation.
+//! Simulates the rotation of parts joined by passive hinges in free flight.
 //!
-//! In flight the centre of mass of the whole falls on a parabola whatever the parts do, so what is left turns about it. With
-//! p = M(q) v, v = (angular velocity of the tracked part in its own frame, joint speeds) and M the inertia that remains when
-//! the common velocity is taken out, Hamilton's equations are dp_w/dt = -w x p_w, dp_q/dt = ½ vᵀ ∂M/∂q v - friction
+//! In flight the centre of mass of the whole robot moves on a parabola whatever the parts do, so the remaining motion is a rotation
+//! about it. With p = M(q) v, v = (angular velocity of the tracked part in its own frame, joint speeds) and M the inertia that
+//! remains when the common velocity is subtracted, Hamilton's equations are dp_w/dt = -w x p_w, dp_q/dt = ½ vᵀ ∂M/∂q v - friction
 //! (Featherstone 2008, *Rigid Body Dynamics Algorithms*, section 9.3, of a floating base).
 
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Translation3, Unit, UnitQuaternion, Vector3};
@@ -17,9 +17,9 @@ struct Link {
     inertia_kg_m2: Matrix3<f64>,
 }
 
-/// A passive hinge, in the tracked frame at zero angles; it moves link number (its own number + 1).
+/// A passive hinge, in the tracked frame at zero angles; hinge number k moves link number k + 1.
 #[derive(Debug, Clone, PartialEq)]
-struct Swivel {
+struct PassiveHinge {
     name: String,
     parent: usize,
     anchor_m: Vector3<f64>,
@@ -31,10 +31,10 @@ struct Swivel {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Linkage {
     links: Vec<Link>,
-    swivels: Vec<Swivel>,
+    hinges: Vec<PassiveHinge>,
 }
 
-/// How a linkage turns at one moment.
+/// Orientation, angular velocity and joint state of a linkage at one moment.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Attitude {
     /// Orientation of the tracked part, world from body.
@@ -47,12 +47,12 @@ pub(super) struct Attitude {
     pub speeds_rad_s: Vec<f64>,
 }
 
-/// Dry friction reverses over this range of speeds, rad/s, so that fits have slopes.
+/// Range of speeds over which dry friction reverses its sign, rad/s; the reversal is smooth so that fits can be differentiated.
 const REVERSAL_RAD_S: f64 = 0.05;
 /// Half the change of an angle by which inertia is differentiated, radians.
 const STEP_RAD: f64 = 1e-5;
 
-/// What moves: momenta, and where they have brought things.
+/// The state of the integration: orientation, joint angles and their momenta.
 #[derive(Debug, Clone)]
 struct Phase {
     turn: UnitQuaternion<f64>,
@@ -61,7 +61,8 @@ struct Phase {
 }
 
 impl Linkage {
-    /// Of a robot whose root is tracked; `None` where a servo drives a hinge, or where there is none.
+    /// The linkage of a robot whose root is tracked; `None` if another part is tracked, if a servo drives a hinge, or if the robot
+    /// has no hinges.
     pub(super) fn new(robot: &Assembly) -> Option<Self> {
         let driven = robot.hinges.iter().any(|hinge| hinge.actuator.is_some());
         if driven || robot.hinges.is_empty() || robot.track_part != 0 {
@@ -76,7 +77,7 @@ impl Linkage {
                 inertia_kg_m2: mass.inertia_kg_m2,
             }
         });
-        let swivels = robot.hinges.iter().map(|hinge| Swivel {
+        let hinges = robot.hinges.iter().map(|hinge| PassiveHinge {
             name: hinge.name.clone(),
             parent: hinge.parent_part,
             anchor_m: (track_from_robot * nalgebra::Point3::from(hinge.anchor_robot_m)).coords,
@@ -85,27 +86,27 @@ impl Linkage {
         });
         Some(Self {
             links: links.collect(),
-            swivels: swivels.collect(),
+            hinges: hinges.collect(),
         })
     }
 
-    /// Names of the joints, in their order.
+    /// Names of the joints, in the order of the hinges.
     pub(super) fn joint_names(&self) -> impl Iterator<Item = &str> {
-        self.swivels.iter().map(|swivel| swivel.name.as_str())
+        self.hinges.iter().map(|hinge| hinge.name.as_str())
     }
 
-    /// Where each part is in the tracked frame: what has moved it from where it is at zero angles.
+    /// For each part, the displacement in the tracked frame from its pose at zero angles to its pose at these angles.
     pub(super) fn moved(&self, angles_rad: &[f64]) -> Vec<Isometry3<f64>> {
         let mut moved = vec![Isometry3::identity(); self.links.len()];
-        for (index, (swivel, angle_rad)) in self.swivels.iter().zip(angles_rad).enumerate() {
-            let there = Translation3::from(swivel.anchor_m);
-            let turn = UnitQuaternion::from_axis_angle(&swivel.axis, *angle_rad);
-            moved[index + 1] = moved[swivel.parent] * (there * turn * there.inverse());
+        for (index, (hinge, angle_rad)) in self.hinges.iter().zip(angles_rad).enumerate() {
+            let there = Translation3::from(hinge.anchor_m);
+            let turn = UnitQuaternion::from_axis_angle(&hinge.axis, *angle_rad);
+            moved[index + 1] = moved[hinge.parent] * (there * turn * there.inverse());
         }
         moved
     }
 
-    /// Centre of mass of the whole in the tracked frame, metres.
+    /// Centre of mass of the whole robot in the tracked frame, metres.
     pub(super) fn centre_m(&self, angles_rad: &[f64]) -> Vector3<f64> {
         let moved = self.moved(angles_rad);
         let mut mass_kg = 0.0;
@@ -117,7 +118,7 @@ impl Linkage {
         moment / mass_kg
     }
 
-    /// How fast the centre of mass moves in the tracked frame because the joints turn, m/s.
+    /// Velocity of the centre of mass in the tracked frame that is due to the turning joints, m/s.
     pub(super) fn centre_velocity_m_s(&self, attitude: &Attitude) -> Vector3<f64> {
         let step_s = 1e-6;
         let at = |sign: f64| {
@@ -128,9 +129,9 @@ impl Linkage {
         (at(1.0) - at(-1.0)) / (2.0 * step_s)
     }
 
-    /// Inertia of rate and joint speeds with the common velocity taken out.
+    /// Inertia matrix of the angular velocity and the joint speeds, without the translation of the centre of mass.
     fn inertia(&self, angles_rad: &[f64]) -> DMatrix<f64> {
-        let size = 3 + self.swivels.len();
+        let size = 3 + self.hinges.len();
         let moved = self.moved(angles_rad);
         let total_kg: f64 = self.links.iter().map(|link| link.mass_kg).sum();
         let mut common = DMatrix::<f64>::zeros(3, size);
@@ -146,14 +147,14 @@ impl Linkage {
                 .copy_from(&Matrix3::identity());
             let mut on = part;
             while on > 0 {
-                let swivel = &self.swivels[on - 1];
-                let frame = &moved[swivel.parent];
-                let axis = frame.rotation * swivel.axis.into_inner();
-                let anchor = (frame * nalgebra::Point3::from(swivel.anchor_m)).coords;
+                let hinge = &self.hinges[on - 1];
+                let frame = &moved[hinge.parent];
+                let axis = frame.rotation * hinge.axis.into_inner();
+                let anchor = (frame * nalgebra::Point3::from(hinge.anchor_m)).coords;
                 j.fixed_view_mut::<3, 1>(0, 2 + on)
                     .copy_from(&axis.cross(&(centre - anchor)));
                 w.fixed_view_mut::<3, 1>(0, 2 + on).copy_from(&axis);
-                on = swivel.parent;
+                on = hinge.parent;
             }
             common += &j * (link.mass_kg / total_kg);
             linear.push(j);
@@ -175,14 +176,14 @@ impl Linkage {
             .map(|factors| factors.solve(&phase.momenta))
     }
 
-    /// Rate of turn, joint speeds, and the change of the momenta.
+    /// Angular velocity and joint speeds, and the time derivative of the momenta.
     fn change(&self, phase: &Phase) -> Option<(DVector<f64>, DVector<f64>)> {
         let v = self.velocities(phase)?;
         let mut force = DVector::zeros(v.len());
         let rate = Vector3::new(v[0], v[1], v[2]);
         let spin = Vector3::new(phase.momenta[0], phase.momenta[1], phase.momenta[2]);
         force.fixed_rows_mut::<3>(0).copy_from(&-rate.cross(&spin));
-        for (index, swivel) in self.swivels.iter().enumerate() {
+        for (index, hinge) in self.hinges.iter().enumerate() {
             let energy = |step: f64| {
                 let mut angles = phase.angles.clone();
                 angles[index] += step;
@@ -190,8 +191,8 @@ impl Linkage {
             };
             let slope = (energy(STEP_RAD) - energy(-STEP_RAD)) / (2.0 * STEP_RAD);
             let speed = v[3 + index];
-            let dry = swivel.bearing.dry_nm * speed / speed.hypot(REVERSAL_RAD_S);
-            force[3 + index] = slope - swivel.bearing.viscous_nm_s_rad * speed - dry;
+            let dry = hinge.bearing.dry_nm * speed / speed.hypot(REVERSAL_RAD_S);
+            force[3 + index] = slope - hinge.bearing.viscous_nm_s_rad * speed - dry;
         }
         Some((v, force))
     }
@@ -208,7 +209,7 @@ impl Linkage {
             }
         };
         // Runge-Kutta of fourth order in momenta and angles. The turn composes small rotations by Simpson's rule with the
-        // first commutator (Magnus expansion, Iserles & Nørsett 1999, section 3): as exact.
+        // first commutator (Magnus expansion, Iserles & Nørsett 1999, section 3), which is of fourth order, too.
         let k1 = self.change(phase)?;
         let k2 = self.change(&ahead(&k1, 0.5))?;
         let k3 = self.change(&ahead(&k2, 0.5))?;
@@ -228,9 +229,9 @@ impl Linkage {
         })
     }
 
-    /// How it turns at increasing times from `start` on, seconds after it; `None` where that leads nowhere.
+    /// The attitudes at increasing times, in seconds after `start`; `None` if the integration fails.
     pub(super) fn fly(&self, start: &Attitude, times_s: &[f64]) -> Option<Vec<Attitude>> {
-        let mut v = DVector::zeros(3 + self.swivels.len());
+        let mut v = DVector::zeros(3 + self.hinges.len());
         v.fixed_rows_mut::<3>(0).copy_from(&start.rate_body_rad_s);
         for (index, speed) in start.speeds_rad_s.iter().enumerate() {
             v[3 + index] = *speed;

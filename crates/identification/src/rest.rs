@@ -1,4 +1,4 @@
-//! How things come to rest: which face ends down, how often, and how high the tracked point then is.
+//! Counts on which face robots come to rest, and measures the height of the tracked point at rest.
 
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::Serialize;
@@ -12,7 +12,7 @@ use realgap_robot::morphology::Face;
 const REST_M: f64 = 3e-4;
 const REST_RAD: f64 = 3e-3;
 const WINDOW_S: f64 = 0.02;
-/// Encoders of joints are coarser.
+/// The same limit for joint angles, which is larger because encoders of joints are coarser, radians.
 const REST_JOINT_RAD: f64 = 1e-2;
 
 /// How often a face of the tracked module ended down.
@@ -21,7 +21,7 @@ const REST_JOINT_RAD: f64 = 1e-2;
 pub struct FaceCount {
     /// Name of the face in the tracked module's frame.
     pub face: &'static str,
-    /// Recordings that ended at rest on it.
+    /// Number of recordings that ended at rest on this face.
     pub down: usize,
 }
 
@@ -29,13 +29,13 @@ pub struct FaceCount {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RestReport {
-    /// Recordings that end at rest.
+    /// Number of recordings that end at rest.
     pub at_rest: usize,
-    /// Recordings that end while moving, or without orientations.
+    /// Number of recordings that end while the robot moves, or that have no orientations.
     pub moving: usize,
     /// Counts, in the order of the faces' names in files.
     pub faces: Vec<FaceCount>,
-    /// Recorded height of the tracked point above the floor at rest / what the robot's size says.
+    /// Recorded height of the tracked point above the floor at rest, divided by the height that follows from the robot's size.
     pub height_ratio: Option<Interval>,
 }
 
@@ -51,7 +51,7 @@ pub fn face_down(world_from_body: &UnitQuaternion<f64>, floor_normal_world: &Vec
     best
 }
 
-/// Whether the last samples stand still; false without orientations.
+/// Whether the robot is at rest at the end of the recording; false if the recording has no orientations.
 pub fn is_at_rest(motion: &Trajectory) -> bool {
     let Some(orientations) = motion.orientations_world_from_body() else {
         return false;
@@ -72,7 +72,7 @@ pub fn is_at_rest(motion: &Trajectory) -> bool {
 }
 
 impl RestReport {
-    /// Counts over motions, in one length unit with the body.
+    /// Counts the resting faces of these motions, whose lengths are in the same unit as those of the body.
     pub fn new(body: &Body, motions: &[&Trajectory], seed: u64) -> Self {
         let normal = body.floor().normal_world();
         let mut counts = [0_usize; 6];

@@ -1,4 +1,4 @@
-//! The one linear least-squares problem of the flight: centre of mass and gravity, over many recordings.
+//! Solves the linear least-squares problem for the centre of mass and gravity over many flights.
 
 use nalgebra::{SMatrix, SVector, Vector3};
 
@@ -7,8 +7,8 @@ use realgap_path::trajectory::Trajectory;
 /// Normal equations of one flight.
 ///
 /// In flight p(t) + R(t) c = a + b t + g t²/2, with c the centre of mass in the body and g the gravity. The start a
-/// and the velocity b belong to the flight: they are projected out, sample by sample and axis by axis, by taking off
-/// the straight line that fits best. What remains is linear in (c, g), and equations of flights add up.
+/// and the velocity b differ between flights: they are eliminated for each axis by subtracting the straight line over time that
+/// fits best. The remaining equations are linear in (c, g), and the normal equations of several flights can be added.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Equations {
     matrix: SMatrix<f64, 6, 6>,
@@ -18,7 +18,8 @@ pub(super) struct Equations {
 }
 
 impl Equations {
-    /// Of the samples from `first` until before `end`; at least three.
+    /// The equations of the samples from `first` up to but not including `end`; `None` for fewer than three samples or without
+    /// orientations.
     pub fn new(motion: &Trajectory, first: usize, end: usize) -> Option<Self> {
         let orientations = motion.orientations_world_from_body()?.get(first..end)?;
         let positions = motion.positions_world_m().get(first..end)?;
@@ -58,7 +59,7 @@ impl Equations {
         Some(sum)
     }
 
-    /// Sum of equations, each `weights` times.
+    /// Sum of the equations, each multiplied by its weight.
     pub fn sum(equations: &[Self], weights: &[f64]) -> Self {
         let mut sum = Self {
             matrix: SMatrix::zeros(),
@@ -75,7 +76,7 @@ impl Equations {
         sum
     }
 
-    /// Centre of mass (m) and gravity (m/s²); `None` where nothing turned, so that c cannot be seen.
+    /// Centre of mass (m) and gravity (m/s²); `None` if the robot did not turn, so that c cannot be determined.
     pub fn solve(&self) -> Option<[f64; 6]> {
         let solution = self.matrix.lu().solve(&self.right)?;
         solution
@@ -84,7 +85,7 @@ impl Equations {
             .then(|| std::array::from_fn(|index| solution[index]))
     }
 
-    /// Root mean square of what a solution leaves unexplained, per axis, metres.
+    /// Root mean square residual of a solution per axis, metres.
     pub fn residual_m(&self, solution: &[f64; 6]) -> f64 {
         let x = SVector::<f64, 6>::from_column_slice(solution);
         let squares = self.squares - 2.0 * self.right.dot(&x) + x.dot(&(self.matrix * x));
@@ -92,7 +93,7 @@ impl Equations {
     }
 }
 
-/// Place at time 0 and velocity of the straight line through places over time that fits them best.
+/// Position at time 0 and velocity of the straight line over time that fits the positions best.
 pub(super) fn line(times_s: &[f64], places_m: &[Vector3<f64>]) -> (Vector3<f64>, Vector3<f64>) {
     let n = times_s.len() as f64;
     let mean_s = times_s.iter().sum::<f64>() / n;
@@ -106,7 +107,7 @@ pub(super) fn line(times_s: &[f64], places_m: &[Vector3<f64>]) -> (Vector3<f64>,
     (start, velocity)
 }
 
-/// The values less the straight line over time that fits them best.
+/// The values minus the straight line over time that fits them best.
 fn without_line(times_s: &[f64], values: impl Iterator<Item = f64>) -> Vec<f64> {
     let values: Vec<f64> = values.collect();
     let n = values.len() as f64;

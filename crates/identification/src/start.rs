@@ -1,4 +1,4 @@
-//! The state in which a recording starts: as recorded, corrected by half a sample, or fitted to the flight.
+//! Determines the state in which a recording starts: as recorded, corrected by half a sample, or fitted to the flight.
 
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
@@ -14,18 +14,18 @@ use realgap_simulation::{Experiment, JointState, Start};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum StartState {
-    /// The first sample as it is.
+    /// The first sample as it is recorded.
     #[default]
     FirstSample,
-    /// The first sample, its velocity taken as a difference of two samples: half a sample of gravity late
-    /// (or early, where the file has no velocities and the difference is ours).
+    /// The first sample, with its velocity corrected: a velocity that was computed as a difference of two samples is half a
+    /// sample of gravity late (or early, if the file has no velocities and this program computes the difference).
     HalfSampleCorrected,
-    /// Fitted to all samples before the first contact of the same recording.
+    /// A state fitted to all samples before the first contact of the same recording.
     Flight,
 }
 
 impl StartState {
-    /// For reports.
+    /// The text by which reports name this start.
     pub fn label(self) -> &'static str {
         match self {
             Self::FirstSample => "first recorded sample",
@@ -39,11 +39,12 @@ impl StartState {
 
 /// Fewest samples of flight that give a start state.
 pub const LEAST_SAMPLES: usize = 5;
-/// The first orientations of a recording are often a transient of the tracker's filter; they are left out where
-/// [`AFTER_TRANSIENT`] others remain.
+/// The first orientations of a recording are often a transient of the tracker's filter. They are left out as far as
+/// [`AFTER_TRANSIENT`] other samples remain.
 const TRANSIENT: usize = 3;
 const AFTER_TRANSIENT: usize = 6;
-/// The constant rate converges in two rounds; the rest is for large turns between samples.
+/// Rounds of Gauss-Newton for a constant angular velocity. Two rounds suffice usually; the others serve recordings with large
+/// turns between samples.
 const ROUNDS: usize = 4;
 
 /// A start state fitted to a flight.
@@ -51,19 +52,20 @@ const ROUNDS: usize = 4;
 pub struct FlightFit {
     /// State at the first sample.
     pub state: State,
-    /// Joints then; none of a rigid robot.
+    /// State of the joints at the first sample; empty for a rigid robot.
     pub joints: Vec<JointState>,
-    /// Samples of the flight.
+    /// Number of samples of the flight.
     pub samples: usize,
-    /// Root mean square distance of the centre of mass from its parabola, metres; of a jointed robot: of the tracked point from
-    /// where the fit has it.
+    /// Root mean square distance of the centre of mass from its parabola, metres; for a jointed robot, of the recorded from the
+    /// fitted position of the tracked point.
     pub residual_m: f64,
 }
 
-/// The state at the first sample that explains the flight best: constant angular velocity in the world (exact
-/// where the moments of inertia are equal), the centre of mass on a parabola; of a jointed robot all that its inertia says. `motion` is in true lengths.
+/// The state at the first sample that fits the flight best. The centre of mass moves on a parabola. A rigid robot turns at a
+/// constant angular velocity in the world frame, which is exact if its moments of inertia are equal; the rotation of a jointed robot
+/// is simulated from its mass properties. `motion` is in true lengths.
 ///
-/// `None` where fewer than [`LEAST_SAMPLES`] samples are in flight.
+/// `None` if fewer than [`LEAST_SAMPLES`] samples are in flight, or if the fit of a jointed robot fails.
 pub fn fit_flight(body: &Body, motion: &Trajectory) -> Option<FlightFit> {
     let samples = body.flight_samples(motion);
     if samples < LEAST_SAMPLES {
@@ -119,8 +121,8 @@ pub fn fit_flight(body: &Body, motion: &Trajectory) -> Option<FlightFit> {
     })
 }
 
-/// Orientation at time 0 and constant world rate (rad/s) of samples, by Gauss–Newton on the rotation vectors of
-/// the residual turns.
+/// Orientation at time 0 and constant angular velocity (world frame, rad/s) of samples, by Gauss–Newton on the rotation vectors
+/// of the residual turns.
 fn spin(
     times_s: &[f64],
     orientations: &[UnitQuaternion<f64>],
@@ -160,18 +162,18 @@ fn spin(
     )
 }
 
-/// How a start state came about.
+/// Which rule gave a start state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Refined {
-    /// It begins as the rule says.
+    /// The start follows the rule that was asked for.
     AsAsked,
-    /// No flight to fit: corrected by half a sample instead.
+    /// The recording has no flight to fit, so the velocity is corrected by half a sample instead.
     NoFlight,
 }
 
-/// The experiment with its start refined as `rule` says, from its own recording in recorded lengths.
+/// The experiment with its start refined according to `rule`, from its own recording in recorded lengths.
 ///
-/// Centre of mass, gravity and length scale are those of the experiment, so this comes after its parameters are set.
+/// Centre of mass, gravity and length scale are taken from the experiment, so its parameters must be set before this call.
 ///
 /// # Errors
 /// [`StartState::Flight`] for a robot with servos.
@@ -183,7 +185,8 @@ pub fn refine(
     refine_again(rule, experiment, recorded, &mut None)
 }
 
-/// What a flight was found to be, and with which body: while a fit changes contact only, it stays.
+/// The result of an earlier fit of a flight and the body for which it holds. It can be used again as long as a study changes
+/// parameters of contact only.
 #[derive(Debug, Clone)]
 pub struct KnownFlight {
     body: Body,
@@ -191,7 +194,8 @@ pub struct KnownFlight {
     fit: Option<FlightFit>,
 }
 
-/// As [`refine`], with what an earlier call for the same recording found.
+/// Like [`refine`], but uses the result of an earlier call for the same recording again where it still holds, and stores a new
+/// result in `known`.
 ///
 /// # Errors
 /// As [`refine`].
@@ -207,7 +211,7 @@ pub fn refine_again(
     let scale = experiment.recording_length_scale;
     let half_sample = || {
         let half_s = 0.5 * (recorded.times_s()[1] - recorded.times_s()[0]);
-        // A recorded difference looks back, one of ours looks ahead.
+        // A recorded velocity is taken as a backward difference; a velocity that this program computes is a forward difference.
         let late_s = match recorded.velocities_world_m_s() {
             Some(_) => half_s,
             None => -half_s,

@@ -1,4 +1,4 @@
-//! The driver owns parallelism, the store, progress and stopping; it knows nothing of what is evaluated.
+//! Evaluates points in parallel, stores the results, reports progress and stops on request.
 
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -8,27 +8,27 @@ use super::options::{RunOptions, pool};
 use realgap_core::error::{ErrorKind, Result};
 use realgap_store::Storage;
 
-/// How a drive ended.
+/// How a call of [`drive`] ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ending {
     /// Every point has been evaluated.
     Complete,
-    /// Stopped early; everything finished so far is stored.
+    /// The evaluation was stopped early; all results that were finished are stored.
     Interrupted,
 }
 
-/// A batch of points to be evaluated into a storage.
+/// A batch of points to be evaluated, whose results go into a storage.
 pub struct Batch<'a> {
     /// Number of points of the study.
     pub points: usize,
     /// Number of threads, at least 1.
     pub jobs: usize,
-    /// Set from outside to stop after the points under way, or within those that look at it.
+    /// The caller sets this flag to stop. Points that are being evaluated are finished, unless `evaluate` checks the flag itself.
     pub stop: &'a AtomicBool,
 }
 
 impl<'a> Batch<'a> {
-    /// So many points, as a run asks for.
+    /// A batch of `points` points with the threads and the stop flag of these run options.
     pub fn new(points: usize, run: &'a RunOptions<'_>) -> Self {
         Self {
             points,
@@ -38,15 +38,16 @@ impl<'a> Batch<'a> {
     }
 }
 
-/// Evaluates all points that the storage does not have yet and takes, in parallel, and keeps each as it comes. Where others
-/// are missing that it does not take, the drive ends as interrupted.
+/// Evaluates in parallel all points that the storage accepts and does not contain yet, and stores each result as soon as it is
+/// finished. If other points are missing that the storage does not accept (because another process evaluates them), the result is
+/// [`Ending::Interrupted`].
 ///
 /// Which thread evaluates which point has no influence on any result. `progress` is called on the
-/// calling thread with the number of points finished so far, stored ones included.
+/// calling thread with the number of points finished so far, including those that were stored before.
 ///
 /// # Errors
-/// The first error of `evaluate` or of the store; everything finished before is stored. What `evaluate` gave up because somebody
-/// asked to stop is no error.
+/// The first error of `evaluate` or of the store; all results that were finished before are stored. An evaluation that ends
+/// early because of the stop flag is not an error.
 pub fn drive<R: Send>(
     batch: &Batch<'_>,
     store: &mut (impl Storage<R> + ?Sized),
@@ -61,7 +62,7 @@ pub fn drive<R: Send>(
     store.begin(batch.points);
     todo.retain(|index| store.takes(*index));
     progress(done);
-    // A thread without a point of its own helps with the cases of the others.
+    // A thread without a point of its own helps to simulate the cases of other points.
     let pool = pool(batch.jobs)?;
     let jobs = batch.jobs.clamp(1, todo.len().max(1));
     let next = AtomicUsize::new(0);
@@ -90,7 +91,7 @@ pub fn drive<R: Send>(
         }
         drop(sender);
         while let Ok(first) = receiver.recv() {
-            // Whatever has piled up meanwhile goes into the same transaction.
+            // All results that have arrived since the last transaction go into the same transaction.
             let mut trials = Vec::new();
             for result in std::iter::once(first).chain(receiver.try_iter()) {
                 match result {
@@ -136,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn an_interrupted_drive_goes_on_where_it_stopped_and_ends_with_the_same_bits() {
+    fn an_interrupted_evaluation_continues_where_it_stopped_and_ends_with_the_same_bits() {
         let whole = tempfile::tempdir().unwrap();
         let parts = tempfile::tempdir().unwrap();
         let fingerprint = Fingerprint::new();
@@ -193,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn an_error_stops_the_drive_and_keeps_what_was_finished() {
+    fn an_error_stops_the_evaluation_and_keeps_the_finished_results() {
         let folder = tempfile::tempdir().unwrap();
         let never = AtomicBool::new(false);
         let mut store = Store::create(folder.path(), &Fingerprint::new()).unwrap();

@@ -1,4 +1,4 @@
-//! Every combination of evenly spaced values.
+//! Grids: every combination of evenly spaced values of some parameters.
 
 use realgap_core::error::{Advice, Error, Result};
 use realgap_core::quantity::{Quantity, Scale};
@@ -6,7 +6,7 @@ use realgap_core::quantity::{Quantity, Scale};
 /// Evenly spaced values of one parameter, both ends included.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Range {
-    /// What varies.
+    /// The parameter that varies.
     pub parameter: Quantity,
     /// First value.
     pub from: f64,
@@ -16,9 +16,9 @@ pub struct Range {
     pub points: usize,
 }
 
-/// Most points along one parameter.
+/// Largest number of points along one parameter.
 pub const MAX_POINTS: usize = 10_001;
-/// Most points of a whole grid.
+/// Largest number of points of a whole grid.
 pub const MAX_GRID: usize = 10_000_000;
 
 impl Range {
@@ -29,7 +29,7 @@ impl Range {
     pub fn new(parameter: impl Into<Quantity>, from: f64, to: f64, points: usize) -> Result<Self> {
         let parameter = parameter.into();
         for value in [from, to] {
-            // Inner values of a whole-number parameter are rounded, so only the ends must be whole.
+            // Only the ends are checked to be whole numbers here; the spacing of a whole-number parameter is checked below.
             parameter.check(value)?;
         }
         if from >= to {
@@ -64,8 +64,8 @@ impl Range {
         })
     }
 
-    /// Value number `index`, exact at both ends, between them rounded to 12 significant digits: the
-    /// 0.405 that a person would write, not 0.40499999999999997.
+    /// Value number `index`. Both ends are exact; values between them are rounded to 12 significant digits, so that
+    /// the value is, for example, 0.405 instead of 0.40499999999999997.
     pub fn value(&self, index: usize) -> f64 {
         if index == 0 {
             return self.from;
@@ -77,8 +77,8 @@ impl Range {
         format!("{exact:.11e}").parse().unwrap_or(exact)
     }
 
-    /// The value at a coordinate from 0 (`from`) to 1 (`to`), evenly on the parameter's own scale; both ends exact,
-    /// whole numbers rounded.
+    /// The value at a coordinate from 0 (`from`) to 1 (`to`), which is linear on the parameter's own scale. Both ends are
+    /// exact; values of whole-number parameters are rounded.
     pub fn at(&self, coordinate: f64) -> f64 {
         let share = coordinate.clamp(0.0, 1.0);
         if share == 0.0 {
@@ -127,7 +127,7 @@ impl Range {
     }
 }
 
-/// Every combination of the values of some ranges; the last range varies fastest. By default nothing varies.
+/// Every combination of the values of some ranges; the last range varies fastest. The default grid has no ranges.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Grid {
     ranges: Vec<Range>,
@@ -149,7 +149,7 @@ impl Grid {
                 .iter()
                 .any(|other| other.parameter.name == range.parameter.name)
             {
-                return Err(Error::invalid("a parameter stands twice")
+                return Err(Error::invalid("a parameter is listed twice")
                     .field("parameters")
                     .found(range.parameter.name));
             }
@@ -157,7 +157,8 @@ impl Grid {
         Ok(Self { ranges })
     }
 
-    /// Refuses a grid with more points than can sensibly be evaluated; an optimizer does not mind.
+    /// Refuses a grid that has too many points to evaluate all of them. Optimizers evaluate only some points and do not need
+    /// this check.
     ///
     /// # Errors
     /// More than ten million points.
@@ -177,7 +178,7 @@ impl Grid {
         &self.ranges
     }
 
-    /// Number of points; `usize::MAX` where it is more than that.
+    /// Number of points, at most `usize::MAX`.
     #[allow(clippy::len_without_is_empty)]
     pub fn len(&self) -> usize {
         self.ranges
@@ -210,14 +211,14 @@ impl Grid {
         axes.map(|(range, value)| range.nearest(*value)).collect()
     }
 
-    /// Parameter values at a place: a coordinate from 0 to 1 for each range, as [`Range::at`].
+    /// Parameter values at a point that is given by one coordinate from 0 to 1 for each range, as in [`Range::at`].
     pub fn values_at(&self, place: &[f64]) -> Vec<f64> {
         let axes = self.ranges.iter().zip(place);
         axes.map(|(range, coordinate)| range.at(*coordinate))
             .collect()
     }
 
-    /// The place where [`Grid::values_at`] has these values.
+    /// The coordinates at which [`Grid::values_at`] has these values.
     pub fn place_of(&self, values: &[f64]) -> Vec<f64> {
         let axes = self.ranges.iter().zip(values);
         axes.map(|(range, value)| range.coordinate(*value))

@@ -1,6 +1,6 @@
 //! Optimization: grids, optimizers that are pure functions of the history, and the parallel driver.
 //!
-//! What is evaluated comes in as a closure: this room knows neither simulator nor metric.
+//! The caller passes the function to be evaluated as a closure; this crate depends on neither a simulator nor a metric.
 
 mod driver;
 mod grid;

@@ -1,4 +1,4 @@
-//! An optimizer on a function that is cheap enough to be evaluated at once.
+//! Runs an optimizer on a function that is cheap to evaluate.
 
 use rayon::prelude::*;
 
@@ -7,14 +7,15 @@ use super::optimizer::{
 };
 use realgap_core::error::Result;
 
-/// Every point that the optimizer asked for until its budget was spent, in its order, with its score.
+/// Runs the optimizer until its budget is spent and returns every point that it proposed, with its score, in the order of the
+/// proposals.
 ///
 /// ```
 /// use realgap_optimization::{OptimizationProblem, minimise, optimizer_by_name};
 ///
-/// let brief = OptimizationProblem { points: vec![2], budget: 100, seed: 1, priors: Vec::new() };
-/// let told = minimise(optimizer_by_name("cma-es")?, &brief, |point| Some((point[0] - 0.3).powi(2)))?;
-/// let best = told.iter().filter_map(|told| told.score).fold(f64::INFINITY, f64::min);
+/// let problem = OptimizationProblem { points: vec![2], budget: 100, seed: 1, priors: Vec::new() };
+/// let evaluated = minimise(optimizer_by_name("cma-es")?, &problem, |point| Some((point[0] - 0.3).powi(2)))?;
+/// let best = evaluated.iter().filter_map(|one| one.score).fold(f64::INFINITY, f64::min);
 /// assert!(best < 1e-6);
 /// # Ok::<(), realgap_core::Error>(())
 /// ```
@@ -23,16 +24,16 @@ use realgap_core::error::Result;
 /// As [`Optimizer::propose`].
 pub fn minimise(
     optimizer: &dyn Optimizer,
-    brief: &OptimizationProblem,
+    problem: &OptimizationProblem,
     score: impl Fn(&UnitPoint) -> Option<f64> + Sync,
 ) -> Result<Vec<EvaluatedPoint>> {
-    let mut told: Vec<EvaluatedPoint> = Vec::new();
-    while told.len() < brief.budget {
+    let mut evaluated: Vec<EvaluatedPoint> = Vec::new();
+    while evaluated.len() < problem.budget {
         let history = History {
             design: &[],
-            told: &told,
+            evaluated: &evaluated,
         };
-        let Proposal::Evaluate(points) = optimizer.propose(brief, &history)? else {
+        let Proposal::Evaluate(points) = optimizer.propose(problem, &history)? else {
             break;
         };
         let scored = points.into_par_iter().map(|point| EvaluatedPoint {
@@ -40,7 +41,7 @@ pub fn minimise(
             point,
             errors: Vec::new(),
         });
-        told.par_extend(scored);
+        evaluated.par_extend(scored);
     }
-    Ok(told)
+    Ok(evaluated)
 }

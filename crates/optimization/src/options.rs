@@ -1,4 +1,4 @@
-//! How something long runs: threads, who hears of it, and when to stop.
+//! Options of long computations: the number of threads, the progress callback and the stop flag.
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -7,20 +7,20 @@ use rayon::prelude::*;
 
 use realgap_core::error::{Advice, Error, Result};
 
-/// How far a run is.
+/// The progress of a long computation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
-    /// Points, robots or repeats that are done, stored ones included.
+    /// Number of points, robots or repeats that are done, including those that were stored before.
     pub done: usize,
-    /// Of so many.
+    /// Number of points, robots or repeats in all.
     pub total: usize,
-    /// The best score or fitness so far, where there is one.
+    /// The best score or fitness so far, if there is one.
     pub best: Option<f64>,
-    /// What is done with the results once all of them are there; nothing is counted then.
+    /// The name of the current step after all points are done; the step itself is not counted.
     pub finishing: Option<&'static str>,
 }
 
-/// How something long runs. None of it changes a result.
+/// Options of a long computation. They do not change any result.
 ///
 /// ```
 /// use realgap_optimization::RunOptions;
@@ -31,16 +31,16 @@ pub struct Progress {
 /// ```
 #[derive(Clone, Copy)]
 pub struct RunOptions<'a> {
-    /// Threads, at least 1.
+    /// Number of threads, at least 1.
     pub jobs: usize,
-    /// Once it is set from outside, nothing new is begun and what is done is returned.
+    /// The caller sets this flag to stop: no further work is begun, and the results so far are returned.
     pub stop: Option<&'a AtomicBool>,
-    /// Hears how far the run is; may be called from any thread.
+    /// A callback that receives the progress; it may be called from any thread.
     pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
 }
 
 impl Default for RunOptions<'_> {
-    /// As many threads as the machine has cores; nobody listens, nothing stops it.
+    /// As many threads as the machine has cores, no progress callback and no stop flag.
     fn default() -> Self {
         Self {
             jobs: std::thread::available_parallelism().map_or(1, usize::from),
@@ -51,57 +51,58 @@ impl Default for RunOptions<'_> {
 }
 
 impl RunOptions<'_> {
-    /// Whether somebody asked to stop.
+    /// Whether the stop flag is set.
     pub fn is_stopped(&self) -> bool {
         self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
     }
 
-    /// The flag that stops it: one that is never set where nobody gave one.
+    /// The stop flag, or a flag that is never set if the options have none.
     pub fn stop_flag(&self) -> &AtomicBool {
         static NEVER: AtomicBool = AtomicBool::new(false);
         self.stop.unwrap_or(&NEVER)
     }
 
-    /// For work that is nothing before it is whole.
+    /// Returns an error if the stop flag is set, for work whose partial results cannot be used.
     ///
     /// # Errors
-    /// Somebody asked to stop.
+    /// The stop flag is set.
     pub fn go_on(&self) -> Result<()> {
         if self.is_stopped() {
             return Err(Error::interrupted("interrupted before the end")
-                .hint("run it again; the same numbers come out"));
+                .hint("run it again; a repeated run gives the same numbers"));
         }
         Ok(())
     }
 
-    /// Does `work` on so many threads.
+    /// Runs `work` on a thread pool with [`Self::jobs`] threads.
     ///
     /// # Errors
-    /// More threads than the system gives.
+    /// The system cannot start as many threads.
     pub fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> Result<R> {
         Ok(pool(self.jobs)?.install(work))
     }
 
-    /// What `one` makes of every number below `total`, in their order; whoever listens hears of each.
+    /// Calls `one` in parallel for every number below `total` and returns the results in the order of the numbers. The progress
+    /// callback is called after each.
     ///
     /// # Errors
-    /// The first of `one`; more threads than the system gives, or somebody asked to stop.
+    /// An error of `one`; the system cannot start as many threads, or the stop flag is set.
     pub fn each<T: Send>(
         &self,
         total: usize,
         one: impl Fn(usize) -> Result<T> + Sync,
     ) -> Result<Vec<T>> {
         let done = AtomicUsize::new(0);
-        let told = |index| {
+        let reported = |index| {
             self.go_on()?;
             let made = one(index);
             self.tell(done.fetch_add(1, Ordering::Relaxed) + 1, total, None);
             made
         };
-        self.install(|| (0..total).into_par_iter().map(told).collect())?
+        self.install(|| (0..total).into_par_iter().map(reported).collect())?
     }
 
-    /// Tells whoever listens.
+    /// Calls the progress callback, if there is one.
     pub fn tell(&self, done: usize, total: usize, best: Option<f64>) {
         if let Some(progress) = self.progress {
             progress(Progress {
@@ -113,7 +114,8 @@ impl RunOptions<'_> {
         }
     }
 
-    /// Tells whoever listens that the counted work, so many points, is over, and what is done now.
+    /// Calls the progress callback, if there is one, with the news that all `done` points are finished and that the step `what`
+    /// follows.
     pub fn tell_finishing(&self, what: &'static str, done: usize) {
         if let Some(progress) = self.progress {
             progress(Progress {
@@ -126,10 +128,10 @@ impl RunOptions<'_> {
     }
 }
 
-/// Threads for everything that a study does in parallel.
+/// A thread pool with this number of threads, for the parallel work of a study.
 ///
 /// # Errors
-/// More threads than the system gives.
+/// The system cannot start as many threads.
 pub fn pool(jobs: usize) -> Result<rayon::ThreadPool> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(jobs.max(1))

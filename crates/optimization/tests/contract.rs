@@ -1,4 +1,4 @@
-//! What every optimizer promises, whichever library is behind it.
+//! The contract test: properties that every optimizer must have, whichever library implements it.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use realgap_optimization::{
@@ -24,7 +24,7 @@ fn minimise(
         }
     };
     let design = optimizer.design(dimensions);
-    let brief = OptimizationProblem {
+    let problem = OptimizationProblem {
         points: vec![11; dimensions],
         budget: budget - design,
         seed,
@@ -35,16 +35,16 @@ fn minimise(
         .map(evaluate)
         .collect();
     while all.len() < budget {
-        let (design, told) = all.split_at(design);
+        let (design, evaluated) = all.split_at(design);
         let proposal = optimizer
-            .propose(&brief, &History { design, told })
+            .propose(&problem, &History { design, evaluated })
             .unwrap();
         let Proposal::Evaluate(batch) = proposal else {
             break;
         };
         assert!(!batch.is_empty(), "{} asks for nothing", optimizer.name());
-        let room = budget - all.len();
-        for point in batch.into_iter().take(room) {
+        let remaining = budget - all.len();
+        for point in batch.into_iter().take(remaining) {
             assert_eq!(point.len(), dimensions, "{}", optimizer.name());
             assert!(
                 point.iter().all(|c| (0.0..=1.0).contains(c)),
@@ -57,15 +57,15 @@ fn minimise(
     all
 }
 
-/// Single errors of a score whose least is at a point: one a parameter, and a ripple on all of them.
+/// Errors whose score has its minimum near a point: one error for each parameter, with a ripple on all of them.
 fn errors(point: &[f64], target: &[f64]) -> Vec<f64> {
     let ripple: f64 = point.iter().map(|c| (47.0 * c).sin()).product();
     let axes = point.iter().zip(target);
     axes.map(|(c, at)| c - at + 0.002 * ripple).collect()
 }
 
-fn best(told: &[EvaluatedPoint]) -> &EvaluatedPoint {
-    let scored = told.iter().filter(|t| t.score.is_some());
+fn best(evaluated: &[EvaluatedPoint]) -> &EvaluatedPoint {
+    let scored = evaluated.iter().filter(|t| t.score.is_some());
     scored
         .min_by(|a, b| a.score.unwrap().total_cmp(&b.score.unwrap()))
         .unwrap()
@@ -88,14 +88,14 @@ fn rough(point: &UnitPoint, target: &[f64]) -> f64 {
 }
 
 #[test]
-fn every_optimizer_finds_a_hidden_point_that_it_is_not_told() {
+fn every_optimizer_finds_a_hidden_point() {
     let target = [0.31, 0.74];
     for optimizer in OPTIMIZERS {
-        let told = minimise(*optimizer, 2, 100, 3, &target, |point| {
+        let evaluated = minimise(*optimizer, 2, 100, 3, &target, |point| {
             Some(rough(point, &target))
         });
-        let found = distance(&best(&told).point, &target);
-        // A hundred evenly spread points cannot promise better than half their distance.
+        let found = distance(&best(&evaluated).point, &target);
+        // With a hundred evenly spread points, the nearest may be as far away as half their spacing.
         let promised = match optimizer.name() {
             "grid" | "random" => 0.1,
             _ => 0.05,
@@ -105,21 +105,21 @@ fn every_optimizer_finds_a_hidden_point_that_it_is_not_told() {
 }
 
 #[test]
-fn an_optimizer_beats_even_cover_in_four_dimensions() {
+fn every_optimizer_beats_space_filling_points_in_four_dimensions() {
     let target = [0.2, 0.6, 0.45, 0.8];
     let score = |point: &UnitPoint| Some(rough(point, &target));
     let even = OPTIMIZERS.iter().find(|o| o.name() == "random").unwrap();
-    let yardstick = distance(
+    let baseline = distance(
         &best(&minimise(*even, 4, 150, 5, &target, score)).point,
         &target,
     );
     for optimizer in OPTIMIZERS {
         if !["grid", "random"].contains(&optimizer.name()) {
-            let told = minimise(*optimizer, 4, 150, 5, &target, score);
-            let found = distance(&best(&told).point, &target);
+            let evaluated = minimise(*optimizer, 4, 150, 5, &target, score);
+            let found = distance(&best(&evaluated).point, &target);
             assert!(
-                found < yardstick,
-                "{} ends {found} away, even cover {yardstick}",
+                found < baseline,
+                "{} ends {found} away, space-filling points {baseline}",
                 optimizer.name()
             );
         }
@@ -131,19 +131,24 @@ fn candidates_that_fail_do_not_stop_the_search() {
     let target = [0.3, 0.3];
     for optimizer in OPTIMIZERS {
         // More than half of the space diverges.
-        let told = minimise(*optimizer, 2, 100, 7, &target, |point| {
+        let evaluated = minimise(*optimizer, 2, 100, 7, &target, |point| {
             (point[0] + point[1] < 0.9).then(|| rough(point, &target))
         });
-        let found = distance(&best(&told).point, &target);
+        let found = distance(&best(&evaluated).point, &target);
         assert!(found < 0.12, "{} ends {found} away", optimizer.name());
     }
 }
 
 #[test]
-fn nothing_but_failures_is_survived() {
+fn a_search_in_which_every_candidate_fails_does_not_end_in_an_error() {
     for optimizer in OPTIMIZERS {
-        let told = minimise(*optimizer, 2, 60, 1, &[0.5; 2], |_| None);
-        assert!(told.len() >= 49, "{}: {}", optimizer.name(), told.len());
+        let evaluated = minimise(*optimizer, 2, 60, 1, &[0.5; 2], |_| None);
+        assert!(
+            evaluated.len() >= 49,
+            "{}: {}",
+            optimizer.name(),
+            evaluated.len()
+        );
     }
 }
 
@@ -166,15 +171,15 @@ fn the_same_history_and_seed_give_the_same_bits() {
 #[test]
 fn one_parameter_is_enough() {
     for optimizer in OPTIMIZERS {
-        let told = minimise(*optimizer, 1, 40, 2, &[0.62], |point| {
+        let evaluated = minimise(*optimizer, 1, 40, 2, &[0.62], |point| {
             Some((point[0] - 0.62).powi(2))
         });
-        let found = (best(&told).point[0] - 0.62).abs();
+        let found = (best(&evaluated).point[0] - 0.62).abs();
         assert!(found < 0.03, "{} ends {found} away", optimizer.name());
     }
 }
 
-/// Arithmetic alone, so that it has the same bits everywhere.
+/// A function of arithmetic operations only, so that it has the same bits on every platform.
 fn bumpy(point: &UnitPoint) -> f64 {
     let axes = point.iter().enumerate();
     axes.map(|(axis, c)| {
@@ -187,7 +192,7 @@ fn bumpy(point: &UnitPoint) -> f64 {
 
 /// tests/golden/optimizer_points.csv holds what argmin 0.11.0 chose, its swarm with rand 0.9 and rand_xoshiro 0.7.
 #[test]
-fn simplex_and_swarm_choose_the_very_points_that_argmin_chose() {
+fn simplex_and_swarm_choose_the_same_points_as_argmin() {
     let text = include_str!("golden/optimizer_points.csv");
     let mut table = csv::Reader::from_reader(text.as_bytes());
     let rows: Vec<csv::StringRecord> = table.records().map(|row| row.unwrap()).collect();
@@ -202,7 +207,7 @@ fn simplex_and_swarm_choose_the_very_points_that_argmin_chose() {
             point,
             errors: Vec::new(),
         };
-        let brief = OptimizationProblem {
+        let problem = OptimizationProblem {
             points: vec![11; dimensions],
             budget: rows.len(),
             seed,
@@ -212,20 +217,20 @@ fn simplex_and_swarm_choose_the_very_points_that_argmin_chose() {
             .into_iter()
             .map(evaluate)
             .collect();
-        let mut told = Vec::new();
-        while told.len() < rows.len() {
+        let mut evaluated = Vec::new();
+        while evaluated.len() < rows.len() {
             let history = History {
                 design: &design,
-                told: &told,
+                evaluated: &evaluated,
             };
-            let Proposal::Evaluate(batch) = optimizer.propose(&brief, &history).unwrap() else {
+            let Proposal::Evaluate(batch) = optimizer.propose(&problem, &history).unwrap() else {
                 panic!("{} ends", optimizer.name());
             };
-            told.extend(batch.into_iter().map(evaluate));
+            evaluated.extend(batch.into_iter().map(evaluate));
         }
-        for (index, (row, told)) in rows.iter().zip(&told).enumerate() {
+        for (index, (row, chosen)) in rows.iter().zip(&evaluated).enumerate() {
             let golden: Vec<f64> = row[5].split(' ').map(|c| c.parse().unwrap()).collect();
-            assert_eq!(told.point, golden, "{} point {index}", optimizer.name());
+            assert_eq!(chosen.point, golden, "{} point {index}", optimizer.name());
         }
         searches += 1;
     }

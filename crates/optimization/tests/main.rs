@@ -1,4 +1,4 @@
-//! What every optimizer must do.
+//! Tests of all optimizers.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 mod contract;

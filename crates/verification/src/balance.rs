@@ -1,7 +1,8 @@
-//! A robot that balances on the edge of its plate: both joint kinds must take it equally far.
+//! Checks that a robot that balances on the edge of its plate walks equally far with both joint formulations.
 //!
 //! As the square plate of this walker turns, its support shrinks to a strip, and a tenth of a millimetre of sag decides to which
-//! side it falls. No closed form tells how far it goes, but joint kinds are two ways to write down one robot.
+//! side the robot falls. There is no closed form for the distance, but both joint formulations describe the same robot, so their
+//! distances must agree.
 
 use super::Settings;
 use super::check::{Check, Tolerance};
@@ -12,10 +13,10 @@ use realgap_robot::morphology::{Assembly, Morphology};
 use realgap_simulation::{Experiment, JointFormulation, run};
 
 const SECONDS: f64 = 20.0;
-/// What a search accepts between a robot and its rerun.
+/// Largest relative difference between a robot and its rerun that a search accepts.
 const GAP: f64 = 0.1;
 
-/// Found by a search: one cube whose plate, a square of its own size, rocks on a side face.
+/// A robot that a search has found: one cube with a square plate of its own size, which rocks on a side face.
 const WALKER: &str = "(name: \"walker\", modules: [(name: \"m0\", kind: Active(side_m: 0.058, mass_kg: 0.068, face: NegY, \
     axis: Normal(plate: (side_m: 0.058, thickness_m: 0.006, mass_kg: 0.012)), \
     servo: (law: Velocity(gain_1_s: 30.0), max_torque_nm: 0.2, max_speed_rad_s: 8.0), \

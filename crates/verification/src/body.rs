@@ -1,4 +1,4 @@
-//! The robots that are put to the test, built in place.
+//! Builds the simple robots that the checks simulate.
 
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 
@@ -66,7 +66,7 @@ pub(super) fn cube() -> Assembly {
     robot(vec![vec![module(0.0, 0.0, 0.0)]], Vec::new())
 }
 
-/// Three modules glued to an L.
+/// Three modules rigidly attached in the shape of an L.
 pub(super) fn corner() -> Assembly {
     let solids = vec![
         module(0.0, 0.0, 0.0),
@@ -76,7 +76,7 @@ pub(super) fn corner() -> Assembly {
     robot(vec![solids], Vec::new())
 }
 
-/// Four modules glued to a bar along x.
+/// Four modules rigidly attached in a bar along x.
 pub(super) fn bar() -> Assembly {
     let solids = (0..4).map(|k| module(f64::from(k), 0.0, 0.0)).collect();
     robot(vec![solids], Vec::new())
@@ -104,8 +104,8 @@ pub(super) fn arm_inertia_kg_m2(mass_kg: f64) -> f64 {
     mass_kg * (SIDE_M * SIDE_M / 6.0 + ARM_M * ARM_M)
 }
 
-/// A base so heavy (a tonne) that it stands still, and a module hinged to it that sticks out along +x.
-/// A hinge along +y lets it swing, one along +z carries it across.
+/// A base so heavy (a tonne) that it stands still, and an arm (one module) that is hinged to it and sticks out along +x.
+/// With a hinge axis along +y, the arm swings under gravity; with an axis along +z, the hinge carries the arm's weight.
 pub(super) fn arm(mass_kg: f64, axis: Vector3<f64>, servo: Servo, gait: Gait) -> Assembly {
     let base = block(Vector3::zeros(), Vector3::repeat(BASE_HALF_M), 1000.0);
     let mut arm = block(
@@ -129,7 +129,7 @@ pub(super) fn arm(mass_kg: f64, axis: Vector3<f64>, servo: Servo, gait: Gait) ->
     robot(vec![vec![base], vec![arm]], vec![hinge])
 }
 
-/// A servo that follows its command at `gain_1_s` within limits.
+/// A servo that follows its command with gain `gain_per_s` within its limits of torque and speed.
 pub(super) fn velocity_servo(gain_per_s: f64, max_torque_nm: f64, max_speed_rad_s: f64) -> Servo {
     Servo {
         law: ServoLaw::Velocity { gain_per_s },
@@ -152,7 +152,7 @@ pub(super) const STILL: Gait = Gait {
     phase_rad: 0.0,
 };
 
-/// A command that runs away from zero at 157 rad/s: the servo never catches up.
+/// A command that moves away from zero at 157 rad/s, which is too fast for the servo to catch up.
 pub(super) const RUNAWAY: Gait = Gait {
     amplitude_rad: 1000.0,
     frequency_hz: 0.025,
@@ -161,9 +161,9 @@ pub(super) const RUNAWAY: Gait = Gait {
 
 /// Half the edge of the square plate that a cube stands on, metres.
 pub(super) const PLATE_HALF_M: f64 = 0.5 * SIDE_M;
-/// Thickness of that plate, metres.
+/// Thickness of the plate that a cube stands on, metres.
 pub(super) const PLATE_THICKNESS_M: f64 = 0.006;
-/// Its mass, kg.
+/// Mass of the plate that a cube stands on, kg.
 pub(super) const PLATE_KG: f64 = 0.012;
 /// From the floor to the centre of the cube that stands on the plate, metres.
 pub(super) const CUBE_ON_PLATE_M: f64 = PLATE_THICKNESS_M + 0.5 * SIDE_M;
@@ -173,7 +173,7 @@ pub(super) fn on_plate(servo: Servo, gait: Gait) -> Assembly {
     stool(vec![module(0.0, 0.0, 0.0)], servo, gait)
 }
 
-/// Modules glued to one that stands on such a plate.
+/// Several rigidly attached modules; a vertical hinge connects the one at the origin to a light plate below it.
 pub(super) fn stool(modules: Vec<Solid>, servo: Servo, gait: Gait) -> Assembly {
     let plate = Solid {
         role: Role::Plate,
@@ -198,14 +198,14 @@ pub(super) fn stool(modules: Vec<Solid>, servo: Servo, gait: Gait) -> Assembly {
     robot(vec![modules, vec![plate]], vec![hinge])
 }
 
-/// The tripod of `morphologies/`, walking.
+/// The walking tripod, the same robot as in `morphologies/`.
 pub(super) fn tripod() -> Result<Assembly> {
     let text = include_str!("../tripod.ron");
     Ok(Morphology::parse(&Source::new("morphologies/tripod.ron", text))?.assemble())
 }
 
-/// A heavy module with ten light ones glued to it in a row along x, the last one tracked; from a robot file,
-/// so that gluing itself is put to the test.
+/// A heavy module with ten light modules attached to it in a row along x; the last module is tracked. The robot is read from the
+/// text of a robot file so that the check covers the attachments of robot files, too.
 pub(super) fn cantilever() -> Result<Assembly> {
     let names: Vec<String> = (0..10).map(|k| format!("m{k}")).collect();
     let modules: String = names

@@ -1,11 +1,11 @@
-//! The centre of mass of a jointed robot whose root is off balance: only outer forces move it.
+//! Checks that only external forces move the centre of mass of a jointed robot whose root is off balance.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::Settings;
 use super::body::{CUBE_ON_PLATE_M, STILL, module, stool, velocity_servo};
 use super::check::{Check, Tolerance};
-use super::film::{Film, at_rest, centre_world_m, largest, measure, moving};
+use super::film::{SimulationLog, at_rest, centre_world_m, largest, measure, moving};
 use realgap_core::error::Result;
 use realgap_core::unit::Unit;
 use realgap_robot::morphology::{Assembly, Gait};
@@ -23,7 +23,7 @@ pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
     Ok(checks)
 }
 
-/// Three glued modules, whose centre of mass is off the first one's centre, on a plate that swings.
+/// Three rigidly attached modules on a plate that a servo swings; their centre of mass is off the first module's centre.
 fn lopsided_stool() -> Assembly {
     let modules = vec![
         module(0.0, 0.0, 0.0),
@@ -50,7 +50,7 @@ fn tumble(settings: &Settings, kind: JointFormulation) -> Result<Check> {
         Vector3::new(0.5, 0.0, 1.0),
         Vector3::new(6.0, 6.0, 5.0),
     );
-    let film = Film::shoot(&experiment, &[])?;
+    let film = SimulationLog::record(&experiment, &[])?;
     Ok(Check::new(
         format!("energy.centre.tumble.{}", settings.joint_name(kind)),
         "how far the centre of mass of a tumbling, weightless robot with a lopsided root leaves its straight path in 0.6 s: 0",
@@ -80,7 +80,7 @@ fn ice(settings: &Settings, kind: JointFormulation) -> Result<Check> {
         Vector3::new(0.0, 0.0, CUBE_ON_PLATE_M),
         UnitQuaternion::identity(),
     );
-    let film = Film::shoot(&experiment, &[])?;
+    let film = SimulationLog::record(&experiment, &[])?;
     Ok(Check::new(
         format!("energy.centre.ice.{}", settings.joint_name(kind)),
         "how far the centre of mass of the same robot moves sideways on a floor without friction in 2 s: 0",

@@ -1,4 +1,4 @@
-//! One comparison of the simulation with a closed form.
+//! The result of one check: a simulated value compared with the value of a closed-form formula.
 
 use serde::Serialize;
 
@@ -22,7 +22,7 @@ pub enum Tolerance {
 pub enum CheckResult {
     /// The error is within the tolerance.
     Pass,
-    /// It is not, or the simulation diverged.
+    /// The error exceeds the tolerance, or the simulation diverged.
     Fail,
 }
 
@@ -36,13 +36,13 @@ pub struct Check {
     pub what: String,
     /// The closed form's value.
     pub expected: f64,
-    /// What the simulation did; not a number where it diverged or the event never came.
+    /// The value in the simulation; not a number if the simulation diverged or the measured event did not occur.
     pub measured: f64,
-    /// Distance of the two, in the terms of the tolerance: a share or a difference.
+    /// Difference between the measured and the expected value: absolute, or relative to the expected value, as the tolerance is.
     pub error: f64,
     /// Unit of expected and measured.
     pub unit: Unit,
-    /// Largest error that passes; set by what a user needs, not by what the engine reaches.
+    /// Largest error that passes. It follows from the accuracy that a user needs, not from the accuracy of the engine.
     pub tolerance: Tolerance,
     /// Whether the check passed.
     pub verdict: CheckResult,
@@ -63,7 +63,7 @@ impl Check {
             Tolerance::Relative(limit) => (difference / expected.abs(), limit),
             Tolerance::Absolute(limit) => (difference, limit),
         };
-        // Written so that a value that is not a number fails.
+        // The comparison is written this way round so that an error that is not a number fails.
         let verdict = if error <= limit {
             CheckResult::Pass
         } else {
@@ -81,7 +81,7 @@ impl Check {
         }
     }
 
-    /// Error in units of the tolerance: up to 1 passes.
+    /// The error divided by the tolerance: a check passes up to 1.
     pub fn severity(&self) -> f64 {
         match self.tolerance {
             Tolerance::Relative(limit) | Tolerance::Absolute(limit) => self.error / limit,
@@ -94,7 +94,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn errors_are_judged_in_the_terms_of_the_tolerance() {
+    fn errors_are_relative_or_absolute_as_the_tolerance_is() {
         let check = |measured, tolerance| {
             Check::new("a", "b", 2.0, measured, Unit::Metre, tolerance).verdict
         };

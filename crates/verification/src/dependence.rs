@@ -1,4 +1,4 @@
-//! Which known limits of Rapier an experiment depends on.
+//! Finds which known limits of Rapier affect the results of an experiment.
 
 use std::f64::consts::TAU;
 
@@ -6,10 +6,11 @@ use realgap_core::warning::{Code, Warning};
 use realgap_robot::morphology::{Part, Servo, ServoLaw};
 use realgap_simulation::{EngineChoice, Experiment, JointFormulation};
 
-/// Below this a plate's tilt from sag is not seen, metres (as in `standing.sag`).
+/// Sag below which the tilt of a plate is not visible, metres (the tolerance of the check `standing.sag`).
 const SAG_M: f64 = 2e-5;
 
-/// What the reader of this experiment's results should know about the engine; `tuned` names the parameters that are fitted.
+/// Warnings about known limits of the engine that affect the results of this experiment; `tuned` names the parameters that are
+/// fitted.
 pub fn known_limits(experiment: &Experiment, tuned: &[&str]) -> Vec<Warning> {
     let mut warnings = Vec::new();
     if experiment.solver.engine != EngineChoice::default() {
@@ -26,7 +27,7 @@ pub fn known_limits(experiment: &Experiment, tuned: &[&str]) -> Vec<Warning> {
             let sag_m = impulse_sag_m(experiment);
             if sag_m > SAG_M {
                 warn(format!(
-                    "impulse joints: where the lightest part carries the whole robot it sinks by up to {:.0} micrometres, and more while it moves; solver.joint = 1 (multibody) does not, and is slower with {} hinges (standing.sag)",
+                    "impulse joints: where the lightest part carries the whole robot, that part sinks into the floor by up to {:.0} micrometres, and by more while the robot moves; with solver.joint = 1 (multibody) it does not sink, but the simulation is slower with {} hinges (standing.sag)",
                     1e6 * sag_m,
                     hinges.len()
                 ));
@@ -38,7 +39,7 @@ pub fn known_limits(experiment: &Experiment, tuned: &[&str]) -> Vec<Warning> {
                 .filter_map(|hinge| hinge.actuator.as_ref())
                 .any(|actuator| is_free(&actuator.servo))
             {
-                warn("a hinge without torque: free swings of multibody joints gain energy in proportion to the timestep (energy.pendulum); solver.joint = 0 (impulse) keeps it".to_owned());
+                warn("a hinge without torque: free swings of multibody joints gain energy in proportion to the timestep (energy.pendulum); solver.joint = 0 (impulse) conserves the energy".to_owned());
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Free motion: falling, tumbling, swinging, colliding.
+//! Checks of energy and momentum in free motion: falling, tumbling, swinging and colliding.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -9,7 +9,9 @@ use super::body::{
     no_servo, robot, tripod,
 };
 use super::check::{Check, Tolerance};
-use super::film::{ABYSS_M, Film, at_rest, centre_world_m, largest, measure, moving, weightless};
+use super::film::{
+    ABYSS_M, SimulationLog, at_rest, centre_world_m, largest, measure, moving, weightless,
+};
 use super::{Settings, centre, euler, pendulum, toss};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
@@ -35,7 +37,7 @@ fn fall(settings: &Settings) -> Result<Check> {
     let mut experiment = settings.experiment(cube(), seconds);
     experiment.floor.height_m = ABYSS_M;
     experiment.start = at_rest(Vector3::zeros(), UnitQuaternion::identity());
-    let film = Film::shoot(&experiment, &[])?;
+    let film = SimulationLog::record(&experiment, &[])?;
     let fallen = measure(film.as_ref(), |film| {
         let last = film.last();
         // The last step may end after the half second.
@@ -61,7 +63,7 @@ fn tumble(settings: &Settings) -> Result<[Check; 2]> {
         Vector3::zeros(),
         Vector3::new(6.0, 6.0, 5.0),
     );
-    let film = Film::shoot(&experiment, &[])?;
+    let film = SimulationLog::record(&experiment, &[])?;
     let spin_energy = |s: &Snapshot| {
         let part = &s.parts[0];
         let spin = part.angular_velocity_world_rad_s;
@@ -108,7 +110,7 @@ fn swing(settings: &Settings, kind: JointFormulation) -> Result<[Check; 3]> {
         Vector3::new(0.0, 0.0, BASE_HALF_M),
         UnitQuaternion::identity(),
     );
-    let film = Film::shoot(&experiment, &[])?;
+    let film = SimulationLog::record(&experiment, &[])?;
     let small_s = TAU * (arm_inertia_kg_m2(MASS_KG) / (MASS_KG * GRAVITY_M_S2 * ARM_M)).sqrt();
     // 2 K(sin 45°) / π with the complete elliptic integral K.
     let expected_s = small_s * 1.180_340_599_016_096;
@@ -162,13 +164,13 @@ fn swing(settings: &Settings, kind: JointFormulation) -> Result<[Check; 3]> {
     ])
 }
 
-/// The tripod works its servos in free space: no momentum can come of it.
+/// The tripod moves its servos in free space, where internal forces cannot change the total momentum.
 fn afloat(settings: &Settings, kind: JointFormulation) -> Result<[Check; 2]> {
     let name = settings.joint_name(kind);
     let mut experiment = weightless(settings.experiment(tripod()?, 4.0));
     experiment.solver.joint = kind;
     experiment.start = at_rest(Vector3::zeros(), UnitQuaternion::identity());
-    let film = Film::shoot(&experiment, &[])?;
+    let film = SimulationLog::record(&experiment, &[])?;
     let total = |s: &Snapshot| -> Vector3<f64> {
         s.parts
             .iter()
@@ -185,7 +187,7 @@ fn afloat(settings: &Settings, kind: JointFormulation) -> Result<[Check; 2]> {
     Ok([
         Check::new(
             format!("energy.afloat.drift.{name}"),
-            "drift of the centre of mass of the tripod that works its servos in free space for 4 s: 0",
+            "drift of the centre of mass of the tripod that moves its servos in free space for 4 s: 0",
             0.0,
             measure(film.as_ref(), |film| {
                 Some((centre_world_m(film.last()) - centre_world_m(film.first())).norm())
@@ -195,7 +197,7 @@ fn afloat(settings: &Settings, kind: JointFormulation) -> Result<[Check; 2]> {
         ),
         Check::new(
             format!("energy.afloat.angular_momentum.{name}"),
-            "largest total angular momentum meanwhile, over the largest that its plates carry: 0",
+            "largest total angular momentum during the same motion, over the largest that its plates carry: 0",
             0.0,
             measure(film.as_ref(), |film| {
                 let carried = largest(film.iter().map(moved));
@@ -214,7 +216,7 @@ fn collision(settings: &Settings) -> Result<Vec<Check>> {
         part: 1,
         velocity_world_m_s: Vector3::new(-speed_m_s, 0.0, 0.0),
     };
-    let film = |offset: f64, restitution: f64| -> Result<Option<Film>> {
+    let film = |offset: f64, restitution: f64| -> Result<Option<SimulationLog>> {
         let pair = robot(
             vec![
                 vec![module(0.0, 0.0, 0.0)],
@@ -226,7 +228,7 @@ fn collision(settings: &Settings) -> Result<Vec<Check>> {
         experiment.floor.restitution = restitution;
         experiment.floor.friction = 0.5;
         experiment.start = at_rest(Vector3::zeros(), UnitQuaternion::identity());
-        Film::shoot(&experiment, &[push])
+        SimulationLog::record(&experiment, &[push])
     };
     let oblique = film(0.6, 0.7)?;
     let momentum =
@@ -237,7 +239,7 @@ fn collision(settings: &Settings) -> Result<Vec<Check>> {
             .map(|p| p.angular_momentum_world_kg_m2_s())
             .sum()
     };
-    let change = |film: &Film, of: &dyn Fn(&Snapshot) -> Vector3<f64>, scale: f64| {
+    let change = |film: &SimulationLog, of: &dyn Fn(&Snapshot) -> Vector3<f64>, scale: f64| {
         // Without an impact there would be nothing to check.
         let hit = film.last().parts[0].velocity_world_m_s.norm() > 0.1 * speed_m_s;
         hit.then(|| (of(film.last()) - of(film.first())).norm() / scale)

@@ -1,23 +1,23 @@
-//! Tumbling in free space against Euler's equations, integrated.
+//! Checks a body that tumbles in free space against a numerical solution of Euler's equations.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::Settings;
 use super::body::{MASS_KG, block, robot};
 use super::check::{Check, Tolerance};
-use super::film::{Film, measure, moving, weightless};
+use super::film::{SimulationLog, measure, moving, weightless};
 use realgap_core::error::Result;
 use realgap_core::unit::Unit;
 
 const SECONDS: f64 = 2.0;
 /// Half of the body's edges: three different inertias.
 const HALF_M: Vector3<f64> = Vector3::new(0.03, 0.06, 0.01);
-/// Nearly about the middle axis, where spin is unstable: it turns over.
+/// Nearly about the axis of the middle moment of inertia, where spin is unstable, so that the body turns over.
 const SPIN_BODY_RAD_S: Vector3<f64> = Vector3::new(8.0, 0.3, 0.5);
-/// What a camera sees of an orientation.
+/// Smallest change of orientation that a camera resolves, radians.
 const TURN_RAD: f64 = 0.0035;
 
-/// How far the orientation after two seconds is from that of the integral.
+/// Angle between the simulated orientation after two seconds and the solution of Euler's equations.
 pub(super) fn check(settings: &Settings) -> Result<Check> {
     let solid = block(Vector3::zeros(), HALF_M, MASS_KG);
     let inertia_kg_m2 = solid.inertia_kg_m2.diagonal();
@@ -29,7 +29,7 @@ pub(super) fn check(settings: &Settings) -> Result<Check> {
         Vector3::zeros(),
         SPIN_BODY_RAD_S,
     );
-    let film = Film::shoot(&experiment, &[])?;
+    let film = SimulationLog::record(&experiment, &[])?;
     Ok(Check::new(
         "energy.euler",
         "how far a block that turns over is from where it should point after 2 s at 8 rad/s: Euler's equations, integrated",

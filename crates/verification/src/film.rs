@@ -1,4 +1,4 @@
-//! A run seen step by step.
+//! Runs an experiment and keeps the state of the robot at every step, for the checks to measure.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -6,16 +6,16 @@ use realgap_core::error::Result;
 use realgap_path::trajectory::State;
 use realgap_simulation::{Experiment, Push, Snapshot, Start, watch};
 
-/// Far below everything that should not meet the floor, metres.
+/// Height of a floor that is so far down that no body reaches it, metres.
 pub(super) const ABYSS_M: f64 = -10.0;
 
-/// Every step of a run, the start included.
+/// The state at every step of a run, including the start.
 #[derive(Debug)]
-pub(super) struct Film(Vec<Snapshot>);
+pub(super) struct SimulationLog(Vec<Snapshot>);
 
-impl Film {
-    /// Runs the experiment; `None` where it diverges.
-    pub fn shoot(experiment: &Experiment, pushes: &[Push]) -> Result<Option<Self>> {
+impl SimulationLog {
+    /// Runs the experiment; `None` if the simulation diverges.
+    pub fn record(experiment: &Experiment, pushes: &[Push]) -> Result<Option<Self>> {
         let mut snapshots = Vec::new();
         let run = watch(experiment, pushes, &mut |snapshot| {
             snapshots.push(snapshot.clone());
@@ -50,8 +50,11 @@ impl Film {
     }
 }
 
-/// A measurement on a film; not a number where the run diverged or the event never came.
-pub(super) fn measure(film: Option<&Film>, look: impl Fn(&Film) -> Option<f64>) -> f64 {
+/// A value measured on the states of a run; not a number if the run diverged or the measured event did not occur.
+pub(super) fn measure(
+    film: Option<&SimulationLog>,
+    look: impl Fn(&SimulationLog) -> Option<f64>,
+) -> f64 {
     film.and_then(look).unwrap_or(f64::NAN)
 }
 
@@ -66,7 +69,7 @@ pub(super) fn centre_world_m(snapshot: &Snapshot) -> Vector3<f64> {
         / mass_kg
 }
 
-/// Largest of some numbers; NaN if any is.
+/// The largest of the numbers, or NaN if any of them is NaN.
 pub(super) fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |a: f64, b| {
         if a.is_nan() || b.is_nan() {
@@ -77,7 +80,7 @@ pub(super) fn largest(values: impl Iterator<Item = f64>) -> f64 {
     })
 }
 
-/// The value farthest from `expected`, or NaN if any is.
+/// The value that is farthest from `expected`, or NaN if any value is NaN.
 pub(super) fn worst(values: impl IntoIterator<Item = f64>, expected: f64) -> f64 {
     let far = |v: f64| (v - expected).abs();
     values.into_iter().fold(expected, |a: f64, b| {

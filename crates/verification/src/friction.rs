@@ -1,17 +1,17 @@
-//! Friction: stopping distance, the angle of slip, creep.
+//! Checks of friction: stopping distance, the slope at which a cube begins to slip, and creep at rest.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::Settings;
 use super::body::{SIDE_M, STILL, bar, corner, cube, tripod};
 use super::check::{Check, Tolerance};
-use super::film::{Film, at_rest, largest, measure, worst};
+use super::film::{SimulationLog, at_rest, largest, measure, worst};
 use super::slide::{slide, stopping_distance_m};
 use super::{rolling, spin};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
 
-/// Friction is fitted to two digits: 1 % of distance is 1 % of friction.
+/// Tolerance of stopping distances. Friction is fitted to two digits, and an error of 1 % in distance is one of 1 % in friction.
 const SHARE: f64 = 0.01;
 /// A robot that rests must not wander more than 1 mm in 10 s.
 const CREEP_M_S: f64 = 1e-4;
@@ -108,7 +108,7 @@ fn jointed(settings: &Settings) -> Result<Vec<Check>> {
     Ok(checks)
 }
 
-/// A cube on a slope at friction 0.5: tan of the slope against the friction coefficient decides.
+/// A cube on a slope with friction 0.5 sticks if the tangent of the slope is below the friction coefficient, and slips otherwise.
 fn slope(settings: &Settings) -> Result<Vec<Check>> {
     let mut checks = Vec::new();
     for (share, seconds) in [(0.5, 5.0), (0.98, 2.0)] {
@@ -151,7 +151,7 @@ fn downhill_m(settings: &Settings, share: f64, seconds: f64) -> Result<[f64; 3]>
         let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw_deg.to_radians());
         experiment.start = at_rest(experiment.floor.normal_world() * (0.5 * SIDE_M), tilt * yaw);
         let downhill = tilt * Vector3::x();
-        *distance = measure(Film::shoot(&experiment, &[])?.as_ref(), |film| {
+        *distance = measure(SimulationLog::record(&experiment, &[])?.as_ref(), |film| {
             let travel = film.last().parts[0].centre_world_m - film.first().parts[0].centre_world_m;
             Some(travel.dot(&downhill))
         });

@@ -1,14 +1,15 @@
-//! Impacts with friction: a flat face at an angle, a corner with spin.
+//! Checks of impacts with friction: a cube that lands on a flat face at an angle, and one that lands on a corner with spin.
 //!
-//! Both touch so that the normal impulse has no say in the spin: a flat face takes it where it needs it, and a corner right below
-//! the centre has no lever arm. So (1 + e) m v is the normal impulse, and Coulomb's law gives the rest.
+//! In both cases the normal impulse does not change the spin: on a flat face the impulse is distributed so that it balances the
+//! moments, and a corner right below the centre has no lever arm. So the normal impulse is (1 + e) m v, and Coulomb's law gives
+//! the tangential impulse.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::Settings;
 use super::body::{MASS_KG, SIDE_M, cube};
 use super::check::{Check, Tolerance};
-use super::film::{Film, measure, moving};
+use super::film::{SimulationLog, measure, moving};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
 use realgap_simulation::PartState;
@@ -39,14 +40,14 @@ fn oblique(settings: &Settings) -> Result<[Check; 2]> {
         Vector3::new(along_m_s, 0.0, 0.0),
         Vector3::zeros(),
     );
-    let film = Film::shoot(&experiment, &[])?;
-    // From places alone: at which moment of a step a speed holds is a matter of the engine.
-    let along = |film: &Film| {
+    let film = SimulationLog::record(&experiment, &[])?;
+    // The speed is computed from positions alone, because engines differ in the moment of a step for which they report a speed.
+    let along = |film: &SimulationLog| {
         let (from, to) = (film.at(hit_s + 0.01), film.last());
         let way_m = to.parts[0].centre_world_m.x - from.parts[0].centre_world_m.x;
         way_m / (to.time_s - from.time_s)
     };
-    let up = |film: &Film| {
+    let up = |film: &SimulationLog| {
         let heights_m = film
             .since(hit_s + 0.01)
             .map(|s| s.parts[0].centre_world_m.z);
@@ -73,8 +74,9 @@ fn oblique(settings: &Settings) -> Result<[Check; 2]> {
     ])
 }
 
-/// A cube that spins about the vertical comes down at an angle on the corner right below its centre: friction takes mu (1 + e) m v,
-/// or what stops the slip, u / (1/m + r^2/I), and turns the cube over; the spin stays, as a point has no arm about it.
+/// A cube that spins about the vertical comes down at an angle on the corner right below its centre. The impulse of friction is
+/// mu (1 + e) m v, or the smaller impulse that stops the slip, u / (1/m + r^2/I), and turns the cube over. The spin about the
+/// vertical stays, because friction at a point exerts no moment about the vertical through that point.
 fn spinning(settings: &Settings, name: &str, friction: f64) -> Result<[Check; 2]> {
     let (spin_rad_s, along_m_s, down_m_s, gap_m) = (10.0, 2.0, 1.5, 0.01);
     let arm_m = 0.5 * SIDE_M * 3.0_f64.sqrt();
@@ -96,7 +98,7 @@ fn spinning(settings: &Settings, name: &str, friction: f64) -> Result<[Check; 2]
         Vector3::new(along_m_s, 0.0, -down_m_s),
         turn.inverse() * Vector3::new(0.0, 0.0, spin_rad_s),
     );
-    let film = Film::shoot(&experiment, &[])?;
+    let film = SimulationLog::record(&experiment, &[])?;
     let after = |look: fn(&PartState) -> f64| {
         measure(film.as_ref(), |film| {
             let cube = &film.last().parts[0];
@@ -117,7 +119,7 @@ fn spinning(settings: &Settings, name: &str, friction: f64) -> Result<[Check; 2]
         ),
         Check::new(
             format!("restitution.spin.{name}.rate"),
-            "rate of turn after the same hit: its spin stays and r J / I comes to it",
+            "rate of turn after the same impact: the spin about the vertical stays, and r J / I is added across it",
             spin_rad_s.hypot(rolls_rad_s),
             after(|cube| cube.angular_velocity_world_rad_s.norm()),
             Unit::RadianPerSecond,

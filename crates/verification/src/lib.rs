@@ -1,10 +1,10 @@
 //! Closed-form checks of the simulation, run with the settings of the user's choice.
 //!
-//! Every [`Check`] compares what the engine does with a formula that can be worked out by hand:
-//! stopping distance, bounce height, pendulum period, servo lag. Tolerances say what a user of the
-//! numbers needs; a check that the settings do not meet is reported as failed, never loosened. Where the reason is known,
-//! [`Limit`] has it, with the error that it explains.
-//! `docs/fidelity.md` explains each.
+//! Every [`Check`] compares a simulated value with a formula that can be worked out by hand:
+//! stopping distance, bounce height, pendulum period, servo lag. A tolerance is the largest error that a user of the
+//! results can accept. A check whose error exceeds its tolerance is reported as failed; the tolerance is not widened. If the
+//! reason for a failure is known, a [`Limit`] states the reason and the range of errors that the reason explains.
+//! `docs/fidelity.md` explains each check.
 //!
 //! ```
 //! use realgap_verification::{Settings, CheckResult, Theme};
@@ -44,14 +44,14 @@ use realgap_core::error::Result;
 use realgap_robot::morphology::Assembly;
 use realgap_simulation::{Contact, EngineChoice, Experiment, JointFormulation, Solver};
 
-/// The settings that are put to the test; everything else is up to each check.
+/// The simulation settings that the checks test; each check chooses everything else itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// Numerical settings; the joint kind is taken from `joints`.
     pub solver: Solver,
     /// Contact model.
     pub contact: Contact,
-    /// Joint kinds with which checks that involve hinges are run in Rapier.
+    /// Joint formulations with which checks that involve hinges are run in Rapier.
     pub joints: Vec<JointFormulation>,
 }
 
@@ -76,7 +76,7 @@ impl Settings {
         experiment
     }
 
-    /// Kinds of joint that are told apart: one in an engine that has no more.
+    /// Joint formulations that are checked separately. An engine other than the reference engine has one formulation only.
     pub fn kinds(&self) -> &[JointFormulation] {
         if self.is_reference() {
             &self.joints
@@ -85,7 +85,8 @@ impl Settings {
         }
     }
 
-    /// Last part of the name of a check that involves hinges: the kind of joint, or the engine that has one kind only.
+    /// Last part of the name of a check that involves hinges: the joint formulation, or the name of an engine that has one
+    /// formulation only.
     fn joint_name(&self, kind: JointFormulation) -> &'static str {
         match kind {
             _ if !self.is_reference() => self.solver.engine.get().name(),
@@ -111,9 +112,9 @@ pub enum Theme {
     Energy,
     /// Servos: torque, speed, tracking.
     Servo,
-    /// Masses, glue and hinges.
+    /// Masses of rigidly attached modules, stiffness of their attachments, and hinges under load.
     Structure,
-    /// Standing on a light plate: sag, creep, falling over.
+    /// Standing on a light plate: sinking into the floor, creeping, falling over.
     Standing,
 }
 

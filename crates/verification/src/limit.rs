@@ -1,4 +1,4 @@
-//! Checks that an engine is known to fail at the default settings, how far, and why.
+//! The list of checks that an engine is known to fail at the default settings, with the size of the error and the reason.
 
 use super::check::{Check, CheckResult};
 use realgap_simulation::EngineChoice;
@@ -10,9 +10,9 @@ pub struct Limit {
     pub engine: &'static str,
     /// Name of the check.
     pub name: &'static str,
-    /// Smallest and largest error, in the terms of the check's tolerance, that the reason explains.
+    /// Smallest and largest error that the reason explains, relative or absolute as the tolerance of the check is.
     pub error: (f64, f64),
-    /// Why it fails, one sentence.
+    /// The reason why the check fails, in one sentence.
     pub why: &'static str,
 }
 
@@ -20,11 +20,11 @@ const RESTITUTION: &str = "the engine applies restitution in one pass over the c
 const FROZEN: &str = "the engine keeps contact forces of a multibody as they were at the start of the step, so that a free swing gains energy in proportion to the timestep; servos drain it";
 const SINGLE_BODY: &str = "the engine takes the stiffness of a contact from the single body's mass under impulse joints: light plates give way";
 
-const UNFELT: &str = "the engine applies restitution after friction and does not solve friction again: what slides through a bounce keeps too much speed, more with shorter steps";
+const FRICTION_NOT_RESOLVED: &str = "the engine applies restitution after friction and does not solve friction again: what slides through a bounce keeps too much speed, more with shorter steps";
 const FIRST_ORDER: &str = "the engine turns a spinning body with an error in proportion to the substep, which a spin about the middle axis magnifies";
 const DRAINED: &str = "the engine's multibody on a mount loses swing energy, less with shorter steps and more substeps";
 
-const TOSS: &str = "one of twenty tosses gains 2 to 3 % of its energy in a hit; the cause is not found, and 1/960 s cures multibody joints";
+const TOSS: &str = "one of twenty tosses gains 2 to 3 % of its energy in an impact; the cause is unknown, and a timestep of 1/960 s avoids it for multibody joints";
 
 const fn limit(name: &'static str, low: f64, high: f64, why: &'static str) -> Limit {
     Limit {
@@ -35,18 +35,38 @@ const fn limit(name: &'static str, low: f64, high: f64, why: &'static str) -> Li
     }
 }
 
-/// Every known limit, in the order of the checks. A check that starts to pass leaves this list; one whose error leaves its range
-/// has changed and counts as failed.
+/// Every known limit, in the order of the checks. The entry of a check that starts to pass must be removed from this list; a
+/// check whose error is outside its range counts as failed.
 pub static LIMITS: &[Limit] = &[
     limit("restitution.flat.first.0.3", 0.06, 0.09, RESTITUTION),
     limit("restitution.flat.first.0.5", 0.06, 0.08, RESTITUTION),
     limit("restitution.flat.second.0.5", 0.20, 0.26, RESTITUTION),
     limit("restitution.flat.first.0.8", 0.06, 0.08, RESTITUTION),
     limit("restitution.flat.second.0.8", 0.24, 0.30, RESTITUTION),
-    limit("restitution.oblique.speed", 0.10, 0.13, UNFELT),
-    limit("restitution.oblique.direction", 0.05, 0.065, UNFELT),
-    limit("restitution.spin.slides.speed", 0.035, 0.055, UNFELT),
-    limit("restitution.spin.slides.rate", 0.22, 0.28, UNFELT),
+    limit(
+        "restitution.oblique.speed",
+        0.10,
+        0.13,
+        FRICTION_NOT_RESOLVED,
+    ),
+    limit(
+        "restitution.oblique.direction",
+        0.05,
+        0.065,
+        FRICTION_NOT_RESOLVED,
+    ),
+    limit(
+        "restitution.spin.slides.speed",
+        0.035,
+        0.055,
+        FRICTION_NOT_RESOLVED,
+    ),
+    limit(
+        "restitution.spin.slides.rate",
+        0.22,
+        0.28,
+        FRICTION_NOT_RESOLVED,
+    ),
     limit("energy.euler", 0.025, 0.032, FIRST_ORDER),
     limit("energy.pendulum.period.multibody", 0.007, 0.010, FROZEN),
     limit("energy.pendulum.energy.multibody", 0.8, 1.0, FROZEN),
@@ -61,7 +81,8 @@ pub static LIMITS: &[Limit] = &[
 ];
 
 impl Limit {
-    /// The known reason why this check failed; `None` where it passed, or failed otherwise than known.
+    /// The known limit that explains why this check failed; `None` if the check passed, or if its error is outside the known
+    /// range.
     pub fn of(check: &Check, engine: EngineChoice) -> Option<&'static Self> {
         let engine = engine.get().name();
         let mut limits = LIMITS.iter();

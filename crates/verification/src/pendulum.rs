@@ -1,11 +1,11 @@
-//! A double pendulum on a mount: chaotic, and yet its energy stays.
+//! Checks that a double pendulum on a fixed mount, whose motion is chaotic, keeps its energy.
 
 use nalgebra::{Isometry3, Translation3, Vector3};
 
 use super::Settings;
 use super::body::{STILL, block, no_servo, robot};
 use super::check::{Check, Tolerance};
-use super::film::{Film, measure};
+use super::film::{SimulationLog, measure};
 use realgap_core::error::Result;
 use realgap_core::statistics::mean;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
@@ -17,7 +17,8 @@ const ROD_KG: f64 = 0.1;
 /// Height of the mount, metres.
 const HIGH_M: f64 = 1.0;
 const SECONDS: f64 = 10.0;
-/// Energies are means over so long, as speeds of some engines belong to the middle of a step and places to its end.
+/// Length of the windows over which energies are averaged, seconds. Averaging is needed because some engines report speeds for
+/// the middle of a step and positions for its end.
 const WINDOW_S: f64 = 0.5;
 
 fn hinge(number: usize) -> Hinge {
@@ -56,7 +57,7 @@ fn double_pendulum() -> Assembly {
     }
 }
 
-/// What is left of the energy of a wide swing after ten seconds.
+/// Energy of a wide swing after ten seconds, relative to the energy at the start.
 pub(super) fn check(settings: &Settings, kind: JointFormulation) -> Result<Check> {
     let mut experiment = settings.experiment(double_pendulum(), SECONDS);
     experiment.solver.joint = kind;
@@ -65,8 +66,8 @@ pub(super) fn check(settings: &Settings, kind: JointFormulation) -> Result<Check
         speed_rad_s: 0.0,
     };
     experiment.start_joints = vec![at_rest(1.5), at_rest(0.8)];
-    let film = Film::shoot(&experiment, &[])?;
-    // Where both rods hang.
+    let film = SimulationLog::record(&experiment, &[])?;
+    // Potential energy where both rods hang straight down, relative to the mount.
     let lowest_j = -ROD_KG * GRAVITY_M_S2 * 2.0 * ROD_M;
     let energy_j = |s: &Snapshot| -> f64 {
         let rods = s.parts[1..].iter();

@@ -1,24 +1,25 @@
-//! Restitution: bounce heights of cubes dropped flat, on a corner and tilted.
+//! Checks of restitution: bounce heights of cubes that are dropped flat, on a corner and tilted.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::body::{MASS_KG, SIDE_M, cube};
 use super::check::{Check, Tolerance};
-use super::film::{Film, at_rest, measure};
+use super::film::{SimulationLog, at_rest, measure};
 use super::{Settings, impact};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
 
 /// Gap under the lowest point at the start, metres.
 const DROP_M: f64 = 0.1;
-/// Restitution is fitted to two digits at best: 2.5 % of it is 5 % of a first bounce, 10 % of a second.
+/// Tolerances of the heights of the first and second bounce. Restitution is fitted to two digits at best: an error of 2.5 % in
+/// it is one of 5 % in the height of the first bounce, and of 10 % in that of the second.
 const FIRST: f64 = 0.05;
 const SECOND: f64 = 0.10;
 
 pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
     let flat = UnitQuaternion::identity();
-    // Corner down, the centre right above it: the impulse has no lever arm, so the cube bounces like a ball
-    // (a ball is not a module).
+    // The cube lands on a corner with its centre right above that corner: the impulse has no lever arm, so the cube bounces
+    // like a ball.
     let corner = UnitQuaternion::rotation_between(&Vector3::new(1.0, 1.0, 1.0), &Vector3::z())
         .unwrap_or_default();
     let mut checks = Vec::new();
@@ -81,13 +82,13 @@ fn drop(
     turn: UnitQuaternion<f64>,
     restitution: f64,
     seconds: f64,
-) -> Result<Option<Film>> {
+) -> Result<Option<SimulationLog>> {
     let mut experiment = settings.experiment(cube(), seconds);
     experiment.floor.friction = 0.0;
     experiment.floor.restitution = restitution;
     let height_m = DROP_M - lowest_arm_m(turn).z;
     experiment.start = at_rest(Vector3::new(0.0, 0.0, height_m), turn);
-    Film::shoot(&experiment, &[])
+    SimulationLog::record(&experiment, &[])
 }
 
 /// Heights of the first and second bounce above the height of contact.
@@ -110,7 +111,7 @@ fn bounces_m(settings: &Settings, turn: UnitQuaternion<f64>, restitution: f64) -
     Ok([apex(0), apex(1)])
 }
 
-/// A frictionless impact on an edge or corner beside the centre: the impulse (1 + e) v / k with
+/// A frictionless impact on an edge or corner that is not below the centre: the impulse (1 + e) v / k with
 /// k = 1/m + (r × n) · I⁻¹ (r × n) changes the vertical speed and starts a spin.
 fn tilted(settings: &Settings, name: &str, turn: UnitQuaternion<f64>) -> Result<[Check; 2]> {
     let restitution = 0.5;

@@ -1,11 +1,11 @@
-//! Rolling down a slope: a ball and a cylinder.
+//! Checks the acceleration of a ball and a cylinder that roll down a slope.
 
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 
 use super::Settings;
 use super::body::{MASS_KG, block, robot};
 use super::check::{Check, Tolerance};
-use super::film::{Film, at_rest, centre_world_m, measure};
+use super::film::{SimulationLog, at_rest, centre_world_m, measure};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
 use realgap_robot::morphology::{Shape, Solid};
@@ -28,7 +28,8 @@ pub(super) fn checks(settings: &Settings) -> Result<[Check; 2]> {
     ])
 }
 
-/// `shares` are I / m r^2 about the axis of rolling, which is the shape's own z, and across it.
+/// Checks one shape. `shares` are I / m r^2 about the axis of rolling, which is the z axis of the shape, and about an axis across
+/// it.
 fn roll(settings: &Settings, name: &str, shape: Shape, shares: [f64; 2]) -> Result<Check> {
     let [along, across] = shares.map(|share| share * MASS_KG * RADIUS_M * RADIUS_M);
     let on_its_side = UnitQuaternion::rotation_between(&Vector3::z(), &Vector3::y());
@@ -46,7 +47,7 @@ fn roll(settings: &Settings, name: &str, shape: Shape, shares: [f64; 2]) -> Resu
     experiment.floor.slope_rad = SLOPE_RAD;
     let normal = experiment.floor.normal_world();
     experiment.start = at_rest(normal * RADIUS_M, UnitQuaternion::identity());
-    let film = Film::shoot(&experiment, &[])?;
+    let film = SimulationLog::record(&experiment, &[])?;
     Ok(Check::new(
         format!("friction.roll.{name}"),
         format!(

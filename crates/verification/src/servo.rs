@@ -1,4 +1,4 @@
-//! Servos: torque and speed limits, droop under load, tracking of a sine.
+//! Checks of servos: torque and speed limits, droop under load, and tracking of a sine.
 
 use std::f64::consts::{SQRT_2, TAU};
 
@@ -9,15 +9,15 @@ use super::body::{
     ARM_M, BASE_HALF_M, MASS_KG, RUNAWAY, STILL, arm, arm_inertia_kg_m2, velocity_servo,
 };
 use super::check::{Check, Tolerance};
-use super::film::{Film, at_rest, largest, measure};
+use super::film::{SimulationLog, at_rest, largest, measure};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
 use realgap_robot::morphology::{Gait, Servo, ServoLaw};
 use realgap_simulation::{JointFormulation, Snapshot};
 
 /// Gain of the shipped robots' servos, 1/s.
-const GAIN_1_S: f64 = 30.0;
-/// Limits and tracking are specified and measured to 1 %.
+const GAIN_PER_S: f64 = 30.0;
+/// Tolerance: limits and tracking of servos are specified and measured to 1 %.
 const SHARE: f64 = 0.01;
 /// Half a degree: the dead band of a good hobby servo.
 const DROOP_RAD: f64 = 0.0087;
@@ -45,7 +45,13 @@ struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    fn film(&self, servo: Servo, gait: Gait, gravity: bool, seconds: f64) -> Result<Option<Film>> {
+    fn record(
+        &self,
+        servo: Servo,
+        gait: Gait,
+        gravity: bool,
+        seconds: f64,
+    ) -> Result<Option<SimulationLog>> {
         let robot = arm(MASS_KG, Vector3::y(), servo, gait);
         let mut experiment = self.settings.experiment(robot, seconds);
         experiment.solver.joint = self.kind;
@@ -58,7 +64,7 @@ impl Bench<'_> {
             experiment.gravity_m_s2 = 0.0;
             experiment.floor.height_m = -1.0;
         }
-        Film::shoot(&experiment, &[])
+        SimulationLog::record(&experiment, &[])
     }
 
     fn name(&self, check: &str) -> String {
@@ -67,8 +73,8 @@ impl Bench<'_> {
 
     fn torque_limit(&self) -> Result<Check> {
         let torque_nm = 1e-3;
-        let servo = velocity_servo(GAIN_1_S, torque_nm, f64::INFINITY);
-        let film = self.film(servo, RUNAWAY, false, 0.2)?;
+        let servo = velocity_servo(GAIN_PER_S, torque_nm, f64::INFINITY);
+        let film = self.record(servo, RUNAWAY, false, 0.2)?;
         let measured = measure(film.as_ref(), |film| {
             let (from, to) = (film.at(0.05), film.last());
             let change = rate_rad_s(to) - rate_rad_s(from);
@@ -89,8 +95,8 @@ impl Bench<'_> {
         let (mut low, mut high) = (0.9 * LOAD_NM, 1.1 * LOAD_NM);
         for _ in 0..7 {
             let limit_nm = 0.5 * (low + high);
-            let servo = velocity_servo(GAIN_1_S, limit_nm, 8.0);
-            let film = self.film(servo, STILL, true, 1.0)?;
+            let servo = velocity_servo(GAIN_PER_S, limit_nm, 8.0);
+            let film = self.record(servo, STILL, true, 1.0)?;
             let sagged = measure(film.as_ref(), |film| {
                 // A servo that gives way lets the arm swing, and it may be back by the end.
                 Some(largest(film.iter().map(|s| s.hinges[0].angle_rad.abs())))
@@ -112,7 +118,7 @@ impl Bench<'_> {
     }
 
     fn speed_limit(&self) -> Result<Check> {
-        let film = self.film(velocity_servo(GAIN_1_S, 0.2, 8.0), RUNAWAY, false, 0.3)?;
+        let film = self.record(velocity_servo(GAIN_PER_S, 0.2, 8.0), RUNAWAY, false, 0.3)?;
         Ok(Check::new(
             self.name("speed_limit"),
             "speed of a servo whose command runs away from it: its limit",
@@ -123,16 +129,16 @@ impl Bench<'_> {
         ))
     }
 
-    /// How far a servo gives way under the weight of a horizontal arm.
+    /// Angle by which a servo gives way under the weight of a horizontal arm.
     fn droop(&self) -> Result<[Check; 2]> {
         let sag = |servo: Servo| -> Result<f64> {
-            let film = self.film(servo, STILL, true, 2.0)?;
+            let film = self.record(servo, STILL, true, 2.0)?;
             Ok(measure(film.as_ref(), |film| {
                 Some(film.last().hinges[0].angle_rad)
             }))
         };
         // Damping of a velocity servo: its torque on 1/40 of its top speed.
-        let stiffness_nm_rad = GAIN_1_S * 40.0 * 0.2 / 8.0;
+        let stiffness_nm_rad = GAIN_PER_S * 40.0 * 0.2 / 8.0;
         let soft_nm_rad = 1.0;
         let spring = Servo {
             law: ServoLaw::Torque {
@@ -150,7 +156,7 @@ impl Bench<'_> {
                 self.name("droop"),
                 "angle by which a velocity servo (gain 30/s, 0.2 N m, 8 rad/s) gives way to m g r: m g r / (gain damping)",
                 LOAD_NM / stiffness_nm_rad,
-                sag(velocity_servo(GAIN_1_S, 0.2, 8.0))?,
+                sag(velocity_servo(GAIN_PER_S, 0.2, 8.0))?,
                 Unit::Radian,
                 Tolerance::Absolute(DROOP_RAD),
             ),
@@ -165,16 +171,17 @@ impl Bench<'_> {
         ])
     }
 
-    /// A velocity servo is a first-order lag: amplitude 1 / (1 + (w/k)²)^½, error (w/k) of it.
+    /// A velocity servo is a first-order lag: the amplitude is 1 / (1 + (w/k)²)^½ of the command's, and the error is (w/k) of
+    /// that amplitude.
     fn sine(&self) -> Result<[Check; 2]> {
         let gait = Gait {
             amplitude_rad: 0.9,
             frequency_hz: 1.25,
             ..STILL
         };
-        let ratio = TAU * gait.frequency_hz / GAIN_1_S;
+        let ratio = TAU * gait.frequency_hz / GAIN_PER_S;
         let amplitude_rad = gait.amplitude_rad / (1.0 + ratio * ratio).sqrt();
-        let film = self.film(velocity_servo(GAIN_1_S, 5.0, 100.0), gait, false, 4.0)?;
+        let film = self.record(velocity_servo(GAIN_PER_S, 5.0, 100.0), gait, false, 4.0)?;
         let measured = measure(film.as_ref(), |film| {
             Some(largest(
                 film.since(1.0).map(|s| s.hinges[0].angle_rad.abs()),
@@ -198,7 +205,7 @@ impl Bench<'_> {
             ),
             Check::new(
                 self.name("sine.lag"),
-                "root mean square of command minus angle meanwhile: amplitude (w/k) / 2^(1/2)",
+                "root mean square of command minus angle during the same motion: amplitude (w/k) / 2^(1/2)",
                 amplitude_rad * ratio / SQRT_2,
                 lag,
                 Unit::Radian,
@@ -207,7 +214,7 @@ impl Bench<'_> {
         ])
     }
 
-    /// A soft torque servo near its resonance, where stiffness, damping and inertia all show.
+    /// A soft torque servo near its resonance, where stiffness, damping and inertia all affect the amplitude.
     fn resonance(&self) -> Result<Check> {
         let (k, d, i) = (0.05, 1e-3, arm_inertia_kg_m2(MASS_KG));
         let servo = Servo {
@@ -225,7 +232,7 @@ impl Bench<'_> {
             ..STILL
         };
         let w = TAU * gait.frequency_hz;
-        let film = self.film(servo, gait, false, 4.0)?;
+        let film = self.record(servo, gait, false, 4.0)?;
         Ok(Check::new(
             self.name("resonance"),
             "amplitude of a soft torque servo (0.05 N m/rad) at 2 Hz near resonance: 0.3 k / ((k - I w^2)^2 + (d w)^2)^(1/2)",

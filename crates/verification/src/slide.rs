@@ -1,9 +1,9 @@
-//! Sliding to a stop, for bodies and jointed robots alike.
+//! Simulates a robot, rigid or jointed, that slides to a stop.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::Settings;
-use super::film::{Film, centre_world_m, moving};
+use super::film::{SimulationLog, centre_world_m, moving};
 use realgap_core::error::Result;
 use realgap_core::unit::GRAVITY_M_S2;
 use realgap_robot::morphology::Assembly;
@@ -12,17 +12,17 @@ use realgap_simulation::JointFormulation;
 /// Speed at the start, m/s.
 pub(super) const SPEED_M_S: f64 = 0.6;
 
-/// Distance that friction needs to take all speed: v² / 2 µ g.
+/// Distance over which friction stops a sliding body: v² / 2 µ g.
 pub(super) fn stopping_distance_m(friction: f64) -> f64 {
     SPEED_M_S * SPEED_M_S / (2.0 * friction * GRAVITY_M_S2)
 }
 
-/// How a robot that slid came to rest.
+/// How far a robot slid until it came to rest.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Slide {
-    /// Distance along the first velocity, metres.
+    /// Distance along the initial velocity, metres.
     pub along_m: f64,
-    /// Distance across it, metres.
+    /// Distance across the initial velocity, metres.
     pub across_m: f64,
 }
 
@@ -45,7 +45,7 @@ pub(super) fn slide(
         Vector3::new(SPEED_M_S, 0.0, 0.0),
         Vector3::zeros(),
     );
-    let film = Film::shoot(&experiment, &[])?;
+    let film = SimulationLog::record(&experiment, &[])?;
     let travel = film.map_or(Vector3::repeat(f64::NAN), |film| {
         centre_world_m(film.last()) - centre_world_m(film.first())
     });

@@ -1,9 +1,10 @@
-//! Sliding and spinning at once: a cube, and a plate under a free hinge, against Coulomb's law integrated by hand.
+//! Checks of a body that slides and spins at once (a cube, and a plate under a free hinge) against Coulomb's law.
 //!
 //! A square of half side a slides on its four corners. Corner i at r_i carries the load N_i, and friction −µ N_i v_i/|v_i|
-//! acts on it. Friction acts at a height h below the centre of mass and so shifts the load; corners that give way
-//! alike (equal compliance) share it linearly, N_i = m g/4 + c·r_i, and the balance of moments, Σ N_i r_i = −h F with
-//! Σ r_i r_iᵀ = 4 a² 1, asks for c = −h F/(4 a²). F depends on the loads in turn: two linear equations a moment.
+//! acts on it. Friction acts at a height h below the centre of mass and so shifts the load. Corners of equal compliance
+//! share the load linearly, N_i = m g/4 + c·r_i, and the balance of moments, Σ N_i r_i = −h F with
+//! Σ r_i r_iᵀ = 4 a² 1, requires c = −h F/(4 a²). F depends on the loads in turn, which gives two linear equations at each
+//! moment; the motion that follows from them is integrated numerically.
 
 use nalgebra::{Matrix2, Rotation2, UnitQuaternion, Vector2, Vector3};
 
@@ -13,7 +14,7 @@ use super::body::{
     no_servo, on_plate,
 };
 use super::check::{Check, Tolerance};
-use super::film::{Film, centre_world_m, moving};
+use super::film::{SimulationLog, centre_world_m, moving};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
 use realgap_simulation::JointFormulation;
@@ -25,14 +26,14 @@ const SPIN_RAD_S: f64 = 20.0;
 /// A body that slides and spins on the four corners of a square.
 struct Slider {
     mass_kg: f64,
-    /// Inertia of what spins, about the vertical, kg m².
+    /// Moment of inertia of the spinning part about the vertical, kg m².
     inertia_kg_m2: f64,
     half_side_m: f64,
     /// Height of the centre of mass, metres.
     height_m: f64,
 }
 
-/// Where it comes to rest.
+/// How far a sliding body has moved and turned when it comes to rest.
 #[derive(Debug, Clone, Copy)]
 struct Rest {
     travel_m: Vector2<f64>,
@@ -82,14 +83,15 @@ impl Slider {
         (force, torque)
     }
 
-    /// Midpoint rule, until sliding and spinning end together.
+    /// Integrates the motion by the midpoint rule until the body is at rest.
     fn rest(&self) -> Rest {
         let step_s = 2e-6;
         let (mut travel_m, mut yaw_rad) = (Vector2::zeros(), 0.0);
         let (mut velocity, mut spin) = (Vector2::new(SPEED_M_S, 0.0), SPIN_RAD_S);
         let speed_now =
             |velocity: Vector2<f64>, spin: f64| velocity.norm().max(spin.abs() * self.half_side_m);
-        // Both end at once, because each keeps the other sliding; a second is far beyond that.
+        // Sliding and spinning end at the same time, because each of them keeps the corners slipping. One second, the limit
+        // of this loop, is much longer than the motion takes.
         for _ in 0..500_000 {
             if speed_now(velocity, spin) < 1e-4 {
                 break;
@@ -116,7 +118,8 @@ pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
     Ok(checks)
 }
 
-/// Distances to 2 %, as for stopping; sideways to 2 % of the whole way; turns to the degree of a camera.
+/// Three checks of the final pose: the distance to 2 %, the sideways distance to 2 % of the whole distance, and the turn to one
+/// degree, which is what a camera resolves.
 fn compare(name: &str, what: &str, expected: Rest, measured: Option<Rest>) -> [Check; 3] {
     let seen = |look: fn(Rest) -> f64| measured.map_or(f64::NAN, look);
     let across_m = 0.02 * expected.travel_m.x;
@@ -150,7 +153,7 @@ fn compare(name: &str, what: &str, expected: Rest, measured: Option<Rest>) -> [C
     ]
 }
 
-fn yaw_rad(film: &Film, part: usize) -> f64 {
+fn yaw_rad(film: &SimulationLog, part: usize) -> f64 {
     film.pairs()
         .map(|(a, b)| {
             let turn = a.parts[part].world_from_part.rotation.inverse()
@@ -160,7 +163,7 @@ fn yaw_rad(film: &Film, part: usize) -> f64 {
         .sum()
 }
 
-fn rest(film: Option<&Film>, part: usize) -> Option<Rest> {
+fn rest(film: Option<&SimulationLog>, part: usize) -> Option<Rest> {
     let film = film?;
     let travel_m = (centre_world_m(film.last()) - centre_world_m(film.first())).xy();
     Some(Rest {
@@ -184,7 +187,7 @@ fn cube_spin(settings: &Settings) -> Result<[Check; 3]> {
         Vector3::new(SPEED_M_S, 0.0, 0.0),
         Vector3::new(0.0, 0.0, SPIN_RAD_S),
     );
-    let film = Film::shoot(&experiment, &[])?;
+    let film = SimulationLog::record(&experiment, &[])?;
     Ok(compare(
         "cube",
         "a cube",
@@ -193,7 +196,8 @@ fn cube_spin(settings: &Settings) -> Result<[Check; 3]> {
     ))
 }
 
-/// Cube and plate spin together at first; the free hinge lets the cube spin on while the floor stops the plate.
+/// Cube and plate spin together at first; then friction with the floor stops the plate, while the free hinge lets the cube go on
+/// spinning.
 fn plate_spin(settings: &Settings, kind: JointFormulation) -> Result<[Check; 3]> {
     let mass_kg = MASS_KG + PLATE_KG;
     let slider = Slider {
@@ -211,7 +215,7 @@ fn plate_spin(settings: &Settings, kind: JointFormulation) -> Result<[Check; 3]>
         Vector3::new(SPEED_M_S, 0.0, 0.0),
         Vector3::new(0.0, 0.0, SPIN_RAD_S),
     );
-    let film = Film::shoot(&experiment, &[])?;
+    let film = SimulationLog::record(&experiment, &[])?;
     Ok(compare(
         settings.joint_name(kind),
         "a cube on a plate under a free hinge",
@@ -238,7 +242,7 @@ mod tests {
         };
         let (force, torque) = slider.friction(0.3, Vector2::new(0.5, 0.0), 0.0);
         assert!((force - Vector2::new(-FRICTION * 0.1 * GRAVITY_M_S2, 0.0)).norm() < 1e-12);
-        // The loads lean along the path only: no torque turns the square.
+        // The load shifts along the direction of motion only, so that no torque turns the square.
         assert!(torque.abs() < 1e-12);
     }
 

@@ -1,4 +1,4 @@
-//! Standing on a light plate: a cube that rests, or turns its plate, neither sinks nor wanders.
+//! Checks that a cube that stands on a light plate neither sinks nor creeps, at rest or while it turns the plate.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -6,7 +6,7 @@ use super::body::{
     CUBE_ON_PLATE_M, MASS_KG, PLATE_HALF_M, PLATE_KG, STILL, on_plate, velocity_servo,
 };
 use super::check::{Check, Tolerance};
-use super::film::{Film, at_rest, centre_world_m, largest, measure};
+use super::film::{SimulationLog, at_rest, centre_world_m, largest, measure};
 use super::{Settings, balance, topple};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
@@ -17,9 +17,9 @@ const FRICTION: f64 = 0.5;
 /// A cube on a square plate that is nearly a quarter turn off stands on an edge 5 mm wide: 20 micrometres of sag
 /// tilt it by 0.2 degrees there.
 const SAG_M: f64 = 2e-5;
-/// As the creep of a cube on a slope: 1 mm in 10 s.
+/// Largest speed of creep, m/s: 1 mm in 10 s, as for a cube on a slope.
 const CREEP_M_S: f64 = 1e-4;
-/// Trembling below this is not seen by a camera at 100 Hz (10 micrometres a frame).
+/// Speed below which a camera at 100 Hz does not see the plate tremble, m/s (10 micrometres a frame).
 const TREMBLE_M_S: f64 = 1e-3;
 
 pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
@@ -58,7 +58,7 @@ fn standing(settings: &Settings, kind: JointFormulation, gait: Gait, seconds: f6
 /// A cube on its plate, the servo holding still.
 fn rest(settings: &Settings, kind: JointFormulation) -> Result<[Check; 2]> {
     let name = settings.joint_name(kind);
-    let film = Film::shoot(&standing(settings, kind, STILL, 3.0), &[])?;
+    let film = SimulationLog::record(&standing(settings, kind, STILL, 3.0), &[])?;
     Ok([
         Check::new(
             format!("standing.sag.{name}"),
@@ -89,7 +89,7 @@ fn rest(settings: &Settings, kind: JointFormulation) -> Result<[Check; 2]> {
     ])
 }
 
-/// The same on a slope that is too flat to slide on.
+/// A cube on its plate, the servo holding still, on a slope that is too flat for sliding.
 fn slope(settings: &Settings, kind: JointFormulation) -> Result<Check> {
     let seconds = 9.0;
     let slope_rad = (0.9 * FRICTION).atan();
@@ -99,7 +99,7 @@ fn slope(settings: &Settings, kind: JointFormulation) -> Result<Check> {
         experiment.floor.normal_world() * CUBE_ON_PLATE_M,
         UnitQuaternion::from_axis_angle(&Vector3::y_axis(), slope_rad),
     );
-    let film = Film::shoot(&experiment, &[])?;
+    let film = SimulationLog::record(&experiment, &[])?;
     Ok(Check::new(
         format!("standing.slope.{}", settings.joint_name(kind)),
         "mean speed of a cube on a hinged plate on a slope with tan = 0.9 mu over 9 s, from 1 s on: it sticks",
@@ -121,7 +121,7 @@ fn twist(settings: &Settings, kind: JointFormulation) -> Result<Check> {
         frequency_hz: 1.0,
         ..STILL
     };
-    let film = Film::shoot(&standing(settings, kind, gait, seconds), &[])?;
+    let film = SimulationLog::record(&standing(settings, kind, gait, seconds), &[])?;
     Ok(Check::new(
         format!("standing.twist.{}", settings.joint_name(kind)),
         "mean speed of a cube whose plate swings in place below it by 1 rad at 1 Hz for 20 s: 0 by symmetry",

@@ -1,4 +1,4 @@
-//! What holds together: masses of glued bodies, glue, hinges under load.
+//! Checks of the structure of robots: mass properties of rigidly attached modules, their attachments, and hinges under load.
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
@@ -7,14 +7,14 @@ use super::body::{
     BASE_HALF_M, MASS_KG, SIDE_M, STILL, arm, bar, cantilever, corner, tripod, velocity_servo,
 };
 use super::check::{Check, Tolerance};
-use super::film::{Film, at_rest, largest, measure};
+use super::film::{SimulationLog, at_rest, largest, measure};
 use realgap_core::error::Result;
 use realgap_core::unit::Unit;
 use realgap_simulation::JointFormulation;
 
-/// Opening of a hinge that a motion capture of modules would see, metres.
+/// Smallest gap at a hinge that motion capture of the modules would resolve, metres.
 const OPENING_M: f64 = 5e-4;
-/// Half a degree, the play of a good hobby servo's horn.
+/// Half a degree, the play of the horn of a good hobby servo, radians.
 const TILT_RAD: f64 = 0.0087;
 
 pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
@@ -27,7 +27,7 @@ pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
     Ok(checks)
 }
 
-/// Mass, centre and inertia of glued bodies as the engine holds them.
+/// Mass, centre of mass and inertia that the engine uses for rigidly attached modules.
 fn compound(settings: &Settings) -> Result<Vec<Check>> {
     let (m, a2) = (MASS_KG, SIDE_M * SIDE_M);
     // Four modules in a row are one box of 4 s × s × s.
@@ -66,10 +66,10 @@ fn compound(settings: &Settings) -> Result<Vec<Check>> {
         let mut experiment = settings.experiment(assembly, 0.01);
         experiment.start = at_rest(Vector3::zeros(), UnitQuaternion::identity());
         experiment.floor.height_m = -1.0;
-        let film = Film::shoot(&experiment, &[])?;
+        let film = SimulationLog::record(&experiment, &[])?;
         checks.push(Check::new(
             format!("structure.mass.{name}"),
-            "mass of a glued body: the sum",
+            "mass of rigidly attached modules: the sum of their masses",
             mass_kg,
             measure(film.as_ref(), |film| Some(film.first().parts[0].mass_kg)),
             Unit::Kilogram,
@@ -77,7 +77,7 @@ fn compound(settings: &Settings) -> Result<Vec<Check>> {
         ));
         checks.push(Check::new(
             format!("structure.centre.{name}"),
-            "distance of its centre of mass from the weighted mean of its modules: 0",
+            "distance of their centre of mass from the weighted mean of the modules' centres: 0",
             0.0,
             measure(film.as_ref(), |film| {
                 Some((film.first().parts[0].centre_world_m - centre_m).norm())
@@ -87,7 +87,7 @@ fn compound(settings: &Settings) -> Result<Vec<Check>> {
         ));
         checks.push(Check::new(
             format!("structure.inertia.{name}"),
-            "largest deviation of its inertia tensor from the box formula or Steiner's rule, as a share: 0",
+            "largest deviation of their inertia tensor from the box formula or the parallel-axis theorem, as a share: 0",
             0.0,
             measure(film.as_ref(), |film| {
                 let deviation = film.first().parts[0].inertia_world_kg_m2 - inertia;
@@ -100,10 +100,10 @@ fn compound(settings: &Settings) -> Result<Vec<Check>> {
     Ok(checks)
 }
 
-/// Ten modules glued in a row to a heavy one that stands on the floor.
+/// Ten modules attached in a row to a heavy module that stands on the floor.
 fn cantilever_sag(settings: &Settings) -> Result<Check> {
     let mut robot = cantilever()?;
-    // A body of another part than the base would be glue that became a joint.
+    // The base is tracked. A tip that belonged to another part than the base would mean that an attachment became a joint.
     let tip_from_track = robot.robot_from_track;
     robot.track_part = 0;
     robot.robot_from_track = nalgebra::Isometry3::identity();
@@ -113,12 +113,12 @@ fn cantilever_sag(settings: &Settings) -> Result<Check> {
         Vector3::new(0.0, 0.0, 0.5 * SIDE_M),
         UnitQuaternion::identity(),
     );
-    let film = Film::shoot(&experiment, &[])?;
+    let film = SimulationLog::record(&experiment, &[])?;
     let sag = measure(film.as_ref(), |film| {
         let tip_m = |snapshot: &realgap_simulation::Snapshot| {
             let part = snapshot.parts.last()?;
             let base = &snapshot.parts[0];
-            // The tip belongs to the last part; with proper glue that is the base itself.
+            // The tip belongs to the last part; if the attachments are rigid, the last part is the base itself.
             let carrier = if snapshot.parts.len() == 1 {
                 base
             } else {
@@ -130,7 +130,7 @@ fn cantilever_sag(settings: &Settings) -> Result<Check> {
     });
     Ok(Check::new(
         "structure.cantilever",
-        "sag of the tip of ten modules glued in a row to a standing base after 2 s: 0",
+        "sag of the tip of ten modules attached in a row to a standing base after 2 s: 0",
         0.0,
         sag,
         Unit::Metre,
@@ -138,7 +138,7 @@ fn cantilever_sag(settings: &Settings) -> Result<Check> {
     ))
 }
 
-/// A kilogram hangs on a hinge sideways: along the axis nothing may open, across it nothing may tilt.
+/// A hinge with a vertical axis carries an arm of one kilogram sideways: the hinge must neither open nor tilt.
 fn loaded_hinge(settings: &Settings, kind: JointFormulation) -> Result<[Check; 2]> {
     let name = settings.joint_name(kind);
     let servo = velocity_servo(30.0, 5.0, 8.0);
@@ -150,7 +150,7 @@ fn loaded_hinge(settings: &Settings, kind: JointFormulation) -> Result<[Check; 2
         Vector3::new(0.0, 0.0, BASE_HALF_M),
         UnitQuaternion::identity(),
     );
-    let film = Film::shoot(&experiment, &[])?;
+    let film = SimulationLog::record(&experiment, &[])?;
     Ok([
         Check::new(
             format!("structure.load.opening.{name}"),
@@ -164,7 +164,7 @@ fn loaded_hinge(settings: &Settings, kind: JointFormulation) -> Result<[Check; 2
         ),
         Check::new(
             format!("structure.load.tilt.{name}"),
-            "largest tilt of its axis meanwhile: 0",
+            "largest tilt of the hinge's axis under the same load: 0",
             0.0,
             measure(film.as_ref(), |film| {
                 Some(largest(film.iter().map(|s| s.hinges[0].tilt_rad)))
@@ -175,12 +175,12 @@ fn loaded_hinge(settings: &Settings, kind: JointFormulation) -> Result<[Check; 2
     ])
 }
 
-/// Hinges of the tripod while it walks: contacts, servos and weight at once.
+/// Hinges of the tripod while it walks, which loads them with contacts, servo torques and weight at once.
 fn walking_hinge(settings: &Settings, kind: JointFormulation) -> Result<[Check; 2]> {
     let name = settings.joint_name(kind);
     let mut experiment = settings.experiment(tripod()?, 4.0);
     experiment.solver.joint = kind;
-    let film = Film::shoot(&experiment, &[])?;
+    let film = SimulationLog::record(&experiment, &[])?;
     let hinges = |look: fn(&realgap_simulation::HingeState) -> f64| {
         measure(film.as_ref(), |film| {
             Some(largest(film.iter().flat_map(|s| s.hinges.iter().map(look))))
@@ -197,7 +197,7 @@ fn walking_hinge(settings: &Settings, kind: JointFormulation) -> Result<[Check; 
         ),
         Check::new(
             format!("structure.walk.tilt.{name}"),
-            "largest tilt of a hinge's axis meanwhile: 0",
+            "largest tilt of a hinge's axis during the same walk: 0",
             0.0,
             hinges(|h| h.tilt_rad),
             Unit::Radian,

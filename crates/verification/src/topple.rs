@@ -1,4 +1,4 @@
-//! Falling over an edge: how long a cube on its plate takes from leaning to lying flat.
+//! Checks how long a cube on its plate takes to fall over the plate's edge.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -8,12 +8,12 @@ use super::body::{
     velocity_servo,
 };
 use super::check::{Check, Tolerance};
-use super::film::{Film, at_rest, measure};
+use super::film::{SimulationLog, at_rest, measure};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
 use realgap_simulation::JointFormulation;
 
-/// How far the centre of mass is beyond the edge at the start, and where the fall is timed, radians.
+/// Angles beyond the balance between which the fall is timed, radians: at the start, and at the end.
 const FROM_RAD: f64 = 0.05;
 const TO_RAD: f64 = 0.5;
 
@@ -29,7 +29,7 @@ pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
 struct Block {
     /// Distance of the centre of mass from the edge, metres.
     arm_m: f64,
-    /// Angle of that line from the plate's underside, radians.
+    /// Angle between the plate's underside and the line from the edge to the centre of mass, radians.
     rise_rad: f64,
     /// Inertia about the edge, kg m².
     inertia_kg_m2: f64,
@@ -58,7 +58,7 @@ fn block() -> Block {
 }
 
 /// Time from rest at `FROM_RAD` to `TO_RAD` beyond the balance, seconds: ∫ dθ/ω with I ω²/2 = m g r (cos θ₀ − cos θ).
-/// The substitution θ = θ₀ + u² takes the singularity at the start away; Simpson's rule does the rest.
+/// The substitution θ = θ₀ + u² removes the singularity at the start; Simpson's rule integrates the result.
 fn closed_form_s(block: &Block) -> f64 {
     let rate = 2.0 * (MASS_KG + PLATE_KG) * GRAVITY_M_S2 * block.arm_m / block.inertia_kg_m2;
     let integrand = |u: f64| {
@@ -100,7 +100,7 @@ fn fall(settings: &Settings, kind: JointFormulation) -> Result<Check> {
     // The edge at +x of the plate's underside stands on the floor at the origin.
     let edge_m = Vector3::new(PLATE_HALF_M, 0.0, -CUBE_ON_PLATE_M);
     experiment.start = at_rest(-(lean * edge_m), lean);
-    let film = Film::shoot(&experiment, &[])?;
+    let film = SimulationLog::record(&experiment, &[])?;
     let lean_of = |snapshot: &realgap_simulation::Snapshot| {
         let up = snapshot.parts[0].world_from_part * Vector3::z();
         up.x.atan2(up.z) - balance_rad
@@ -127,7 +127,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_integral_is_that_of_stepping_the_same_motion() {
+    fn the_integral_agrees_with_a_step_by_step_simulation_of_the_motion() {
         let block = block();
         let rate = (MASS_KG + PLATE_KG) * GRAVITY_M_S2 * block.arm_m / block.inertia_kg_m2;
         let (mut angle, mut speed, mut time_s, step_s) = (FROM_RAD, 0.0, 0.0, 1e-6);

@@ -1,4 +1,4 @@
-//! Tosses: a body that tumbles onto the floor never gains energy.
+//! Checks that a body that is tossed onto the floor never gains energy.
 
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::{RngExt as _, SeedableRng as _};
@@ -7,13 +7,13 @@ use rand_chacha::ChaCha8Rng;
 use super::Settings;
 use super::body::{STILL, cube, on_plate, velocity_servo};
 use super::check::{Check, Tolerance};
-use super::film::{Film, largest, moving};
+use super::film::{SimulationLog, largest, moving};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
 use realgap_robot::morphology::Assembly;
 use realgap_simulation::{JointFormulation, Snapshot};
 
-/// Tosses of each robot.
+/// Number of tosses of each robot.
 const TOSSES: u64 = 20;
 const SECONDS: f64 = 1.0;
 /// A gain below this share of the first energy does not show in a bounce's height (5 %).
@@ -21,7 +21,7 @@ const GAIN: f64 = 0.02;
 
 pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
     let mut checks = vec![energy(settings, "cube", settings.solver.joint, &cube())?];
-    // The servo holds, so that the robot is as good as rigid and the servo gives no energy worth speaking of.
+    // The servo holds its angle, so that the robot is nearly rigid and the servo supplies a negligible amount of energy.
     let robot = on_plate(velocity_servo(30.0, 1.0, 8.0), STILL);
     for &kind in settings.kinds() {
         checks.push(energy(settings, settings.joint_name(kind), kind, &robot)?);
@@ -48,7 +48,7 @@ fn energy(
         experiment.floor.friction = 0.2;
         experiment.floor.restitution = 0.2;
         experiment.start = moving(Vector3::new(0.0, 0.0, 0.15), turn, velocity, spin);
-        let film = Film::shoot(&experiment, &[])?;
+        let film = SimulationLog::record(&experiment, &[])?;
         rises.push(film.map_or(f64::NAN, |film| rise(&film)));
     }
     Ok(Check::new(
@@ -61,7 +61,7 @@ fn energy(
     ))
 }
 
-fn rise(film: &Film) -> f64 {
+fn rise(film: &SimulationLog) -> f64 {
     let energy_j = |s: &Snapshot| -> f64 {
         s.parts
             .iter()

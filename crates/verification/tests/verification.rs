@@ -1,4 +1,4 @@
-//! The closed-form checks at the default settings.
+//! Tests that the closed-form checks pass at the default settings, apart from the known limits.
 
 #![allow(clippy::unwrap_used)] // a test may fail loudly
 
@@ -38,7 +38,7 @@ fn the_tree_solver_passes_every_check_but_the_documented_ones() {
     fails_as_known(&checks.unwrap(), engine);
 }
 
-/// What fails is what is known, as far as is known and no farther.
+/// Asserts that exactly the checks with a known limit fail, and that their errors are within the known ranges.
 fn fails_as_known(checks: &[Check], engine: EngineChoice) {
     let limits = LIMITS.iter().filter(|l| l.engine == engine.get().name());
     let known: Vec<&str> = limits.map(|limit| limit.name).collect();
@@ -53,10 +53,10 @@ fn names_are_unique_and_every_check_fails_just_beyond_its_tolerance() {
     let checks = &*DEFAULT;
     let mut seen = std::collections::BTreeSet::new();
     for check in checks {
-        assert!(seen.insert(&check.name), "{} stands twice", check.name);
+        assert!(seen.insert(&check.name), "{} occurs twice", check.name);
         let (Tolerance::Relative(limit) | Tolerance::Absolute(limit)) = check.tolerance;
         assert!(limit > 0.0 && limit.is_finite(), "{}", check.name);
-        // Relative to zero nothing could ever pass.
+        // A tolerance relative to an expected value of zero would let no value pass.
         let unit = match check.tolerance {
             Tolerance::Relative(_) => check.expected.abs(),
             Tolerance::Absolute(_) => 1.0,
@@ -95,7 +95,7 @@ fn both_joint_kinds_are_covered_unless_one_is_chosen() {
 }
 
 #[test]
-fn a_coarse_timestep_is_seen() {
+fn a_coarse_timestep_makes_more_checks_fail() {
     let coarse = run(&Settings {
         solver: Solver {
             timestep_s: 1.0 / 30.0,
@@ -122,7 +122,7 @@ fn settings_that_cannot_be_simulated_are_refused() {
 }
 
 #[test]
-fn an_error_beyond_what_is_known_counts_as_a_failure() {
+fn an_error_outside_the_range_of_a_known_limit_counts_as_a_failure() {
     let limit = &LIMITS[0];
     let check = |error: f64| Check {
         error,

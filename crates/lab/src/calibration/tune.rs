@@ -378,14 +378,14 @@ impl<'a> Tuning<'a> {
     }
 
     fn history(&self) -> History<'_> {
-        let (design, told) = self.told.split_at(self.design.len().min(self.told.len()));
-        History { design, told }
+        let (design, evaluated) = self.told.split_at(self.design.len().min(self.told.len()));
+        History { design, evaluated }
     }
 
     /// What each recording tells, from the differences that least squares took.
     fn motions(&self, known: &Quadratic) -> Result<Vec<InformationGain>> {
         let first = self.design.len();
-        let (at, moved) = (first + known.told.0, first + known.told.1);
+        let (at, moved) = (first + known.indices.0, first + known.indices.1);
         let rows = self.keeping.rows();
         let mut trials = rows.rows_within(at..at + 1)?;
         trials.extend(rows.rows_within(moved..moved + known.point.len())?);

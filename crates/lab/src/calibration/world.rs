@@ -114,7 +114,7 @@ fn chosen(optimizer: &str, seed: u64, mut score: impl FnMut(&UnitPoint) -> f64) 
         let (design, history) = (&design, &told);
         let history = History {
             design,
-            told: history,
+            evaluated: history,
         };
         let Proposal::Evaluate(mut points) = optimizer.propose(&brief, &history).unwrap() else {
             break;

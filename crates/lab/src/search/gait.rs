@@ -123,7 +123,7 @@ impl Search {
         while can_walk && design.len() + told.len() < tuning.runs {
             let history = History {
                 design: &design,
-                told: &told,
+                evaluated: &told,
             };
             let Proposal::Evaluate(points) = default_optimizer().propose(&brief, &history)? else {
                 break;

@@ -156,7 +156,7 @@ impl Optimizer for Bayesian {
     }
 
     fn propose(&self, brief: &OptimizationProblem, history: &History<'_>) -> Result<Proposal> {
-        let all: Vec<&EvaluatedPoint> = history.design.iter().chain(history.told).collect();
+        let all: Vec<&EvaluatedPoint> = history.design.iter().chain(history.evaluated).collect();
         let seed = brief.seed.wrapping_add(all.len() as u64);
         let further = || {
             let from = all.len();

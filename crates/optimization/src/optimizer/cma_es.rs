@@ -1,5 +1,5 @@
-//! Covariance matrix adaptation: the algorithm of Hansen's tutorial (2016, arXiv 1604.00772), figure 6, with the default
-//! parameters of its table 1 and the endings of its appendix B.3.
+//! The optimizer `cma-es`: covariance matrix adaptation as in Hansen's tutorial (2016, arXiv 1604.00772), figure 6, with the
+//! default parameters of its table 1 and the termination criteria of its appendix B.3.
 
 use std::collections::VecDeque;
 use std::convert::Infallible;
@@ -15,37 +15,38 @@ use super::{History, OptimizationProblem, Optimizer, Proposal, UnitPoint};
 use realgap_core::error::Result;
 use realgap_core::statistics::ends_of;
 
-/// CMA-ES with restarts of growing population.
+/// CMA-ES with restarts, each with twice the population.
 pub(super) struct CmaEs;
 
-/// First step size, share of the range: without a first design the whole range, with one its neighbourhood.
+/// Initial step size as a share of the range: without an initial design, the search covers the whole range; with one, it
+/// starts in the neighbourhood of the best point of the design.
 const WIDE: f64 = 0.3;
 const NEAR: f64 = 0.15;
-/// Doublings of the population at most.
+/// Largest number of doublings of the population.
 const DOUBLINGS: usize = 10;
 
-/// Scores that differ by less, and steps shorter than this share of the first, are no progress.
+/// A search ends if its scores differ by less than this, or if its steps are shorter than this share of the initial step.
 const TOLERANCE: f64 = 1e-12;
-/// Nor are scores that differ by less than this share of the best: a mean over valid settings is not known better, and another
-/// start may lead to another valley.
+/// A search ends, too, if its scores differ by less than this share of the best score: a mean over valid settings is not more
+/// accurate, and another start may lead to another minimum.
 const RELATIVE_TOLERANCE: f64 = 1e-3;
 /// Condition of the covariance beyond which directions are lost to rounding.
 const CONDITION: f64 = 1e14;
-/// Growth of the longest axis that says that the first step was far too small, or that the search diverges.
+/// Growth of the longest axis at which a search ends, because the initial step was far too small or the search diverges.
 const GROWTH: f64 = 1e4;
-/// Generations that stagnation looks back over at most.
+/// Largest number of past generations that are used to detect stagnation.
 const MEMORY: usize = 20_000;
 
-/// The usual 4 + 3 ln n.
+/// The default population size, 4 + 3 ln n.
 fn population(dimensions: usize) -> usize {
     4 + (3.0 * libm::log(dimensions as f64)).floor() as usize
 }
 
-/// What stays the same during a search (table 1).
+/// Parameters of the strategy, which are constant during a search (table 1).
 struct Constants {
-    /// One weight a candidate, best first: positive for the better half, negative for the others.
+    /// Recombination weights of the candidates, best first: positive for the better half, negative for the others.
     weights: Vec<f64>,
-    /// Candidates that the mean is made of.
+    /// Number of candidates from which the mean is computed.
     parents: usize,
     /// Variance-effective number of parents.
     effective: f64,
@@ -54,7 +55,7 @@ struct Constants {
     path_rate: f64,
     rank_one_rate: f64,
     rank_mu_rate: f64,
-    /// Length that a vector of normal numbers has on average.
+    /// Expected length of a vector of independent standard normal numbers.
     expected_length: f64,
 }
 
@@ -109,7 +110,7 @@ impl Constants {
     }
 }
 
-/// One search from one start.
+/// One search from one start, until it ends.
 struct Evolution {
     constants: Constants,
     random: ChaCha8Rng,
@@ -117,7 +118,7 @@ struct Evolution {
     first_step: f64,
     step: f64,
     covariance: DMatrix<f64>,
-    /// Its eigenvectors, and the roots of its eigenvalues.
+    /// Eigenvectors of the covariance, and the square roots of its eigenvalues.
     axes: DMatrix<f64>,
     lengths: DVector<f64>,
     covariance_path: DVector<f64>,
@@ -150,7 +151,7 @@ impl Evolution {
         }
     }
 
-    /// The directions of the next generation's candidates; a candidate is the mean and so many steps along one.
+    /// The directions of the next generation's candidates; a candidate is the mean plus the step size times its direction.
     fn directions(&mut self) -> Vec<DVector<f64>> {
         (0..self.constants.weights.len())
             .map(|_| {
@@ -166,7 +167,7 @@ impl Evolution {
         point.iter().copied().collect()
     }
 
-    /// Learns from a generation: its directions in the order of their scores (equations 41 to 47).
+    /// Updates the mean, the step size and the covariance from the directions and scores of a generation (equations 41 to 47).
     fn learn(&mut self, directions: &[DVector<f64>], scores: &[f64]) {
         let c = &self.constants;
         let n = self.mean.len() as f64;
@@ -189,7 +190,7 @@ impl Evolution {
         let exponent = 2.0 * self.generation as f64;
         let warm_up = (1.0 - libm::pow(1.0 - c.step_rate, exponent)).sqrt();
         let length = self.step_path.norm() / c.expected_length;
-        // A step size that is still growing fast says nothing about the shape.
+        // While the step size grows fast, the path contains no information about the shape of the covariance.
         let stalled = if length / warm_up < 1.4 + 2.0 / (n + 1.0) {
             1.0
         } else {
@@ -208,7 +209,7 @@ impl Evolution {
         covariance.ger(c.rank_one_rate, path, path, 1.0);
         for (weight, index) in ranked() {
             let direction = &directions[*index];
-            // Bad candidates far out would make the covariance indefinite.
+            // Without this scaling, bad candidates that are far away would make the covariance indefinite.
             let scaled = if *weight < 0.0 {
                 weight * n / whiten(direction).norm_squared().max(f64::MIN_POSITIVE)
             } else {
@@ -267,7 +268,7 @@ impl Evolution {
         flat || arrived || no_effect || diverged || !self.step.is_normal() || self.stagnates()
     }
 
-    /// True where neither the best nor the median scores have become better over the last fifth of the generations.
+    /// Whether neither the best nor the median scores have improved over the last fifth of the generations.
     fn stagnates(&self) -> bool {
         let n = self.mean.len();
         let least = 120 + (30 * n).div_ceil(self.constants.weights.len());
@@ -292,11 +293,11 @@ fn median<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
 }
 
 fn search(
-    brief: &OptimizationProblem,
+    problem: &OptimizationProblem,
     history: &History<'_>,
 ) -> std::result::Result<Infallible, Unknown> {
-    let replay = Replay::new(history.told);
-    let n = brief.dimensions();
+    let replay = Replay::new(history.evaluated);
+    let n = problem.dimensions();
     let best = history.best_of_design();
     let mut restart = 0;
     loop {
@@ -304,12 +305,12 @@ fn search(
             (0, Some((point, _))) => ((*point).clone(), NEAR),
             (0, None) => (vec![0.5; n], WIDE),
             _ => {
-                let mut starts = space_filling(n, restart, restart + 1, brief.seed);
+                let mut starts = space_filling(n, restart, restart + 1, problem.seed);
                 (starts.swap_remove(0), WIDE)
             }
         };
         let candidates = population(n) << restart.min(DOUBLINGS);
-        let seed = brief.seed.wrapping_add(restart as u64);
+        let seed = problem.seed.wrapping_add(restart as u64);
         let mut evolution = Evolution::new(mean, step, candidates, seed);
         while !evolution.ended {
             let directions = evolution.directions();
@@ -333,12 +334,12 @@ impl Optimizer for CmaEs {
         "Covariance matrix adaptation (Hansen 2016), reflected at the bounds, restarted with twice the population when it has converged (Auger & Hansen 2005)."
     }
 
-    fn batch(&self, brief: &OptimizationProblem) -> usize {
-        population(brief.dimensions())
+    fn batch(&self, problem: &OptimizationProblem) -> usize {
+        population(problem.dimensions())
     }
 
-    fn propose(&self, brief: &OptimizationProblem, history: &History<'_>) -> Result<Proposal> {
-        let Err(Unknown(points)) = search(brief, history);
+    fn propose(&self, problem: &OptimizationProblem, history: &History<'_>) -> Result<Proposal> {
+        let Err(Unknown(points)) = search(problem, history);
         Ok(Proposal::Evaluate(points))
     }
 }
@@ -353,7 +354,7 @@ mod tests {
 
     /// The test functions of the tutorial that pycma was run on (tools/golden_cma_es.py).
     fn function(name: &str) -> Function {
-        /// Where along its axes a coordinate is: 0 for the first to 1 for the last.
+        /// Position of a coordinate among all coordinates: from 0 for the first to 1 for the last.
         fn place(index: usize, x: &[f64]) -> f64 {
             index as f64 / (x.len() - 1) as f64
         }
@@ -383,7 +384,7 @@ mod tests {
         }
     }
 
-    /// Evaluations until the target is reached, `None` where a search ends before.
+    /// Number of evaluations until the target is reached; `None` if the search ends before.
     fn evaluations(function: Function, start: &[f64], step: f64, seed: u64) -> Option<usize> {
         let mut evolution = Evolution::new(start.to_vec(), step, population(start.len()), seed);
         let mut count = 0;
@@ -404,7 +405,7 @@ mod tests {
     }
 
     #[test]
-    fn hansens_functions_take_as_many_evaluations_as_his_own_program_needs() {
+    fn hansens_test_functions_take_as_many_evaluations_as_with_pycma() {
         let mut table =
             csv::Reader::from_reader(include_str!("../../tests/golden/cma_es.csv").as_bytes());
         let rows: Vec<_> = table.records().map(|row| row.unwrap()).collect();
@@ -471,31 +472,31 @@ mod tests {
     }
 
     #[test]
-    fn a_valley_whose_scores_are_hardly_told_apart_is_left_for_another_start() {
+    fn a_search_ends_in_a_valley_whose_scores_hardly_differ() {
         let shallow: Function = |x| 1.0 + 1e-4 * x.iter().map(|x| x * x).sum::<f64>();
         assert_eq!(generations_until_the_end(shallow), 20);
     }
 
     #[test]
     fn a_restart_doubles_the_population() {
-        let brief = OptimizationProblem {
+        let problem = OptimizationProblem {
             points: vec![11; 2],
             budget: 1000,
             seed: 1,
             priors: Vec::new(),
         };
-        let mut told = Vec::new();
+        let mut evaluated = Vec::new();
         let mut sizes = Vec::new();
-        while told.len() < 600 {
+        while evaluated.len() < 600 {
             let history = History {
                 design: &[],
-                told: &told,
+                evaluated: &evaluated,
             };
-            let Proposal::Evaluate(batch) = CmaEs.propose(&brief, &history).unwrap() else {
+            let Proposal::Evaluate(batch) = CmaEs.propose(&problem, &history).unwrap() else {
                 panic!("nothing to try");
             };
             sizes.push(batch.len());
-            told.extend(batch.into_iter().map(|point| super::super::EvaluatedPoint {
+            evaluated.extend(batch.into_iter().map(|point| super::super::EvaluatedPoint {
                 point,
                 score: Some(1.0),
                 errors: Vec::new(),

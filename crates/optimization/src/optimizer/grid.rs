@@ -1,30 +1,31 @@
-//! Every combination of evenly spaced values.
+//! The optimizer `grid`: evaluates every combination of evenly spaced values.
 
 use super::{History, OptimizationProblem, Optimizer, Proposal, UnitPoint};
 use realgap_core::error::Result;
 
-/// The simplest optimizer: it does not listen.
+/// The simplest optimizer: its points do not depend on the scores.
 pub(super) struct FullGrid;
 
 impl FullGrid {
-    /// The study's own number of points along each parameter where the budget allows, else as many as fit evenly.
-    fn points(brief: &OptimizationProblem) -> Vec<usize> {
-        let wanted = brief
+    /// The study's own numbers of points along the parameters if the budget suffices for them; otherwise the largest number of
+    /// points along each parameter that the budget allows, the same for all parameters.
+    fn points(problem: &OptimizationProblem) -> Vec<usize> {
+        let wanted = problem
             .points
             .iter()
             .try_fold(1_usize, |size, points| size.checked_mul(*points));
-        if wanted.is_some_and(|size| size <= brief.budget) {
-            return brief.points.clone();
+        if wanted.is_some_and(|size| size <= problem.budget) {
+            return problem.points.clone();
         }
-        let dimensions = brief.dimensions() as u32;
-        let each = (2..=brief.budget)
+        let dimensions = problem.dimensions() as u32;
+        let each = (2..=problem.budget)
             .take_while(|n| {
                 n.checked_pow(dimensions)
-                    .is_some_and(|size| size <= brief.budget)
+                    .is_some_and(|size| size <= problem.budget)
             })
             .last()
             .unwrap_or(2);
-        vec![each; brief.dimensions()]
+        vec![each; problem.dimensions()]
     }
 }
 
@@ -41,19 +42,19 @@ impl Optimizer for FullGrid {
         0
     }
 
-    fn batch(&self, brief: &OptimizationProblem) -> usize {
-        Self::points(brief).iter().product()
+    fn batch(&self, problem: &OptimizationProblem) -> usize {
+        Self::points(problem).iter().product()
     }
 
     fn depends_on_budget(&self) -> bool {
         true
     }
 
-    fn propose(&self, brief: &OptimizationProblem, history: &History<'_>) -> Result<Proposal> {
-        if !history.told.is_empty() {
+    fn propose(&self, problem: &OptimizationProblem, history: &History<'_>) -> Result<Proposal> {
+        if !history.evaluated.is_empty() {
             return Ok(Proposal::Exhausted);
         }
-        let points = Self::points(brief);
+        let points = Self::points(problem);
         let size: usize = points.iter().product();
         let candidates = (0..size).map(|index| {
             let mut rest = index;

@@ -1,10 +1,10 @@
-//! Optimizers: each a pure function from what has been told so far to what should be tried next.
+//! Optimizers: each is a pure function from the history of evaluated points to the next points to evaluate.
 //!
-//! An optimizer holds no state. The driver shows it the whole history and gets the next batch; the same history gives the
-//! same batch, so a run can be interrupted anywhere and goes on with the same bits. Algorithms that are loops are
-//! replayed from the start on every call (`replay`), which costs microseconds where a simulation costs milliseconds.
+//! An optimizer has no state. The driver passes it the whole history and receives the next batch. The same history gives the
+//! same batch, so a run that is interrupted at any point continues with the same bits. Algorithms that are written as loops are
+//! replayed from the start on every call (`replay`), which takes microseconds, while a simulation takes milliseconds.
 //!
-//! Adding an optimizer is one file and one line in [`OPTIMIZERS`]; tests/contract.rs runs over all of them.
+//! A new optimizer is one file and one line in [`OPTIMIZERS`]; tests/contract.rs tests all of them.
 
 mod bayesian;
 mod cma_es;
@@ -32,31 +32,33 @@ use realgap_core::error::Result;
 use realgap_core::file::look_up;
 use realgap_core::warning::Warning;
 
-/// A point of the searched space: one coordinate a parameter, each in 0 to 1.
+/// A point of the search space: one coordinate from 0 to 1 for each parameter.
 pub type UnitPoint = Vec<f64>;
 
 /// A candidate that has been evaluated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EvaluatedPoint {
-    /// Where.
+    /// The coordinates of the candidate.
     pub point: UnitPoint,
-    /// How far from reality, to be made small; `None` where there is no score (a simulation that diverged).
+    /// The score, which is to be minimised (the distance from reality); `None` if there is no score because the simulation
+    /// diverged.
     pub score: Option<f64>,
-    /// Single errors that the score is made of, for who [needs](Optimizer::needs_errors) them; else empty.
+    /// The residuals from which the score is computed, for optimizers that [need](Optimizer::needs_errors) them; otherwise
+    /// empty.
     pub errors: Vec<f64>,
 }
 
-/// What an optimizer is asked to do.
+/// The problem that an optimizer solves: the parameters, the budget, the seed and prior knowledge.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OptimizationProblem {
-    /// Number of values that a study asks for along each parameter; only a grid cares.
+    /// Number of values along each parameter that a study asks for; only the grid uses it.
     pub points: Vec<usize>,
-    /// Most evaluations in all, those of the first design included.
+    /// Largest number of evaluations in all, including those of the initial design.
     pub budget: usize,
-    /// Seed of everything random.
+    /// Seed of all random numbers.
     pub seed: u64,
-    /// What is known of every parameter beforehand, its median and variance as coordinates; `None` for nothing but the range. Only
-    /// least squares ask.
+    /// Prior of every parameter, as median and variance of its coordinate; `None` if only the range is known. Only the least-squares
+    /// optimizer uses it.
     pub priors: Vec<Option<(f64, f64)>>,
 }
 
@@ -66,7 +68,7 @@ impl OptimizationProblem {
         self.points.len()
     }
 
-    /// What is believed beforehand: the medians, else the middle of the ranges.
+    /// The medians of the priors; the middle of the range for a parameter without a prior.
     fn middle(&self) -> UnitPoint {
         let prior = |axis: usize| self.priors.get(axis).copied().flatten();
         let median = |axis: usize| prior(axis).map_or(0.5, |(median, _)| median.clamp(0.0, 1.0));
@@ -74,88 +76,88 @@ impl OptimizationProblem {
     }
 }
 
-/// Everything told so far.
+/// All points that have been evaluated so far.
 #[derive(Debug, Clone, Copy)]
 pub struct History<'a> {
-    /// The space-filling first design, which was not the optimizer's choice.
+    /// The points of the space-filling initial design, which the optimizer did not choose.
     pub design: &'a [EvaluatedPoint],
-    /// What the optimizer asked for, in its order.
-    pub told: &'a [EvaluatedPoint],
+    /// The points that the optimizer proposed, in the order of its proposals.
+    pub evaluated: &'a [EvaluatedPoint],
 }
 
 impl History<'_> {
-    /// The design's points with a score, best first; ties by order.
+    /// The points of the initial design that have a score, best first; points with equal scores keep their order.
     fn best_of_design(&self) -> Vec<(&UnitPoint, f64)> {
         let mut scored: Vec<(&UnitPoint, f64)> = self
             .design
             .iter()
-            .filter_map(|told| told.score.map(|score| (&told.point, score)))
+            .filter_map(|one| one.score.map(|score| (&one.point, score)))
             .collect();
         scored.sort_by(|a, b| a.1.total_cmp(&b.1));
         scored
     }
 }
 
-/// What an optimizer wants next.
+/// The next step that an optimizer proposes.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Proposal {
-    /// These candidates, at least one; they do not depend on each other and may be evaluated in parallel.
+    /// Evaluate these candidates, at least one; they do not depend on each other and may be evaluated in parallel.
     Evaluate(Vec<UnitPoint>),
-    /// Nothing: every candidate it knows has been evaluated.
+    /// Stop: the optimizer has no further candidates.
     Exhausted,
 }
 
-/// One optimizer.
+/// An optimization algorithm.
 pub trait Optimizer: Sync {
     /// The name on the command line.
     fn name(&self) -> &'static str;
 
-    /// One sentence for people, with its source.
+    /// One sentence that describes the algorithm to users, with its source in the literature.
     fn doc(&self) -> &'static str;
 
-    /// Smallest space-filling first design for so many parameters; 0 where it goes everywhere by itself. Without one, what lies
-    /// far from an optimizer's favourite would stay unknown; ten points a parameter are what a Gaussian process needs
-    /// (Loeppky, Sacks & Welch 2009).
+    /// Smallest number of points of the space-filling initial design for this number of parameters; 0 for an algorithm that covers
+    /// the whole space by itself. Without an initial design, the regions far from the optimum would stay unexplored. Ten points for
+    /// each parameter are what a Gaussian process needs (Loeppky, Sacks & Welch 2009).
     fn design(&self, dimensions: usize) -> usize {
         10 * dimensions
     }
 
-    /// Most candidates in one batch.
-    fn batch(&self, brief: &OptimizationProblem) -> usize;
+    /// Largest number of candidates in one batch.
+    fn batch(&self, problem: &OptimizationProblem) -> usize;
 
-    /// True where what it proposes depends on the budget, so that a larger one is another search.
+    /// Whether the proposals depend on the budget, so that a search with a larger budget has different points.
     fn depends_on_budget(&self) -> bool {
         false
     }
 
-    /// Whether it looks at the single errors that a score is made of.
+    /// Whether the algorithm uses the residuals from which a score is computed.
     fn needs_errors(&self) -> bool {
         false
     }
 
-    /// What the reader of a search should know about how it went.
-    fn warning(&self, brief: &OptimizationProblem, history: &History<'_>) -> Option<Warning> {
-        let _ = (brief, history);
+    /// A warning about the course of a search, if there is reason for one.
+    fn warning(&self, problem: &OptimizationProblem, history: &History<'_>) -> Option<Warning> {
+        let _ = (problem, history);
         None
     }
 
-    /// The loss near its minimum, of an optimizer that knows it; `logs` says how many of the errors belong to each log, in their
-    /// order, and is empty where all belong to one.
+    /// A quadratic approximation of the loss near its minimum, if the algorithm computes one. `logs` states how many of the errors
+    /// belong to each log, in the order of the errors, and is empty if all errors belong to one log.
     fn quadratic(
         &self,
-        brief: &OptimizationProblem,
+        problem: &OptimizationProblem,
         history: &History<'_>,
         logs: &[usize],
     ) -> Option<Quadratic> {
-        let _ = (brief, history, logs);
+        let _ = (problem, history, logs);
         None
     }
 
     /// The next batch.
     ///
     /// # Errors
-    /// None of those here; an own optimizer may refuse what it was told.
-    fn propose(&self, brief: &OptimizationProblem, history: &History<'_>) -> Result<Proposal>;
+    /// The library behind the optimizer fails, or an optimizer of a user refuses the evaluated points.
+    fn propose(&self, problem: &OptimizationProblem, history: &History<'_>) -> Result<Proposal>;
 }
 
 /// All optimizers.
@@ -169,7 +171,7 @@ pub const OPTIMIZERS: &[&dyn Optimizer] = &[
     &GaussNewton,
 ];
 
-/// The optimizer of those who name none.
+/// The optimizer that is used if the user names none.
 pub fn default_optimizer() -> &'static dyn Optimizer {
     &CmaEs
 }
@@ -177,7 +179,7 @@ pub fn default_optimizer() -> &'static dyn Optimizer {
 /// The optimizer with this name.
 ///
 /// # Errors
-/// An unknown name, with the known ones.
+/// An unknown name; the error lists the known names.
 pub fn optimizer_by_name(name: &str) -> Result<&'static dyn Optimizer> {
     look_up("optimizer", name, OPTIMIZERS.iter().copied(), |optimizer| {
         optimizer.name()
@@ -191,7 +193,7 @@ impl std::fmt::Debug for dyn Optimizer {
     }
 }
 
-/// A coordinate brought into 0 to 1 by reflection at the ends, so that bounds hold exactly and no point is piled up on them.
+/// Brings a coordinate into 0 to 1 by reflection at the ends, so that the bounds hold exactly and points do not accumulate on them.
 fn fold(coordinate: f64) -> f64 {
     if !coordinate.is_finite() {
         return 0.5;
@@ -209,7 +211,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn reflection_keeps_the_inside_and_never_leaves_the_bounds() {
+    fn reflection_keeps_inner_coordinates_and_never_leaves_the_bounds() {
         assert_eq!([fold(0.0), fold(0.3), fold(1.0)], [0.0, 0.3, 1.0]);
         assert!((fold(1.2) - 0.8).abs() < 1e-15 && (fold(-0.2) - 0.2).abs() < 1e-15);
         for coordinate in [-1e9, -7.7, 3.2, 1e300, f64::INFINITY, f64::NAN] {
@@ -218,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_name_is_answered_with_the_known_ones() {
+    fn the_error_for_an_unknown_optimizer_lists_the_known_names() {
         let error = optimizer_by_name("simplex").unwrap_err().to_string();
         assert!(
             error.contains("nelder-mead") && error.contains("cma-es"),

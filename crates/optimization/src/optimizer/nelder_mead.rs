@@ -1,4 +1,4 @@
-//! The downhill simplex, from the library `argmin`.
+//! The optimizer `nelder-mead`: the downhill simplex of the library `argmin`.
 
 use std::convert::Infallible;
 
@@ -13,13 +13,14 @@ use realgap_core::error::{Advice, Error, Result};
 /// Nelder–Mead with restarts from the best points of the first design.
 pub(super) struct NelderMead;
 
-/// Edge of the first simplex, share of the range.
+/// Edge of the initial simplex as a share of the range.
 const EDGE: f64 = 0.12;
-/// A simplex whose scores differ by less than this share of the best score has arrived.
-const ARRIVED: f64 = 1e-3;
-/// Evaluations of one simplex per parameter; rough scores can keep it wandering for ever.
-const PATIENCE: usize = 30;
-/// A point with the arithmetic that argmin asks for.
+/// A simplex has converged if the standard deviation of its scores is below this share of the best score.
+const CONVERGED: f64 = 1e-3;
+/// Largest number of evaluations of one simplex per parameter, because a simplex may never converge on a rough score.
+const MAX_EVALUATIONS: usize = 30;
+
+/// A point with the arithmetic that argmin requires.
 #[derive(Clone)]
 pub(super) struct Corner(UnitPoint);
 
@@ -70,16 +71,16 @@ fn simplex(start: &UnitPoint) -> Vec<Corner> {
     corners
 }
 
-/// Goes on until a point is asked for that nobody has evaluated, which ends it as an error of argmin.
+/// Runs the algorithm until it needs points that have not been evaluated yet; it then ends with [`Unknown`] as an error of argmin.
 fn search(
     dimensions: usize,
     history: &History<'_>,
 ) -> std::result::Result<Infallible, argmin::core::Error> {
-    let replay = Replay::new(history.told);
+    let replay = Replay::new(history.evaluated);
     let middle = vec![0.5; dimensions];
     let starts = history.best_of_design();
     let scale = starts.first().map_or(1.0, |(_, score)| score.abs());
-    let arrived = (ARRIVED * scale).max(f64::MIN_POSITIVE);
+    let arrived = (CONVERGED * scale).max(f64::MIN_POSITIVE);
     let mut restart = 0;
     loop {
         let start = match starts.len() {
@@ -87,11 +88,12 @@ fn search(
             n => starts[restart % n].0,
         };
         let corners = simplex(start);
-        // argmin does not hand on an error of the first simplex, and asks for its corners one by one.
+        // The corners of the initial simplex are looked up here, because argmin evaluates them one by one and does not pass on an
+        // error at this stage.
         replay
             .clone()
             .scores(corners.iter().map(|corner| corner.0.as_slice()))?;
-        let limit = replay.answered() + PATIENCE * dimensions;
+        let limit = replay.answered() + MAX_EVALUATIONS * dimensions;
         let mut solver = neldermead::NelderMead::new(corners).with_sd_tolerance(arrived)?;
         let mut problem = Problem::new(&replay);
         let (mut state, _) = solver.init(&mut problem, SolverState::new())?;
@@ -114,12 +116,12 @@ impl Optimizer for NelderMead {
         "Downhill simplex (Nelder & Mead 1965, argmin), restarted from the best points of a space-filling first design; one candidate at a time."
     }
 
-    fn batch(&self, brief: &OptimizationProblem) -> usize {
-        brief.dimensions() + 1
+    fn batch(&self, problem: &OptimizationProblem) -> usize {
+        problem.dimensions() + 1
     }
 
-    fn propose(&self, brief: &OptimizationProblem, history: &History<'_>) -> Result<Proposal> {
-        let Err(ended) = search(brief.dimensions(), history);
+    fn propose(&self, problem: &OptimizationProblem, history: &History<'_>) -> Result<Proposal> {
+        let Err(ended) = search(problem.dimensions(), history);
         match ended.downcast::<Unknown>() {
             Ok(Unknown(points)) => Ok(Proposal::Evaluate(points)),
             Err(error) => Err(

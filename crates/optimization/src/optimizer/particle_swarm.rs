@@ -1,4 +1,4 @@
-//! A swarm of particles (Zambrano-Bigiarini, Clerc & Rojas 2013, chapter II, section A).
+//! The optimizer `particle-swarm` (Zambrano-Bigiarini, Clerc & Rojas 2013, chapter II, section A).
 
 use std::convert::Infallible;
 use std::f64::consts::LN_2;
@@ -14,11 +14,11 @@ use realgap_core::error::Result;
 /// Particle swarm.
 pub(super) struct Swarm;
 
-/// Particles: few, for budgets of a hundred simulations.
+/// Number of particles; it is small because budgets are about a hundred simulations.
 const PARTICLES: usize = 10;
 /// Share of its velocity that a particle keeps (Clerc 2006).
 const INERTIA: f64 = 1.0 / (2.0 * LN_2);
-/// How strongly it is drawn to its own best point, and to that of all.
+/// Strength of the attraction of a particle to its own best point and to the best point of all particles.
 const ATTRACTION: f64 = 0.5 + LN_2;
 
 struct Particle {
@@ -39,17 +39,17 @@ impl Particle {
     }
 }
 
-/// A number between two others, in whichever order; nothing is drawn where they are equal.
+/// A random number between two numbers in any order; if they are equal, no random number is drawn.
 fn between(a: f64, b: f64, random: &mut Xoshiro256PlusPlus) -> f64 {
     if a == b {
         return a;
     }
-    // 52 bits as the fraction of a number from 1 to 2.
+    // 52 random bits become the fraction of a floating-point number from 1 to 2.
     let from_one_to_two = f64::from_bits((1023 << 52) | (random.next_u64() >> 12));
     (from_one_to_two - 1.0) * (a - b).abs() + a.min(b)
 }
 
-/// Positions over the whole range, then velocities up to it in both directions.
+/// Random positions within the range from 0 to 1, and random velocities from -1 to 1.
 fn scatter(dimensions: usize, random: &mut Xoshiro256PlusPlus) -> Vec<(UnitPoint, Vec<f64>)> {
     let mut draw = |low| -> Vec<Vec<f64>> {
         (0..PARTICLES)
@@ -61,20 +61,20 @@ fn scatter(dimensions: usize, random: &mut Xoshiro256PlusPlus) -> Vec<(UnitPoint
 }
 
 fn search(
-    brief: &OptimizationProblem,
+    problem: &OptimizationProblem,
     history: &History<'_>,
 ) -> std::result::Result<Infallible, Unknown> {
-    let replay = Replay::new(history.told);
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(brief.seed);
+    let replay = Replay::new(history.evaluated);
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(problem.seed);
     let known = history.best_of_design();
     let mut particles: Vec<Particle> = if known.len() >= PARTICLES {
-        let at_rest = vec![0.0; brief.dimensions()];
+        let at_rest = vec![0.0; problem.dimensions()];
         known[..PARTICLES]
             .iter()
             .map(|(point, score)| Particle::new((*point).clone(), at_rest.clone(), *score))
             .collect()
     } else {
-        let begun = scatter(brief.dimensions(), &mut random);
+        let begun = scatter(problem.dimensions(), &mut random);
         let scores = replay.scores(begun.iter().map(|(position, _)| position.as_slice()))?;
         let all = begun.into_iter().zip(scores);
         all.map(|((position, velocity), score)| Particle::new(position, velocity, score))
@@ -90,7 +90,7 @@ fn search(
                     .collect()
             };
             let (to_own, to_all) = (pull(&particle.best), pull(&best));
-            for axis in 0..brief.dimensions() {
+            for axis in 0..problem.dimensions() {
                 let velocity = &mut particle.velocity[axis];
                 *velocity = *velocity * INERTIA + to_own[axis] + to_all[axis];
                 let position = &mut particle.position[axis];
@@ -120,12 +120,12 @@ impl Optimizer for Swarm {
         "Particle swarm of 10 (Zambrano-Bigiarini et al. 2013)."
     }
 
-    fn batch(&self, _brief: &OptimizationProblem) -> usize {
+    fn batch(&self, _problem: &OptimizationProblem) -> usize {
         PARTICLES
     }
 
-    fn propose(&self, brief: &OptimizationProblem, history: &History<'_>) -> Result<Proposal> {
-        let Err(Unknown(points)) = search(brief, history);
+    fn propose(&self, problem: &OptimizationProblem, history: &History<'_>) -> Result<Proposal> {
+        let Err(Unknown(points)) = search(problem, history);
         Ok(Proposal::Evaluate(points))
     }
 }

@@ -1,15 +1,15 @@
-//! Points that fill space evenly without being a grid.
+//! The optimizer `random`, a low-discrepancy (Sobol) sequence, which also gives the initial designs of the other optimizers.
 
 use super::{History, OptimizationProblem, Optimizer, Proposal, UnitPoint};
 use realgap_core::error::Result;
 
-/// Low-discrepancy search; also the first design of the others.
+/// Search by a low-discrepancy sequence.
 pub(super) struct Random;
 
-/// Points in one batch; the sequence is the same for any.
+/// Number of points in one batch; the sequence does not depend on it.
 const BATCH: usize = 64;
 
-/// Length of one Sobol sequence as the library tabulates it; after that another scrambling begins.
+/// Length of one Sobol sequence in the library's table; further points use another scrambling.
 const SEQUENCE: usize = 1 << 16;
 
 /// Points `from..to` of the Owen-scrambled Sobol sequence of this seed (Burley 2020).
@@ -18,7 +18,7 @@ pub fn space_filling(dimensions: usize, from: usize, to: usize, seed: u64) -> Ve
         .map(|index| {
             (0..dimensions)
                 .map(|dimension| {
-                    // More dimensions than are tabulated are taken from further scramblings.
+                    // Dimensions beyond those in the library's table use further scramblings.
                     let (block, column) = (dimension / 256, dimension % 256);
                     let scrambling = (seed as u32)
                         .wrapping_mul(0x9E37_79B1)
@@ -41,24 +41,24 @@ impl Optimizer for Random {
     }
 
     fn doc(&self) -> &'static str {
-        "A scrambled Sobol sequence (Burley 2020): even cover of any number of parameters, the yardstick for the others."
+        "A scrambled Sobol sequence (Burley 2020): even cover of any number of parameters, the baseline for the others."
     }
 
     fn design(&self, _dimensions: usize) -> usize {
         0
     }
 
-    fn batch(&self, brief: &OptimizationProblem) -> usize {
-        BATCH.min(brief.budget)
+    fn batch(&self, problem: &OptimizationProblem) -> usize {
+        BATCH.min(problem.budget)
     }
 
-    fn propose(&self, brief: &OptimizationProblem, history: &History<'_>) -> Result<Proposal> {
-        let from = history.design.len() + history.told.len();
+    fn propose(&self, problem: &OptimizationProblem, history: &History<'_>) -> Result<Proposal> {
+        let from = history.design.len() + history.evaluated.len();
         Ok(Proposal::Evaluate(space_filling(
-            brief.dimensions(),
+            problem.dimensions(),
             from,
-            from + self.batch(brief),
-            brief.seed,
+            from + self.batch(problem),
+            problem.seed,
         )))
     }
 }

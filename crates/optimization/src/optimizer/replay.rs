@@ -1,13 +1,14 @@
-//! Lets an algorithm be written as a loop and still be a function of the history.
+//! Replays the history of evaluated points to an algorithm that is written as a loop, so that it is a function of the history.
 
 use std::cell::Cell;
 
 use super::{EvaluatedPoint, UnitPoint, fold};
 
-/// Score of a candidate without one: worse than any that can be measured, and finite for algorithms that do arithmetic.
+/// Score of a candidate whose evaluation failed: worse than any measured score, but finite, because some algorithms compute with
+/// scores.
 const FAILED: f64 = 1e30;
 
-/// Points that an algorithm needs to know before it can go on; an error, so that a library hands it on.
+/// Points whose scores an algorithm needs before it can continue. It is an error type so that libraries pass it on.
 #[derive(Debug)]
 pub(super) struct Unknown(pub Vec<UnitPoint>);
 
@@ -19,33 +20,33 @@ impl std::fmt::Display for Unknown {
 
 impl std::error::Error for Unknown {}
 
-/// Answers an algorithm from what was told, in its order, until the history ends.
+/// Answers the requests of an algorithm from the history, in the order of the history, until the history ends.
 #[derive(Clone)]
 pub(super) struct Replay<'a> {
-    told: &'a [EvaluatedPoint],
+    evaluated: &'a [EvaluatedPoint],
     answered: Cell<usize>,
 }
 
 impl<'a> Replay<'a> {
-    pub fn new(told: &'a [EvaluatedPoint]) -> Self {
+    pub fn new(evaluated: &'a [EvaluatedPoint]) -> Self {
         Self {
-            told,
+            evaluated,
             answered: Cell::new(0),
         }
     }
 
-    /// The scores of points that may lie outside of the bounds.
+    /// The scores of points, which may lie outside of the bounds.
     ///
     /// # Errors
-    /// Those of them that nobody has evaluated yet, brought within the bounds.
+    /// The points that have not been evaluated yet, reflected into the bounds.
     pub fn scores<'p>(
         &self,
         points: impl IntoIterator<Item = &'p [f64]>,
     ) -> Result<Vec<f64>, Unknown> {
         let (mut scores, mut unknown) = (Vec::new(), Vec::new());
         for point in points {
-            match self.told.get(self.answered.get()) {
-                Some(told) => scores.push(told.score.unwrap_or(FAILED)),
+            match self.evaluated.get(self.answered.get()) {
+                Some(one) => scores.push(one.score.unwrap_or(FAILED)),
                 None => unknown.push(point.iter().copied().map(fold).collect()),
             }
             self.answered
@@ -58,26 +59,26 @@ impl<'a> Replay<'a> {
         }
     }
 
-    /// What was told of points within the bounds.
+    /// The evaluated points for points within the bounds.
     ///
     /// # Errors
-    /// Those of them that nobody has evaluated yet.
-    pub fn told<'p>(
+    /// The points that have not been evaluated yet.
+    pub fn evaluated<'p>(
         &self,
         points: impl IntoIterator<Item = &'p [f64]>,
     ) -> Result<Vec<&'a EvaluatedPoint>, Unknown> {
         let from = self.answered.get();
-        let asked: Vec<UnitPoint> = points.into_iter().map(<[f64]>::to_vec).collect();
-        let known = &self.told[from.min(self.told.len())..];
-        let known = &known[..asked.len().min(known.len())];
+        let requested: Vec<UnitPoint> = points.into_iter().map(<[f64]>::to_vec).collect();
+        let known = &self.evaluated[from.min(self.evaluated.len())..];
+        let known = &known[..requested.len().min(known.len())];
         self.answered.set(from + known.len());
-        if known.len() < asked.len() {
-            return Err(Unknown(asked[known.len()..].to_vec()));
+        if known.len() < requested.len() {
+            return Err(Unknown(requested[known.len()..].to_vec()));
         }
         Ok(known.iter().collect())
     }
 
-    /// Scores given so far.
+    /// Number of points of the history that have been used so far.
     pub fn answered(&self) -> usize {
         self.answered.get()
     }

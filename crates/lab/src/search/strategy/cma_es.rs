@@ -109,7 +109,7 @@ impl Strategy for CmaEs {
         };
         let history = History {
             design: &[],
-            told: &told,
+            evaluated: &told,
         };
         let optimizer = optimizer_by_name("cma-es")?;
         match optimizer.propose(&brief, &history)? {

@@ -1,30 +1,34 @@
-//! What logs say against each other: where a model lacks something, errors do not scatter but lean, another way in every log.
+//! Widens the covariance of a fit by the disagreement between logs.
+//!
+//! If a model lacks an effect, the errors within one log do not scatter randomly but share a bias that differs between logs. The
+//! noise of single errors then underestimates the uncertainty of the fit.
 
 use nalgebra::{DMatrix, DVector};
 use realgap_core::statistics::{jackknife_variance, student_quantile};
 
 use super::solve;
 
-/// Half of a 90 % interval in standard deviations of a normal distribution, as the readers of a covariance take it.
+/// Half of a 90 % interval of a normal distribution, in standard deviations.
 const NINETY: f64 = 1.644_853_626_951;
-/// With fewer logs than this, noise is all that can be told.
+/// With fewer logs than this, their disagreement cannot be estimated, and only the noise is used.
 const FEWEST: usize = 3;
 
-/// The errors at a point, one row each.
-pub(super) struct Lean<'a> {
+/// The linearised errors at a point, grouped by log.
+pub(super) struct LogErrors<'a> {
     /// Change of every error per coordinate.
     pub jacobian: &'a DMatrix<f64>,
-    /// Curvature of every error's loss, and its slope.
+    /// Second and first derivative of the loss of every error.
     pub loss: Vec<(f64, f64)>,
-    /// What is known of every coordinate beforehand: one over its variance.
+    /// Prior precision of every coordinate: one divided by its variance.
     pub prior: &'a DVector<f64>,
-    /// How many of the errors each log has.
+    /// Number of errors of each log.
     pub logs: &'a [usize],
 }
 
-impl Lean<'_> {
-    /// A covariance of noise with the variances that leaving out one log after the other shows (Tukey 1958), each by one linear step
-    /// and with Student's width for as many logs as there are; what the prior adds stays. Correlations are kept.
+impl LogErrors<'_> {
+    /// The covariance that is due to noise, with each variance replaced by the jackknife variance of leaving out one log after the
+    /// other (Tukey 1958). Each fit without a log is one linear step, and the widths follow Student's distribution for the number
+    /// of logs. The share of the variance that is due to the prior is added, and correlations are kept.
     pub fn widened(&self, covariance: DMatrix<f64>, noise: f64) -> DMatrix<f64> {
         if self.logs.len() < FEWEST || self.logs.iter().sum::<usize>() != self.loss.len() {
             return covariance;

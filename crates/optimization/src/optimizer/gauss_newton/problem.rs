@@ -1,64 +1,69 @@
-//! One linearised least-squares problem, and what is known where it ends.
+//! The linearised least-squares problem at a point, its damped steps, and the covariance of its solution.
 
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use super::super::{OptimizationProblem, UnitPoint};
-use super::log::Lean;
+use super::log::LogErrors;
 use super::solve;
 
-/// The loss near a point, in coordinates from 0 to 1: what errors and prior knowledge say together.
+/// Quadratic approximation of the loss (errors and priors together) near its minimum, in coordinates from 0 to 1.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Quadratic {
-    /// The point with the least robust loss of all that were simulated.
+    /// The point with the smallest robust loss of all simulated points.
     pub at: UnitPoint,
-    /// The robust loss there.
+    /// The robust loss at [`Self::at`].
     pub loss: f64,
-    /// Where the best point with differences around it is in the history, and the first of the differences, one a coordinate.
-    pub told: (usize, usize),
-    /// Variance of an error there, as if all were independent.
+    /// Index in the history of the best point that has finite differences around it, and index of the first of the points of these
+    /// differences, one for each coordinate.
+    #[serde(rename = "told")]
+    pub indices: (usize, usize),
+    /// Variance of an error at [`Self::at`], if all errors are treated as independent.
     pub noise: f64,
-    /// Where the loss is least by all that is known around that point.
+    /// The minimum of the quadratic approximation.
     pub point: UnitPoint,
-    /// Covariance of the point, row by row: from three logs on of what the fit would be without each of them, so wide that 1.645 of
-    /// its roots hold 90 %; with fewer of the errors' noise alone, whatever else is wrong with the model.
+    /// Covariance of [`Self::point`], row by row. With three or more logs it includes the disagreement between logs (a jackknife
+    /// over logs), scaled so that ±1.645 standard deviations contain 90 %. With fewer logs it includes the noise of the errors only,
+    /// not errors of the model.
     pub covariance: Vec<Vec<f64>>,
-    /// Variance of the point by prior knowledge alone; `None` where there is none but the range.
+    /// Variance of every coordinate according to its prior alone; `None` if only the range is known.
     pub prior: Vec<Option<f64>>,
-    /// How many of the errors in a row tell as much as one independent one.
+    /// Correlation length of the errors: how many consecutive errors contain as much information as one independent error.
     pub correlation: f64,
-    /// Root of the mean square of the errors.
+    /// Root mean square of the errors.
     pub error: f64,
 }
 
-/// Errors, and how they change with every coordinate.
+/// Errors at a point and their derivatives with respect to every coordinate.
 #[derive(Clone)]
-pub(super) struct Problem {
+pub(super) struct LinearisedProblem {
     at: UnitPoint,
     /// Change of every error per coordinate.
     jacobian: DMatrix<f64>,
     weights: DVector<f64>,
     errors: DVector<f64>,
-    /// Where the loss of an error turns from its square to its size.
+    /// Size of an error at which its loss changes from quadratic to linear.
     width: f64,
-    /// Median and variance of every coordinate beforehand.
+    /// Median and variance of the prior of every coordinate.
     prior: Vec<Option<(f64, f64)>>,
-    /// Loss per square of a spread of the prior.
+    /// Weight of the prior in the loss: twice the loss of a coordinate that is one standard deviation from its median.
     prior_share: f64,
     correlation: f64,
 }
 
-/// Loss of one error: its square near 0, its size beyond (Charbonnier's).
+/// Charbonnier loss of one error: quadratic for errors below the width, linear for larger errors.
 fn loss_of(error: f64, width: f64) -> f64 {
     let ratio = error / width;
     width * width * ((1.0 + ratio * ratio).sqrt() - 1.0)
 }
 
+/// Weight of one error in iteratively reweighted least squares.
 fn weight(error: f64, width: f64) -> f64 {
     1.0 / (1.0 + (error / width).powi(2)).sqrt()
 }
 
-/// How many errors in a row say the same: 1 + 2 times the autocorrelations up to the first that is not positive (Geyer 1992).
+/// Number of consecutive errors that contain as much information as one independent error: 1 + 2 times the sum of the
+/// autocorrelations up to the first one that is not significantly positive (Geyer 1992).
 fn correlation(errors: &DVector<f64>) -> f64 {
     let count = errors.len();
     let mean = errors.mean();
@@ -73,7 +78,7 @@ fn correlation(errors: &DVector<f64>) -> f64 {
     let mut sum = 1.0;
     for lag in 1..count / 4 {
         let share = product(lag) / variance;
-        // Twice the standard error of an autocorrelation that is none.
+        // The limit is twice the standard error of the autocorrelation of independent errors.
         if share < 2.0 / (count as f64).sqrt() {
             break;
         }
@@ -82,13 +87,14 @@ fn correlation(errors: &DVector<f64>) -> f64 {
     sum
 }
 
-/// How much prior knowledge of this variance tells of a coordinate; without any, what the range says: evenly spread from 0 to 1.
+/// Precision of a prior with this variance; without a prior, the precision of a uniform distribution from 0 to 1, which is 12.
 fn precision(variance: Option<f64>) -> f64 {
     variance.map_or(12.0, |variance| 1.0 / variance)
 }
 
-/// Change of every error per coordinate, a row an error: from errors at a point and at those moved from there by one coordinate
-/// each. A coordinate whose errors are not known, or not as many, tells nothing.
+/// Jacobian of the errors, with one row for each error and one column for each coordinate, by finite differences between a point and
+/// the points that are moved along one coordinate each. The column of a coordinate is zero if the errors of its moved point are
+/// unknown or differ in number.
 pub fn slopes<'a>(
     at: &UnitPoint,
     errors: &[f64],
@@ -108,31 +114,32 @@ pub fn slopes<'a>(
 }
 
 impl Quadratic {
-    /// What prior knowledge tells of each coordinate by itself: its part of the information.
+    /// The information of the prior about each coordinate: its precision.
     pub fn prior_information(&self) -> DVector<f64> {
         let precisions = self.prior.iter().map(|variance| precision(*variance));
         DVector::from_iterator(self.prior.len(), precisions)
     }
 }
 
-impl Problem {
-    /// The problem at a point; a coordinate whose shifted errors are not known stays where it is.
+impl LinearisedProblem {
+    /// The linearised problem at a point. A coordinate whose shifted errors are unknown is not moved by steps.
     pub fn new(
         at: &UnitPoint,
         errors: &[f64],
-        brief: &OptimizationProblem,
+        problem: &OptimizationProblem,
         moved: &[UnitPoint],
         shifted: &[Option<&[f64]>],
     ) -> Self {
         let mut sizes: Vec<f64> = errors.iter().map(|error| error.abs()).collect();
         sizes.sort_by(f64::total_cmp);
-        // The median size: between least squares and least sizes, whatever the unit.
+        // The width is the median absolute error, so that the loss is between least squares and least absolute deviations in
+        // any unit.
         let width = sizes[sizes.len() / 2].max(1e-12);
         let jacobian = slopes(at, errors, moved.iter().zip(shifted.iter().copied()));
         let errors = DVector::from_column_slice(errors);
         let correlation = correlation(&errors);
         let variance = errors.map(|e| weight(e, width) * e * e).mean();
-        let mut prior = brief.priors.clone();
+        let mut prior = problem.priors.clone();
         prior.resize(at.len(), None);
         Self {
             at: at.clone(),
@@ -146,7 +153,7 @@ impl Problem {
         }
     }
 
-    /// The robust loss of these errors at a point, prior knowledge included.
+    /// The robust loss of these errors at a point, including the priors.
     pub fn loss(&self, point: &UnitPoint, errors: &[f64]) -> f64 {
         let errors: f64 = errors.iter().map(|e| loss_of(*e, self.width)).sum();
         let prior = self.prior.iter().zip(point);
@@ -156,17 +163,17 @@ impl Problem {
         errors + 0.5 * self.prior_share * prior
     }
 
-    /// The loss where the problem was made.
-    pub fn here(&self) -> f64 {
+    /// The loss at the point at which the problem was linearised.
+    pub fn loss_here(&self) -> f64 {
         self.loss(&self.at, self.errors.as_slice())
     }
 
-    /// How many errors there are.
+    /// Number of errors.
     pub fn errors(&self) -> usize {
         self.errors.len()
     }
 
-    /// Curvature and slope of the loss, prior knowledge included.
+    /// Approximate Hessian and gradient of the loss, including the priors.
     fn normal(&self) -> (DMatrix<f64>, DVector<f64>) {
         let mut weighted = self.jacobian.clone();
         for (mut row, weight) in weighted.row_iter_mut().zip(self.weights.iter()) {
@@ -183,12 +190,13 @@ impl Problem {
         (curvature, slope)
     }
 
-    /// Where a damped step leads; it ends at the bounds, and a coordinate that it would push beyond one stays there.
+    /// The end point of a damped step. A coordinate that the step would move beyond a bound is set to that bound, and the step of
+    /// the others is computed again.
     pub fn step(&self, point: &UnitPoint, damping: f64) -> UnitPoint {
         let (curvature, slope) = self.normal();
         let mut held: Vec<bool> = curvature.diagonal().iter().map(|d| *d <= 0.0).collect();
         let mut to = point.clone();
-        // Each round holds at least one coordinate more.
+        // Each round fixes at least one more coordinate at a bound.
         for _ in 0..=point.len() {
             let free: Vec<usize> = (0..point.len()).filter(|axis| !held[*axis]).collect();
             let matrix = DMatrix::from_fn(free.len(), free.len(), |row, column| {
@@ -218,19 +226,20 @@ impl Problem {
         to
     }
 
-    /// By how much the loss falls on the way to a point if errors are as straight as they seem.
+    /// Decrease of the loss on the way to a point that the quadratic approximation predicts.
     pub fn gain(&self, point: &UnitPoint, to: &UnitPoint) -> f64 {
         let step = DVector::from_fn(point.len(), |axis, _| to[axis] - point[axis]);
         let (curvature, slope) = self.normal();
         -slope.dot(&step) - 0.5 * step.dot(&(curvature * &step))
     }
 
-    /// What is known here: variances of robust estimates (Huber 1981, section 7.6), errors in a row counted once, or from three
-    /// logs on how far they disagree. `least`: the point with the least loss that was simulated; `told`: as [`Quadratic::told`].
+    /// The quadratic approximation of the loss. Its covariance is that of robust estimates (Huber 1981, section 7.6), corrected for
+    /// correlation of consecutive errors or, with three or more logs, for the disagreement between logs. `least` is the simulated
+    /// point with the smallest loss, with that loss; for `indices`, see [`Quadratic::indices`].
     pub fn quadratic(
         &self,
         least: (UnitPoint, f64),
-        told: (usize, usize),
+        indices: (usize, usize),
         logs: &[usize],
     ) -> Quadratic {
         let count = self.errors.len() as f64;
@@ -252,7 +261,7 @@ impl Problem {
             None => DMatrix::identity(dimensions, dimensions) / precision(None),
         };
         let weighted = self.weights.iter().zip(self.errors.iter());
-        let lean = Lean {
+        let log_errors = LogErrors {
             jacobian: &self.jacobian,
             loss: weighted
                 .map(|(w, e)| (w.powi(3) / slope, w * e / slope))
@@ -260,12 +269,12 @@ impl Problem {
             prior: &prior,
             logs,
         };
-        let covariance = lean.widened(covariance, noise);
+        let covariance = log_errors.widened(covariance, noise);
         let rows = covariance.row_iter();
         Quadratic {
             at: least.0,
             loss: least.1,
-            told,
+            indices,
             noise,
             point: self.step(&self.at, 0.0),
             covariance: rows.map(|row| row.iter().copied().collect()).collect(),
