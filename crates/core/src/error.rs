@@ -108,7 +108,7 @@ macro_rules! advice {
 
 advice! {
     Resume "Continue from the stored results." "resume from the stored results";
-    Restart "Throw away the stored results, and start again." "start again";
+    Restart "Throw away the stored results, and start anew." "start anew";
     OtherFolder "Write into another folder." "choose another folder";
     AcceptFiles "Accept the files of a results folder as they are." "accept the folder's files as they are";
     FewerThreads "Run in parallel on fewer threads." "use fewer threads";
