@@ -1,6 +1,6 @@
-//! What types of files and registries have alike, written once.
+//! Macros that write repeated trait methods and (de)serialisation code of file types and registries.
 
-/// Methods of a trait that state one value each, in an implementation of it: `constant_methods! { name: &'static str = "pca"; … }`.
+/// Implements methods of a trait that return one constant each, inside an `impl` block: `constant_methods! { name: &'static str = "pca"; … }`.
 #[macro_export]
 macro_rules! constant_methods {
     ($($name:ident: $type:ty = $value:expr;)*) => {
@@ -10,9 +10,9 @@ macro_rules! constant_methods {
     };
 }
 
-/// The members of a registry stand in files by their names: `named!(dyn Form, form_by_name)` compares, shows, writes and reads them so.
+/// Compares, prints, serialises and deserialises the entries of a registry by their names, e.g. `serde_by_name!(dyn Form, form_by_name)`.
 #[macro_export]
-macro_rules! named {
+macro_rules! serde_by_name {
     ($trait:ty, $by_name:path) => {
         impl PartialEq for $trait {
             fn eq(&self, other: &Self) -> bool {
@@ -46,23 +46,23 @@ macro_rules! named {
     };
 }
 
-/// How a type with a method `check` is read from a RON file and written as one; `$kind` is what errors call the file.
+/// Adds reading from and writing to a RON file to a type with a method `check`; `$kind` is the name of such a file in error messages.
 #[macro_export]
 macro_rules! ron_file {
     ($type:ty, $kind:literal) => {
         impl $type {
-            #[doc = concat!("Reads the file of a ", $kind, ".")]
+            #[doc = concat!("Reads the file of a ", $kind, " and checks its values.")]
             ///
             /// # Errors
-            /// A missing file, anything of another form, values that do not fit together.
+            /// A missing file, a text of another format, values that do not fit together.
             pub fn read(path: impl AsRef<std::path::Path>) -> $crate::Result<Self> {
                 Self::parse(&$crate::file::Source::read(path, $kind)?)
             }
 
-            #[doc = concat!("The ", $kind, " in a text.")]
+            #[doc = concat!("Parses the ", $kind, " in a text and checks its values.")]
             ///
             /// # Errors
-            /// As [`Self::read`].
+            /// The same as of [`Self::read`].
             pub fn parse(source: &$crate::file::Source) -> $crate::Result<Self> {
                 let value: Self = $crate::file::parse_ron(source)?;
                 match value.check() {
@@ -71,10 +71,10 @@ macro_rules! ron_file {
                 }
             }
 
-            /// The text of such a file.
+            /// The text of the RON file with these values.
             ///
             /// # Errors
-            /// None for a value that was checked.
+            /// A value that RON cannot express; a checked value never fails.
             pub fn to_ron(&self) -> $crate::Result<String> {
                 $crate::file::write_ron(self)
             }
@@ -82,9 +82,9 @@ macro_rules! ron_file {
     };
 }
 
-/// An enum whose members have a word each: with `ALL`, and the word of each by the method that is named.
+/// Declares an enum whose members have one label each: with the list `ALL`, and a method of the given name that returns the label.
 #[macro_export]
-macro_rules! worded {
+macro_rules! labelled_enum {
     ($(#[$meta:meta])* $name:ident.$word:ident; $($(#[$about:meta])* $member:ident $text:literal;)*) => {
         $(#[$meta])*
         pub enum $name {
@@ -92,10 +92,10 @@ macro_rules! worded {
         }
 
         impl $name {
-            /// All of them.
+            /// All members.
             pub const ALL: &[Self] = &[$(Self::$member),*];
 
-            /// How it is called in texts and files.
+            /// The label that stands for this member in texts and files.
             pub fn $word(self) -> &'static str {
                 match self {
                     $(Self::$member => $text,)*
@@ -105,12 +105,12 @@ macro_rules! worded {
     };
 }
 
-/// As [`worded!`], where the word is what stands in files and options: reading and writing. A word that none has is refused with
-/// `$wrong` ("is no unit of length") and those that there are.
+/// As [`labelled_enum!`], with parsing and (de)serialisation by the label, for values of files and options. An unknown label is
+/// refused with the message `$wrong` (e.g. "is no unit of length") and the list of all labels.
 #[macro_export]
-macro_rules! spelled {
+macro_rules! string_enum {
     ($(#[$doc:meta])* $name:ident.$word:ident, $wrong:expr; $($members:tt)*) => {
-        $crate::worded! {
+        $crate::labelled_enum! {
             $(#[$doc])*
             #[derive(Debug, Clone, Copy, PartialEq, Eq)]
             $name.$word;
@@ -144,8 +144,8 @@ macro_rules! spelled {
     };
 }
 
-/// Methods of a builder that take one value and give the builder back: `setters! { /// What it is. seed: u64; }` sets its field `seed`,
-/// and after `within part;` the field of its field `part`.
+/// Declares methods of a builder that set one field and return the builder: `setters! { /// The seed. seed: u64; }` sets the field
+/// `seed`; after `within part;` the method sets the field inside of the builder's field `part`.
 #[macro_export]
 macro_rules! setters {
     (within $part:ident; $($(#[$doc:meta])* $name:ident: $type:ty;)*) => {

@@ -1,4 +1,4 @@
-//! The one public error type: where, what was found, what is allowed, and what to do next.
+//! The one public error type: it says where the error is, what was found, what is allowed, and what to do next.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use crate::text::{shown, shown_end};
 use crate::unit::LengthUnit;
 
-/// Result with the crate's [`Error`].
+/// A result whose error is the crate's [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// What kind of failure an [`Error`] is; decides the exit code of the command line.
+/// The kind of failure that an [`Error`] describes; it decides the exit code of the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ErrorKind {
@@ -17,7 +17,7 @@ pub enum ErrorKind {
     Io,
     /// A file or value does not have the form or range it must have.
     Invalid,
-    /// The request clashes with what is already there (locked folder, changed study).
+    /// The request conflicts with existing files or another process (locked folder, changed study).
     Conflict,
     /// The command was used wrongly (exit code 2).
     Usage,
@@ -27,7 +27,7 @@ pub enum ErrorKind {
 
 /// An error that says where it happened, what was found, what is allowed and what to do next.
 ///
-/// Built step by step; every part but the message is optional:
+/// An error is built step by step; every part except the message is optional:
 ///
 /// ```
 /// use realgap_core::Error;
@@ -66,31 +66,31 @@ struct Parts {
 }
 
 impl Parts {
-    /// The hint, and what `advice` offers: "do this, or that".
+    /// The hint followed by the remedies of `advice`, joined as "do this, or that".
     fn hint_with(&self, advice: &[Advice], words: impl Fn(&Advice) -> String) -> Option<String> {
-        let ways: Vec<String> = advice.iter().map(words).collect();
-        let ways = match ways.as_slice() {
+        let remedies: Vec<String> = advice.iter().map(words).collect();
+        let remedies = match remedies.as_slice() {
             [] => None,
             [one] => Some(one.clone()),
             [first, last] => Some(format!("{first} or {last}")),
             [first @ .., last] => Some(format!("{}, or {last}", first.join(", "))),
         };
-        match (&self.hint, ways) {
-            (Some(hint), Some(ways)) => Some(format!("{hint}; {ways}")),
-            (hint, ways) => hint.clone().or(ways),
+        match (&self.hint, remedies) {
+            (Some(hint), Some(remedies)) => Some(format!("{hint}; {remedies}")),
+            (hint, remedies) => hint.clone().or(remedies),
         }
     }
 }
 
-/// Writes the ways out with what the library says of each.
+/// Declares the enum of remedies together with the words that the library uses for each of them.
 macro_rules! advice {
-    ($($way:ident $doc:literal $words:literal;)*) => {
-        /// A way out of an error that a caller of the library takes through an argument, a user of the command line through an
-        /// option. [`Display`](fmt::Display) speaks to the former; the command line has its own words.
+    ($($remedy:ident $doc:literal $words:literal;)*) => {
+        /// A remedy for an error. A caller of the library applies it through an argument; a user of the command line applies it
+        /// through an option. [`Display`](fmt::Display) words it for callers of the library; the command line has its own words.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         #[non_exhaustive]
         pub enum Advice {
-            $(#[doc = $doc] $way,)*
+            $(#[doc = $doc] $remedy,)*
             /// Read the file in this unit of length.
             Unit(LengthUnit),
         }
@@ -98,7 +98,7 @@ macro_rules! advice {
         impl fmt::Display for Advice {
             fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 match self {
-                    $(Self::$way => f.write_str($words),)*
+                    $(Self::$remedy => f.write_str($words),)*
                     Self::Unit(unit) => write!(f, "read it in {unit}"),
                 }
             }
@@ -107,32 +107,32 @@ macro_rules! advice {
 }
 
 advice! {
-    Resume "Go on with what is stored already." "resume what is stored";
-    Restart "Throw away what is stored, and start anew." "start anew";
+    Resume "Continue from the stored results." "resume from the stored results";
+    Restart "Throw away the stored results, and start anew." "start anew";
     OtherFolder "Write into another folder." "choose another folder";
     AcceptFiles "Accept the files of a results folder as they are." "accept the folder's files as they are";
     FewerThreads "Run in parallel on fewer threads." "use fewer threads";
     OtherOptimizer "Let another optimizer search." "choose another optimizer";
     OtherSeed "Draw other random numbers." "choose another seed";
-    MapColumns "Say which column of a recording holds what." "say which column is which: `columns: (t: \"NAME in ms\", x: \"NAME in mm\", ...)` in `reading`";
+    MapColumns "Say which column of a recording holds which quantity." "say which column is which: `columns: (t: \"NAME in ms\", x: \"NAME in mm\", ...)` in `reading`";
     ChooseRobot "Read one robot, or one run, of a file that holds several." "read one of them: `only: (column: \"NAME\", value: \"VALUE\")` in `reading`";
     SortSamples "Sort the samples of a recording by time." "sort them: `sort: true` in `reading`";
-    SkipLost "Leave samples out that the tracker has lost." "leave lost samples out: `skip_lost: true` in `reading`";
-    SkipLines "Begin to read below the first lines." "begin below them: `skip_lines: N` in `reading`";
-    Rate "Say how many samples a second a recording without times has." "say how many samples a second there are: `rate_hz: 10` in `reading`";
-    Topic "Say which topic of a log holds the recording." "choose one: `topic: \"/NAME\"` in `reading`, and `child_frame: \"NAME\"` of transforms";
+    SkipLost "Leave out samples that the tracker has lost." "leave lost samples out: `skip_lost: true` in `reading`";
+    SkipLines "Begin to read below the first lines." "begin to read below the first lines: `skip_lines: N` in `reading`";
+    Rate "State the sampling rate of a recording without times." "state the sampling rate, e.g. `rate_hz: 10` in `reading`";
+    Topic "Say which topic of a log holds the recording." "choose one topic: `topic: \"/NAME\"` in `reading`, and `child_frame: \"NAME\"` for transforms";
     Crop "Read another part of a recording." "choose another part: `crop: (from_s: ..., to_s: ...)` in `reading`";
-    TimeUnit "Say in which unit a recording measures time." "say their unit: `time: \"ms\"` in `reading`";
+    TimeUnit "State the unit of a recording's times." "state the unit of the times: `time: \"ms\"` in `reading`";
     Recordings "Name the recordings." "name the recordings, e.g. FOLDER/*.csv";
-    CalibratedValues "Give values that a calibration has found." "give values, e.g. those of a sweep's best.ron";
+    CalibratedValues "Give values that a calibration has found." "give values, e.g. those in the best.ron of a sweep";
     MetricWithoutBasis "Compare with a metric that needs no basis of principal components." "choose a metric without a basis, e.g. rms, which needs no first design";
     LetOptimizerChoose "Let an optimizer choose the points instead of evaluating a whole grid." "let an optimizer choose the points";
-    HoldRoot "Hold the root of an imported robot." "import the robot as mounted, and name what was written";
-    LeastSquares "Fit logs of joints by least squares." "least squares say which parameters logs of joints tell, and what each log adds: the optimizer gauss-newton";
+    HoldRoot "Fix the root of an imported robot to the world." "import the robot as mounted, and give the file that the import has written";
+    LeastSquares "Fit joint logs by least squares." "the optimizer gauss-newton fits joint logs by least squares, and reports which parameters they determine and what each log adds";
     ListParameters "Look up the names of all parameters." "look up the names in the registry of parameters";
 }
 
-/// Stands between the parts of an error that serde carries; no text of ours has it.
+/// Separates the parts of an error while serde carries them as one message; no text of this project contains this character.
 const PART: char = '\u{1f}';
 
 impl Error {
@@ -155,12 +155,12 @@ impl Error {
         Self::new(ErrorKind::Invalid, message)
     }
 
-    /// A request that clashes with what is already there.
+    /// A request that conflicts with existing files or another process.
     pub fn conflict(message: impl Into<String>) -> Self {
         Self::new(ErrorKind::Conflict, message)
     }
 
-    /// A wrong use of a command.
+    /// An error about a command that was used wrongly.
     pub fn usage(message: impl Into<String>) -> Self {
         Self::new(ErrorKind::Usage, message)
     }
@@ -170,7 +170,7 @@ impl Error {
         Self::new(ErrorKind::Interrupted, message)
     }
 
-    /// The operating system refused `doing` (e.g. "read the recording") on `path`.
+    /// The operating system refused the action `doing` (e.g. "read the recording") on `path`.
     pub fn io(doing: &str, path: impl AsRef<Path>, source: &std::io::Error) -> Self {
         use std::io::ErrorKind as Io;
         let error = Self::new(ErrorKind::Io, format!("cannot {doing}: {source}")).at_file(path);
@@ -195,7 +195,7 @@ impl Error {
         self
     }
 
-    /// Line and column, both counted from 1.
+    /// The line and column of the error, both counted from 1.
     #[must_use]
     pub fn at_line(mut self, line: usize, column: usize) -> Self {
         self.0.line_column = Some((line, column));
@@ -230,7 +230,7 @@ impl Error {
         self
     }
 
-    /// What the user can do next, where the error does not say so yet.
+    /// What the user can do next; an error that has a hint already keeps its own.
     #[must_use]
     pub fn or_hint(self, hint: impl fmt::Display) -> Self {
         if self.0.hint.is_some() {
@@ -240,26 +240,26 @@ impl Error {
         }
     }
 
-    /// One more way out, in the order of preference; each program says how it is taken.
+    /// Adds one more remedy, in order of preference; each program says in its own words how to apply it.
     #[must_use]
     pub fn advise(mut self, advice: Advice) -> Self {
         self.0.advice.push(advice);
         self
     }
 
-    /// The ways out, in the order of preference.
+    /// The remedies, in order of preference.
     pub fn advice(&self) -> &[Advice] {
         &self.0.advice
     }
 
-    /// The same error without its ways out: for who can take none of them.
+    /// The same error without its remedies, for a caller that cannot apply any of them.
     #[must_use]
     pub fn without_advice(mut self) -> Self {
         self.0.advice.clear();
         self
     }
 
-    /// The same error whose ways out are said in a program's own words, e.g. with its options.
+    /// The same error with its remedies in a program's own words, e.g. as its options.
     #[must_use]
     pub fn with_advice_as(mut self, words: impl Fn(&Advice) -> String) -> Self {
         let advice = std::mem::take(&mut self.0.advice);
@@ -269,7 +269,7 @@ impl Error {
         self
     }
 
-    /// The same error of a field of this one, e.g. `mean` for `mean.values`.
+    /// The same error with its field inside a parent field: `values` within `mean` becomes `mean.values`.
     #[must_use]
     pub fn within(mut self, parent: &str) -> Self {
         self.0.field = Some(match self.0.field.take() {
@@ -279,8 +279,8 @@ impl Error {
         self
     }
 
-    /// The same error on its way through serde, which knows messages only: for `Deserialize` of what is looked up by name.
-    /// [`parse_ron`](crate::file::parse_ron) puts the parts together again, and adds where it was.
+    /// Packs the error into a message of serde, which carries messages only: for `Deserialize` of values that are looked up by name.
+    /// [`parse_ron`](crate::file::parse_ron) unpacks the parts again, and adds the location.
     pub fn through_serde<E: serde::de::Error>(self) -> E {
         let Parts {
             message,
@@ -293,7 +293,7 @@ impl Error {
         E::custom(format!("{message}{PART}{}", parts.join(&PART.to_string())))
     }
 
-    /// What [`Error::through_serde`] sent, or anybody's message.
+    /// Unpacks an error that [`Error::through_serde`] packed; any other message becomes an error with this message only.
     pub(crate) fn from_serde(message: &str) -> Self {
         let mut parts = message.split(PART);
         let mut error = Self::invalid(parts.next().unwrap_or_default());
@@ -335,14 +335,14 @@ impl Error {
     }
 }
 
-/// Most characters of each part that are shown; what comes from files may be longer.
+/// The largest number of characters shown of each part; parts that come from files may be longer.
 const PATH_SHOWN: usize = 400;
 const FIELD_SHOWN: usize = 120;
 const FOUND_SHOWN: usize = 400;
 const WORDS_SHOWN: usize = 2000;
 
 impl fmt::Display for Error {
-    /// Every part in one line, without control characters, whatever the file held that it speaks of.
+    /// Every part is one line without control characters, even where the text comes from a file that contains some.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let p = &self.0;
         if let Some(file) = &p.file {

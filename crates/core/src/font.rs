@@ -1,4 +1,4 @@
-//! The embedded font: letters as coverage of pixels, the same on every machine.
+//! The embedded font, which turns text into pixel coverage in the same way on every machine.
 
 use std::sync::OnceLock;
 
@@ -32,7 +32,7 @@ fn face(weight: Weight) -> Option<&'static FontRef<'static>> {
         .as_ref()
 }
 
-/// Fails if the embedded font cannot be read; after this, texts are not silently missing.
+/// Fails if the embedded font cannot be read. Programs call this first, because drawing functions leave texts out without an error.
 pub fn check() -> Result<()> {
     if face(Weight::Regular).is_some() && face(Weight::Bold).is_some() {
         Ok(())
@@ -42,7 +42,7 @@ pub fn check() -> Result<()> {
     }
 }
 
-/// ab_glyph scales to the height from descent to ascent where people say "font size".
+/// The scale for a font size in pixels per em; ab_glyph instead measures the height from descent to ascent.
 fn scale(face: &FontRef<'static>, size: f64) -> PxScale {
     let per_em = face.height_unscaled() / face.units_per_em().unwrap_or(2048.0);
     PxScale::from(size as f32 * per_em)

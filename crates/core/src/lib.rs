@@ -1,4 +1,4 @@
-//! What every crate of realgap needs: errors, warnings, units, random streams, statistics, files.
+//! Shared foundations of every realgap crate: errors, warnings, units, random number streams, statistics and file access.
 
 mod declaration;
 pub mod error;

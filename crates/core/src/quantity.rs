@@ -1,9 +1,9 @@
-//! A named number: what it is measured in, how far it may go, and how a search walks along it.
+//! A named number with its unit, its bounds, and the scale on which a search varies it.
 
 use crate::error::{Error, Result};
 use crate::unit::Unit;
 
-/// A named number with unit, bounds and scale: all that a search needs to know of a parameter.
+/// A named number with unit, bounds and scale: the description of a parameter that a search needs.
 ///
 /// ```
 /// use realgap_core::quantity::{Quantity, Scale};
@@ -25,20 +25,20 @@ pub struct Quantity {
     pub name: &'static str,
     /// Unit of the value.
     pub unit: Unit,
-    /// Smallest and largest allowed value, both allowed.
+    /// Smallest and largest allowed value; both bounds are allowed.
     pub bounds: (f64, f64),
     /// True where only whole numbers make sense.
     pub whole: bool,
-    /// How a search walks along it.
+    /// The scale on which a search varies the value.
     pub scale: Scale,
 }
 
-/// How a search walks along a quantity.
+/// The scale on which a search varies a quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
-    /// Equal steps are equal differences.
+    /// Equal steps of the search are equal differences of the value.
     Linear,
-    /// Equal steps are equal ratios, where the searched range lies above 0.
+    /// Equal steps of the search are equal ratios of the value, if the searched range lies above 0.
     Log,
 }
 
@@ -46,7 +46,7 @@ impl Quantity {
     /// Checks that `value` is allowed.
     ///
     /// # Errors
-    /// A value out of bounds, not finite, or not whole where it must be.
+    /// A value that is out of bounds, not finite, or not whole although only whole numbers are allowed.
     pub fn check(&self, value: f64) -> Result<()> {
         let (low, high) = self.bounds;
         let in_bounds = value >= low && value <= high;
@@ -64,7 +64,7 @@ impl Quantity {
             .allowed(format!("{kind}{low} to {high} {}", self.unit.symbol()).trim_end()))
     }
 
-    /// Name and unit for an axis or table: `floor.friction` or `floor.height_m (m)`.
+    /// Name and unit, as the title of an axis or a table column: `floor.friction` or `floor.height_m (m)`.
     pub fn label(&self) -> String {
         match self.unit {
             Unit::One => self.name.to_owned(),

@@ -1,19 +1,19 @@
-//! Random numbers: one kind of generator (ChaCha8), and a named stream for everything that draws.
+//! Random numbers: one generator (ChaCha8), with a named stream for every use of random numbers.
 //!
-//! All streams stand in the tables of this file, so that two things that must not depend on each
-//! other never draw the same numbers by accident: a test compares every stream with every other.
-//! A stream's number is part of every published result and never changes.
+//! All streams are listed in the tables of this file, so that two quantities that must be
+//! independent never get the same random numbers by accident: a test compares every stream with
+//! every other. A stream's number is part of every published result and never changes.
 //!
-//! Optimizers are the one exception: libraries bring generators of their own, which get the seed of
-//! their brief and nothing else.
+//! Optimizers are the one exception: their libraries have generators of their own, which are seeded
+//! only with the seed of the optimization problem.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-/// The generator behind every stream.
+/// The random number generator behind every stream.
 pub type Generator = ChaCha8Rng;
 
-/// Writes a table of streams and their numbers.
+/// Declares an enum of streams with their numbers.
 macro_rules! streams {
     ($(#[$doc:meta])* $name:ident: $($(#[$about:meta])* $stream:ident = $number:literal;)*) => {
         $(#[$doc])*
@@ -30,8 +30,8 @@ macro_rules! streams {
 }
 
 streams! {
-    /// Streams that are drawn anew for every numbered repeat or step: number k is the same whatever the
-    /// others are, so that any one can be replayed alone.
+    /// Streams with a separate generator for every numbered repeat or step: the numbers of repeat k do not depend
+    /// on the other repeats, so that any repeat can be replayed alone.
     ///
     /// ```
     /// use rand::Rng;
@@ -43,21 +43,21 @@ streams! {
     /// assert_ne!(first(Numbered::Camera, 3), first(Numbered::ModuleMass, 3));
     /// ```
     Numbered:
-    /// Start position, height, tilt and heading of a repeat, and the zeros of its servos.
+    /// Start position, height, tilt and heading of a repeat, and the zero offsets of its servos.
     Start = 1;
-    /// Velocity and spin of a repeat's start.
+    /// Linear and angular velocity at the start of a repeat.
     StartMotion = 13;
     /// Errors of a camera that records a repeat: positions and orientations.
     Camera = 2;
-    /// Errors of the times of that camera.
+    /// Errors of the timestamps of that camera.
     CameraTime = 12;
     /// Gain of each servo.
     ServoGain = 3;
     /// Phase of each servo's command.
     ServoPhase = 4;
-    /// Age of the command that each servo acts on.
+    /// Latency of each servo: the age of the command that it follows.
     ServoLatency = 5;
-    /// How much later than recorded each command arrives.
+    /// Additional delay of each command after its recorded time.
     CommandJitter = 14;
     /// Mass of each module.
     ModuleMass = 6;
@@ -65,31 +65,31 @@ streams! {
     ModuleFriction = 7;
     /// Friction of all modules of a repeat.
     RunFriction = 8;
-    /// Friction of each plate on top of its module's.
+    /// Friction of each plate, in addition to that of its module.
     PlateFriction = 9;
-    /// What a search draws in one of its steps: parents, operators, children.
+    /// Random choices of a search in one of its steps: parents, operators, children.
     SearchStep = 10;
-    /// Values of parameters that are only known to be in a range, for one repeat.
+    /// Values of parameters of which only a range is known, for one repeat.
     UncertainParameter = 101;
     /// Which point of a sweep is simulated again.
     Refinement = 11;
-    /// What a sensor reads.
+    /// Readings of a sensor.
     SensorReading = 30;
-    /// What one session of a sensor adds to all its readings.
+    /// Offset that one session of a sensor adds to all its readings.
     SensorSession = 32;
-    /// What a sensor on a robot in an engine's hands reads.
+    /// Readings of a sensor that is mounted on a simulated robot.
     MountedSensor = 33;
-    /// When a sensor warns of what is not there.
+    /// False alarms of a sensor.
     FalseAlarm = 34;
-    /// Errors of wheels: how far a command goes, how far it turns.
+    /// Errors of wheels: the distance and the angle that a command moves the vehicle.
     Actuator = 31;
-    /// What places add to the strength of a radio signal.
+    /// Shadowing of a radio signal: the part of its strength that depends on the place.
     Shadowing = 40;
-    /// What happens to a message: fading, loss, latency.
+    /// Fading, loss and latency of a radio message.
     Message = 41;
-    /// Photons and electrons of one row of a picture.
+    /// Photon and electron noise of one row of a picture.
     PictureNoise = 50;
-    /// Where the camera of a picture really stands.
+    /// The true position of the camera of a picture.
     CameraPlace = 51;
 }
 
@@ -106,26 +106,26 @@ impl Numbered {
 }
 
 streams! {
-    /// Streams that are drawn once for a whole analysis.
+    /// Streams that have one generator for a whole analysis.
     ///
-    /// Their keys are made from the seed in another way than those of [`Numbered`], so that no number
-    /// of one table can meet a number of the other.
+    /// Their keys are derived from the seed in another way than those of [`Numbered`], so that equal
+    /// stream numbers in both tables still give different random numbers.
     Once:
     /// Resampling of recordings or repeats with replacement ([`crate::statistics::resamples`]).
     Resampling = 0;
-    /// Which recordings are held out.
+    /// Selection of the recordings that are held out.
     Split = 2;
-    /// Where the best point lies when scores vary.
+    /// Variation of the scores, to see where the best point then lies.
     BestPoint = 1;
-    /// Where within its cell of a grid a best point lies.
+    /// Position of a best point within its cell of a grid.
     WithinCell = 3;
-    /// Which of two samples each run is put into ([`crate::statistics::energy_test`]).
+    /// Permutation of runs between two samples ([`crate::statistics::energy_test`]).
     Permutation = 4;
-    /// Which readings of a log a smaller log would hold.
+    /// Random subset of the readings of a log.
     Subset = 30;
-    /// Guesses that know nothing, for others to be better than.
+    /// Random guesses, as a baseline.
     RandomGuess = 31;
-    /// Where a robot that walks at random turns.
+    /// Turns of a robot that walks at random.
     RandomWalk = 32;
 }
 
@@ -143,7 +143,7 @@ mod tests {
     use super::*;
     use rand::Rng;
 
-    /// Names of streams with the same first numbers.
+    /// Pairs of streams with the same first numbers.
     fn sharing(streams: &[(String, [u64; 4])]) -> Vec<(&str, &str)> {
         let mut sharing = Vec::new();
         for (index, (name, numbers)) in streams.iter().enumerate() {
@@ -171,9 +171,9 @@ mod tests {
         }
     }
 
-    /// What earlier releases drew; a published result can be drawn again only while these hold.
+    /// A published result can be reproduced only while every stream gives the same numbers as in earlier releases.
     #[test]
-    fn streams_draw_what_they_always_drew() {
+    fn streams_give_the_same_numbers_as_earlier_releases() {
         let mut key = [0_u8; 32];
         key[..8].copy_from_slice(&5_u64.to_le_bytes());
         key[8..16].copy_from_slice(&9_u64.to_le_bytes());

@@ -1,8 +1,8 @@
-//! What a number of a file or of a caller may be, checked and refused in one way.
+//! Allowed ranges of numbers, with one check and one error message for values from files and from callers.
 
 use crate::error::{Error, Result};
 
-/// Numbers that are allowed; NaN is never one of them.
+/// A range of allowed numbers; NaN is never allowed.
 ///
 /// ```
 /// use realgap_core::range::Range;
@@ -29,7 +29,7 @@ pub struct Range {
 }
 
 impl Range {
-    /// From `low` to `high`, both allowed; the unit is empty for a number without one.
+    /// The numbers from `low` to `high`, both included; `unit` is empty for a number without a unit.
     pub const fn within(low: f64, high: f64, unit: &'static str) -> Self {
         Self {
             low,
@@ -39,7 +39,7 @@ impl Range {
         }
     }
 
-    /// More than `low`, at most `high`.
+    /// The numbers above `low` up to `high`, which is included.
     pub const fn above(low: f64, high: f64, unit: &'static str) -> Self {
         Self {
             low_excluded: true,
@@ -60,7 +60,7 @@ impl Range {
         self.refusal(value).map_or(Ok(()), |e| Err(e.field(at)))
     }
 
-    /// The same as [`Range::check`], for who says elsewhere which field it is.
+    /// The error of [`Range::check`] without a field name, for callers that add the field themselves; `None` for an allowed value.
     pub fn refusal(&self, value: f64) -> Option<Error> {
         let problem = if value.is_finite() {
             "out of range"
@@ -81,7 +81,7 @@ impl Range {
 }
 
 impl std::fmt::Display for Range {
-    /// What is allowed, in words.
+    /// Writes the allowed numbers in words, e.g. `more than 0 kg, at most 100 kg`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let (low, high) = (self.with_unit(self.low), self.with_unit(self.high));
         match (self.low_excluded, self.high == f64::INFINITY) {
@@ -93,7 +93,7 @@ impl std::fmt::Display for Range {
     }
 }
 
-/// As people write it: 1e300 has no use for 300 digits.
+/// The number as a person would write it: very large and very small numbers with an exponent (1e300 instead of 300 digits).
 pub fn number(value: f64) -> String {
     if value == 0.0 || !value.is_finite() || (1e-4..1e7).contains(&value.abs()) {
         format!("{value}")

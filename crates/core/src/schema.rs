@@ -1,8 +1,8 @@
-//! Schemas of what is written as one word or sentence, where the type itself is more.
+//! JSON Schemas of types that are serialised as one string although the Rust type is not a string.
 
-/// Conclusion for each type that it is written as a text, and the words that are allowed where there are only so many.
+/// Implements `JsonSchema` for each type as a string, with the list of allowed words where only some words are allowed.
 #[macro_export]
-macro_rules! as_text {
+macro_rules! string_schema {
     ($($type:ty, $name:literal, $doc:literal $(, $words:expr)?;)*) => {
         $(impl schemars::JsonSchema for $type {
             fn schema_name() -> std::borrow::Cow<'static, str> {
@@ -27,7 +27,7 @@ macro_rules! as_text {
 use crate::unit::{AngleUnit, LengthUnit, TimeUnit, Unit};
 use crate::warning::Code;
 
-as_text! {
+string_schema! {
     Unit, "Unit", "A unit, e.g. `m`; `1` for a plain number.";
     Code, "Code", "What a warning is about; docs/cli.md lists all of them.", Code::ALL.iter().map(|code| code.name());
     LengthUnit, "LengthUnit", "A unit of length.", LengthUnit::ALL.iter().map(|unit| unit.symbol());

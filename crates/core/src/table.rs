@@ -1,21 +1,21 @@
-//! Tables as plain text.
+//! Tables as plain text, as reports print them.
 //!
-//! A [`TextTable`] is what reports print; its columns line up whatever they hold.
+//! The columns of a [`TextTable`] are aligned whatever the cells hold.
 
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 
 use crate::text::shown;
 
-/// Most characters of a cell.
+/// The largest number of characters of a cell.
 const LONGEST: usize = 200;
-/// Most characters of a line, as far as its words allow: a terminal has no fewer.
+/// The largest number of characters of a line, as far as its words allow; a usual terminal has at least as many columns.
 const WIDEST: usize = 80;
 /// Blanks between columns.
 const BETWEEN: usize = 2;
 /// Text at the end of a row is folded to no fewer characters than this.
 const NARROWEST_TEXT: usize = 24;
 
-/// On which side of its column a cell stands.
+/// The side of its column to which a cell is aligned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Side {
     /// Names and text.
@@ -25,11 +25,12 @@ pub enum Side {
     Right,
 }
 
-/// A column of a table of rows: its name, its side, and what its cell of a row says.
+/// A column of a table of rows: its name, its side, and the function that gives the text of its cell from a row.
 pub type Column<'a, T> = (&'a str, Side, &'a dyn Fn(&T) -> String);
 
-/// A table as plain text: a header line, a row for each entry, columns two blanks apart. One that is wider than 80 columns folds its
-/// header, then the text at the end of its rows; what is still too wide goes on below, beside the first column again.
+/// A table as plain text: a header line, a row for each entry, two blanks between columns. A table wider than 80 characters first wraps
+/// its header, then the text at the end of its rows; if it is still too wide, the remaining columns follow in a second table below, which
+/// repeats the first column.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TextTable {
     columns: Vec<(String, Side)>,
@@ -48,7 +49,7 @@ impl TextTable {
         }
     }
 
-    /// A table of some rows: each column says its name, its side and what stands in its cells.
+    /// A table of some rows; each column gives its name, its side and the text of its cells.
     ///
     /// ```
     /// use realgap_core::table::{Side::{Left, Right}, TextTable};
@@ -67,13 +68,13 @@ impl TextTable {
         table
     }
 
-    /// Adds a row; missing cells stay empty. Of a long cell the start is shown, control characters as escapes.
+    /// Adds a row; missing cells stay empty. A long cell is cut to its start; control characters are shown as escapes.
     pub fn push<S: Into<String>>(&mut self, cells: impl IntoIterator<Item = S>) {
         let cells = cells.into_iter().map(|cell| shown(&cell.into(), LONGEST));
         self.rows.push(cells.collect());
     }
 
-    /// The text, each line ended by a line feed; `bold_header` for terminals that understand it.
+    /// The text of the table, each line ended by a line feed; `bold_header` prints the header bold, for terminals that support it.
     ///
     /// ```
     /// use realgap_core::table::{Side, TextTable};
@@ -93,7 +94,7 @@ impl TextTable {
         parts.join("\n")
     }
 
-    /// Characters of each column.
+    /// The width of each column, in characters.
     fn widths(&self) -> Vec<usize> {
         let names = self.columns.iter().map(|(name, _)| width(name));
         let widths = names.enumerate().map(|(index, name)| {
@@ -103,7 +104,7 @@ impl TextTable {
         widths.collect()
     }
 
-    /// This table, or as many as it takes for each to fit.
+    /// This table, or its columns divided over as many tables as are needed for each to fit into a line.
     fn parts(&self) -> Vec<Self> {
         if across(&self.widths()) <= WIDEST {
             return vec![self.clone()];
@@ -131,7 +132,7 @@ impl TextTable {
         parts.flat_map(|part| part.parts()).collect()
     }
 
-    /// Some of the columns.
+    /// The table with only the columns of these indices.
     fn with_columns(&self, columns: &[usize]) -> Self {
         let cells = |row: &Vec<String>| {
             let cell = |&index: &usize| row.get(index).cloned().unwrap_or_default();
@@ -143,7 +144,7 @@ impl TextTable {
         }
     }
 
-    /// Breaks the names of columns that are wider than what stands below them, the names of most lines no more than they must.
+    /// Wraps the names of columns that are wider than their cells; the remaining width goes to the names with the most lines.
     fn fold_header(&mut self) {
         let body = Self {
             columns: vec![Default::default(); self.columns.len()],
@@ -167,7 +168,7 @@ impl TextTable {
         self.rows = body.rows;
     }
 
-    /// Breaks the text at the end of the rows, where the other columns leave enough for it.
+    /// Wraps the text in the last column, if the other columns leave at least [`NARROWEST_TEXT`] characters for it.
     fn fold_text(&mut self) {
         let widths = self.widths();
         let last = widths.len() - 1;
@@ -179,11 +180,11 @@ impl TextTable {
         }
     }
 
-    /// The text as wide as it is.
+    /// The text of the table in its full width.
     fn text(&self, bold_header: bool) -> String {
         let mut table = Table::new();
         table.load_style(presets::NOTHING);
-        // Never by the terminal: output that is piped must not depend on its width.
+        // The width of the terminal is not used: output that is piped must not depend on it.
         table.set_content_arrangement(ContentArrangement::Disabled);
         table.set_header(self.columns.iter().map(|(name, _)| name));
         for row in &self.rows {
@@ -214,18 +215,18 @@ impl TextTable {
     }
 }
 
-/// Characters of the longest line.
+/// The number of characters of the longest line of a cell.
 fn width(cell: &str) -> usize {
     let lines = cell.lines().map(|line| line.chars().count());
     lines.max().unwrap_or(0)
 }
 
-/// Characters of a line of columns that are so wide.
+/// The number of characters of a line of columns with these widths.
 fn across(widths: &[usize]) -> usize {
     widths.iter().sum::<usize>() + BETWEEN * widths.len().saturating_sub(1)
 }
 
-/// The text in lines of at most so many characters, broken at blanks only.
+/// The text wrapped into lines of at most `most` characters, broken at blanks only.
 fn folded(text: &str, most: usize) -> String {
     let mut lines = vec![String::new()];
     for word in text.split(' ') {
@@ -243,7 +244,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_stand_right_and_lines_have_no_trailing_blanks() {
+    fn numbers_are_aligned_right_and_lines_have_no_trailing_blanks() {
         let mut table = TextTable::new([
             ("name", Side::Left),
             ("value", Side::Right),
@@ -282,7 +283,7 @@ mod tests {
              \u{20}                       this is new nothing of this is new\n"
         );
         assert_eq!(table.render(true).matches("\u{1b}[1m").count(), 3);
-        // Figures are never broken: what has no place goes on below.
+        // Numbers are never wrapped: columns that do not fit follow in a table below.
         let mut table = TextTable::new((0..30).map(|run| (format!("run_{run:02}"), Side::Right)));
         table.push((0..30).map(|run| format!("{run}.25 cm")));
         let text = table.render(false);

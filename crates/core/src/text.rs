@@ -1,18 +1,19 @@
-//! Texts of others, made safe to show: on a terminal, in one line of an error, in a cell of a table.
+//! Makes texts from untrusted files safe to show: on a terminal, in one line of an error, in a cell of a table.
 //!
-//! Names, keys, paths and column values come from files that anybody may have made. Nothing of them may move the cursor,
-//! change a terminal's title, turn the reading direction or pretend to be another line of a message.
+//! Names, keys, paths and column values come from files of unknown origin. Such a text must not move the cursor,
+//! change a terminal's title, reverse the reading direction or look like another line of a message.
 
 use std::borrow::Cow;
 
-/// Whether a character only shows itself: no control character, nothing invisible, nothing that turns the reading direction.
+/// True for a character that only prints its own glyph: no control character, no invisible character, none that changes the reading
+/// direction.
 pub fn is_plain(c: char) -> bool {
     !c.is_control()
         && !matches!(c, '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}'
             | '\u{2060}'..='\u{206f}' | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}')
 }
 
-/// The text with everything that is not plain written as an escape, e.g. `\u{1b}`.
+/// The text with every character that is not plain ([`is_plain`]) written as an escape, e.g. `\u{1b}`.
 ///
 /// ```
 /// use realgap_core::text::escaped;
@@ -24,7 +25,7 @@ pub fn escaped(text: &str) -> Cow<'_, str> {
     escaped_but(text, |_| false)
 }
 
-/// As [`escaped`], of a text of several lines.
+/// As [`escaped`] for a text of several lines: line feeds and tabs stay.
 pub fn escaped_lines(text: &str) -> Cow<'_, str> {
     escaped_but(text, |c| matches!(c, '\n' | '\t'))
 }
@@ -44,8 +45,8 @@ fn escaped_but(text: &str, stays: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(safe)
 }
 
-/// JSON with every character that is not plain as an escape of JSON: the value is the same, since such characters stand inside of
-/// strings only.
+/// JSON text in which every character that is not plain ([`is_plain`]) is written as a JSON escape: the value is the same, because such
+/// characters occur inside strings only.
 ///
 /// ```
 /// use realgap_core::text::escaped_json;
@@ -70,7 +71,7 @@ pub fn escaped_json(json: String) -> String {
     safe
 }
 
-/// As [`escaped`], with at most so many characters of the text: of a longer one its start, and that it goes on.
+/// As [`escaped`], with at most `longest` characters of the text; a longer text is cut to its start, followed by ` ...`.
 ///
 /// ```
 /// use realgap_core::text::shown;
@@ -85,7 +86,7 @@ pub fn shown(text: &str, longest: usize) -> String {
     }
 }
 
-/// As [`shown`], of a longer text its end: of a path, that says more.
+/// As [`shown`], but a longer text is cut to its end, because the end of a path is the most informative part.
 pub fn shown_end(text: &str, longest: usize) -> String {
     let count = text.chars().count();
     match text.char_indices().nth(count.saturating_sub(longest)) {
@@ -94,7 +95,8 @@ pub fn shown_end(text: &str, longest: usize) -> String {
     }
 }
 
-/// A text as a spreadsheet reads it as text: one that it would compute (`=1+1`, `@SUM(A1)`) begins with a `'`. Numbers stay.
+/// A CSV cell that a spreadsheet reads as text: a `'` is put before a text that it would run as a formula (`=1+1`, `@SUM(A1)`). Numbers
+/// stay unchanged.
 ///
 /// ```
 /// use realgap_core::text::cell;
@@ -117,7 +119,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nothing_that_steers_a_terminal_gets_through() {
+    fn characters_that_control_a_terminal_are_escaped() {
         for (steers, seen) in [
             ("\u{1b}]0;title\u{7}", "\\u{1b}]0;title\\u{7}"),
             ("\u{9b}31m", "\\u{9b}31m"),
@@ -133,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn long_texts_show_their_start_and_long_paths_their_end() {
+    fn long_texts_are_cut_to_their_start_and_long_paths_to_their_end() {
         let long = "ä".repeat(500);
         assert_eq!(shown(&long, 20).chars().count(), 24);
         assert_eq!(shown_end("/a/b/c.ron", 5), "... c.ron");
@@ -142,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_spreadsheet_would_run_is_text_and_numbers_stay_numbers() {
+    fn formulas_of_a_spreadsheet_become_text_and_numbers_stay_numbers() {
         for text in ["=1", "+A1", "-A1", "@SUM(A1)", "\t=1", "--1", "-"] {
             assert_eq!(cell(text), format!("'{text}"));
         }

@@ -1,8 +1,9 @@
-//! Units, and the few constants that every room shares.
+//! Physical units, their symbols, and the constant of gravity.
 //!
-//! Inside the crate everything is SI: metres, seconds, kilograms, radians. Conversions happen at
-//! the edges, through the types of this module. World frame: z up. Quaternions: real part first
-//! in files (`qw, qx, qy, qz`), world from body.
+//! Inside the library, all values are in SI units: metres, seconds, kilograms, radians. Values are
+//! converted where they are read and written, through the types of this module. The z axis of the
+//! world frame points up. Quaternions have the real part first in files (`qw, qx, qy, qz`) and rotate from the
+//! body frame into the world frame.
 
 mod file_unit;
 mod number;
@@ -12,10 +13,10 @@ use std::fmt;
 pub use file_unit::{AngleUnit, LengthUnit, TimeUnit};
 pub use number::{DisplayUnit, decimals, number, quantity};
 
-/// Standard magnitude of gravity used by default, in m/s², along −z of the world.
+/// The default acceleration of gravity, in m/s², along −z of the world.
 pub const GRAVITY_M_S2: f64 = 9.81;
 
-/// Writes the units with their symbols.
+/// Declares the enum of units with their symbols.
 macro_rules! symbols {
     ($($unit:ident $symbol:literal $doc:literal;)*) => {
         /// Unit of a score, parameter or column. Values are stored in the unit named here.
@@ -43,10 +44,10 @@ symbols! {
     Hertz "Hz" "Hertz.";
     Kilogram "kg" "Kilogram.";
     Radian "rad" "Radian.";
-    Degree "deg" "Degree; only for scores and for people.";
+    Degree "deg" "Degree; only for scores and displayed values.";
     MetrePerSecond "m/s" "Metre per second.";
     Joule "J" "Joule.";
-    MetrePerJoule "m/J" "Metre per joule: speed per power.";
+    MetrePerJoule "m/J" "Metre per joule: distance per energy, which is speed per power.";
     RadianPerSecond "rad/s" "Radian per second.";
     NewtonMetre "N m" "Newton metre.";
     NewtonMetreSecondPerRadian "N m s/rad" "Newton metre second per radian: a torque per speed.";
@@ -72,7 +73,7 @@ impl Unit {
     }
 }
 
-/// As its label, e.g. `m`: what stands in a report is what people read.
+/// A unit is serialised as its label, e.g. `m`, which is the text that people read in a report.
 impl serde::Serialize for Unit {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(self.label())
@@ -85,7 +86,7 @@ impl fmt::Display for Unit {
     }
 }
 
-/// A number of things in words: `1 recording`, `3 recordings`.
+/// A number with its noun in singular or plural: `1 recording`, `3 recordings`.
 ///
 /// ```
 /// use realgap_core::unit::counted;

@@ -1,4 +1,4 @@
-//! What everything rests on.
+//! Integration tests of the crate `realgap-core`.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 #[path = "../../../tests/common/shared.rs"]

@@ -1,4 +1,4 @@
-//! Numbers about samples agree with scipy, numpy and statsmodels (tools/golden_statistics.py).
+//! Statistics agree with scipy, numpy and statsmodels (the golden values come from tools/golden_statistics.py).
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -69,22 +69,22 @@ fn check(what: &str, test: impl Fn(&[f64], &[f64]) -> realgap_core::Result<Sampl
 }
 
 #[test]
-fn mann_whitney_is_that_of_scipy_with_and_without_ties() {
+fn mann_whitney_agrees_with_scipy_with_and_without_ties() {
     check("mann-whitney", mann_whitney);
 }
 
 #[test]
-fn kolmogorov_smirnov_is_that_of_scipy_with_and_without_ties() {
+fn kolmogorov_smirnov_agrees_with_scipy_with_and_without_ties() {
     check("kolmogorov-smirnov", kolmogorov_smirnov);
 }
 
 #[test]
-fn spearman_is_that_of_scipy_with_and_without_ties() {
+fn spearman_agrees_with_scipy_with_and_without_ties() {
     check("spearman", spearman);
 }
 
 #[test]
-fn wilson_intervals_are_those_of_scipy_and_statsmodels() {
+fn wilson_intervals_agree_with_scipy_and_statsmodels() {
     for line in golden("wilson") {
         let found = Proportion::new(line.x[0] as usize, line.x[1] as usize, line.x[2]);
         assert!(
@@ -99,7 +99,7 @@ fn wilson_intervals_are_those_of_scipy_and_statsmodels() {
 }
 
 #[test]
-fn quantiles_and_medians_are_those_of_numpy() {
+fn quantiles_and_medians_agree_with_numpy() {
     for line in golden("quantile") {
         assert!(close(quantile(&line.x, line.y[0]), line.first));
         assert!(close(median(&line.x), line.second));
@@ -108,7 +108,7 @@ fn quantiles_and_medians_are_those_of_numpy() {
 }
 
 #[test]
-fn samples_that_say_nothing_are_refused() {
+fn samples_without_usable_values_are_refused() {
     let errors = [
         mann_whitney(&[], &[1.0]).unwrap_err(),
         mann_whitney(&[1.0], &[f64::NAN]).unwrap_err(),
@@ -121,9 +121,9 @@ fn samples_that_say_nothing_are_refused() {
     .map(|e| e.to_string());
     for (error, word) in errors.iter().zip([
         "too small",
-        "no number",
+        "no finite number",
         "too small",
-        "no number",
+        "no finite number",
         "too small",
         "pairs",
         "equal values",
@@ -133,7 +133,7 @@ fn samples_that_say_nothing_are_refused() {
 }
 
 #[test]
-fn normality_is_tested_as_statsmodels_does() {
+fn the_test_of_normality_agrees_with_statsmodels() {
     for line in golden("anderson-darling") {
         let found = anderson_darling(&line.x).unwrap();
         assert!(
@@ -150,7 +150,7 @@ fn normality_is_tested_as_statsmodels_does() {
 }
 
 #[test]
-fn the_signed_rank_test_is_that_of_scipy_with_and_without_ties() {
+fn the_signed_rank_test_agrees_with_scipy_with_and_without_ties() {
     let text = common::read(&common::golden(), "wilcoxon.csv");
     for line in text.lines().skip(1) {
         let cells: Vec<&str> = line.split(',').collect();

@@ -1,4 +1,4 @@
-//! Bags of ROS 2: databases of others with messages of many topics.
+//! Reads bags of ROS 2: SQLite databases with messages of many topics.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -11,39 +11,39 @@ use super::log::damage_of;
 use realgap_core::error::{Error, Result};
 use realgap_core::file::read_limited;
 
-/// First bytes of a database.
+/// The first bytes of an SQLite database.
 const SIGNATURE: &[u8] = b"SQLite format 3\0";
-/// Where a database says whether later changes lie in a file beside it.
+/// Byte range of the header fields that say whether later changes are in a write-ahead log.
 const VERSIONS: std::ops::Range<usize> = 18..20;
 
 fn refused(error: &rusqlite::Error) -> Error {
     Error::invalid("the bag cannot be read as a database")
         .found(error)
-        .hint("a bag that was cut off is mended by `ros2 bag reindex`; one that is packed is unpacked by `zstd -d`")
+        .hint("repair a truncated bag with `ros2 bag reindex`; decompress a compressed bag with `zstd -d`")
 }
 
 /// One message of a bag.
 #[derive(Debug, Clone, Copy)]
 pub struct BagMessage<'a> {
     pub topic: &'a str,
-    /// Name of its type.
+    /// Name of the message's type.
     pub kind: &'a str,
-    /// How it is coded, e.g. `cdr`.
+    /// Encoding of the message, e.g. `cdr`.
     pub encoding: &'a str,
-    /// When it was recorded, nanoseconds.
+    /// The time at which the message was recorded, nanoseconds.
     pub log_time_ns: i64,
     pub data: &'a [u8],
 }
 
-/// What a recorder that was killed, or is still at work, leaves beside its bag: changes that are not in it yet, and what was there
-/// before changes that nobody finished.
+/// Suffixes of the files that a killed or still active recorder has beside its bag: the write-ahead log with changes that are not in the bag
+/// yet, and the rollback journal with the old content of unfinished changes.
 const UNCLOSED: [&str; 2] = ["-wal", "-journal"];
 
-/// The bytes of the bag at `path` as if its writer had closed it, at most `limit` + 1 of the file's own: SQLite itself takes
-/// over what was committed and takes back what was not, in a copy. Nothing beside the bag is changed.
+/// The bytes of the bag at `path` as if its recorder had closed it; at most `limit` + 1 bytes of the file are read. In a temporary copy,
+/// SQLite applies the committed changes and rolls back the others. The files of the bag itself are not changed.
 ///
 /// # Errors
-/// A file that cannot be read; a bag that somebody writes into; a damaged log; no room for the copy.
+/// A file that cannot be read; a bag that another process is writing; a damaged log; no disk space for the copy.
 pub fn read_closed_bag(path: &Path, limit: u64) -> Result<Vec<u8>> {
     let unclosed = || -> Vec<PathBuf> {
         let beside = UNCLOSED.map(|suffix| with_suffix(path, suffix));
@@ -65,24 +65,26 @@ pub fn read_closed_bag(path: &Path, limit: u64) -> Result<Vec<u8>> {
         return Err(Error::invalid("the log of the bag is damaged")
             .at_file(with_suffix(path, "-wal"))
             .found(found)
-            .allowed("what its recorder wrote, to the bit")
-            .hint("its last messages are in this file: copy it from the robot once more"));
+            .allowed("exactly the bytes that its recorder wrote")
+            .hint(
+                "the last messages of the bag are in this file: copy it from the robot once more",
+            ));
     }
     static COUNTER: AtomicU64 = AtomicU64::new(0);
     let number = COUNTER.fetch_add(1, Ordering::Relaxed);
     let folder = std::env::temp_dir().join(format!("realgap-bag-{}-{number}", std::process::id()));
     let closed = close_copy(path, &bytes, &unclosed(), &folder);
-    // Best effort: what is left there matters to nobody.
+    // An error is ignored, because a temporary folder that remains does no harm.
     let _left = std::fs::remove_dir_all(&folder);
     if state() != before {
-        return Err(Error::conflict("somebody is writing into this bag")
+        return Err(Error::conflict("another process is writing into this bag")
             .at_file(path)
-            .hint("read it once its recorder has ended"));
+            .hint("read the bag after its recorder has ended"));
     }
     closed
 }
 
-/// Copies a bag and what is beside it into `folder`, closes it there, and hands out its bytes.
+/// Copies a bag and its log or journal into `folder`, closes the copy there, and returns its bytes.
 fn close_copy(path: &Path, bytes: &[u8], beside: &[PathBuf], folder: &Path) -> Result<Vec<u8>> {
     let copy = folder.join("bag.db3");
     let fail = |e: std::io::Error| Error::io("copy the bag to close it", folder, &e);
@@ -96,7 +98,7 @@ fn close_copy(path: &Path, bytes: &[u8], beside: &[PathBuf], folder: &Path) -> R
     let bag = Connection::open(&copy).map_err(sql)?;
     bag.pragma_update(None, "trusted_schema", false)
         .map_err(sql)?;
-    // Reading anything rolls back; leaving the log merges it.
+    // Any read rolls unfinished changes back; the change of the journal mode merges the log.
     let mode = |row: &rusqlite::Row<'_>| row.get::<_, String>(0);
     bag.query_row("PRAGMA journal_mode = DELETE", [], mode)
         .map_err(sql)?;
@@ -105,11 +107,11 @@ fn close_copy(path: &Path, bytes: &[u8], beside: &[PathBuf], folder: &Path) -> R
         .map_err(sql)?;
     if whole != "ok" {
         return Err(
-            Error::invalid("the bag and what is beside it do not belong together")
+            Error::invalid("the bag and its log or journal do not belong together")
                 .at_file(path)
                 .found(whole)
                 .hint(
-                    "copy NAME.db3, NAME.db3-wal and NAME.db3-journal from the robot at one time",
+                    "copy NAME.db3, NAME.db3-wal and NAME.db3-journal from the robot at the same time",
                 ),
         );
     }
@@ -117,7 +119,7 @@ fn close_copy(path: &Path, bytes: &[u8], beside: &[PathBuf], folder: &Path) -> R
     std::fs::read(&copy).map_err(fail)
 }
 
-/// Checks that a database has as many bytes as it says: SQLite reads the rest of a last page that was cut as zeros.
+/// Checks that a database has as many bytes as its header says, because SQLite reads the missing rest of a truncated last page as zeros.
 /// Format: <https://www.sqlite.org/fileformat2.html#the_database_header>.
 fn must_be_whole(bytes: &[u8]) -> Result<()> {
     let word = |at: usize| {
@@ -129,36 +131,36 @@ fn must_be_whole(bytes: &[u8]) -> Result<()> {
         Some([high, low]) => 256 * usize::from(*high) + usize::from(*low),
         _ => 0,
     };
-    // The number of pages counts where it was written by the last change.
+    // The number of pages in the header is valid only if the last change has written it.
     let pages = if word(24) == word(92) {
         word(28) as usize
     } else {
         0
     };
     if page < 512 || !bytes.len().is_multiple_of(page) || bytes.len() < pages * page {
-        return Err(Error::invalid("the bag was cut off")
+        return Err(Error::invalid("the bag is truncated")
             .found(format!("{} bytes", bytes.len()))
             .allowed(format!("{} pages of {page} bytes", pages.max(1)))
-            .hint("copy it from the robot once more; `ros2 bag reindex` mends what is there"));
+            .hint("copy it from the robot once more; `ros2 bag reindex` repairs the part that is there"));
     }
     Ok(())
 }
 
-/// Calls `each` with every message of the bag that these bytes are, by time.
+/// Calls `each` with every message of the bag with these bytes, sorted by time.
 ///
 /// # Errors
-/// Bytes that are no such database, or a damaged one; what `each` refuses.
+/// Bytes that are not a bag, or a damaged one; errors of `each`.
 pub fn read_bag(
     mut bytes: Vec<u8>,
     each: &mut dyn FnMut(&BagMessage<'_>) -> Result<()>,
 ) -> Result<()> {
     if !bytes.starts_with(SIGNATURE) {
-        return Err(Error::invalid("this is no bag of ROS 2")
+        return Err(Error::invalid("this file is no bag of ROS 2")
             .found("other first bytes")
             .allowed("a SQLite database"));
     }
     must_be_whole(&bytes)?;
-    // In memory there is no file beside it.
+    // The header is set to "no write-ahead log", because a database in memory has no file beside it.
     if let Some(versions) = bytes.get_mut(VERSIONS) {
         versions.fill(1);
     }
@@ -167,7 +169,7 @@ pub fn read_bag(
     bag.deserialize_read_exact(MAIN_DB, bytes.as_slice(), bytes.len(), true)
         .map_err(sql)?;
     drop(bytes);
-    // A view could compute for ever.
+    // Only tables are accepted: a view of an untrusted file could compute endlessly.
     let tables = "SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name IN ('topics', 'messages')";
     let count: i64 = bag.query_row(tables, [], |row| row.get(0)).map_err(sql)?;
     if count != 2 {
@@ -185,7 +187,7 @@ pub fn read_bag(
         let parts = (text(0), text(1), text(2), row.get::<_, i64>(3).ok(), data);
         let (Some(topic), Some(kind), Some(encoding), Some(log_ns), Some(data)) = parts else {
             return Err(Error::invalid("the bag is damaged")
-                .found("a message without name, type, coding, time or content"));
+                .found("a message without topic, type, encoding, time or content"));
         };
         each(&BagMessage {
             topic: &topic,

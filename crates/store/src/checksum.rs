@@ -1,12 +1,12 @@
-//! Checksums of rows: SQLite does not notice when the bytes of a value change.
+//! Computes checksums of rows, because SQLite does not notice when the bytes of a stored value change.
 
 use sha2::{Digest, Sha256};
 
-/// The checksum of a row under construction: the first 64 bits of SHA-256 over its fields, each with its length.
+/// A checksum that is built field by field: the first 64 bits of SHA-256 over the fields of a row, each preceded by its length.
 pub(super) struct Checksum(Sha256);
 
 impl Checksum {
-    /// Of a row of this table.
+    /// Starts the checksum of a row of this table.
     pub fn of(table: &str) -> Self {
         Self(Sha256::new()).text(table)
     }
@@ -44,7 +44,7 @@ impl Checksum {
     }
 }
 
-/// How many rows a store holds, and their checksums together: a row that is gone or twice there is noticed, too.
+/// The number of rows of a store and the exclusive or of their checksums, so that a missing or a duplicate row is noticed too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Tally {
     pub rows: i64,
@@ -63,7 +63,7 @@ impl Tally {
     }
 }
 
-/// Little-endian bytes: every bit of every number is kept.
+/// Converts numbers to little-endian bytes, which keep every bit of every number.
 pub(super) fn to_bytes(values: &[f64]) -> Vec<u8> {
     values
         .iter()

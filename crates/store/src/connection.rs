@@ -1,4 +1,4 @@
-//! Opening the SQLite file, and what its refusals mean.
+//! Opens the SQLite file of a store, and translates SQLite's errors.
 
 use std::fs::OpenOptions;
 use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
@@ -8,8 +8,8 @@ use rusqlite::{Connection, ErrorCode, OpenFlags, OptionalExtension as _};
 
 use realgap_core::error::{Advice, Error, Result};
 
-/// Opens for writing. WAL with `synchronous = NORMAL`: a killed process loses at most the
-/// transaction under way, a power cut at most the last few; neither corrupts the file.
+/// Opens the file for writing, with a write-ahead log and `synchronous = NORMAL`: a killed process loses at most the
+/// present transaction, a power cut at most the last few transactions; neither corrupts the file.
 pub(super) fn connect(path: &Path) -> Result<Connection> {
     let fail = |e: rusqlite::Error| sql(path, "open the results", &e);
     let connection = Connection::open(path).map_err(fail)?;
@@ -25,27 +25,27 @@ pub(super) fn connect(path: &Path) -> Result<Connection> {
     Ok(connection)
 }
 
-/// Merges the write-ahead log into the file and leaves the file alone in its folder, so that it can be read from media that
-/// cannot be written; whether that was possible: with a reader at work the log stays, and is merged later.
-pub(super) fn settle(connection: &Connection) -> bool {
+/// Merges the write-ahead log into the main file and removes the log, so that the file can be read from read-only media. Returns false
+/// if another process is reading: then the log stays and is merged later.
+pub(super) fn merge_log(connection: &Connection) -> bool {
     let mode = connection.query_row("PRAGMA journal_mode = DELETE", [], |row| {
         row.get::<_, String>(0)
     });
     mode.is_ok_and(|mode| mode == "delete")
 }
 
-/// Where SQLite counts the changes of a file, and where it says which count its other fields are of.
+/// Byte offsets of SQLite's change counter, and of the counter value for which its version field is valid.
 /// Format: <https://www.sqlite.org/fileformat2.html#the_database_header>.
 const COUNTERS: [u64; 2] = [24, 92];
 const MAGIC: &[u8; 16] = b"SQLite format 3\0";
 
-/// Gives a settled file, which nobody has open, a count of changes that follows from what is in it: how often it was opened on
-/// the way is no result. Best effort.
-pub(super) fn stamp(path: &Path, number: u32) {
-    let _refused = try_stamp(path, number);
+/// Sets the change counter of a closed file to a number that follows from its content, so that equal results are equal bytes however
+/// often the file was opened. Errors are ignored.
+pub(super) fn set_change_counter(path: &Path, number: u32) {
+    let _refused = try_set_change_counter(path, number);
 }
 
-fn try_stamp(path: &Path, number: u32) -> std::io::Result<()> {
+fn try_set_change_counter(path: &Path, number: u32) -> std::io::Result<()> {
     if with_suffix(path, "-wal").exists() || with_suffix(path, "-journal").exists() {
         return Ok(());
     }
@@ -53,7 +53,7 @@ fn try_stamp(path: &Path, number: u32) -> std::io::Result<()> {
     let mut magic = [0; 16];
     file.read_exact(&mut magic)?;
     if magic == *MAGIC {
-        // Between the two SQLite takes the length of the file for what the header would say: the same.
+        // Between the two writes SQLite uses the length of the file instead of the length in the header; both are equal.
         for at in COUNTERS {
             file.seek(SeekFrom::Start(at))?;
             file.write_all(&number.to_be_bytes())?;
@@ -63,11 +63,11 @@ fn try_stamp(path: &Path, number: u32) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Opens for reading: also beside a writer, and from media that cannot be written.
+/// Opens the file for reading, also while another process writes, and from read-only media.
 pub(super) fn connect_to_read(path: &Path) -> Result<Connection> {
     let open = |path: &Path, flags| -> rusqlite::Result<Connection> {
         let connection = Connection::open_with_flags(path, flags)?;
-        // A foreign file must not run anything of its own.
+        // An untrusted file must not run SQL functions from its schema.
         connection.pragma_update(None, "trusted_schema", false)?;
         connection.pragma_query_value(None, "schema_version", |row| row.get::<_, i64>(0))?;
         Ok(connection)
@@ -87,12 +87,12 @@ pub(super) fn connect_to_read(path: &Path) -> Result<Connection> {
     let log = with_suffix(path, "-wal");
     if std::fs::metadata(&log).is_ok_and(|log| log.len() > 0) {
         return Err(Error::conflict(
-            "the run was interrupted, and its last results cannot be read where nothing can be written",
+            "the run was interrupted, and its last results cannot be read in a read-only folder",
         )
         .at_file(&log)
-        .hint("copy the whole folder to where it can be written, and read it there"));
+        .hint("copy the whole folder to a writable place, and read it there"));
     }
-    // Nobody writes there, so nothing needs to be locked.
+    // No process can write to read-only media, so no lock is needed.
     let Some(immutable) = immutable_uri(path) else {
         return Err(sql(path, "open the results", &refused));
     };
@@ -100,7 +100,7 @@ pub(super) fn connect_to_read(path: &Path) -> Result<Connection> {
         .map_err(|e| sql(path, "open the results", &e))
 }
 
-/// `file:/path?immutable=1`, with every byte of the path that means something in a URI escaped.
+/// The URI `file:/path?immutable=1`, with every special byte of the path escaped.
 fn immutable_uri(path: &Path) -> Option<PathBuf> {
     let whole = std::path::absolute(path).ok()?;
     let mut uri = "file:".to_owned();
@@ -115,23 +115,23 @@ fn immutable_uri(path: &Path) -> Option<PathBuf> {
     Some(PathBuf::from(uri + "?immutable=1"))
 }
 
-/// The files that SQLite puts beside its own.
+/// The path of a file beside the store, with a suffix after the store's file name.
 pub(super) fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(suffix);
     PathBuf::from(name)
 }
 
-/// What to do about results that are not what was written.
+/// The hint about results that were changed after they were written.
 pub(super) const DAMAGED_HINT: &str =
-    "nothing in this file can be trusted any more: take it from a backup";
+    "no value in this file can be trusted any more: restore it from a backup";
 
-/// An error of SQLite while `doing` something with the results at `path`.
+/// Translates an error of SQLite that occurred while `doing` something with the results at `path`.
 pub(super) fn sql(path: &Path, doing: &str, error: &rusqlite::Error) -> Error {
     let plain = Error::conflict(format!("cannot {doing}: {error}")).at_file(path);
     match error.sqlite_error_code() {
         Some(ErrorCode::DiskFull) => plain
-            .hint("free some disk space; what was stored so far is safe")
+            .hint("free some disk space; the results stored so far are safe")
             .advise(Advice::Resume),
         Some(ErrorCode::ReadOnly | ErrorCode::CannotOpen | ErrorCode::PermissionDenied) => plain
             .hint("check the permissions of the folder")
@@ -139,7 +139,7 @@ pub(super) fn sql(path: &Path, doing: &str, error: &rusqlite::Error) -> Error {
         Some(ErrorCode::SystemIoFailure) => plain
             .hint("the disk may be full or failing; free some space")
             .advise(Advice::Resume),
-        // Or a value of another type than the column's: SQLite itself would never have stored it.
+        // The error without a code is a value of another type than its column, which SQLite itself would not have stored.
         Some(ErrorCode::NotADatabase | ErrorCode::DatabaseCorrupt) | None => {
             plain.hint(DAMAGED_HINT).advise(Advice::OtherFolder)
         }

@@ -1,4 +1,4 @@
-//! What a file that should be a store holds.
+//! Determines whether a file is a store of results, and of which version.
 
 use rusqlite::Connection;
 use std::path::Path;
@@ -6,18 +6,21 @@ use std::path::Path;
 use super::connection::{connect_to_read, sql};
 use realgap_core::error::{Advice, Error, Result};
 
-/// Layout of the tables; raised when they change.
+/// Version of the tables' layout; it is increased when the tables change.
 pub(super) const LAYOUT: i64 = 3;
 
-/// What a file that should be a store holds.
+/// The content of a file that should be a store.
 pub(super) enum Content {
-    /// Nothing: no file, or one that was killed before its tables were made.
+    /// Nothing: there is no file, or its process was killed before it created the tables.
     Nothing,
     /// Tables of this layout.
     Tables,
 }
 
-/// What a file holds, or why it is no store of this version.
+/// Determines the content of a file.
+///
+/// # Errors
+/// A file that is not a store, or a store of another version.
 pub(super) fn content(connection: &Connection, path: &Path) -> Result<Content> {
     let fail = |e: rusqlite::Error| sql(path, "read the results", &e);
     let layout: i64 = connection
@@ -31,20 +34,20 @@ pub(super) fn content(connection: &Connection, path: &Path) -> Result<Content> {
         .map_err(fail)?;
     match layout {
         0 if tables == 0 => Ok(Content::Nothing),
-        0 => Err(Error::conflict("this is no store of results")
+        0 => Err(Error::conflict("this file is not a store of results")
             .at_file(path)
             .advise(Advice::OtherFolder)),
         older if older < LAYOUT => Err(other_layout(path, older)
-            .hint("an earlier version wrote these results, and still reads them")
+            .hint("an earlier version wrote these results: read them with that version")
             .advise(Advice::OtherFolder)),
         newer => Err(other_layout(path, newer)
-            .hint("a later version wrote these results: use that one")
+            .hint("a later version wrote these results: use that version")
             .advise(Advice::OtherFolder)),
     }
 }
 
-/// Whether a file is something that this program cannot have written, and must not remove: a database of others, or no
-/// database at all in a folder that nobody has written results into.
+/// True if a file cannot have been written by this program, so this program must not remove it: a database of another program, or a file
+/// that is no database in a folder without earlier results.
 pub(super) fn is_foreign(path: &Path, is_known_folder: bool) -> bool {
     if !path.exists() {
         return false;

@@ -1,8 +1,9 @@
-//! How much a store holds, noted outside of it.
+//! Notes the number of rows of a store in a file beside it, so that lost rows are noticed.
 //!
-//! What a killed run stored last is in SQLite's log. A log that is cut, missing or of another run is no error to SQLite: the
-//! rows in it were just never written. So the store's tally is noted in a file beside it for as long as there is a log: before a
-//! write, the tally before and after it; after it, the new one alone. The file goes with the log, when the store is closed.
+//! The last rows of a killed run are in SQLite's write-ahead log. A log that is cut, missing or of another run is no error for SQLite:
+//! it reads the store as if the rows in the log had never been written. So the store's tally (the number of rows and their checksum) is
+//! noted in a file beside the store for as long as there is a log: before a write, the tallies before and after it; after the write, only
+//! the new tally. The file is removed together with the log, when the store is closed.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
@@ -15,15 +16,16 @@ use super::connection::with_suffix;
 use super::description::{COMPLETE, ENDING};
 use realgap_core::error::{Advice, Error, Result};
 
-/// What follows the store's name in that of the file.
+/// Suffix of the file with the note, after the store's file name.
 pub(super) const COUNT: &str = "-count";
-/// Where what does not belong to a store is put.
+/// Suffix of the file name under which a log that does not belong to a store is kept.
 pub(super) const SET_ASIDE: &str = "-set-aside";
-/// Where SQLite says that changes may be in a log.
+/// Byte offset of the header fields in which SQLite says whether changes may be in a write-ahead log.
 const VERSIONS: u64 = 18;
+/// The values of these fields if changes may be in a log.
 const LOGGED: [u8; 2] = [2, 2];
 
-/// The note of a store that is open for writing.
+/// The note with the tallies of a store that is open for writing.
 #[derive(Debug)]
 pub(super) struct Count {
     file: File,
@@ -31,7 +33,7 @@ pub(super) struct Count {
 }
 
 impl Count {
-    /// Of the store at `store`, which holds what `tally` says.
+    /// Opens the note of the store at `store`, whose rows have this tally.
     pub fn open(store: &Path, tally: Tally) -> Result<Self> {
         let path = with_suffix(store, COUNT);
         let mut options = OpenOptions::new();
@@ -42,23 +44,23 @@ impl Count {
         Ok(count)
     }
 
-    /// The store holds the first, or already the second.
+    /// Notes that the store has the first of these tallies, or already the second.
     pub fn note(&mut self, tallies: [Tally; 2]) -> Result<()> {
         let text = tallies.map(|t| format!("{:016x} {:016x}\n", t.rows, t.checksum));
-        // One write of always the same length: it is there or not.
+        // The note is a single write of constant length, so it is written completely or not at all.
         self.file
             .seek(SeekFrom::Start(0))
             .and_then(|_| self.file.write_all(text.concat().as_bytes()))
             .map_err(|e| Error::io("write the file", &self.path, &e))
     }
 
-    /// The store is closed and needs no note any more. Best effort: one that stays says what is true.
+    /// Removes the note of a store that is closed. An error is ignored, because a note that stays is still correct.
     pub fn remove(&self) {
         let _stays = fs::remove_file(&self.path);
     }
 }
 
-/// What is noted beside a store: `None` where nothing is, no tally where it cannot be read.
+/// The tallies noted beside a store: `None` if there is no note, an empty list if the note cannot be parsed.
 fn noted(store: &Path) -> Result<Option<Vec<Tally>>> {
     let path = with_suffix(store, COUNT);
     let text = match fs::read(&path) {
@@ -78,7 +80,7 @@ fn noted(store: &Path) -> Result<Option<Vec<Tally>>> {
     ))
 }
 
-/// The tally in a store; nothing where it has none.
+/// The tally that a store holds; zero if it has none.
 fn stored(connection: &Connection) -> Tally {
     let tally = connection.query_row("SELECT rows, checksum FROM tally", [], |row| {
         Ok(Tally {
@@ -89,7 +91,7 @@ fn stored(connection: &Connection) -> Tally {
     tally.unwrap_or_default()
 }
 
-/// In what a store differs from what was stored last. Without a connection there is no store.
+/// How a store differs from the tally that was noted last; `None` if it does not differ. `connection` is `None` if there is no store.
 ///
 /// # Errors
 /// Files that cannot be read.
@@ -105,24 +107,24 @@ pub(super) fn difference(store: &Path, connection: Option<&Connection>) -> Resul
         Some(last) if last.rows != stored.rows => {
             format!("{} entries where {} were stored", stored.rows, last.rows)
         }
-        Some(_) => "other entries than were stored".to_owned(),
+        Some(_) => "other entries than those that were stored".to_owned(),
         None => format!(
-            "no whole {} of an unfinished run",
+            "no complete {} of an unfinished run",
             name(&with_suffix(store, COUNT))
         ),
     }))
 }
 
-/// An error about such a difference.
-pub(super) fn other_than_stored(store: &Path, found: String) -> Error {
-    Error::conflict("the store does not hold what was stored last")
+/// The error about a store that differs from the tally that was noted last.
+pub(super) fn mismatch_error(store: &Path, found: String) -> Error {
+    Error::conflict("the store does not hold the rows that were stored last")
         .at_file(store)
         .found(found)
-        .hint("a part of it was cut, lost or replaced: put the folder's own results.sqlite* back, or let what is lost be made again")
+        .hint("a part of it was cut, lost or replaced: put the folder's own results.sqlite* back, or let the lost rows be computed again")
         .advise(Advice::Resume)
 }
 
-/// Whether a store says that its run came to its end.
+/// True if a store says that its run is complete.
 fn is_complete(connection: &Connection) -> bool {
     let ending = "SELECT value FROM description WHERE name = ?1";
     let ending = connection.query_row(ending, [ENDING], |row| row.get::<_, String>(0));
@@ -136,7 +138,7 @@ fn name(path: &Path) -> String {
         .into_owned()
 }
 
-/// Whether changes of a store may be in a log beside it.
+/// True if changes of a store may be in a write-ahead log beside it.
 fn is_logged(store: &Path) -> Result<bool> {
     let mut versions = [0; 2];
     let read = File::open(store).and_then(|mut file| {
@@ -151,26 +153,28 @@ fn is_logged(store: &Path) -> Result<bool> {
     }
 }
 
-/// Whether a log lies beside a store that was closed, which has none.
+/// True if a log is beside a store that was closed; a closed store has no log of its own.
 pub(super) fn has_foreign_log(store: &Path) -> Result<bool> {
-    // A writer says in the store that there is a log before there is one, and after there was one.
+    // A writer marks the store as logged before it creates the log, and removes the mark only after it removed the log.
     Ok(has_log(store) && !is_logged(store)? && has_log(store))
 }
 
-/// Whether anything is in a log beside a store.
+/// True if there is a log beside a store that is not empty.
 pub(super) fn has_log(store: &Path) -> bool {
     fs::metadata(with_suffix(store, "-wal")).is_ok_and(|log| log.len() > 0)
 }
 
-/// An error about such a log.
+/// The error about a log that does not belong to the store.
 pub(super) fn foreign_log(store: &Path) -> Error {
-    Error::conflict("this log is not of the store beside it, which was closed without one")
-        .at_file(with_suffix(store, "-wal"))
-        .hint("move it away")
-        .advise(Advice::Resume)
+    Error::conflict(
+        "this log does not belong to the store beside it, which was closed without a log",
+    )
+    .at_file(with_suffix(store, "-wal"))
+    .hint("move the log away")
+    .advise(Advice::Resume)
 }
 
-/// Puts the log of a store where nobody reads it.
+/// Renames the log of a store, so that SQLite does not read it.
 pub(super) fn set_log_aside(store: &Path) -> Result<()> {
     let log = with_suffix(store, "-wal");
     let _none = fs::remove_file(with_suffix(store, "-shm"));

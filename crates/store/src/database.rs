@@ -1,4 +1,4 @@
-//! The SQLite file of a results folder.
+//! The store of one run's results: an SQLite file in a results folder.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use rusqlite::{Connection, Transaction, params};
 
 use super::checksum::Tally;
-use super::connection::{DAMAGED_HINT, settle, sql, stamp, with_suffix};
+use super::connection::{DAMAGED_HINT, merge_log, set_change_counter, sql, with_suffix};
 use super::content::{Content, LAYOUT, content};
 use super::count::{self, Count};
 use super::description::{
@@ -46,22 +46,22 @@ pub(super) fn remove(folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Tables of every store. `tally` says how many rows there are in all tables and what their checksums are together.
+/// The tables of every store. `tally` holds the number of rows in all tables and their combined checksum.
 const COMMON_TABLES: &str = "
     CREATE TABLE description (name TEXT PRIMARY KEY, value TEXT NOT NULL) STRICT, WITHOUT ROWID;
     CREATE TABLE fingerprint (position INTEGER PRIMARY KEY, name TEXT NOT NULL, value TEXT NOT NULL) STRICT;
     CREATE TABLE tally (rows INTEGER NOT NULL, checksum INTEGER NOT NULL) STRICT;
     INSERT INTO tally VALUES (0, 0);";
 
-/// Named texts in their order.
+/// Queries for the named texts of a store, and for the entries of its fingerprint in their order.
 const DESCRIPTION: &str = "SELECT name, value FROM description";
 const FINGERPRINT: &str = "SELECT name, value FROM fingerprint ORDER BY position";
 
-/// Rows that are verified at once.
+/// The number of rows that are read and verified at a time.
 const VERIFIED_AT_ONCE: usize = 256;
 
-/// The results of one run, rows of one kind: [`Trial`]s of a study, or [`RobotRow`](super::RobotRow)s of a search. Open for
-/// writing by this process alone, or for reading.
+/// The results of one run as rows of one kind: [`Trial`]s of a study, or [`RobotRow`](super::RobotRow)s of a search. A store is open
+/// either for writing by this process only, or for reading.
 #[derive(Debug)]
 pub struct Store<R = Trial> {
     pub(super) connection: Connection,
@@ -72,7 +72,7 @@ pub struct Store<R = Trial> {
     pub(super) rows: PhantomData<R>,
 }
 
-/// What only the one who writes into a store has.
+/// The parts of a store that is open for writing.
 #[derive(Debug)]
 pub(super) struct Writer {
     pub count: Count,
@@ -82,7 +82,7 @@ pub(super) struct Writer {
 }
 
 impl<R> Store<R> {
-    /// The description and fingerprint entries with their checksums, and everything below them, must be what was written.
+    /// The tally of the description and fingerprint entries, computed from their present texts.
     fn common_checksums(&self) -> rusqlite::Result<Tally> {
         let mut tally = Tally::default();
         for (table, query) in [("description", DESCRIPTION), ("fingerprint", FINGERPRINT)] {
@@ -97,7 +97,7 @@ impl<R> Store<R> {
         Error::conflict("the results are damaged")
             .at_file(&self.path)
             .found(what)
-            .allowed("what was written, to the bit")
+            .allowed("exactly the bytes that were written")
             .hint(DAMAGED_HINT)
             .advise(Advice::OtherFolder)
     }
@@ -110,7 +110,7 @@ impl<R> Store<R> {
         self.texts(FINGERPRINT)
     }
 
-    /// What [`Store::describe`] kept.
+    /// The named texts that [`Store::describe`] stored.
     ///
     /// # Errors
     /// A store that cannot be read.
@@ -124,7 +124,7 @@ impl<R> Store<R> {
         Ok(entries.into_iter().collect())
     }
 
-    /// Keeps named texts that say what the rows are, so that the store explains itself; old values are replaced.
+    /// Stores named texts that describe the rows, so that the store can be read without other files; old values are replaced.
     ///
     /// # Errors
     /// A full disk or a store that cannot be written.
@@ -142,7 +142,7 @@ impl<R> Store<R> {
         Ok(())
     }
 
-    /// Whether the run came to its end.
+    /// True if the run is complete.
     ///
     /// # Errors
     /// A store that cannot be read.
@@ -151,12 +151,12 @@ impl<R> Store<R> {
         Ok(described.get(ENDING).is_some_and(|e| e == COMPLETE))
     }
 
-    /// How many rows the run wants in the end of the batch that it has begun.
+    /// The number of rows that the run will have at the end of its present batch; `None` if unknown.
     pub(super) fn asked(&self) -> Option<usize> {
         self.description().ok()?.get(ASKED)?.parse().ok()
     }
 
-    /// One transaction: all of it is kept or nothing.
+    /// Writes in one transaction, either everything or nothing.
     pub(super) fn write(
         &mut self,
         doing: &str,
@@ -174,10 +174,10 @@ impl<R> Store<R> {
 }
 
 impl<R: Table> Store<R> {
-    /// A new store in `folder` (made if absent).
+    /// Creates a new store in `folder`, which is created if it is missing.
     ///
     /// # Errors
-    /// A folder that cannot be made or written, is in use, or already holds results.
+    /// A folder that cannot be created or written, is in use, or already holds results.
     pub fn create(folder: &Path, fingerprint: &Fingerprint) -> Result<Self> {
         match Self::find(FolderLock::make(folder)?, None)? {
             (store, Content::Nothing) => store.set_up(fingerprint),
@@ -188,11 +188,11 @@ impl<R: Table> Store<R> {
         }
     }
 
-    /// The store in `folder`, to go on with it; a new one where a run was killed before it had one.
+    /// Opens the store in `folder` to continue its run; a new store if the run was killed before it had created one.
     ///
     /// # Errors
-    /// No store there, a damaged one, one of another study or search (the difference is named), or a folder in use. What a killed run
-    /// stored and what is lost of it is no error: that is made again.
+    /// No store in the folder, a damaged store, a store of another study or search (the error names the difference), or a folder in use.
+    /// Rows of a killed run that were lost are no error: they are computed again.
     pub fn resume<'a>(place: impl Into<Place<'a>>, fingerprint: &Fingerprint) -> Result<Self> {
         let lock = place.into().lock()?;
         if !lock.folder().join(STORE_FILE).exists() && !lock.is_known() {
@@ -203,7 +203,7 @@ impl<R: Table> Store<R> {
         Self::go_on(lock, fingerprint)
     }
 
-    /// The store in a locked folder, to go on with it; a new one where there is none.
+    /// Opens the store in a locked folder to continue its run; a new store if there is none.
     pub(super) fn go_on(lock: FolderLock, fingerprint: &Fingerprint) -> Result<Self> {
         match Self::find(lock, Some(fingerprint))? {
             (store, Content::Nothing) => store.set_up(fingerprint),
@@ -214,20 +214,20 @@ impl<R: Table> Store<R> {
         }
     }
 
-    /// The store in `folder`, for reading; a writer may be at work at the same time.
+    /// Opens the store in `folder` for reading; another process may write into it at the same time.
     ///
     /// # Errors
-    /// No readable store of such rows there, or a damaged one.
+    /// No readable store of such rows in the folder, or a damaged one.
     pub fn read(folder: &Path) -> Result<Self> {
         let mut store = Self::look(folder)?;
         store.tally = store.verified()?;
         Ok(store)
     }
 
-    /// Whether the store in `folder` has rows of this kind.
+    /// True if the store in `folder` has rows of this kind.
     ///
     /// # Errors
-    /// No readable store there.
+    /// No readable store in the folder.
     pub fn is_in(folder: &Path) -> Result<bool> {
         let store = Self::file(folder)?;
         Ok(match content(&store.connection, &store.path)? {
@@ -236,10 +236,10 @@ impl<R: Table> Store<R> {
         })
     }
 
-    /// As [`Store::read`], without looking at every row: for whoever only asks how far a run is.
+    /// As [`Store::read`], without verifying every row, for callers that only need the progress of a run.
     ///
     /// # Errors
-    /// As [`Store::read`].
+    /// The same as of [`Store::read`].
     pub fn look(folder: &Path) -> Result<Self> {
         let store = Self::file(folder)?;
         match content(&store.connection, &store.path)? {
@@ -289,8 +289,8 @@ impl<R: Table> Store<R> {
         Ok(self)
     }
 
-    /// A new store in place of this one, which holds nothing.
-    pub(super) fn anew(self, lock: FolderLock, fingerprint: &Fingerprint) -> Result<Self> {
+    /// Replaces this store, which has no rows, by a new one.
+    pub(super) fn replace_empty(self, lock: FolderLock, fingerprint: &Fingerprint) -> Result<Self> {
         drop(self);
         remove(lock.folder())?;
         let (store, _) = Self::find(lock, None)?;
@@ -303,29 +303,29 @@ impl<R: Table> Store<R> {
             .map_err(|error| error.at_file(&self.path))
     }
 
-    /// What there is, every row of every table checked against what was written.
+    /// Verifies every row of every table against its checksum, and returns the tally of the store.
     ///
     /// # Errors
-    /// A row that has changed, is gone or is there twice.
+    /// A row that was changed, is missing or occurs twice.
     pub(super) fn verified(&self) -> Result<Tally> {
         let verified = self.each_verified(|_, _| Ok(()));
         verified.map_err(|error| match count::has_log(&self.path) {
-            // Without a log that is of another run, the rest may be whole.
+            // If the log is of another run, the store may be intact without it.
             true => error.without_advice().advise(Advice::Resume),
             false => error,
         })
     }
 
-    /// Hands over every row with its checksum, by index, and checks that together they are what was written.
+    /// Calls `each` with every row and its checksum, by index, and verifies all rows against the tally of the store.
     ///
     /// # Errors
-    /// A row that has changed, is gone or is there twice; those of `each`.
+    /// A row that was changed, is missing or occurs twice; errors of `each`.
     pub(super) fn each_verified(
         &self,
         mut each: impl FnMut(R, i64) -> Result<()>,
     ) -> Result<Tally> {
         let fail = |e: rusqlite::Error| sql(&self.path, "read the results", &e);
-        // One moment of the store, whatever a writer does meanwhile.
+        // The transaction gives a consistent snapshot, even if another process writes meanwhile.
         let snapshot = self.connection.unchecked_transaction().map_err(fail)?;
         let mut tally = self.common_checksums().map_err(fail)?;
         let ids: Vec<usize> = self.finished()?.into_iter().collect();
@@ -357,7 +357,7 @@ impl<R: Table> Store<R> {
             })
             .map_err(fail)?;
         if stored != [tally] {
-            return Err(self.damaged("rows that are gone, or that nobody wrote"));
+            return Err(self.damaged("missing rows, or rows that realgap has not written"));
         }
         Ok(tally)
     }
@@ -376,10 +376,10 @@ impl<R: Table> Store<R> {
             .collect()
     }
 
-    /// Keeps rows, all of them or none.
+    /// Stores rows, either all of them or none.
     ///
     /// # Errors
-    /// A full disk or a row that is already there.
+    /// A full disk or a row that is already stored.
     pub fn insert(&mut self, rows: &[R]) -> Result<()> {
         if rows.is_empty() {
             return Ok(());
@@ -390,7 +390,7 @@ impl<R: Table> Store<R> {
                 tally.add(row.insert(transaction)?);
             }
             if was_complete {
-                // More is asked for than last time.
+                // The run has more rows than when it was marked as complete.
                 put_description(transaction, tally, ENDING, UNFINISHED)?;
             }
             Ok(())
@@ -399,7 +399,7 @@ impl<R: Table> Store<R> {
         Ok(())
     }
 
-    /// Indices of the rows that are there.
+    /// Indices of the stored rows.
     ///
     /// # Errors
     /// A store that cannot be read.
@@ -417,18 +417,18 @@ impl<R: Table> Store<R> {
             .map_err(fail)
     }
 
-    /// All rows, by index.
+    /// All rows, sorted by index.
     ///
     /// # Errors
-    /// A store that cannot be read, or a row that has changed.
+    /// A store that cannot be read, or a row that was changed.
     pub fn rows(&self) -> Result<Vec<R>> {
         self.rows_within(0..i64::MAX as usize)
     }
 
-    /// The rows with an index in `range`, by index.
+    /// The rows with an index in `range`, sorted by index.
     ///
     /// # Errors
-    /// As [`Store::rows`].
+    /// The same as of [`Store::rows`].
     pub fn rows_within(&self, range: std::ops::Range<usize>) -> Result<Vec<R>> {
         let rows = self.checked(range.start as i64, range.end as i64)?;
         Ok(rows.into_iter().map(|(row, _)| row).collect())
@@ -448,10 +448,10 @@ impl<R: Table> Storage<R> for Store<R> {
         self.rows_within(range)
     }
 
-    /// Keeps the number for whoever looks meanwhile.
+    /// Stores the number of rows, so that a reader can report the progress meanwhile.
     fn begin(&mut self, rows: usize) {
         if self.asked().is_none_or(|asked| asked < rows) {
-            // Whoever cannot write this will hear it with the first row.
+            // An error is ignored, because a full disk is reported with the first row.
             let _unwritten = self.describe([(ASKED, rows.to_string())]);
         }
     }
@@ -462,19 +462,20 @@ impl<R> Drop for Store<R> {
         let Some(writer) = &self.writer else {
             return;
         };
-        if settle(&self.connection) {
+        if merge_log(&self.connection) {
             writer.count.remove();
         }
         if self.is_marked_complete
             && let Ok(nothing) = Connection::open_in_memory()
         {
             drop(std::mem::replace(&mut self.connection, nothing));
-            stamp(&self.path, self.tally.checksum as u32);
+            set_change_counter(&self.path, self.tally.checksum as u32);
         }
     }
 }
 
-/// Commits a transaction that changes a store from the first tally to the second, and notes that in the store and outside of it.
+/// Commits a transaction that changes a store's tally from the first to the second, and notes the tally in the store and in the file
+/// beside it.
 ///
 /// # Errors
 /// A full disk.

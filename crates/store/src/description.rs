@@ -1,17 +1,17 @@
-//! Named texts of a store, which say what its rows are.
+//! Reads and writes the named texts of a store, which describe its rows.
 
 use rusqlite::{Connection, OptionalExtension as _, Transaction, params};
 
 use super::checksum::{Checksum, Tally};
 
-/// How many rows a run wants.
+/// Name of the text with the number of rows that a run will have.
 pub(super) const ASKED: &str = "asked";
-/// What a store says of how its run ended.
+/// Name of the text that says whether the run is complete, and its two values.
 pub(super) const ENDING: &str = "ending";
 pub(super) const COMPLETE: &str = "complete";
 pub(super) const UNFINISHED: &str = "unfinished";
 
-/// Keeps a named text in place of an older one.
+/// Stores a named text, and replaces an older text of this name.
 pub(super) fn put_description(
     transaction: &Transaction<'_>,
     tally: &mut Tally,

@@ -1,8 +1,8 @@
-//! Everything that decides the results of a study, as named texts that can be compared.
+//! The fingerprint of a run: everything that decides its results, as named texts that can be compared.
 
 use realgap_core::error::{Advice, Error, Result};
 
-/// Entries that say which program made the results.
+/// Names of the entries with the version of the program that made the results.
 const VERSIONS: [&str; 2] = ["realgap", "engine"];
 
 /// Named texts in order: versions, hashes of inputs, ranges, settings.
@@ -27,7 +27,7 @@ impl Fingerprint {
         &self.0
     }
 
-    /// Checks that `self` (what is asked for now) equals `stored`.
+    /// Checks that `self` (the present run) equals `stored` (the run in the folder).
     ///
     /// # Errors
     /// The first entry that differs, with both values.
@@ -50,7 +50,7 @@ impl Fingerprint {
                     .allowed("the same study, unchanged")
                     .advise(Advice::OtherFolder);
                 return Err(if VERSIONS.contains(&name.as_str()) {
-                    error.hint("these results can still be listed, and the version that made them goes on with them")
+                    error.hint("these results can still be listed; continue the run with the version that made them")
                 } else {
                     error.hint("undo the change")
                 });
@@ -60,12 +60,12 @@ impl Fingerprint {
     }
 }
 
-/// Longest text that an error shows whole.
+/// The length of the longest text that an error shows completely, characters.
 const SHOWN: usize = 80;
-/// What it shows of a longer one before the first difference.
+/// The number of characters that an error shows of a longer text before the first difference.
 const BEFORE: usize = 20;
 
-/// Two texts as an error shows them: one line each, long ones from shortly before they differ.
+/// Two texts as an error shows them: one line each; long texts start shortly before the first difference.
 fn difference(one: &str, other: &str) -> (String, String) {
     let same = one.chars().zip(other.chars()).take_while(|(a, b)| a == b);
     let from = same.count().saturating_sub(BEFORE);
@@ -75,7 +75,7 @@ fn difference(one: &str, other: &str) -> (String, String) {
         let middle: String = text.chars().skip(from).take(SHOWN).collect();
         let start = if from > 0 { "..." } else { "" };
         let end = if from + SHOWN < count { "..." } else { "" };
-        // The stored text comes from a file that anybody may have made.
+        // The stored text comes from a file of unknown origin, so control characters are escaped.
         format!("{start}{}{end}", middle.escape_debug()).replace("\\\"", "\"")
     };
     (shown(one), shown(other))
@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn long_texts_are_shown_where_they_differ_and_no_control_character_gets_through() {
+    fn long_texts_are_shown_where_they_differ_and_control_characters_are_escaped() {
         let long = |end: &str| format!("{}{end}", "a".repeat(500));
         let stored = Fingerprint::new().with("strategy", long("\u{1b}[2Jseed: 1"));
         let now = Fingerprint::new().with("strategy", long("seed: 2 \"b\""));

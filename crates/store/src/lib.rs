@@ -1,12 +1,12 @@
-//! Results on disk: one SQLite file per results folder, safe against kill −9 at any moment.
+//! Stores results on disk: one SQLite file per results folder, which survives kill −9 at any moment.
 //!
-//! Every finished row is one transaction, so a row is either completely there or not at all. Rows have a type per kind of
-//! run: a [`Trial`] of a study, a [`RobotRow`] of a search. Each has a checksum, and the store knows how many there are: results
-//! that are not what was written are an error, never another answer.
+//! Every finished row is one transaction, so a row is stored either completely or not at all. Each kind of run has its type of
+//! row: a [`Trial`] of a study, a [`RobotRow`] of a search. Each row has a checksum, and the store records the number of rows: results
+//! that were changed after they were written are an error, never a different answer.
 //! The folder is locked while a process writes into it, and a [`Fingerprint`] of everything that
-//! decides the results refuses to mix two studies in one folder.
+//! decides the results prevents a mixture of two studies in one folder.
 //!
-//! Databases and tables of others are read here, too: bags of ROS 2 are SQLite.
+//! This crate also reads databases and tables of other programs: bags of ROS 2 (which are SQLite files) and Parquet files.
 //!
 //! ```
 //! use realgap_store::{Fingerprint, RobotOutcome, RobotRow, Store};
@@ -69,6 +69,6 @@ pub use robot::{RobotOutcome, RobotRow, TravelRow};
 pub use row::Row;
 pub use row::Table;
 pub use run::RunRow;
-pub use share::{MOST_SHARES, Share};
+pub use share::{MAX_SHARES, Share};
 pub use storage::{Memory, Storage};
 pub use trial::{CaseOutcome, CaseResult, CaseRow, Trial, TrialScore};

@@ -1,4 +1,4 @@
-//! The rows of a results folder as a table, for people and other programs.
+//! Lists the rows of a results folder as a table, for people and other programs.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,46 +9,46 @@ use super::trial::{Trial, TrialScore};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::unknown_name;
 
-/// Everything that a store says about its rows, without the files of the study or search.
+/// All information that a store holds about its rows; the files of the study or search are not needed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Listing {
     /// Name of the study or search.
     pub name: String,
     /// `sweep`, `tune` or `search`.
     pub kind: String,
-    /// True where the run came to its end.
+    /// True if the run is complete.
     pub complete: bool,
-    /// How many rows the run wants, as far as it knows by now.
+    /// The number of rows that the run will have, as far as it is known.
     pub asked: Option<usize>,
-    /// What is best: the metric that is made small, or the objective that is made large.
+    /// The criterion for the best row: the metric that is minimised, or the objective that is maximised.
     pub measure: String,
-    /// The columns.
+    /// The columns of the table.
     pub columns: Vec<Column>,
-    /// One row each, a cell a column; by index.
+    /// The rows, sorted by index, with one cell per column.
     pub rows: Vec<Vec<Cell>>,
-    /// The column that says which row is best.
+    /// Name of the column by which the best row is chosen.
     best: String,
 }
 
 /// A column of a [`Listing`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Column {
-    /// Its name, with the unit where it has one of its own.
+    /// Name of the column; it ends with the unit if the column has its own unit.
     pub name: String,
-    /// What its cells hold.
+    /// Kind of value in the cells.
     pub kind: ColumnKind,
-    /// True for what most readers do not want to see: a score against every single recording.
+    /// True for a column that most readers do not need: a score against a single recording.
     pub is_detail: bool,
 }
 
-/// What the cells of a column hold.
+/// The kind of value in the cells of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ColumnKind {
-    /// [`Cell::Whole`].
+    /// Whole numbers ([`Cell::Whole`]).
     Whole,
-    /// [`Cell::Number`].
+    /// Numbers that may be missing ([`Cell::Number`]).
     Number,
-    /// [`Cell::Text`].
+    /// Texts ([`Cell::Text`]).
     Text,
 }
 
@@ -57,14 +57,14 @@ pub enum ColumnKind {
 pub enum Cell {
     /// A whole number.
     Whole(i64),
-    /// A number, or nothing.
+    /// A number; `None` if it is missing.
     Number(Option<f64>),
     /// A text.
     Text(String),
 }
 
 impl Cell {
-    /// As text: the shortest that reads back to the same bits; empty for nothing.
+    /// The value as text: for a number, the shortest text that is parsed to the same bits; empty for a missing number.
     pub fn text(&self) -> String {
         match self {
             Self::Whole(number) => number.to_string(),
@@ -73,7 +73,7 @@ impl Cell {
         }
     }
 
-    /// As JSON.
+    /// The value as JSON.
     pub fn json(&self) -> serde_json::Value {
         match self {
             Self::Whole(number) => serde_json::json!(number),
@@ -83,7 +83,7 @@ impl Cell {
     }
 }
 
-/// The texts that a store says about itself.
+/// The named texts of a store, which describe its rows.
 struct Described<'a> {
     folder: &'a Path,
     entries: BTreeMap<String, String>,
@@ -96,9 +96,11 @@ impl Described<'_> {
 
     fn list(&self, name: &str) -> Result<Vec<String>> {
         serde_json::from_str(&self.text(name)).map_err(|e| {
-            Error::invalid(format!("the results do not explain themselves: {e}"))
-                .at_file(self.folder)
-                .field(name)
+            Error::invalid(format!(
+                "the description of the results cannot be read: {e}"
+            ))
+            .at_file(self.folder)
+            .field(name)
         })
     }
 }
@@ -112,10 +114,10 @@ fn column(name: impl Into<String>, kind: ColumnKind) -> Column {
 }
 
 impl Listing {
-    /// Reads the results in `folder`; a writer may be at work at the same time.
+    /// Reads the results in `folder`; another process may write into it at the same time.
     ///
     /// # Errors
-    /// No readable results there, or damaged ones.
+    /// No readable results in the folder, or damaged results.
     pub fn read(folder: &Path) -> Result<Self> {
         if Store::<RobotRow>::is_in(folder)? {
             return Self::of_search(folder);
@@ -237,11 +239,11 @@ impl Listing {
         })
     }
 
-    /// The rows in the order of `column`, smallest first (fitness: largest first), those without a value last; best first
-    /// where no column is named.
+    /// The table sorted by `column`, smallest value first (for fitness, largest first), rows without a value last. Without a column, the best
+    /// row comes first.
     ///
     /// # Errors
-    /// A column that is not there, or holds texts.
+    /// A column that does not exist, or that holds texts.
     pub fn sorted(mut self, column: Option<&str>) -> Result<Self> {
         let name = column.unwrap_or(&self.best);
         let sortable = |c: &&Column| c.kind != ColumnKind::Text && !c.is_detail;
@@ -266,7 +268,7 @@ impl Listing {
         Ok(self)
     }
 
-    /// Without the columns that are details.
+    /// The table without the columns that are details.
     #[must_use]
     pub fn without_details(mut self) -> Self {
         let keep: Vec<bool> = self.columns.iter().map(|c| !c.is_detail).collect();

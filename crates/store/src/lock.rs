@@ -1,4 +1,4 @@
-//! One writer per results folder.
+//! Locks a results folder, so that only one process at a time writes into it.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read as _, Write as _};
@@ -9,17 +9,17 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use realgap_core::error::{Advice, Error, Result};
 use realgap_core::file::check_writable;
 
-/// Name of the file that is locked.
+/// The name of the lock file.
 const LOCK_FILE: &str = ".lock";
-/// Longest note of a writer that is read back.
+/// The largest number of bytes that are read of another writer's note.
 const NOTE_BYTES: u64 = 300;
 
-/// How often a lock is tried: whoever only looks whether it is held, holds it for an instant.
+/// How often a lock is tried: a process that only checks whether the lock is held also holds it for an instant.
 const TRIES: usize = 5;
 const BETWEEN_TRIES: Duration = Duration::from_millis(20);
 
-/// An exclusive lock on a folder, released when the last clone is dropped or when the process dies. Whoever writes into a results
-/// folder holds one, from before the work until the last file is written.
+/// An exclusive lock on a folder, released when the last clone is dropped or when the process ends. Every process that writes into a
+/// results folder holds one, from before its work until its last file is written.
 #[derive(Debug, Clone)]
 pub struct FolderLock(Arc<Held>);
 
@@ -27,17 +27,18 @@ pub struct FolderLock(Arc<Held>);
 struct Held {
     file: File,
     folder: PathBuf,
-    /// Whether somebody had written into this folder before.
+    /// True if the folder had a lock file before this lock, so a process has written results into it before.
     is_known: bool,
-    /// Whether the folder was made for this lock.
+    /// True if the folder was created for this lock.
     is_new_folder: bool,
 }
 
 impl FolderLock {
-    /// Locks `folder`, which is made where it is absent: also a test, before any work, of whether it can be written.
+    /// Locks `folder`, and creates it if it is missing. This also tests, before any work, whether results can be written there.
     ///
     /// # Errors
-    /// A file in its place, a folder that cannot be made or written, or that another process writes into: the error says which, and since when.
+    /// A file in place of the folder, a folder that cannot be created or written, a folder that another process writes into: the error
+    /// says which process, and since when.
     pub fn make(folder: &Path) -> Result<Self> {
         if folder.exists() && !folder.is_dir() {
             return Err(Error::usage("results need a folder")
@@ -48,7 +49,7 @@ impl FolderLock {
         }
         let is_new_folder = !folder.exists();
         std::fs::create_dir_all(folder)
-            .map_err(|e| Error::io("make the results folder", folder, &e))?;
+            .map_err(|e| Error::io("create the results folder", folder, &e))?;
         Self::acquire(folder, is_new_folder)
     }
 
@@ -66,10 +67,10 @@ impl FolderLock {
                 .open(&path)
                 .map_err(|e| Error::io("create the lock file", &path, &e))?;
             match file.try_lock() {
-                // Whoever held it before may have removed it meanwhile.
+                // The previous holder may have removed the lock file meanwhile; then the lock is tried again.
                 Ok(()) if !is_same(&file, &path) && tried < TRIES => {}
                 Ok(()) => {
-                    // A note for whoever comes second; the lock holds without it.
+                    // The note tells other processes who holds the lock; without the note the lock still works.
                     let _unwritten = file
                         .set_len(0)
                         .and_then(|()| file.write_all(note().as_bytes()));
@@ -98,39 +99,39 @@ impl FolderLock {
         }
     }
 
-    /// The folder.
+    /// The locked folder.
     pub fn folder(&self) -> &Path {
         &self.0.folder
     }
 
-    /// Whether the folder is still there and can be written: an hour of work for a folder that is gone is an hour lost.
+    /// Checks that the folder still exists and can be written, so that no work is done for a folder that was removed.
     ///
     /// # Errors
-    /// The folder was removed, moved or replaced, or nothing can be written there any more.
+    /// The folder was removed, moved or replaced, or no file can be written there any more.
     pub fn check(&self) -> Result<()> {
         let held = &*self.0;
         if !is_same(&held.file, &held.folder.join(LOCK_FILE)) {
             return Err(
                 Error::conflict("the results folder was removed during the run")
                     .at_file(&held.folder)
-                    .hint("what was stored in it is gone")
+                    .hint("the results that were stored in it are lost")
                     .advise(Advice::OtherFolder),
             );
         }
         check_writable(held.folder.join("results"))
     }
 
-    /// Whether anybody had written into this folder before.
+    /// True if a process had written results into this folder before this lock.
     pub(super) fn is_known(&self) -> bool {
         self.0.is_known
     }
 
-    /// Whether anybody has ever written into this folder.
-    pub fn was_in(folder: &Path) -> bool {
+    /// True if any process has ever written results into this folder.
+    pub fn was_used(folder: &Path) -> bool {
         folder.join(LOCK_FILE).exists()
     }
 
-    /// Whether anybody is writing into this folder now.
+    /// True if a process is writing into this folder now.
     pub fn is_held(folder: &Path) -> bool {
         let file = File::open(folder.join(LOCK_FILE));
         file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
@@ -138,7 +139,7 @@ impl FolderLock {
 }
 
 impl Drop for Held {
-    /// Nobody holds the folder any more; where nothing came of it, it is as if nobody had.
+    /// Releases the lock. If no file was written meanwhile, the lock file is removed, and the folder too if it was created for this lock.
     fn drop(&mut self) {
         let _best_effort = self.file.set_len(0);
         let path = self.folder.join(LOCK_FILE);
@@ -152,7 +153,7 @@ impl Drop for Held {
     }
 }
 
-/// Whether the open file is the one at this path.
+/// True if the open file is the file at this path.
 #[cfg(unix)]
 fn is_same(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt as _;
@@ -162,18 +163,18 @@ fn is_same(file: &File, path: &Path) -> bool {
     }
 }
 
-/// Whether the open file is the one at this path.
+/// True if the open file is the file at this path.
 #[cfg(not(unix))]
 fn is_same(_file: &File, path: &Path) -> bool {
     path.exists()
 }
 
-/// Where results go: a folder that is locked for them, or one that the caller has locked already.
+/// The place for results: a folder that will be locked, or a folder that the caller has locked already.
 #[derive(Debug, Clone, Copy)]
 pub enum Place<'a> {
-    /// To be locked until the results are stored.
+    /// A folder that will be locked until the results are stored.
     Folder(&'a Path),
-    /// Locked by the caller, who goes on writing there.
+    /// A folder that the caller has locked and will continue to write into.
     Locked(&'a FolderLock),
 }
 
@@ -212,7 +213,7 @@ impl<'a> From<&'a FolderLock> for Place<'a> {
     }
 }
 
-/// Who writes, since when.
+/// The note in the lock file: the process that writes, its command, and since when.
 fn note() -> String {
     let now = SystemTime::now().duration_since(UNIX_EPOCH);
     let since = utc(now.map_or(0, |since| since.as_secs()));
@@ -233,9 +234,9 @@ fn holder(file: &mut File) -> Option<String> {
     (!line.is_empty()).then_some(line)
 }
 
-/// Seconds since 1970 as `2026-03-01 12:00:00 UTC`.
+/// Formats seconds since 1970 as `2026-03-01 12:00:00 UTC`.
 fn utc(seconds: u64) -> String {
-    // Days from civil, backwards: H. Hinnant, "chrono-compatible low-level date algorithms", 2021.
+    // The algorithm `civil_from_days` of H. Hinnant, "chrono-compatible low-level date algorithms", 2021.
     let days = seconds / 86_400 + 719_468;
     let era = days / 146_097;
     let day_of_era = days % 146_097;
@@ -259,7 +260,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn dates_are_those_of_the_calendar() {
+    fn seconds_are_converted_to_calendar_dates() {
         for (seconds, text) in [
             (0, "1970-01-01 00:00:00 UTC"),
             (951_782_399, "2000-02-28 23:59:59 UTC"),
@@ -272,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn the_second_writer_hears_who_holds_the_folder_and_since_when() {
+    fn a_second_writer_gets_an_error_that_names_the_holder_and_the_time() {
         let folder = tempfile::tempdir().unwrap();
         let first = FolderLock::make(folder.path()).unwrap();
         let clone = first.clone();
@@ -290,18 +291,18 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_that_nothing_was_written_into_is_as_before_and_one_with_results_keeps_its_mark() {
+    fn a_folder_without_new_files_is_left_as_before_and_one_with_results_keeps_its_lock_file() {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("out");
         drop(FolderLock::make(&out).unwrap());
         assert!(!out.exists());
         std::fs::create_dir(&out).unwrap();
         drop(FolderLock::make(&out).unwrap());
-        assert!(out.exists() && !FolderLock::was_in(&out));
+        assert!(out.exists() && !FolderLock::was_used(&out));
         let lock = FolderLock::make(&out).unwrap();
         std::fs::write(out.join("points.csv"), "").unwrap();
         drop(lock);
-        // The note is gone, so that equal runs leave equal folders.
+        // The note is removed, so that equal runs leave equal folders.
         assert_eq!(std::fs::read(out.join(LOCK_FILE)).unwrap(), b"");
         assert!(FolderLock::make(&out).unwrap().is_known());
     }
@@ -319,7 +320,7 @@ mod tests {
         assert!(lock.check().is_err());
         other.check().unwrap();
         drop(lock);
-        // What was replaced is nobody's business any more.
+        // Releasing the lock of the moved folder does not affect the new folder.
         other.check().unwrap();
     }
 }

@@ -1,8 +1,8 @@
-//! The write-ahead log that a killed run leaves beside its store.
+//! Verifies the write-ahead log that a killed run leaves beside its store.
 //!
-//! SQLite reads such a log up to its first frame that is not what was written, and drops the rest without a word: right after a
-//! write that was cut off, wrong after damage, since what follows was written and is lost. Here the whole log is read: frames
-//! of the same run behind one that does not fit its checksum mean damage.
+//! SQLite reads such a log up to the first frame with a wrong checksum, and ignores the rest without an error. This is right after a
+//! write that was cut off, but wrong after damage, because the frames that follow were written and would be lost. This module reads the
+//! whole log: frames of the same run behind a frame with a wrong checksum mean that the log is damaged.
 //!
 //! Format: <https://www.sqlite.org/fileformat2.html#walformat>.
 
@@ -13,10 +13,10 @@ use realgap_core::error::{Advice, Error, Result};
 
 const HEADER: usize = 32;
 const FRAME_HEADER: usize = 24;
-/// Magic number of a log whose checksums are of little-endian words; one more for big-endian ones.
+/// Magic number of a log whose checksums use little-endian words; the number is larger by one for big-endian words.
 const MAGIC: u32 = 0x377f_0682;
 
-/// Checks the log of a store that nobody writes into.
+/// Checks the log of a store that no process writes into.
 ///
 /// # Errors
 /// A log with a damaged header, or with frames that were written behind a damaged one.
@@ -26,13 +26,13 @@ pub(super) fn verify_log(store: &Path) -> Result<()> {
         Some(found) => Err(Error::conflict("the results are damaged")
             .at_file(with_suffix(store, "-wal"))
             .found(found)
-            .allowed("what was written, to the bit")
-            .hint("the last points of an interrupted run are in this file: take it from a backup, or let them be made again")
+            .allowed("exactly the bytes that were written")
+            .hint("the last points of an interrupted run are in this file: restore it from a backup, or let them be computed again")
             .advise(Advice::Resume)),
     }
 }
 
-/// What is wrong with the log of a database, if anything.
+/// Describes the damage of a database's log; `None` if it is intact or missing.
 ///
 /// # Errors
 /// A log that cannot be read.
@@ -45,10 +45,10 @@ pub(super) fn damage_of(database: &Path) -> Result<Option<String>> {
     }
 }
 
-/// What is wrong with a log, if anything.
+/// Describes the damage of a log; `None` if it is intact.
 fn damage(log: &[u8]) -> Option<String> {
     if log.len() < HEADER {
-        // Begun and not written: nothing is in it.
+        // The log was created but its header was not written yet, so it holds no frames.
         return None;
     }
     let (magic, page) = (word(log, 0), word(log, 8) as usize);
@@ -84,14 +84,14 @@ fn word(bytes: &[u8], at: usize) -> u32 {
     u32::from_be_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
 }
 
-/// The running checksum of a log.
+/// The running checksum of a log, as SQLite computes it.
 struct Sums {
     big_endian: bool,
     values: [u32; 2],
 }
 
 impl Sums {
-    /// `bytes` are pairs of words.
+    /// Adds `bytes`, which hold pairs of 32-bit words.
     fn add(&mut self, bytes: &[u8]) {
         let [mut first, mut second] = self.values;
         for pair in bytes.chunks_exact(8) {

@@ -1,4 +1,4 @@
-//! Rows of several workers become one store.
+//! Merges the rows of several workers into one store.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -13,7 +13,7 @@ use super::row::Table;
 use super::trial::Trial;
 use realgap_core::error::{Error, Result};
 
-/// A store that takes over the rows of others.
+/// A store into which the rows of other stores are copied.
 ///
 /// ```
 /// use realgap_store::{Fingerprint, Merger, Store, Trial};
@@ -39,17 +39,17 @@ pub struct Merger<R = Trial> {
     known: BTreeSet<usize>,
 }
 
-/// What came of taking over one store.
+/// The number of rows that were copied from one store.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Absorbed {
     /// Rows that were new.
     pub new: usize,
-    /// Rows that were there already, to the bit.
+    /// Rows that were there already with the same bits.
     pub known: usize,
 }
 
 impl<R: Table> Merger<R> {
-    /// Into the store in a folder; a new one where there is none.
+    /// Opens the store in a folder to merge other stores into it; a new store if the folder has none.
     ///
     /// # Errors
     /// A folder that cannot be written, is in use or holds results of another run.
@@ -59,16 +59,16 @@ impl<R: Table> Merger<R> {
         Ok(Self { store, known })
     }
 
-    /// Rows that are there.
+    /// The number of rows in the merged store.
     pub fn rows(&self) -> usize {
         self.known.len()
     }
 
-    /// Takes over every row of the store in `folder`, all of them or none. Each is compared with its checksum, and one that is
-    /// there already with what is there.
+    /// Copies the rows of the store in `folder`, either all of them or none. Each row is compared with its checksum, and a row that is
+    /// already in the merged store is compared with the one there.
     ///
     /// # Errors
-    /// No store there, a damaged one, one of another run; a row that differs from the one that is there; a full disk.
+    /// No store in `folder`, a damaged store, a store of another run; a row that differs from the row in the merged store; a full disk.
     pub fn absorb(&mut self, folder: &Path) -> Result<Absorbed> {
         let part = Store::<R>::look(folder)?;
         part.must_be_of(&self.store.fingerprint()?)?;
@@ -113,5 +113,5 @@ fn disagree<R: Table>(part: &Store<R>, index: usize, other: &Path) -> Error {
         .at_file(&part.path)
         .found(format!("another {} {index} than in {}", R::NAME, other.display()))
         .allowed("the same bits")
-        .hint("one of the two machines computes otherwise: compare their processors and system libraries, and run the shard again on the one that you trust")
+        .hint("one of the two machines computes differently: compare their processors and system libraries, and run the shard again on the machine that you trust")
 }

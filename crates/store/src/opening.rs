@@ -1,4 +1,4 @@
-//! What happens to results that are already in a folder.
+//! Opens a store in a folder that may already hold results: start, resume or restart.
 
 use std::marker::PhantomData;
 use std::path::Path;
@@ -18,21 +18,21 @@ use realgap_core::error::{Advice, Error, Result};
 /// What to do with results that are already in the folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Mode {
-    /// Start. Complete results of the same run are used as they are; unfinished ones, and those of any other run, are refused.
+    /// Start a run. Complete results of the same run are used as they are; unfinished results, and results of any other run, are refused.
     #[default]
     Start,
-    /// Go on where an interrupted run of the same kind stopped.
+    /// Continue an interrupted run of the same study or search.
     Resume,
-    /// Remove old results first.
+    /// Remove the old results first.
     Restart,
 }
 
 impl<R: Table> Store<R> {
-    /// The store in a folder as `mode` asks. `what` and `expected` are for the message about an unfinished
+    /// Opens the store in a folder as `mode` says. `what` and `expected` are used in the error message about an unfinished
     /// run, e.g. `sweep of this study` and `441 points`.
     ///
     /// # Errors
-    /// As [`Store::create`] and [`Store::resume`]; an unfinished run that nobody asked to resume or to remove.
+    /// The errors of [`Store::create`] and [`Store::resume`]; an unfinished run if `mode` is [`Mode::Start`].
     pub fn open<'a>(
         place: impl Into<Place<'a>>,
         fingerprint: &Fingerprint,
@@ -46,9 +46,11 @@ impl<R: Table> Store<R> {
             Mode::Restart => {
                 let old = lock.folder().join(STORE_FILE);
                 if is_foreign(&old, lock.is_known()) {
-                    return Err(Error::conflict("this is no store of results, and stays")
-                        .at_file(&old)
-                        .advise(Advice::OtherFolder));
+                    return Err(Error::conflict(
+                        "this file is not a store of results, so it is not removed",
+                    )
+                    .at_file(&old)
+                    .advise(Advice::OtherFolder));
                 }
                 remove(lock.folder())?;
                 let (store, _) = Self::find(lock, None)?;
@@ -74,8 +76,8 @@ impl<R: Table> Store<R> {
             return Ok(store);
         }
         if count == 0 {
-            // Stopped before its first result: nothing is lost.
-            return store.anew(lock, fingerprint);
+            // The run was stopped before its first result, so no result is lost.
+            return store.replace_empty(lock, fingerprint);
         }
         store.must_be_of(fingerprint)?;
         Err(
@@ -87,27 +89,27 @@ impl<R: Table> Store<R> {
         )
     }
 
-    /// Marks the run as complete, and packs the file: equal results are then equal bytes, whatever the order in which they came.
+    /// Marks the run as complete, and compacts the file: equal results then give equal bytes, in whichever order they were stored.
     ///
     /// # Errors
     /// A store that cannot be written.
     pub fn complete(&mut self) -> Result<()> {
         self.describe([(ENDING, COMPLETE.to_owned())])?;
-        // Best effort: nothing is lost where there is no room for it.
+        // An error is ignored: without disk space for compaction, the results are still complete.
         let _unpacked = self.connection.execute_batch("VACUUM");
         Ok(())
     }
 
-    /// The file in `folder`, whatever it is, for reading.
+    /// Opens the store's file in `folder` for reading, without a check of its kind.
     pub(super) fn file(folder: &Path) -> Result<Self> {
         let path = folder.join(STORE_FILE);
         let is_held = || FolderLock::is_held(folder);
         if !path.exists() {
             return Err(match count::difference(&path, None)? {
-                Some(found) if !is_held() => count::other_than_stored(&path, found),
+                Some(found) if !is_held() => count::mismatch_error(&path, found),
                 _ => Error::invalid("no results here")
                     .at_file(&path)
-                    .hint("name a folder that a sweep, tuning or a search has written"),
+                    .hint("give a folder that a sweep, a tuning or a search has written"),
             });
         }
         let was_held = is_held();
@@ -115,17 +117,17 @@ impl<R: Table> Store<R> {
             check_log(&path)?;
         }
         let store = Self::of_file(&path)?;
-        // Whoever begins to write meanwhile notes more than is seen here.
+        // A process that starts to write meanwhile may have noted more rows than this connection sees.
         if !was_held
             && let Some(found) = count::difference(&path, Some(&store.connection))?
             && !is_held()
         {
-            return Err(count::other_than_stored(&path, found));
+            return Err(count::mismatch_error(&path, found));
         }
         Ok(store)
     }
 
-    /// A file for reading, unchecked.
+    /// Opens a file for reading without any check.
     fn of_file(path: &Path) -> Result<Self> {
         Ok(Self {
             connection: connect_to_read(path)?,
@@ -137,11 +139,11 @@ impl<R: Table> Store<R> {
         })
     }
 
-    /// The file in a locked folder, verified before anything is written, and whether there is anything in it. For whoever goes on with the run of `resumed`, a store
-    /// that lacks something of what was stored last is what is left of it.
+    /// Opens the file in a locked folder for writing, after its content was verified, and says whether it holds any tables. If a run with
+    /// the fingerprint `resumed` is continued, a store that lost its last rows is accepted.
     pub(super) fn find(lock: FolderLock, resumed: Option<&Fingerprint>) -> Result<(Self, Content)> {
         let path = lock.folder().join(STORE_FILE);
-        // Looked at before anything is written: what is refused stays as it is.
+        // The checks come before any writing, so that a refused store stays unchanged.
         match resumed {
             Some(fingerprint) => Self::repair(&path, fingerprint)?,
             None if path.exists() => check_log(&path)?,
@@ -157,7 +159,7 @@ impl<R: Table> Store<R> {
         if resumed.is_none()
             && let Some(found) = count::difference(&path, connection)?
         {
-            return Err(count::other_than_stored(&path, found));
+            return Err(count::mismatch_error(&path, found));
         }
         let mut tally = Tally::default();
         if let (Content::Tables, Some(store)) = (&found, store) {
@@ -179,8 +181,8 @@ impl<R: Table> Store<R> {
         Ok((store, found))
     }
 
-    /// Sets a log aside that is not of this store, or with which the store is not what anybody stored: what it holds without it is
-    /// left.
+    /// Moves a write-ahead log aside if it does not belong to this store, or if the store is inconsistent with it; the rows in the main
+    /// file remain.
     fn repair(path: &Path, fingerprint: &Fingerprint) -> Result<()> {
         if count::has_foreign_log(path)? {
             return count::set_log_aside(path);
@@ -195,7 +197,7 @@ impl<R: Table> Store<R> {
             if !store.has_rows()? || store.each_verified(|_, _| Ok(())).is_err() {
                 return Ok(false);
             }
-            // Whole results of another run are refused later, with their log.
+            // Consistent results of another run are refused later, so their log is kept.
             Ok(store.must_be_of(fingerprint).is_ok()
                 || count::difference(path, Some(&store.connection))?.is_none())
         };
@@ -207,7 +209,7 @@ impl<R: Table> Store<R> {
     }
 }
 
-/// Checks what lies beside a store that nobody writes into.
+/// Checks the write-ahead log beside a store that no process writes into.
 fn check_log(path: &Path) -> Result<()> {
     if count::has_foreign_log(path)? {
         return Err(count::foreign_log(path));

@@ -1,4 +1,4 @@
-//! A table as a Parquet file, which pandas, Polars, DuckDB and R read without being told the types.
+//! Writes a table as a Parquet file, which pandas, Polars, DuckDB and R read with its column types.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use parquet::schema::types::Type;
 use super::listing::{Cell, ColumnKind, Listing};
 use realgap_core::error::{Error, Result};
 
-/// The listing as the bytes of a Parquet file; `path` is for messages.
+/// The listing as the bytes of a Parquet file; `path` names the file in error messages.
 ///
 /// # Errors
 /// A table that the format cannot hold.

@@ -1,4 +1,4 @@
-//! A Parquet file of others as the text of a table.
+//! Reads a Parquet file of another program as CSV text.
 
 use bytes::Bytes;
 use parquet::errors::ParquetError;
@@ -7,16 +7,16 @@ use parquet::record::{Field, Row};
 
 use realgap_core::error::{Error, Result};
 
-/// The columns of a Parquet file, as CSV with their names in the first line: numbers with all their digits, nothing where there is
-/// nothing, times as whole numbers of the unit that the file has them in. At most so many rows.
+/// The columns of a Parquet file as CSV with their names in the first line: numbers with all their digits, an empty cell for a missing
+/// value, times as whole numbers in the file's own unit. At most `most_rows` rows are read.
 ///
 /// # Errors
-/// Bytes that are no such file, or packed in a way that is not built in; more rows; columns that hold more than one value.
+/// Bytes that are not a Parquet file, or that use an unsupported compression; more rows; columns with more than one value per row.
 pub fn parquet_table(bytes: Vec<u8>, most_rows: usize) -> Result<String> {
     let refused = |error: ParquetError| {
         Error::invalid("the Parquet file cannot be read")
             .found(error)
-            .hint("columns packed with snappy, LZ4 or not at all are read: in pandas, df.to_parquet(FILE, compression=\"snappy\")")
+            .hint("supported are uncompressed columns and the compressions snappy and LZ4: in pandas, df.to_parquet(FILE, compression=\"snappy\")")
     };
     let file = SerializedFileReader::new(Bytes::from(bytes)).map_err(refused)?;
     let rows = file.metadata().file_metadata().num_rows();
@@ -63,7 +63,7 @@ fn push_field(text: &mut String, name: &str, field: &Field) -> Result<()> {
         Field::ULong(value) => value.to_string(),
         Field::TimestampMillis(value) | Field::TimestampMicros(value) => value.to_string(),
         Field::Str(value) => cell(value),
-        // Several numbers in one cell: `Reading::lists` says what they are.
+        // A list of numbers in one cell; `Reading::lists` says what the numbers mean.
         Field::ListInternal(list) => {
             text.push_str("\"[");
             for (index, element) in list.elements().iter().enumerate() {
@@ -75,17 +75,17 @@ fn push_field(text: &mut String, name: &str, field: &Field) -> Result<()> {
             "]\"".to_owned()
         }
         _ => {
-            return Err(Error::invalid("a column holds more than one value a row")
+            return Err(Error::invalid("a column holds more than one value per row")
                 .field(name)
                 .allowed("numbers and texts")
-                .hint("write its parts as columns of their own"));
+                .hint("write its parts as separate columns"));
         }
     };
     text.push_str(&value);
     Ok(())
 }
 
-/// A text as a cell: on one line, in quotes where it has a comma.
+/// A text as a CSV cell: on one line, in quotes if it contains a comma.
 fn cell(text: &str) -> String {
     let plain: String = text
         .chars()
@@ -114,11 +114,11 @@ mod tests {
 
     use super::parquet_table;
 
-    /// Seed of the places where the file is cut.
+    /// The seed for the positions where the file is cut.
     const SEED: u64 = 30;
 
     #[test]
-    fn no_cut_of_a_file_reads_as_a_table() {
+    fn a_truncated_file_is_refused_wherever_it_is_cut() {
         let schema = "message rows { required double t_s; required double x_m; }";
         let schema = Arc::new(parse_message_type(schema).unwrap());
         let mut bytes = Vec::new();

@@ -1,4 +1,4 @@
-//! One of several workers on the same run: it reads what all have done together, and keeps what it does itself apart.
+//! The storage of one of several workers on the same run: it reads the merged rows of all workers, and stores its own rows separately.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -13,21 +13,21 @@ use super::storage::Storage;
 use super::trial::Trial;
 use realgap_core::error::Result;
 
-/// Rows that all workers have done together, which are read, and those of one of them, which are kept in a store of its own.
-/// Without a worker it takes nothing: whoever only asks what is missing.
+/// The merged rows of all workers, which are only read, and the rows of one worker, which are stored in its own store.
+/// Without an own store it computes no rows; it then only tells which rows are missing.
 #[derive(Debug)]
 pub struct Part<R = Trial> {
     merged: Option<Store<R>>,
     own: Option<(Store<R>, Share)>,
-    /// Rows that the run asked for at last.
+    /// The number of rows that the run requested last.
     asked: usize,
 }
 
 impl<R: Table> Part<R> {
-    /// Of the run in the folder `merged`, which may not hold anything yet, for looking.
+    /// Opens the run in the folder `merged`, which may still be empty, for reading only.
     ///
     /// # Errors
-    /// Results of another run there, or damaged ones.
+    /// Results of another run in the folder, or damaged results.
     pub fn look(merged: &Path, fingerprint: &Fingerprint) -> Result<Self> {
         let merged = if merged.join(STORE_FILE).exists() {
             let store = Store::read(merged)?;
@@ -43,11 +43,11 @@ impl<R: Table> Part<R> {
         })
     }
 
-    /// Of the run in the folder `merged`, with a worker's own rows in a folder of their own, where it goes on if it was stopped
-    /// before.
+    /// Opens the run in the folder `merged`, with the worker's own rows in the folder `own`, where a worker that was stopped before
+    /// continues.
     ///
     /// # Errors
-    /// As [`Part::look`]; an own folder that is in use, cannot be written or holds rows of another run.
+    /// The errors of [`Part::look`]; an own folder that is in use, cannot be written or holds rows of another run.
     pub fn open<'a>(
         merged: &Path,
         own: impl Into<Place<'a>>,
@@ -61,12 +61,12 @@ impl<R: Table> Part<R> {
         })
     }
 
-    /// How many rows the run asked for at last: all of the batch that is under way, and of those before it.
+    /// The number of rows that the run requested last: those of the present batch and of all earlier batches.
     pub fn asked(&self) -> usize {
         self.asked
     }
 
-    /// Indices of the rows that were asked for and are neither merged nor here.
+    /// Indices of the requested rows that are neither in the merged store nor in the own store.
     ///
     /// # Errors
     /// A store that cannot be read.
@@ -77,7 +77,8 @@ impl<R: Table> Part<R> {
             .collect())
     }
 
-    /// Notes whether the worker has done all that is its of what was asked for, and says how many rows it has not.
+    /// Marks the own store as complete if the worker has computed all requested rows of its share, and returns the number of rows of its
+    /// share that are missing.
     ///
     /// # Errors
     /// A store that cannot be written.

@@ -1,4 +1,4 @@
-//! What is kept of one evaluated robot of a search.
+//! The stored row of one evaluated robot of a search.
 
 use rusqlite::{Connection, Transaction, params};
 
@@ -10,48 +10,48 @@ use super::row::{Checked, Row, Table};
 pub struct RobotRow {
     /// Position in the search's order, from 0.
     pub index: usize,
-    /// The genome, ten numbers a module.
+    /// The genome, ten numbers per module.
     pub genome: Vec<f64>,
-    /// What came of it.
+    /// The outcome of the evaluation.
     pub outcome: RobotOutcome,
 }
 
-/// What came of a robot.
+/// The outcome of a robot's evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RobotOutcome {
     /// Every repeat was simulated to its end.
     Walked {
-        /// What the search made large.
+        /// The value that the search maximises.
         fitness: f64,
-        /// What each repeat did, in order.
+        /// The motion of each repeat, in order.
         repeats: Vec<TravelRow>,
-        /// The descriptors that the search's strategy asks for, in its order.
+        /// The descriptors that the search's strategy uses, in its order.
         descriptors: Vec<f64>,
     },
-    /// It has no fitness.
+    /// The robot failed and has no fitness.
     Failed {
-        /// Why, by its short name.
+        /// Short name of the reason.
         reason: String,
-        /// What was seen.
+        /// The observation behind the reason, in words.
         seen: String,
     },
 }
 
-/// What one repeat of a robot did.
+/// The motion of one repeat of a robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TravelRow {
-    /// From start (or from where it counts) to end in the plane, metres.
+    /// Distance in the plane from the start (or from the first counted position) to the end, metres.
     pub displacement_m: f64,
-    /// Along the path, metres.
+    /// Length of the path, metres.
     pub path_length_m: f64,
-    /// Change of the heading, radians, left positive.
+    /// Change of the heading, radians, positive to the left.
     pub turned_rad: f64,
-    /// What the servos gave meanwhile, joules; `None` where nobody counted.
+    /// Energy that the servos delivered meanwhile, joules; `None` if it was not measured.
     pub servo_j: Option<f64>,
 }
 
 impl TravelRow {
-    /// Displacement per path length; 0 below one body length of displacement, where there is no direction to speak of.
+    /// Displacement per path length; 0 below one body length of displacement, because the path then has no clear direction.
     pub fn straightness(&self, body_length_m: f64) -> f64 {
         if self.displacement_m < body_length_m {
             return 0.0;
@@ -59,7 +59,7 @@ impl TravelRow {
         (self.displacement_m / self.path_length_m).min(1.0)
     }
 
-    /// Displacement per energy, m/J; 0 below one body length, and where no servo gave any or nobody counted.
+    /// Displacement per energy, m/J; 0 below one body length, and if the servos delivered no energy or it was not measured.
     pub fn metres_per_joule(&self, body_length_m: f64) -> f64 {
         match self.servo_j {
             Some(servo_j) if servo_j > 0.0 && self.displacement_m >= body_length_m => {
@@ -70,16 +70,16 @@ impl TravelRow {
     }
 }
 
-/// What stands in the column `status` of a robot that walked.
+/// The text in the column `status` of a robot that was simulated to its end.
 const WALKED: &str = "walked";
 
-/// A row as SQLite holds it.
+/// A row in the form in which SQLite stores it.
 struct Columns {
     genome: Vec<u8>,
     status: String,
     seen: String,
     fitness: Option<f64>,
-    /// Blobs of displacements, path lengths, headings, energies (NaN where nobody counted) and descriptors.
+    /// Blobs of displacements, path lengths, heading changes, energies (NaN if not measured) and descriptors.
     lists: [Vec<u8>; 5],
 }
 
@@ -106,7 +106,7 @@ impl Columns {
                     genome,
                     status: WALKED.to_owned(),
                     seen: String::new(),
-                    // SQLite has no NaN: it is kept as nothing.
+                    // SQLite has no NaN, so NaN is stored as NULL.
                     fitness: Some(*fitness).filter(|fitness| !fitness.is_nan()),
                     lists: [
                         list(|travel| travel.displacement_m),
@@ -172,7 +172,7 @@ impl Columns {
 }
 
 impl RobotRow {
-    /// About how many bytes it takes in a store.
+    /// The approximate number of bytes that the row takes in a store.
     pub fn stored_bytes(&self) -> usize {
         let columns = Columns::of(self);
         let lists: usize = columns.lists.iter().map(Vec::len).sum();

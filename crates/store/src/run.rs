@@ -1,23 +1,23 @@
-//! What is kept of one simulated run of an ensemble.
+//! The stored row of one simulated run of an ensemble.
 
 use rusqlite::{Connection, Transaction, params};
 
 use super::checksum::{Checksum, from_bytes, to_bytes};
 use super::row::{Checked, Row, Table};
 
-/// A run as numbers and words, which whoever made it can read again.
+/// A run as numbers and words; the crate that wrote the row knows what they mean.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunRow {
-    /// Its number.
+    /// The number of the run.
     pub index: usize,
-    /// All numbers of it.
+    /// All numbers of the run.
     pub numbers: Vec<f64>,
-    /// What cannot be said in numbers, as JSON.
+    /// All other values of the run, as JSON.
     pub words: String,
 }
 
 impl RunRow {
-    /// About how many bytes it takes in a store.
+    /// The approximate number of bytes that the row takes in a store.
     pub fn stored_bytes(&self) -> usize {
         24 + 8 * self.numbers.len() + self.words.len()
     }

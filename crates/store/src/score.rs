@@ -1,4 +1,4 @@
-//! A store of trials, whose scores are kept apart: a basis that is fitted later changes them.
+//! Stores the scores of trials in a table of their own, because a basis that is fitted later changes the scores.
 
 use super::connection::sql;
 use super::database::Store;
@@ -6,15 +6,15 @@ use super::trial::{Trial, TrialScore};
 use realgap_core::error::Result;
 
 impl Store<Trial> {
-    /// All trials, by index.
+    /// All trials, sorted by index.
     ///
     /// # Errors
-    /// As [`Store::rows`].
+    /// The same as of [`Store::rows`].
     pub fn trials(&self) -> Result<Vec<Trial>> {
         self.rows()
     }
 
-    /// Keeps the scores of trials; scores of the same trial are replaced (a basis fitted later changes them).
+    /// Stores the scores of trials; older scores of the same trials are replaced.
     ///
     /// # Errors
     /// A full disk or a store that cannot be written.
@@ -30,10 +30,10 @@ impl Store<Trial> {
         })
     }
 
-    /// The scores that are there, by trial.
+    /// The stored scores, sorted by trial.
     ///
     /// # Errors
-    /// As [`Store::rows`].
+    /// The same as of [`Store::rows`].
     pub fn scores(&self) -> Result<Vec<TrialScore>> {
         let scores = TrialScore::read(&self.connection)
             .map_err(|e| sql(&self.path, "read the results", &e))?;

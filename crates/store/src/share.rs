@@ -1,13 +1,13 @@
-//! Which of several workers does which rows.
+//! Divides the rows of a run among several workers.
 
 use realgap_core::error::{Error, Result};
 
-/// Most workers that one run is shared among.
-pub const MOST_SHARES: usize = 100_000;
+/// The largest number of workers that one run is divided among.
+pub const MAX_SHARES: usize = 100_000;
 
-/// The rows of a run that one worker of several does: of every block of as many rows as there are workers each does one, from
-/// another worker on in every block, so that neither a short batch nor what repeats along the rows (settings that cost more)
-/// falls on some of them alone.
+/// The rows of a run that one of several workers computes. In every block of as many rows as there are workers, each worker computes one
+/// row, and every block starts with another worker. So neither a short batch nor a pattern that repeats along the rows (such as expensive
+/// settings) is left to a few workers only.
 ///
 /// ```
 /// use realgap_store::Share;
@@ -24,16 +24,16 @@ pub struct Share {
 }
 
 impl Share {
-    /// Share `number` of so many, counted from 0.
+    /// Share `number` of `of` shares, counted from 0.
     ///
     /// # Errors
-    /// A number that there is not.
+    /// A number of shares out of range, or a share number that does not exist.
     pub fn new(number: usize, of: usize) -> Result<Self> {
-        if !(1..=MOST_SHARES).contains(&of) {
-            return Err(Error::usage("so many shards cannot be")
+        if !(1..=MAX_SHARES).contains(&of) {
+            return Err(Error::usage("the number of shards is out of range")
                 .field("shards")
                 .found(of)
-                .allowed(format!("1 to {MOST_SHARES}")));
+                .allowed(format!("1 to {MAX_SHARES}")));
         }
         if number >= of {
             return Err(Error::usage("there is no such shard")
@@ -44,29 +44,29 @@ impl Share {
         Ok(Self { number, of })
     }
 
-    /// Its number, from 0.
+    /// The number of this share, from 0.
     pub fn number(self) -> usize {
         self.number
     }
 
-    /// How many there are.
+    /// The number of all shares.
     pub fn of(self) -> usize {
         self.of
     }
 
-    /// Whether the row with this index is its.
+    /// True if the row with this index belongs to this share.
     pub fn has(self, index: usize) -> bool {
         Self::owner(index, self.of) == self.number
     }
 
-    /// The number of the share that the row with this index is in.
+    /// The number of the share to which the row with this index belongs.
     pub fn owner(index: usize, of: usize) -> usize {
         let turned = mixed((index / of) as u64) % of as u64;
         (index % of + turned as usize) % of
     }
 }
 
-/// Bits that say nothing of the number any more, the same everywhere and in every version: splitmix64 (Steele, Lea and Flood 2014).
+/// A hash of a number that is the same on every machine and in every version: splitmix64 (Steele, Lea and Flood 2014).
 fn mixed(number: u64) -> u64 {
     let x = number.wrapping_add(0x9E37_79B9_7F4A_7C15);
     let x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -79,7 +79,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_row_is_of_one_share_and_settings_that_repeat_are_spread_over_all() {
+    fn every_row_belongs_to_one_share_and_repeating_settings_are_spread_over_all_shares() {
         for of in [1, 2, 3, 8, 16, 32] {
             let shares: Vec<Share> = (0..of).map(|n| Share::new(n, of).unwrap()).collect();
             let mut settings = vec![std::collections::BTreeSet::new(); of];

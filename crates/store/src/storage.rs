@@ -1,4 +1,4 @@
-//! Where rows go as they come: a results folder, or memory.
+//! The interface for storing rows as they are computed, in a results folder or in memory.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -6,40 +6,40 @@ use std::ops::Range;
 use super::row::Row;
 use realgap_core::error::Result;
 
-/// Keeps rows of one kind by their index: [`Store`](super::Store) in a results folder, [`Memory`] for as long as it lives. What is
-/// computed from the rows has the same bits either way.
+/// Stores rows of one kind by their index: [`Store`](super::Store) in a results folder, [`Memory`] in memory. Values that are computed
+/// from the stored rows have the same bits in both cases.
 pub trait Storage<R> {
-    /// Indices of the rows that are there.
+    /// Indices of the stored rows.
     ///
     /// # Errors
     /// A store that cannot be read.
     fn finished(&self) -> Result<BTreeSet<usize>>;
 
-    /// Keeps rows, all of them or none.
+    /// Stores rows, either all of them or none.
     ///
     /// # Errors
-    /// A full disk, or a row that is already there.
+    /// A full disk, or a row that is already stored.
     fn insert(&mut self, rows: &[R]) -> Result<()>;
 
-    /// The rows with an index in `range`, by index.
+    /// The rows with an index in `range`, sorted by index.
     ///
     /// # Errors
     /// A store that cannot be read.
     fn rows_within(&self, range: Range<usize>) -> Result<Vec<R>>;
 
-    /// Hears how many rows a run wants in the end of the batch that begins, those before it included.
+    /// Notes, at the start of a batch, how many rows the run will have at the end of this batch, earlier rows included.
     fn begin(&mut self, rows: usize) {
         let _ = rows;
     }
 
-    /// Whether a row that is missing is to be made for this storage: one of several workers takes its share alone.
+    /// True if a missing row is to be computed for this storage; one of several workers computes only its share.
     fn takes(&self, index: usize) -> bool {
         let _ = index;
         true
     }
 }
 
-/// Rows in memory.
+/// A storage of rows in memory.
 ///
 /// ```
 /// use realgap_store::{Memory, Storage, Trial};

@@ -1,4 +1,4 @@
-//! What a store promises.
+//! Tests of a store: rows come back unchanged, one writer at a time, no mixture of studies.
 
 use std::fs;
 
@@ -26,7 +26,7 @@ fn trial(index: usize) -> Trial {
 }
 
 #[test]
-fn trials_come_back_bit_for_bit() {
+fn trials_are_read_back_with_the_same_bits() {
     let folder = tempfile::tempdir().unwrap();
     let fingerprint = Fingerprint::new().with("a", 1).with("b", "x");
     let mut store = Store::create(folder.path(), &fingerprint).unwrap();
@@ -42,7 +42,7 @@ fn trials_come_back_bit_for_bit() {
 }
 
 #[test]
-fn scores_and_descriptions_come_back_and_are_replaced() {
+fn scores_and_descriptions_are_read_back_and_can_be_replaced() {
     let folder = tempfile::tempdir().unwrap();
     let mut store = Store::create(folder.path(), &Fingerprint::new()).unwrap();
     store.insert(&[trial(0), trial(1)]).unwrap();
@@ -67,7 +67,7 @@ fn scores_and_descriptions_come_back_and_are_replaced() {
 }
 
 #[test]
-fn a_folder_takes_one_writer_and_one_study() {
+fn a_folder_accepts_one_writer_and_one_study() {
     let folder = tempfile::tempdir().unwrap();
     let fingerprint = Fingerprint::new().with("a", 1);
     let store = Store::<Trial>::create(folder.path(), &fingerprint).unwrap();
@@ -84,7 +84,7 @@ fn a_folder_takes_one_writer_and_one_study() {
 }
 
 #[test]
-fn a_reader_may_look_while_a_writer_writes() {
+fn a_store_can_be_read_while_another_process_writes() {
     let folder = tempfile::tempdir().unwrap();
     let mut store = Store::create(folder.path(), &Fingerprint::new()).unwrap();
     store.insert(&[trial(0)]).unwrap();
@@ -94,7 +94,7 @@ fn a_reader_may_look_while_a_writer_writes() {
 }
 
 #[test]
-fn a_file_that_is_no_store_is_refused() {
+fn a_file_that_is_not_a_store_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(
         folder.path().join(STORE_FILE),

@@ -1,4 +1,4 @@
-//! What is kept of one evaluated point of a study.
+//! The stored row of one evaluated point of a study, and its scores.
 
 use rusqlite::{Connection, OptionalExtension as _, Transaction, params};
 
@@ -8,35 +8,35 @@ use super::row::{Checked, Row, Table};
 /// The simulation of one case: one start, compared with one or more recordings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CaseRow {
-    /// Steps taken.
+    /// Number of simulated steps.
     pub steps: u64,
-    /// What came of it.
+    /// The outcome of the simulation.
     pub outcome: CaseOutcome,
 }
 
-/// What came of a case.
+/// The outcome of a case.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CaseOutcome {
     /// The whole duration was simulated.
     Completed(CaseResult),
-    /// The state became absurd: when, and why.
+    /// The simulation diverged; the text says when and why.
     Diverged(String),
 }
 
-/// What is kept of a case that was simulated to its end.
+/// The stored results of a case that was simulated to its end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CaseResult {
     /// Length of the net displacement in the plane, metres.
     pub net_displacement_m: f64,
-    /// Scores against the case's recordings, in order; empty where the metric needs a basis. Behind them the single errors of all
-    /// these recordings, where an optimizer asks for them.
+    /// Scores against the case's recordings, in order; empty if the metric needs a basis. If an optimizer uses single errors, those of all
+    /// these recordings follow after the scores.
     pub scores: Vec<f64>,
-    /// The prepared path, metres, where it is needed later; empty otherwise.
+    /// The prepared path, metres, if it is needed later; otherwise empty.
     pub path_xy_m: Vec<[f64; 2]>,
 }
 
 impl CaseRow {
-    /// What is kept of it, where it was simulated to its end.
+    /// The results, if the case was simulated to its end.
     pub fn completed(&self) -> Option<&CaseResult> {
         match &self.outcome {
             CaseOutcome::Completed(result) => Some(result),
@@ -44,7 +44,7 @@ impl CaseRow {
         }
     }
 
-    /// Why it diverged, where it did.
+    /// The reason for divergence, if the case diverged.
     pub fn diverged(&self) -> Option<&str> {
         match &self.outcome {
             CaseOutcome::Completed(_) => None,
@@ -53,19 +53,19 @@ impl CaseRow {
     }
 }
 
-/// One evaluated point: parameter values and one row a case.
+/// One evaluated point: parameter values and one row per case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trial {
     /// Index of the point in the study's order.
     pub index: usize,
     /// Values of the study's parameters, in the study's order.
     pub values: Vec<f64>,
-    /// One row a case.
+    /// One row per case.
     pub cases: Vec<CaseRow>,
 }
 
 impl Trial {
-    /// About how many bytes it takes in a store.
+    /// The approximate number of bytes that the row takes in a store.
     pub fn stored_bytes(&self) -> usize {
         let numbers = |case: &CaseRow| {
             case.completed().map_or(0, |result| {
@@ -76,22 +76,22 @@ impl Trial {
         24 + 8 * self.values.len() + cases
     }
 
-    /// Why a case diverged, the first that did; `None` where every case was simulated to its end.
+    /// The reason of the first case that diverged; `None` if every case was simulated to its end.
     pub fn diverged(&self) -> Option<&str> {
         self.cases.iter().find_map(CaseRow::diverged)
     }
 }
 
-/// Scores of one trial, once they can be told.
+/// Scores of one trial, as soon as they can be computed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrialScore {
     /// Index of the trial.
     pub index: usize,
-    /// Mean score over the recordings that were fitted; `None` where a case diverged.
+    /// Mean score over the recordings that were fitted; `None` if a case diverged.
     pub score: Option<f64>,
     /// Mean absolute difference of the net displacements, metres.
     pub displacement_error_m: Option<f64>,
-    /// Score against each recording, in order; empty where a case diverged.
+    /// Score against each recording, in order; empty if a case diverged.
     pub recordings: Vec<f64>,
 }
 
@@ -111,7 +111,7 @@ impl TrialScore {
         Ok(checksum)
     }
 
-    /// Checksum of the scores that these will replace.
+    /// Checksum of the stored scores that these scores will replace.
     pub(super) fn replaced(&self, transaction: &Transaction<'_>) -> rusqlite::Result<Option<i64>> {
         transaction
             .prepare_cached("SELECT checksum FROM score WHERE trial = ?1")?
@@ -119,7 +119,7 @@ impl TrialScore {
             .optional()
     }
 
-    /// All scores, by trial.
+    /// All scores, sorted by trial.
     pub(super) fn read(connection: &Connection) -> rusqlite::Result<Vec<Checked<Self>>> {
         let mut statement = connection.prepare_cached(
             "SELECT trial, score, displacement_error_m, recordings, checksum FROM score ORDER BY trial",
@@ -157,7 +157,7 @@ impl Row for Trial {
 }
 
 impl Trial {
-    /// The whole trial's: a case that is gone is noticed, too.
+    /// Checksum of the whole trial with all cases, so that a missing case is noticed too.
     fn checksum(&self) -> i64 {
         let trial = Checksum::of(Self::NAME)
             .whole(self.index as i64)
@@ -181,7 +181,7 @@ impl Trial {
     }
 }
 
-/// What a case has in the columns of its result: nothing where it diverged.
+/// The values of a case in the columns of its results; empty if the case diverged.
 #[derive(Default)]
 struct Columns {
     net_displacement_m: Option<f64>,
@@ -199,7 +199,7 @@ impl Columns {
     }
 }
 
-/// SQLite has no NaN: it is kept as nothing.
+/// SQLite has no NaN, so a number that is not finite is stored as NULL.
 fn finite(number: f64) -> Option<f64> {
     Some(number).filter(|number| number.is_finite())
 }

@@ -1,4 +1,4 @@
-//! A store keeps what was written or says that it cannot: damage, other versions, media that cannot be written.
+//! A damaged store, or one of another version, gives an error and never different results.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::path::Path;
@@ -8,7 +8,7 @@ use rand::{Rng, RngExt};
 use realgap_core::random::Numbered;
 use realgap_store::{Fingerprint, Listing, Mode, RobotRow, STORE_FILE, Store, Trial, TrialScore};
 
-/// Everything that a store says: what `results` lists, and what a run goes on with.
+/// Everything that is read from a store: the listing, and the rows from which a run is resumed.
 #[derive(Debug, PartialEq)]
 struct Answer {
     listing: Listing,
@@ -38,7 +38,7 @@ fn answer(folder: &Path) -> realgap_core::Result<Answer> {
 /// Size of SQLite's pages.
 const PAGE: usize = 4096;
 
-/// Damages one random page, as a disk or a copy does.
+/// Damages one random page, as a failing disk or an interrupted copy does.
 fn damage(bytes: &mut [u8], rng: &mut dyn Rng) {
     let pages = bytes.len() / PAGE;
     let page = rng.random_range(0..pages) * PAGE;
@@ -58,7 +58,7 @@ fn damage(bytes: &mut [u8], rng: &mut dyn Rng) {
     }
 }
 
-/// Damages a store so many times: every time it is refused, or says what it said before.
+/// Damages a store `times` times: every time it is refused, or gives the same results as before.
 fn survive(write: fn(&Path), times: u64) {
     let whole = tempfile::tempdir().unwrap();
     write(whole.path());
@@ -86,7 +86,7 @@ fn a_damaged_page_is_an_error_or_changes_nothing() {
 }
 
 #[test]
-fn a_finished_store_that_is_cut_anywhere_is_an_error() {
+fn a_finished_store_that_is_truncated_anywhere_is_an_error() {
     let folder = tempfile::tempdir().unwrap();
     study(folder.path());
     let file = folder.path().join(STORE_FILE);
@@ -105,7 +105,7 @@ fn thousands_of_damaged_pages_are_errors_or_change_nothing() {
 }
 
 #[test]
-fn a_row_that_is_changed_gone_or_added_is_an_error_that_says_so() {
+fn a_changed_missing_or_added_row_is_reported_as_damage() {
     for sql in [
         "UPDATE trial SET parameters = zeroblob(16) WHERE id = 3",
         "UPDATE outcome SET steps = 1 WHERE trial = 4 AND position = 2",
@@ -132,10 +132,10 @@ fn a_row_that_is_changed_gone_or_added_is_an_error_that_says_so() {
 }
 
 #[test]
-fn a_run_that_was_killed_before_its_tables_has_an_empty_store() {
+fn a_run_that_was_killed_before_it_created_its_tables_has_an_empty_store() {
     for mode in [Mode::Start, Mode::Resume, Mode::Restart] {
         let folder = tempfile::tempdir().unwrap();
-        // What is left of a process that had locked the folder and opened its file.
+        // The files that a killed process leaves after it locked the folder and opened its store.
         std::fs::write(folder.path().join(".lock"), "").unwrap();
         for left in [None, Some("")] {
             if let Some(left) = left {
@@ -151,7 +151,7 @@ fn a_run_that_was_killed_before_its_tables_has_an_empty_store() {
 }
 
 #[test]
-fn finished_results_are_used_or_refused_but_never_removed_unless_that_is_asked_for() {
+fn finished_results_are_used_or_refused_but_removed_only_by_a_restart() {
     let folder = tempfile::tempdir().unwrap();
     study(folder.path());
     let expected = answer(folder.path()).unwrap();
@@ -162,7 +162,7 @@ fn finished_results_are_used_or_refused_but_never_removed_unless_that_is_asked_f
     assert_eq!(store.trials().unwrap(), expected.trials);
     assert!(store.is_complete().unwrap());
     drop(store);
-    // Another study, another version, another kind of run: refused, without advice to remove anything.
+    // Results of another study, version or kind of run are refused, and the error does not advise to remove anything.
     let other = fingerprint().with("seed", 2);
     let version = Fingerprint::new().with("realgap", "2").with("points", 40);
     for refused in [
@@ -180,7 +180,7 @@ fn finished_results_are_used_or_refused_but_never_removed_unless_that_is_asked_f
         );
     }
     assert_eq!(answer(folder.path()).unwrap(), expected);
-    // Asked for more than is there, the store is unfinished until it has that, too.
+    // A run with more rows than the store makes the store unfinished until these rows are stored too.
     let mut store = open(&fingerprint(), Mode::Start).unwrap();
     store.insert(&[trial(40)]).unwrap();
     assert!(!store.is_complete().unwrap());
@@ -198,7 +198,7 @@ fn finished_results_are_used_or_refused_but_never_removed_unless_that_is_asked_f
 }
 
 #[test]
-fn another_version_says_which_and_offers_a_way_that_removes_nothing() {
+fn results_of_another_version_are_refused_with_the_version_and_stay_unchanged() {
     for (version, words) in [(2, "an earlier version"), (99, "a later version")] {
         let folder = tempfile::tempdir().unwrap();
         study(folder.path());
@@ -215,7 +215,7 @@ fn another_version_says_which_and_offers_a_way_that_removes_nothing() {
                 "{said}"
             );
         }
-        // Not a byte of it has changed.
+        // The file is unchanged.
         assert_eq!(
             std::fs::read(folder.path().join(STORE_FILE)).unwrap(),
             before
@@ -223,10 +223,10 @@ fn another_version_says_which_and_offers_a_way_that_removes_nothing() {
     }
 }
 
-/// Runs of one study that kill -9 has ended: each an open store whose files are copied while its writer is at work.
+/// Runs of one study that were ended by kill -9: each is an open store whose files are copied while its writer is still open.
 struct Killed {
     folder: tempfile::TempDir,
-    /// Kept open, so that logs stay.
+    /// The stores are kept open, so that their logs stay.
     _writers: Vec<Store<Trial>>,
 }
 
@@ -245,7 +245,7 @@ impl Killed {
         }
     }
 
-    /// A run that has stored so many rows, one at a time, of which those before `merged` have reached the file itself.
+    /// Starts a run that has stored `rows` rows, one at a time; the rows before `merged` are in the main file, the others in the log.
     fn run(&mut self, name: &str, fingerprint: &Fingerprint, rows: usize, merged: usize) {
         let open = self.folder.path().join(name);
         let mut store = Store::<Trial>::create(&open, fingerprint).unwrap();
@@ -270,7 +270,7 @@ impl Killed {
         self._writers.push(store);
     }
 
-    /// What is left of it, as a folder of its own.
+    /// The files that a killed run leaves, in a folder of their own.
     fn left(&self, name: &str, copy: &str) -> std::path::PathBuf {
         let (open, killed) = (self.folder.path().join(name), self.folder.path().join(copy));
         let _fresh = std::fs::remove_dir_all(&killed);
@@ -282,8 +282,8 @@ impl Killed {
     }
 }
 
-/// A store of a killed run is read as before, or refused with a word of resuming; resumed it has nothing but what was stored.
-/// Whether it was refused.
+/// Checks that the store of a killed run is read unchanged, or refused with the advice to resume; a resumed store holds only rows that were
+/// stored. Returns true if the store was refused.
 fn read_and_resume(killed: &Path, fingerprint: &Fingerprint, whole: &[Trial], what: &str) -> bool {
     let listed = Store::<Trial>::read(killed).and_then(|store| store.trials());
     let is_refused = match listed {
@@ -315,11 +315,11 @@ fn read_and_resume(killed: &Path, fingerprint: &Fingerprint, whole: &[Trial], wh
 }
 
 #[test]
-fn a_log_that_is_cut_missing_damaged_or_of_another_run_is_an_error_that_resuming_cures() {
+fn a_truncated_missing_damaged_or_foreign_log_is_an_error_that_resuming_repairs() {
     let mut all = Killed::new();
     let whole: Vec<Trial> = (0..24).map(trial).collect();
     let others = Fingerprint::new().with("realgap", "1").with("points", 7);
-    // The first has everything in its log, the second a part of it in its file.
+    // The first run has all rows in its log, the second has a part of them in its main file.
     all.run("log", &fingerprint(), 24, 99);
     all.run("both", &fingerprint(), 24, 9);
     all.run("shorter", &fingerprint(), 5, 99);
@@ -353,10 +353,10 @@ fn a_log_that_is_cut_missing_damaged_or_of_another_run_is_an_error_that_resuming
             let killed = all.left(name, "killed");
             std::fs::copy(log_of(&all.left(foreign, "foreign")), log_of(&killed)).unwrap();
             let refused = resume(&killed, &format!("with the log of {foreign}"));
-            // Two runs of one study that have stored the same have stored the same.
+            // The logs of the two runs of this study hold the same rows, so they may replace each other.
             assert!(refused || ["log", "both"].contains(&foreign), "{foreign}");
         }
-        // The count itself.
+        // The file with the noted count is missing or damaged.
         for left in [None, Some("x"), Some("")] {
             let killed = all.left(name, "killed");
             let count = killed.join("results.sqlite-count");
@@ -370,7 +370,7 @@ fn a_log_that_is_cut_missing_damaged_or_of_another_run_is_an_error_that_resuming
 }
 
 #[test]
-fn a_closed_store_has_no_log_and_one_that_lies_beside_it_is_refused() {
+fn a_log_beside_a_closed_store_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let closed = folder.path().join("closed");
     std::fs::create_dir(&closed).unwrap();
@@ -381,7 +381,7 @@ fn a_closed_store_has_no_log_and_one_that_lies_beside_it_is_refused() {
     let log = closed.join("results.sqlite-wal");
     std::fs::copy(all.left("other", "left").join("results.sqlite-wal"), &log).unwrap();
     let error = Listing::read(&closed).unwrap_err().to_string();
-    assert!(error.contains("not of the store"), "{error}");
+    assert!(error.contains("does not belong to the store"), "{error}");
     assert!(Store::<Trial>::open(&closed, &fingerprint(), Mode::Start, "run", "all").is_err());
     drop(Store::<Trial>::resume(&closed, &fingerprint()).unwrap());
     assert_eq!(answer(&closed).unwrap(), expected);

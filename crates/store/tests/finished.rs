@@ -1,4 +1,4 @@
-//! Finished results, and what changes them behind the store's back.
+//! Builds stores with finished results for the tests, and changes stores directly by SQL.
 #![allow(dead_code, reason = "every test binary uses its own part")]
 
 use std::path::Path;
@@ -66,7 +66,7 @@ pub fn robot(index: usize) -> RobotRow {
     }
 }
 
-/// A finished study in this folder.
+/// Writes the results of a finished study into this folder.
 pub fn study(folder: &Path) {
     let mut store = Store::create(folder, &fingerprint()).unwrap();
     let list = |names: &[&str]| serde_json::json!(names).to_string();
@@ -88,7 +88,7 @@ pub fn study(folder: &Path) {
     store.complete().unwrap();
 }
 
-/// A finished search in this folder.
+/// Writes the results of a finished search into this folder.
 pub fn search(folder: &Path) {
     let mut store = Store::create(folder, &fingerprint()).unwrap();
     store
@@ -108,7 +108,7 @@ pub fn search(folder: &Path) {
     store.complete().unwrap();
 }
 
-/// Runs SQL on a store behind its back.
+/// Changes a store directly by SQL, without updating its checksums.
 pub fn tamper(folder: &Path, sql: &str) {
     let connection = rusqlite::Connection::open(folder.join(STORE_FILE)).unwrap();
     connection.execute_batch(sql).unwrap();

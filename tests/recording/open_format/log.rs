@@ -300,7 +300,7 @@ fn a_cut_or_damaged_mcap_file_is_refused_in_words() {
     bomb[size..size + 8].copy_from_slice(&u64::MAX.to_le_bytes());
     let path = put(folder.path(), "run.mcap", &bomb);
     let error = read(&path, Reading::default()).unwrap_err().to_string();
-    assert!(error.contains("too large unpacked"), "{error}");
+    assert!(error.contains("too large when decompressed"), "{error}");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Pixels as the bytes of a PNG file.
+//! Encodes pixels as a PNG file or as an animated PNG file.
 
 use crate::error::{Error, Result};
 
@@ -6,7 +6,7 @@ fn unexpected(error: png::EncodingError) -> Error {
     Error::invalid(format!("cannot encode the picture as PNG: {error}"))
 }
 
-/// What writes pictures of 8 bits a channel, signed.
+/// An encoder for pictures with 8 bits per channel that name realgap as their software.
 fn encoder(
     bytes: &mut Vec<u8>,
     [width, height]: [u32; 2],
@@ -22,7 +22,7 @@ fn encoder(
     Ok(encoder)
 }
 
-/// The bytes of a PNG file with 8 bits a channel; `rgb` holds three bytes a pixel, row by row.
+/// The bytes of a PNG file with 8 bits per channel; `rgb` holds three bytes per pixel, row by row.
 ///
 /// # Errors
 /// Sizes that do not fit the pixels.
@@ -35,22 +35,22 @@ pub fn png_bytes(width: u32, height: u32, rgb: &[u8]) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// An animated PNG file that grows, 8 bits a channel. Of each picture only the pixels are kept in which it differs from the one
-/// before: the others are transparent, which takes hardly any room.
-pub struct Animated<'f> {
+/// An animated PNG file that is written picture by picture, with 8 bits per channel. Each picture stores only the pixels that differ from
+/// the previous picture; the other pixels are transparent, which takes very few bytes.
+pub struct AnimatedPng<'f> {
     writer: png::Writer<&'f mut Vec<u8>>,
     size: [usize; 2],
-    before: Option<Vec<u8>>,
+    previous: Option<Vec<u8>>,
 }
 
-/// Left, top, width and height, pixels.
+/// Left edge, top edge, width and height of a rectangle, pixels.
 type Area = [usize; 4];
 
-impl<'f> Animated<'f> {
-    /// A file in `bytes`, of so many pictures, shown one after the other for so long each, for ever.
+impl<'f> AnimatedPng<'f> {
+    /// Starts a file in `bytes` with this number of pictures; each is shown for `shown_s` seconds, in an endless loop.
     ///
     /// # Errors
-    /// No picture, or no size.
+    /// No pictures, or a width or height of 0.
     pub fn new(
         bytes: &'f mut Vec<u8>,
         size: [u32; 2],
@@ -68,22 +68,22 @@ impl<'f> Animated<'f> {
         Ok(Self {
             writer: encoder.write_header().map_err(unexpected)?,
             size: size.map(|side| side as usize),
-            before: None,
+            previous: None,
         })
     }
 
-    /// Adds a picture: three bytes a pixel, row by row.
+    /// Adds a picture: three bytes per pixel, row by row.
     ///
     /// # Errors
-    /// More pictures than were said, or pixels that do not fit.
+    /// More pictures than [`AnimatedPng::new`] was given, or a number of pixels that does not fit the size.
     pub fn push(&mut self, rgb: Vec<u8>) -> Result<()> {
         let [width, height] = self.size;
-        let area = match &self.before {
-            Some(before) if before.len() == rgb.len() => changed(before, &rgb, width),
+        let area = match &self.previous {
+            Some(previous) if previous.len() == rgb.len() => changed(previous, &rgb, width),
             _ => [0, 0, width, height],
         };
         let [left, top, wide, tall] = area;
-        if self.before.is_some() {
+        if self.previous.is_some() {
             let writer = &mut self.writer;
             writer
                 .set_blend_op(png::BlendOp::Over)
@@ -98,8 +98,8 @@ impl<'f> Animated<'f> {
                 .set_frame_position(place[0], place[1])
                 .map_err(unexpected)?;
         }
-        let same = |at: usize| match &self.before {
-            Some(before) => before[at..at + 3] == rgb[at..at + 3],
+        let same = |at: usize| match &self.previous {
+            Some(previous) => previous[at..at + 3] == rgb[at..at + 3],
             None => false,
         };
         let mut part = Vec::with_capacity(4 * wide * tall);
@@ -115,20 +115,20 @@ impl<'f> Animated<'f> {
             }
         }
         self.writer.write_image_data(&part).map_err(unexpected)?;
-        self.before = Some(rgb);
+        self.previous = Some(rgb);
         Ok(())
     }
 
     /// Ends the file.
     ///
     /// # Errors
-    /// Fewer pictures than were said.
+    /// Fewer pictures than [`AnimatedPng::new`] was given.
     pub fn finish(self) -> Result<()> {
         self.writer.finish().map_err(unexpected)
     }
 }
 
-/// The smallest rectangle in which two pictures of this width differ; one pixel where they do not.
+/// The smallest rectangle that contains all differences of two pictures of this width; one pixel if the pictures are equal.
 fn changed(a: &[u8], b: &[u8], width: usize) -> Area {
     let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
     let rows = a.chunks_exact(3 * width).zip(b.chunks_exact(3 * width));

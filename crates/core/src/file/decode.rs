@@ -1,4 +1,4 @@
-//! From text to a typed value, with the parser's complaints in plain words.
+//! Parses RON and JSON texts into typed values, and translates the parser's errors into plain words.
 
 use ron::error::{Error as Code, SpannedError};
 use ron::extensions::Extensions;
@@ -10,7 +10,7 @@ use super::suggestion::{shorten, unknown_name};
 use crate::Error;
 use crate::Result;
 
-/// Parses a text, RON or (of [`Source::json`]) JSON, into `T`. Optional fields may be written without `Some(...)`.
+/// Parses a text into `T`: JSON if the source was made by [`Source::json`], else RON. Optional fields may be written without `Some(...)`.
 ///
 /// # Errors
 /// Anything that is not RON or does not fit `T`: the error names file, line, column, field, what
@@ -30,7 +30,7 @@ pub fn parse_ron<T: DeserializeOwned>(source: &Source) -> Result<T> {
 
 fn parse_json<T: DeserializeOwned>(source: &Source) -> Result<T> {
     serde_json::from_str(source.text()).map_err(|error| {
-        // Where in a text that a program has made helps nobody.
+        // The position is removed, because nobody reads a text that a program has generated.
         let message = error.to_string();
         let message = message
             .rsplit_once(" at line ")
@@ -42,7 +42,7 @@ fn parse_json<T: DeserializeOwned>(source: &Source) -> Result<T> {
 /// Writes `value` as RON that people can read: one line per entry of a top-level list.
 ///
 /// # Errors
-/// Types that RON cannot express; none of this crate's own.
+/// Types that RON cannot express; all types of this project can be expressed.
 pub fn write_ron<T: serde::Serialize>(value: &T) -> Result<String> {
     let layout = ron::ser::PrettyConfig::new()
         .depth_limit(2)
@@ -57,7 +57,7 @@ pub fn write_ron<T: serde::Serialize>(value: &T) -> Result<String> {
 }
 
 fn options() -> ron::Options {
-    // The depth was checked before; the parser's own limit stays as a second line of defence.
+    // The depth is checked before parsing; the parser's own limit is a second safeguard.
     ron::Options::default()
         .with_default_extension(Extensions::IMPLICIT_SOME)
         .with_recursion_limit(2 * MAX_NESTING + 8)
@@ -69,7 +69,7 @@ fn too_deep() -> Error {
         .hint("look for a bracket that is never closed")
 }
 
-/// The parser's error in plain words. The parser knows the spot, the outline knows the field there.
+/// Translates the parser's error into plain words. The parser gives the position, the outline gives the field at this position.
 fn translate(source: &Source, error: &SpannedError) -> Error {
     let start = source.offset(error.span.start.line, error.span.start.col);
     let end = source.offset(error.span.end.line, error.span.end.col);
@@ -120,17 +120,17 @@ fn translate(source: &Source, error: &SpannedError) -> Error {
         Code::NoSuchExtension(name) => spot.here(
             Error::invalid("unknown RON extension")
                 .found(name)
-                .hint("remove the line `#![enable(...)]`; our files need none"),
+                .hint("remove the line `#![enable(...)]`; realgap's files need no extension"),
         ),
-        code => match wanted(code) {
+        code => match expected_kind(code) {
             Some(allowed) => spot.wrong_kind(allowed),
             None => spot.syntax(code, end),
         },
     }
 }
 
-/// What the parser would have liked to see, where that is a kind of value.
-fn wanted(code: &Code) -> Option<&'static str> {
+/// The kind of value that the parser expected; `None` if the error is not about a kind of value.
+fn expected_kind(code: &Code) -> Option<&'static str> {
     Some(match code {
         Code::ExpectedFloat | Code::FloatUnderscore => "a number",
         Code::ExpectedInteger
@@ -151,7 +151,7 @@ fn wanted(code: &Code) -> Option<&'static str> {
     })
 }
 
-/// Where the parser stopped, and the entry it stopped in.
+/// The position at which the parser stopped, and the entry that contains it.
 struct Spot<'a> {
     source: &'a Source,
     offset: usize,
@@ -172,8 +172,8 @@ impl Spot<'_> {
         }
     }
 
-    /// The parser notices what is missing at the closing bracket, just behind the last entry; the
-    /// reader looks for the group itself.
+    /// Places an error about a missing entry at the start of its group. The parser notices a missing entry only at the
+    /// closing bracket, just behind the last entry, but a person looks for the group itself.
     fn in_container(&self, error: Error) -> Error {
         let entry = self
             .entry
@@ -188,7 +188,7 @@ impl Spot<'_> {
         self.place(error, offset, entry.as_ref())
     }
 
-    /// `0,08`, which is two entries to the parser.
+    /// The error for a decimal comma such as `0,08`, which the parser reads as two entries.
     fn decimal_comma(&self) -> Option<Error> {
         let start = self.entry.as_ref().map_or(self.offset, |e| e.value.start);
         let (before, after) = self.source.text().split_at_checked(start)?;
@@ -206,7 +206,7 @@ impl Spot<'_> {
         })
     }
 
-    /// A field where the next entry of a list should be: the list was to end before it.
+    /// The error for a list without its closing bracket: a field stands where the next entry of the list should be.
     fn list_not_closed(&self) -> Option<Error> {
         let entry = self.entry.as_ref()?;
         let list = entry.path.strip_suffix(']')?.rsplit_once('[')?.0;
@@ -218,7 +218,7 @@ impl Spot<'_> {
         }
         if self.source.text().get(self.offset..)?.starts_with(')') && entry.value.is_empty() {
             let error = Error::invalid("a closing `]` is missing")
-                .hint("close the list before the `)` that ends what it belongs to");
+                .hint("close the list before the `)` that ends its group");
             return Some(self.here(error).field(shorten(list)));
         }
         let name = &text[..text.find(|c: char| !c.is_alphanumeric() && c != '_')?];
@@ -250,7 +250,7 @@ impl Spot<'_> {
         }
     }
 
-    /// `Passive` where `Passive(...)` is needed, a bare value where fields are, or an empty file.
+    /// The error for a missing group: `Passive` instead of `Passive(...)`, a plain value instead of fields, or an empty file.
     fn group_expected(&self) -> Error {
         if self.source.text().trim().is_empty() {
             return Error::invalid("the file is empty").at_file(self.source.path());
@@ -260,13 +260,13 @@ impl Spot<'_> {
                 Error::invalid(format!("`{name}` needs brackets"))
                     .found(&name)
                     .allowed(format!("{name}(...)"))
-                    .hint("the brackets stay even when there is nothing to say in them"),
+                    .hint("the brackets are needed even if no field stands in them"),
             ),
             _ => self.wrong_kind("a group `( ... )`"),
         }
     }
 
-    /// Everything that is not RON at all.
+    /// The error for a text that is not valid RON.
     fn syntax(&self, code: &Code, end: usize) -> Error {
         let rest = self.source.text().get(end..).unwrap_or_default();
         let inside_value = self
@@ -285,7 +285,7 @@ impl Spot<'_> {
             ),
             Code::TrailingCharacters => self.here(
                 Error::invalid("something follows the last closing bracket")
-                    .hint("remove it, or look for a bracket too many"),
+                    .hint("remove it, or look for a superfluous bracket"),
             ),
             _ if rest.trim().is_empty() => self.here(
                 Error::invalid("the file ends too early")

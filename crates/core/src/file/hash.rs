@@ -1,4 +1,4 @@
-//! The hash by which results name what they were made from.
+//! SHA-256, by which results identify the input files that they were computed from.
 
 use std::fmt::Write as _;
 

@@ -1,4 +1,4 @@
-//! Reading a file that may be missing, a folder, or endless.
+//! Reads the bytes of a file safely: the path may be missing, be a folder, or be an endless device.
 
 use std::io::Read as _;
 use std::path::Path;
@@ -6,11 +6,11 @@ use std::path::Path;
 use super::seal::check_sealed;
 use crate::error::{Error, Result};
 
-/// At most `limit` + 1 bytes of the file at `path`, so that endless files (/dev/zero) are refused by the
-/// caller's check of the size, not read. `kind` is what error messages call the file, e.g. "morphology".
+/// At most `limit` + 1 bytes of the file at `path`: a longer file, also an endless one such as /dev/zero, is then refused by
+/// the caller's check of the size. `kind` is the name of such a file in error messages, e.g. "morphology".
 ///
 /// # Errors
-/// Missing or unreadable files, and folders; a file of a results folder that is not what was written there.
+/// Missing or unreadable files, and folders; a file of a results folder whose content differs from its checksum.
 pub fn read_limited(path: &Path, limit: u64, kind: &str) -> Result<Vec<u8>> {
     let doing = format!("read the {kind}");
     let refuse = |error: std::io::Error| Error::io(&doing, path, &error);

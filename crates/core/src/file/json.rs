@@ -1,4 +1,4 @@
-//! JSON that says which form it is in.
+//! Writes JSON with the version of its schema in the field `schema_version`.
 
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -6,11 +6,12 @@ use serde_json::{Map, Value};
 use crate::error::{Error, Result};
 use crate::text::escaped_json;
 
-/// Version of everything that is written as JSON for machines: it grows when a field goes away or means something else, not
-/// when one is added. `schemas/` has the forms.
+/// Version of all JSON that is written for programs: it is increased when a field is removed or changes its meaning, not
+/// when a field is added. The schemas are in `schemas/`.
 pub const SCHEMA_VERSION: u32 = 1;
 
-/// Pretty JSON of a value, without control characters. An object begins with `schema_version`; so does every object of a list.
+/// Indented JSON of a value, without control characters. `schema_version` is the first field of an object, and of every object in a
+/// list.
 ///
 /// # Errors
 /// A value that JSON cannot hold.
@@ -38,7 +39,7 @@ mod tests {
     use super::versioned_json;
 
     #[test]
-    fn objects_say_their_version_first_alone_and_in_a_list() {
+    fn an_object_and_every_object_in_a_list_begin_with_the_version() {
         let one = serde_json::json!({ "b": 1.0, "a": f64::NAN });
         assert_eq!(
             versioned_json(&one).unwrap(),

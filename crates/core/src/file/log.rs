@@ -1,4 +1,4 @@
-//! A CSV log with a header: columns by name, cells as numbers, errors with their line.
+//! Reads a CSV log with a header: columns by name, cells as numbers, errors with their line.
 
 use std::path::{Path, PathBuf};
 
@@ -6,19 +6,19 @@ use super::read_limited;
 use crate::error::{Error, Result};
 use crate::text::shown;
 
-/// Largest log that is read, in bytes (256 MB).
+/// The size of the largest log that is read, in bytes (256 MB).
 const MAX_BYTES: u64 = 256_000_000;
-/// Most rows of a log.
+/// The largest number of rows of a log.
 const MAX_ROWS: usize = 5_000_000;
 
-/// A log as it was read.
+/// A log that was read: its header and its rows of text cells.
 pub struct LogTable {
     path: PathBuf,
     header: Vec<String>,
     rows: Vec<csv::StringRecord>,
 }
 
-/// The text of a log.
+/// Reads the text of the log at `path`.
 ///
 /// # Errors
 /// A missing file, a folder, more than 256 MB, bytes that are not UTF-8.
@@ -37,7 +37,7 @@ pub fn read_log_text(path: &Path) -> Result<String> {
 }
 
 impl LogTable {
-    /// Reads a table whose first line names its columns.
+    /// Parses a table whose first line names its columns.
     pub fn parse(path: &Path, text: &str) -> Result<Self> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut reader = csv::ReaderBuilder::new()
@@ -49,7 +49,7 @@ impl LogTable {
             let what = match error.kind() {
                 csv::ErrorKind::UnequalLengths {
                     expected_len, len, ..
-                } => Error::invalid("a row with another number of cells than the header")
+                } => Error::invalid("a row whose number of cells differs from the header's")
                     .found(len)
                     .allowed(expected_len),
                 _ => Error::invalid(format!("this is not CSV: {error}")),
@@ -93,15 +93,15 @@ impl LogTable {
         self.rows.len()
     }
 
-    /// Where a column of that name stands, if there is one.
+    /// The index of the column with this name; `None` if there is no such column.
     pub fn column(&self, name: &str) -> Option<usize> {
         self.header.iter().position(|column| column == name)
     }
 
-    /// The column of this name.
+    /// The index of the column with this name.
     ///
     /// # Errors
-    /// No such column; `hint` says what the log should hold.
+    /// No such column; `hint` tells the user which columns the log should hold.
     pub fn require(&self, name: &str, hint: &str) -> Result<usize> {
         self.column(name).ok_or_else(|| {
             Error::invalid(format!("the log has no column `{name}`"))
@@ -112,32 +112,34 @@ impl LogTable {
         })
     }
 
-    /// The rows that a log is limited to, where one is, and what the column `name` says in them: all rows, where nothing is wanted.
+    /// The rows in which the column `name` holds the wanted text (all rows if `wanted` is `None`), and the different texts that occur in
+    /// this column.
     ///
     /// # Errors
-    /// No such column where something is wanted of it, or no row that says what is wanted; no row at all.
+    /// A wanted text without such a column, or no row with the wanted text; a log without rows.
     pub fn chosen(&self, name: &str, wanted: Option<&str>) -> Result<(Vec<usize>, Vec<&str>)> {
         let column = self.column(name);
         if let (Some(wanted), None) = (wanted, column) {
             let error = Error::invalid(format!("the log has no column `{name}`"));
             return Err(error.at_file(&self.path).field(name).found(wanted));
         }
-        let (mut rows, mut said) = (Vec::new(), Vec::new());
+        let (mut rows, mut texts) = (Vec::new(), Vec::new());
         for row in 0..self.row_count() {
             let found = column.map(|column| self.text(row, column));
-            if let Some(found) = found.filter(|found| !said.contains(found)) {
-                said.push(found);
+            if let Some(found) = found.filter(|found| !texts.contains(found)) {
+                texts.push(found);
             }
             if wanted.is_none_or(|wanted| found == Some(wanted)) {
                 rows.push(row);
             }
         }
         if !rows.is_empty() {
-            return Ok((rows, said));
+            return Ok((rows, texts));
         }
-        let error = Error::invalid("the log has no readings: no rows").at_file(&self.path);
+        let error =
+            Error::invalid("the log has no readings: there are no rows").at_file(&self.path);
         Err(match wanted {
-            Some(wanted) => error.field(name).found(wanted).allowed(said.join(", ")),
+            Some(wanted) => error.field(name).found(wanted).allowed(texts.join(", ")),
             None => error,
         })
     }
@@ -147,16 +149,16 @@ impl LogTable {
         self.rows[row].get(column).unwrap_or_default()
     }
 
-    /// The error with the file and the line of a row.
+    /// Adds the file and the line of a row to an error.
     pub fn at(&self, row: usize, error: Error) -> Error {
         let line = self.rows[row].position().map_or(1, csv::Position::line);
         error.at_file(&self.path).at_line(line as usize, 1)
     }
 
-    /// The cell as a number; `None` where it is empty or says that there is none (`nan`, `inf`).
+    /// The cell as a number; `None` if the cell is empty or holds a number that is not finite (`nan`, `inf`).
     ///
     /// # Errors
-    /// Anything else that is no number.
+    /// Any other text that is not a number.
     pub fn optional(&self, row: usize, column: usize) -> Result<Option<f64>> {
         let text = self.text(row, column);
         if text.is_empty() {
@@ -169,7 +171,7 @@ impl LogTable {
                 Error::invalid("not a number")
                     .field(&self.header[column])
                     .found(shown(text, 40))
-                    .allowed("a number, or nothing where there was no reading"),
+                    .allowed("a number, or an empty cell if there was no reading"),
             )),
         }
     }
@@ -177,7 +179,7 @@ impl LogTable {
     /// The cell as a finite number.
     ///
     /// # Errors
-    /// An empty cell, or anything that is no finite number.
+    /// An empty cell, or any text that is not a finite number.
     pub fn number(&self, row: usize, column: usize) -> Result<f64> {
         self.optional(row, column)?.ok_or_else(|| {
             self.at(

@@ -1,8 +1,8 @@
-//! Reading files written by people: robots, studies and metadata in RON.
+//! Reading and writing of files: RON and JSON texts with located errors, CSV logs, MCAP, PNG, and checksums of results folders.
 //!
 //! [`Source`] is a text with its path; [`parse_ron`] turns it into a typed value or into an
-//! [`Error`](crate::Error) that names file, line, column and field. What a type cannot say (two modules on one
-//! face, a cycle) is found later; [`Source::at`] then gives that error its line, too.
+//! [`Error`](crate::Error) that names file, line, column and field. Errors that types cannot exclude (two modules on one
+//! face, a cycle) are found by later checks; [`Source::at`] adds the line to such an error.
 //!
 //! ```
 //! use realgap_core::file::{Source, parse_ron};
@@ -29,6 +29,7 @@
 //! ```
 
 mod bitmap;
+mod byte_reader;
 mod decode;
 mod hash;
 mod input;
@@ -36,7 +37,6 @@ mod json;
 mod log;
 mod mcap;
 mod name;
-mod octet;
 mod orientation;
 mod outline;
 mod output;
@@ -45,7 +45,8 @@ mod source;
 mod suggestion;
 mod unique;
 
-pub use bitmap::{Animated, png_bytes};
+pub use bitmap::{AnimatedPng, png_bytes};
+pub use byte_reader::ByteReader;
 pub use decode::{parse_ron, write_ron};
 pub use hash::sha256;
 pub use input::read_limited;
@@ -53,7 +54,6 @@ pub use json::{SCHEMA_VERSION, versioned_json};
 pub use log::{LogTable, read_log_text};
 pub use mcap::{McapWriter, Stamp, Topic, read_mcap, stamp};
 pub use name::{check_name, name_of_file};
-pub use octet::Octets;
 pub use orientation::orientation;
 pub use output::{check_writable, write_atomic};
 pub use seal::{SEAL_FILE, Seal, remove_sealed, write_sealed};

@@ -1,14 +1,14 @@
-//! Names that become paths: of studies, searches and whatever else a folder or file is called after.
+//! Checks names that become part of a path, such as the names of studies and searches.
 
 use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::text::is_plain;
 
-/// Longest name, bytes: room for what is put before and behind it.
+/// The largest length of a name, bytes; it leaves enough bytes for a prefix and a suffix of the file name.
 const MAX_BYTES: usize = 100;
 
-/// Checks a name that becomes part of a path. `whose` is for the message, e.g. `a study`.
+/// Checks a name that becomes part of a path. `whose` says in the error message what has the name, e.g. `a study`.
 ///
 /// ```
 /// use realgap_core::file::check_name;
@@ -21,8 +21,8 @@ const MAX_BYTES: usize = 100;
 /// ```
 ///
 /// # Errors
-/// An empty name or one of over 100 bytes; one that begins with `.` or `-` or with a blank, or ends with one; one with a slash or with
-/// a character that cannot be seen.
+/// A name that is empty or longer than 100 bytes, that begins with `.`, `-` or a blank, that ends with a blank, or that contains a slash
+/// or an invisible character.
 pub fn check_name(name: &str, whose: &str) -> Result<()> {
     let is_usable = (1..=MAX_BYTES).contains(&name.len())
         && !name.starts_with(['.', '-'])
@@ -34,19 +34,19 @@ pub fn check_name(name: &str, whose: &str) -> Result<()> {
         return Ok(());
     }
     Err(Error::invalid(format!(
-        "not a usable name for {whose}, after which results are called"
+        "not a usable name for {whose}: results are named after it"
     ))
     .field("name")
     .found(format!("{name:?}"))
     .allowed(format!(
-        "1 to {MAX_BYTES} bytes that can be seen, no slashes, not beginning with `.` or `-`"
+        "1 to {MAX_BYTES} bytes of visible characters, no slashes, not beginning with `.` or `-`"
     )))
 }
 
-/// The name of what is in a file: the file's own, without its ending.
+/// The name of the object in a file, which is the file's name without its extension.
 ///
 /// # Errors
-/// As [`check_name`].
+/// The same as of [`check_name`].
 pub fn name_of_file(path: &Path, whose: &str) -> Result<String> {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     check_name(&stem, whose).map_err(|e| e.at_file(path).hint("give the file another name"))?;
@@ -58,7 +58,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_name_stays_inside_of_the_folder_that_it_is_put_into() {
+    fn a_name_cannot_lead_out_of_its_folder() {
         for good in ["tripod_floor", "a.b", "Ø 3", "x".repeat(100).as_str()] {
             check_name(good, "a study").unwrap();
         }
@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_is_called_dots_names_nothing() {
+    fn a_file_name_made_of_dots_gives_no_name() {
         assert_eq!(name_of_file(Path::new("a/b.ron"), "a study").unwrap(), "b");
         for bad in ["...ron", "a/.ron", "-x.ron", ".."] {
             assert!(name_of_file(Path::new(bad), "a study").is_err(), "{bad}");

@@ -1,8 +1,8 @@
-//! Where things are in a RON text: a light scanner that knows brackets, strings and comments, and nothing of types.
+//! Finds the position of a field in a RON text: a simple scanner for brackets, strings and comments, without types.
 //!
-//! The RON parser gives positions while it parses; errors found afterwards, when values are
-//! checked against each other, need them too. The scanner is tolerant: at the first thing it does
-//! not understand it stops and what it has seen so far stands.
+//! The RON parser gives positions only while it parses, but errors that are found later, when values are
+//! checked against each other, need positions too. The scanner is tolerant: it stops at the first text that it
+//! does not understand, and the entries found before remain valid.
 
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -14,27 +14,27 @@ enum Step<'a> {
     Index(usize),
 }
 
-/// An entry of a list, struct or map.
+/// An entry of a list, struct or map, with its position in the text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Entry {
-    /// E.g. `modules[3].kind.side_m`.
+    /// The path from the root of the file, e.g. `modules[3].kind.side_m`.
     pub(super) path: String,
-    /// Bytes of the whole entry: key, colon and value.
+    /// Byte range of the whole entry: key, colon and value.
     pub(super) whole: Range<usize>,
-    /// Bytes of the value.
+    /// Byte range of the value.
     pub(super) value: Range<usize>,
 }
 
-/// Why scanning ended early.
+/// The reason why scanning ended early.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Stop {
     /// More than the allowed number of brackets are open at this byte.
     TooDeep(usize),
-    /// Not RON; the parser will say what is wrong.
+    /// The text is not RON; the parser will report what is wrong.
     Malformed,
 }
 
-/// Refuses texts with more than `limit` brackets open at once, before any recursive parser sees them.
+/// Refuses texts with more than `limit` brackets open at once, so that no recursive parser gets them.
 pub(super) fn check_depth(text: &str, limit: usize) -> Result<(), Stop> {
     let mut scanner = Scanner::new(text, limit);
     match scanner.document(&mut |_, _, _| {}) {
@@ -43,7 +43,7 @@ pub(super) fn check_depth(text: &str, limit: usize) -> Result<(), Stop> {
     }
 }
 
-/// The entry at `path`, or the nearest enclosing one that is present.
+/// The entry at `path`, or the nearest enclosing entry that the text contains.
 pub(super) fn find(text: &str, limit: usize, path: &str) -> Option<Entry> {
     let mut best: Option<Entry> = None;
     visit(text, limit, &mut |steps, whole, value| {
@@ -67,8 +67,8 @@ pub(super) fn entry_at(text: &str, limit: usize, offset: usize) -> Option<Entry>
     let mut best: Option<Entry> = None;
     visit(text, limit, &mut |steps, whole, value| {
         let contains = whole.start <= offset && offset <= whole.end;
-        // Entries are visited inside out, so the first hit at a deeper level wins; a later sibling
-        // that starts exactly at the offset is the better answer than one that ends there.
+        // Inner entries are visited before outer ones, so the first match at a deeper level is kept. Of two
+        // neighbours that meet at the offset, the entry that starts there is preferred to the one that ends there.
         let better = best
             .as_ref()
             .is_none_or(|b| whole.len() < b.whole.len() || b.whole.end == offset);
@@ -89,7 +89,7 @@ pub(super) fn entry_at(text: &str, limit: usize, offset: usize) -> Option<Entry>
 type Visitor<'v> = dyn FnMut(&[Step<'_>], Range<usize>, Range<usize>) + 'v;
 
 fn visit(text: &str, limit: usize, visitor: &mut Visitor<'_>) {
-    // Where scanning stops early, what was visited before stands.
+    // If scanning stops early, the entries visited before are still used.
     let _stopped = Scanner::new(text, limit).document(visitor);
 }
 
@@ -151,7 +151,7 @@ impl<'a> Scanner<'a> {
         self.value(0, visitor)
     }
 
-    /// White space and comments.
+    /// Skips white space and comments.
     fn skip_blank(&mut self) -> Result<(), Stop> {
         loop {
             let rest = self.rest();
@@ -167,7 +167,7 @@ impl<'a> Scanner<'a> {
         }
     }
 
-    /// RON's block comments nest.
+    /// Skips a block comment; RON's block comments can be nested.
     fn block_comment(&mut self) -> Result<(), Stop> {
         let mut open = 0_usize;
         loop {
@@ -214,7 +214,7 @@ impl<'a> Scanner<'a> {
         }
     }
 
-    /// A number, identifier or anything else without brackets; at least one character.
+    /// Reads a number, an identifier or another word without brackets, of at least one character.
     fn word(&mut self) -> Result<&'a str, Stop> {
         let rest = self.rest();
         let end = rest
@@ -252,7 +252,7 @@ impl<'a> Scanner<'a> {
         self.skip_past("'")
     }
 
-    /// The number of `#` of the raw string that starts here, if one does.
+    /// The number of `#` of the raw string that starts at the position; `None` if no raw string starts here.
     fn raw_hashes(&self) -> Option<usize> {
         let rest = self.rest();
         let rest = rest.strip_prefix('b').unwrap_or(rest).strip_prefix('r')?;
@@ -293,7 +293,7 @@ impl<'a> Scanner<'a> {
             let value_start = self.position;
             self.steps.push(step);
             let outcome = self.value(depth + 1, visitor);
-            // An unfinished entry still reaches as far as it was understood.
+            // An unfinished entry is visited too; it ends where scanning stopped.
             visitor(
                 &self.steps,
                 start..self.position,
@@ -312,7 +312,7 @@ impl<'a> Scanner<'a> {
         Ok(())
     }
 
-    /// `name:` or `"name":`; leaves the position behind the colon.
+    /// Reads a key `name:` or `"name":`, and leaves the position behind the colon.
     fn key(&mut self) -> Option<&'a str> {
         let start = self.position;
         let name = if self.peek() == Some('"') {
@@ -322,7 +322,7 @@ impl<'a> Scanner<'a> {
             self.word().ok()?
         };
         self.skip_blank().ok()?;
-        // `1::2` is no key; RON has no double colons outside of names.
+        // A text without a colon is a value, not a key.
         if self.peek() != Some(':') {
             return None;
         }

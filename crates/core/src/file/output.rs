@@ -1,4 +1,4 @@
-//! Writing a file so that readers see the old content or the new, never half of it.
+//! Writes a file atomically: readers see either the old content or the new content, never a part of it.
 
 use std::fs;
 use std::io::Write as _;
@@ -7,21 +7,21 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::error::{Error, Result};
 
-/// Writes `bytes` beside `path` under another name, flushes them to the disk and renames.
+/// Writes `bytes` into a temporary file beside `path`, flushes it to the disk and renames it to `path`.
 ///
 /// # Errors
-/// An unwritable folder or a full disk; `path` is then as it was.
+/// An unwritable folder or a full disk; the file at `path` is then unchanged.
 pub fn write_atomic(path: impl AsRef<Path>, bytes: &[u8]) -> Result<()> {
     let path = path.as_ref();
     write_whole(path, bytes).map_err(|e| Error::io("write the file", path, &e))
 }
 
-/// Tries whether [`write_atomic`] can write to `path`, so that a long computation is not lost for a slip of the pen.
-/// The file is neither made nor changed.
+/// Checks whether [`write_atomic`] can write to `path`, so that the result of a long computation is not lost because of a mistyped path.
+/// The file is neither created nor changed.
 ///
 /// # Errors
-/// A missing or unwritable folder, or a path that is itself a folder. Pipes and devices are not tried: opening and
-/// closing a pipe would already be the end of it for its reader.
+/// A missing or unwritable folder, or a path that is itself a folder. Pipes and devices are not tried, because the reader of a
+/// pipe sees its end as soon as the pipe is opened and closed.
 pub fn check_writable(path: impl AsRef<Path>) -> Result<()> {
     let path = path.as_ref();
     match target_of(path) {
@@ -38,17 +38,18 @@ pub fn check_writable(path: impl AsRef<Path>) -> Result<()> {
     }
 }
 
-/// What stands, or would stand, at a path.
+/// The kind of object to which a path leads.
 enum Target {
-    /// A file, with every link to it followed.
+    /// A file, existing or not, with all symbolic links resolved.
     File(PathBuf),
     /// A pipe, a device or a process's own stream, which cannot be replaced by a file.
     Stream,
+    /// An existing folder.
     Folder,
 }
 
 fn target_of(path: &Path) -> Target {
-    // A link stays a link: what it points to is written.
+    // A symbolic link is kept: the file to which it points is written.
     let is_link = fs::symlink_metadata(path).is_ok_and(|metadata| metadata.is_symlink());
     let resolved = if is_link {
         fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf())
@@ -82,14 +83,15 @@ fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
         })
         .and_then(|()| fs::rename(&temporary, path));
     if written.is_err() {
-        // Best effort: the first error is the one that matters.
+        // An error of this removal is ignored, because the caller needs the first error.
         let _ignored = fs::remove_file(&temporary);
     }
     written
 }
 
-/// Removes what killed processes have left of writing this file. Best effort, where the system tells who is alive.
-pub(super) fn sweep(path: &Path) {
+/// Removes temporary files that killed processes left when they wrote this file. Errors are ignored; files of running processes stay,
+/// where the system lists running processes in `/proc`.
+pub(super) fn remove_stale_temporaries(path: &Path) {
     let (Some(name), Some(folder)) = (path.file_name(), path.parent()) else {
         return;
     };
@@ -123,7 +125,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_link_stays_a_link_and_what_it_points_to_is_written() {
+    fn a_symbolic_link_is_kept_and_its_target_is_written() {
         let folder = tempfile::tempdir().unwrap();
         let (file, link) = (folder.path().join("file"), folder.path().join("link"));
         fs::write(&file, "old").unwrap();
@@ -133,7 +135,7 @@ mod tests {
         assert_eq!(fs::read_to_string(&file).unwrap(), "new");
     }
     #[test]
-    fn a_path_is_tried_without_leaving_a_trace() {
+    fn checking_a_path_leaves_no_files() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("file");
         check_writable(&file).unwrap();

@@ -1,46 +1,47 @@
-//! The seal of a results folder: check sums of the files that this program wrote there, in the form that `sha256sum -c` reads.
+//! The checksum file of a results folder (its seal): SHA-256 of every file that this program wrote there, in the format of `sha256sum -c`.
 //!
-//! It is written last, so a folder without one is not whole. Whoever reads a file of a sealed folder compares it with its sum.
+//! The seal is written last, so a folder without a seal is incomplete. Every read of a file in a sealed folder compares the file with its
+//! checksum.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use super::hash::sha256;
-use super::output::{sweep, write_atomic};
+use super::output::{remove_stale_temporaries, write_atomic};
 use crate::error::{Advice, Error, Result};
 
-/// Name of the file.
+/// File name of the seal.
 pub const SEAL_FILE: &str = "SHA256SUMS";
-/// What its first line begins with; the sum of all other lines follows.
+/// The beginning of the first line of the seal; the checksum of all other lines follows.
 const HEAD: &str = "# Written by realgap. Check: sha256sum -c SHA256SUMS. Lines: ";
-/// Folders inside of a results folder whose files are in its seal.
+/// The subfolder of a results folder whose files are also listed in the folder's seal.
 const INSIDE: &str = "best";
 
-/// Check sums of files by their names, in a folder.
+/// The checksums of the files of a folder, by file name.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Seal(BTreeMap<String, BTreeSet<String>>);
 
 impl Seal {
-    /// The seal of a folder; nothing where there is none.
+    /// Reads the seal of a folder; `None` if the folder has no seal.
     ///
     /// # Errors
-    /// One that cannot be read, or is itself not what was written.
+    /// A seal that cannot be read, or that was itself changed after it was written.
     pub fn read(folder: &Path) -> Result<Option<Self>> {
         let path = folder.join(SEAL_FILE);
         let text = match std::fs::read(&path) {
             Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-            // A file in place of the folder has no seal, either.
+            // A path that is a file instead of a folder has no seal either.
             Err(e) if e.kind() == std::io::ErrorKind::NotADirectory => return Ok(None),
-            Err(e) => return Err(Error::io("read the check sums", &path, &e)),
+            Err(e) => return Err(Error::io("read the checksums", &path, &e)),
         };
         let Some(rest) = text.strip_prefix(HEAD) else {
-            let alike = HEAD.bytes().zip(text.bytes()).filter(|(a, b)| a == b);
-            let was_ours = 2 * alike.count() > HEAD.len();
+            let equal = HEAD.bytes().zip(text.bytes()).filter(|(a, b)| a == b);
+            let was_ours = 2 * equal.count() > HEAD.len();
             if was_ours || (!text.is_empty() && HEAD.starts_with(&text)) {
-                return Err(changed(&path).found("check sums that have changed themselves"));
+                return Err(changed(&path).found("a checksum file that was itself changed"));
             }
-            // Somebody else's check sums.
+            // Another program has written these checksums.
             return Ok(None);
         };
         let (sum, lines) = rest.split_once('\n').unwrap_or((rest, ""));
@@ -50,17 +51,17 @@ impl Seal {
             entry.is_some_and(|(sum, name)| seal.add(name, sum.to_owned()))
         });
         if !listed || sha256(lines) != sum {
-            return Err(changed(&path).found("check sums that have changed themselves"));
+            return Err(changed(&path).found("a checksum file that was itself changed"));
         }
         Ok(Some(seal))
     }
 
-    /// Adds a file with one more sum that it may have.
+    /// Adds one more allowed checksum for the file with this name.
     fn add(&mut self, name: &str, sum: String) -> bool {
         self.0.entry(name.to_owned()).or_default().insert(sum)
     }
 
-    /// The seal of these files of a folder.
+    /// Computes the checksums of these files of a folder.
     ///
     /// # Errors
     /// A file that cannot be read.
@@ -74,7 +75,7 @@ impl Seal {
         Ok(seal)
     }
 
-    /// Takes over of another seal the files that `keeps`.
+    /// Adds the entries of another seal whose names satisfy `keeps` and that this seal does not have yet.
     pub fn keep(&mut self, other: Self, keeps: impl Fn(&str) -> bool) {
         for (name, sums) in other.0 {
             if keeps(&name) {
@@ -83,7 +84,7 @@ impl Seal {
         }
     }
 
-    /// Writes it into its folder.
+    /// Writes the seal into its folder.
     ///
     /// # Errors
     /// A full disk or an unwritable folder.
@@ -98,20 +99,20 @@ impl Seal {
         write_atomic(folder.join(SEAL_FILE), text.as_bytes())
     }
 
-    /// Whether it has no file.
+    /// True if the seal lists no file.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Whether it has a file of this name.
+    /// True if the seal lists a file with this name.
     pub fn has(&self, name: &str) -> bool {
         self.0.contains_key(name)
     }
 
-    /// Checks every file, but for those that `may_miss` where they are not there.
+    /// Checks every listed file; files whose names satisfy `may_miss` are allowed to be missing.
     ///
     /// # Errors
-    /// The first that is not what was written, or is gone.
+    /// The first file that was changed after it was written, or that is missing.
     pub fn check(&self, folder: &Path, may_miss: impl Fn(&str) -> bool) -> Result<()> {
         for (name, sums) in &self.0 {
             let path = folder.join(name);
@@ -130,17 +131,17 @@ impl Seal {
     }
 }
 
-const OTHER_SUM: &str = "another check sum: changed by hand, or damaged";
+const OTHER_SUM: &str = "another checksum: the file was changed by hand, or is damaged";
 
 fn changed(path: &Path) -> Error {
-    Error::conflict("this is not what realgap wrote into the folder")
+    Error::conflict("this file is not what realgap wrote into the folder")
         .at_file(path)
-        .allowed(format!("what {SEAL_FILE} says"))
+        .allowed(format!("a file with its checksum in {SEAL_FILE}"))
         .hint("run the command that wrote the folder again")
         .advise(Advice::AcceptFiles)
 }
 
-/// The sealed folder that a file may be in, and its name there.
+/// The folder whose seal may list the file at `path`, and the file's name in this seal.
 fn place(path: &Path) -> Option<(PathBuf, String)> {
     let name = path.file_name()?.to_str()?;
     let folder = match path.parent()? {
@@ -154,10 +155,10 @@ fn place(path: &Path) -> Option<(PathBuf, String)> {
     Some((folder.to_path_buf(), name.to_owned()))
 }
 
-/// Compares what was read of a file with the seal of its folder, where that has both.
+/// Compares the bytes read from a file with the seal of its folder, if the folder has a seal that lists the file.
 ///
 /// # Errors
-/// A file that is not what was written there, a damaged seal.
+/// A file that was changed after it was written, a damaged seal.
 pub(super) fn check_sealed(path: &Path, bytes: &[u8]) -> Result<()> {
     let Some((folder, name)) = place(path) else {
         return Ok(());
@@ -168,15 +169,15 @@ pub(super) fn check_sealed(path: &Path, bytes: &[u8]) -> Result<()> {
     }
 }
 
-/// Writes a file as [`write_atomic`] does, and its new check sum into the seal of its folder where that has the file already, or
-/// where `is_new_there`. Whoever is killed on the way leaves the file old or new, and the folder sealed.
+/// Writes a file as [`write_atomic`] does, and writes its new checksum into the seal of its folder, if the seal lists the file already
+/// or if `is_new_there` is set. If the process is killed meanwhile, the file has its old or its new content, and the seal is valid for it.
 ///
 /// # Errors
 /// A full disk or an unwritable folder.
 pub fn write_sealed(path: &Path, bytes: &[u8], is_new_there: bool) -> Result<()> {
-    sweep(path);
+    remove_stale_temporaries(path);
     let sealed = match place(path) {
-        // Damaged check sums stay as they are.
+        // A damaged seal is left as it is.
         Some((folder, name)) => Seal::read(&folder)
             .ok()
             .flatten()
@@ -200,12 +201,12 @@ pub fn write_sealed(path: &Path, bytes: &[u8], is_new_there: bool) -> Result<()>
     seal.write(&folder)
 }
 
-/// Removes a file of a results folder, and its check sum.
+/// Removes a file of a results folder and its checksum.
 ///
 /// # Errors
 /// A seal that cannot be written.
 pub fn remove_sealed(path: &Path) -> Result<()> {
-    // There may be none.
+    // The file may be missing already.
     let _none = std::fs::remove_file(path);
     let Some((folder, name)) = place(path) else {
         return Ok(());
@@ -215,7 +216,7 @@ pub fn remove_sealed(path: &Path) -> Result<()> {
             Some(_) => seal.write(&folder),
             None => Ok(()),
         },
-        // Damaged check sums stay as they are.
+        // A damaged seal is left as it is.
         _ => Ok(()),
     }
 }
@@ -226,7 +227,7 @@ mod tests {
     use crate::file::read_limited;
 
     #[test]
-    fn what_was_changed_lost_or_unlisted_is_noticed_by_whoever_reads_it() {
+    fn changed_and_missing_files_are_noticed_and_unlisted_files_are_ignored() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         std::fs::create_dir(at("best")).unwrap();
@@ -244,7 +245,7 @@ mod tests {
             let error = read(name).unwrap_err().to_string();
             assert!(error.contains("not what realgap wrote"), "{error}");
             assert!(seal.check(folder.path(), |_| true).is_err());
-            // What this program writes is sealed again.
+            // A file that this program writes gets its new checksum in the seal.
             write_sealed(&at(name), b"new", false).unwrap();
             read(name).unwrap();
         }
@@ -257,7 +258,7 @@ mod tests {
         assert!(seal.check(folder.path(), |_| false).is_err());
         seal.check(folder.path(), |name| name == "points.csv")
             .unwrap();
-        // The sums themselves: a changed digit, a lost line.
+        // The seal itself is damaged: a changed digit, a lost line.
         let text = std::fs::read_to_string(at(SEAL_FILE)).unwrap();
         let lines: Vec<&str> = text.lines().collect();
         for changed in [text.replacen('a', "b", 99), lines[..2].join("\n") + "\n"] {

@@ -1,11 +1,11 @@
-//! "Did you mean ...?": every name that people write is looked up here.
+//! Looks up names that users write, and suggests the nearest known name ("did you mean ...?").
 
 use crate::error::{Error, Result};
 
-/// Most names that an error lists.
+/// The largest number of names that an error lists.
 const SHOWN: usize = 30;
 
-/// The item of a registry that is called `name`.
+/// The item of a registry with this `name`; `what` is the kind of item in the error message.
 ///
 /// ```
 /// use realgap_core::file::look_up;
@@ -20,7 +20,7 @@ const SHOWN: usize = 30;
 /// ```
 ///
 /// # Errors
-/// No item has the name: as [`unknown_name`].
+/// The error of [`unknown_name`] if no item has this name.
 pub fn look_up<'a, T>(
     what: &str,
     name: &str,
@@ -38,7 +38,7 @@ pub fn look_up<'a, T>(
     Err(unknown_name(what, name, known))
 }
 
-/// The error for a `name` that is none of those `allowed`: lists them and says which one may have been meant.
+/// The error for a `name` that is not in the list `allowed`: it lists the allowed names and suggests the nearest one.
 pub fn unknown_name<'a>(
     what: &str,
     name: &str,
@@ -59,7 +59,7 @@ pub fn unknown_name<'a>(
     }
 }
 
-/// One line of at most 60 characters, for messages.
+/// Cuts a text to one line of at most 60 characters, for messages.
 pub(super) fn shorten(text: &str) -> String {
     const LONGEST: usize = 60;
     let one_line: String = text.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -70,7 +70,7 @@ pub(super) fn shorten(text: &str) -> String {
     start + " ..."
 }
 
-/// The allowed name closest to what was written, if it is close enough to be a slip of the pen.
+/// The allowed name that is nearest to the written name, if it is near enough for the difference to be a typing error.
 ///
 /// ```
 /// use realgap_core::file::nearest_name;
@@ -83,11 +83,11 @@ pub fn nearest_name<'a>(
     found: &str,
     allowed: impl IntoIterator<Item = &'a str>,
 ) -> Option<&'a str> {
-    // Long garbage is no slip of the pen, and its distance would cost quadratic time.
+    // A very long text is no typing error, and the computation of its distance would take quadratic time.
     if found.chars().count() > 64 {
         return None;
     }
-    // One slip per three letters: a single letter is close to every other, which says nothing.
+    // One error per three letters is allowed; a single letter is near to every other letter, so it gets no suggestion.
     let limit = (found.chars().count() + 1) / 3;
     allowed
         .into_iter()
@@ -97,7 +97,8 @@ pub fn nearest_name<'a>(
         .map(|(_, name)| name)
 }
 
-/// Letters left out, added, replaced or exchanged with their neighbour (optimal string alignment), ignoring upper and lower case.
+/// Edit distance: the number of letters left out, added, replaced or exchanged with their neighbour (optimal string alignment); upper and
+/// lower case count as equal.
 fn edit_distance(a: &str, b: &str) -> usize {
     let a: Vec<char> = a.to_lowercase().chars().collect();
     let b: Vec<char> = b.to_lowercase().chars().collect();

@@ -1,4 +1,4 @@
-//! Maps whose keys are given once: of a key that is given twice, one value would be lost without a word.
+//! Deserialises maps and refuses duplicate keys, because one of the two values would be lost without a message.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -11,7 +11,7 @@ use crate::text::shown;
 /// Reads a map and refuses a key that is given twice; for `#[serde(deserialize_with = "unique_keys")]`.
 ///
 /// # Errors
-/// Those of the format; a key that is there already.
+/// The errors of the format; a key that occurs twice.
 pub fn unique_keys<'de, D, V>(deserializer: D) -> Result<BTreeMap<String, V>, D::Error>
 where
     D: Deserializer<'de>,

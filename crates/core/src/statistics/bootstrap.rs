@@ -1,4 +1,4 @@
-//! Resampling with replacement (Efron & Tibshirani 1993, chapters 6 and 13).
+//! The bootstrap: resampling with replacement (Efron & Tibshirani 1993, chapters 6 and 13).
 
 use rand::RngExt;
 
@@ -24,20 +24,20 @@ impl Resample {
         self.weights.iter().map(|w| (w * draws).round()).collect()
     }
 
-    /// The mean of one value an item over the items drawn.
+    /// The mean over the drawn items of `values`, which hold one value per item.
     pub fn mean(&self, values: &[f64]) -> f64 {
         values.iter().zip(&self.weights).map(|(v, w)| v * w).sum()
     }
 }
 
-/// `count` resamples of `items` items; the same for the same seed.
+/// `count` resamples of `items` items; the same seed gives the same resamples.
 pub fn resamples(items: usize, count: usize, seed: u64) -> Vec<Resample> {
     draw(items, items, count, seed)
 }
 
-/// As [`resamples`] with one draw less, so that the variance of a resample's mean is the unbiased estimate of that of the
-/// mean, which the usual bootstrap misses by a factor of 1 − 1/n (Efron & Tibshirani 1993, section 6.2): what few items need.
-/// None for fewer than two items.
+/// As [`resamples`], but with one draw less per resample. The variance of a resample's mean is then the unbiased estimate of the variance of
+/// the mean, which the usual bootstrap underestimates by a factor of 1 − 1/n (Efron & Tibshirani 1993, section 6.2); this matters for few
+/// items. Fewer than two items give no resamples.
 pub fn smaller_resamples(items: usize, count: usize, seed: u64) -> Vec<Resample> {
     match items {
         0 | 1 => Vec::new(),
@@ -58,8 +58,8 @@ fn draw(items: usize, draws: usize, count: usize, seed: u64) -> Vec<Resample> {
         .collect()
 }
 
-/// Percentile interval of resampled values: a share of `tail` of them lies below it and as much
-/// above. `None` for no values.
+/// Percentile interval of resampled values: a share of `tail` of the values lies below the interval, and the same
+/// share above it. `None` for no values.
 ///
 /// ```
 /// use realgap_core::statistics::{percentile_interval, resamples};

@@ -5,7 +5,7 @@ pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// [`mean`] of what an iterator gives.
+/// The [`mean`] of the values of an iterator.
 pub fn mean_of(values: impl IntoIterator<Item = f64>) -> f64 {
     mean(&values.into_iter().collect::<Vec<f64>>())
 }
@@ -16,14 +16,14 @@ pub fn mean_of_any(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     (!values.is_empty()).then(|| mean(&values))
 }
 
-/// The lowest and the highest of some numbers; infinite, the lowest upwards, for none.
+/// The smallest and the largest of some numbers; (∞, −∞) for no numbers.
 pub fn ends_of(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
     let none = (f64::INFINITY, f64::NEG_INFINITY);
     let ends = values.into_iter();
     ends.fold(none, |(low, high), v| (low.min(v), high.max(v)))
 }
 
-/// What has the least of a number, the first where several have; `None` of nothing.
+/// The item with the smallest value of `of`, the first of several with this value; `None` for no items.
 pub fn least_by<T>(all: impl IntoIterator<Item = T>, of: impl Fn(&T) -> f64) -> Option<T> {
     let all = all.into_iter().map(|one| (of(&one), one));
     all.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, one)| one)

@@ -1,4 +1,4 @@
-//! Are two samples drawn alike? The energy distance of Székely & Rizzo, from distances alone.
+//! The energy test of Székely & Rizzo: do two samples come from one distribution? It needs only the distances of pairs.
 
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
@@ -6,31 +6,31 @@ use serde::{Deserialize, Serialize};
 use crate::error::{Error, Result};
 use crate::random::Once;
 
-/// Random permutations behind a p value; with the observed one 2000, so that the smallest is 0.0005.
+/// The number of random permutations for a p value; together with the observed order there are 2000, so the smallest p value is 0.0005.
 pub const PERMUTATIONS: usize = 1999;
-/// Statistics that differ by rounding alone count as equal.
+/// Relative tolerance, so that statistics that differ only by rounding count as equal.
 const ROUNDING: f64 = 1e-12;
 
-/// The energy distance of two samples and how likely one as large is where they are drawn alike.
+/// The energy distance of two samples, and the probability of a distance at least as large if both come from one distribution.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EnergyTest {
-    /// ℰ = 2 E‖X − Y‖ − E‖X − X′‖ − E‖Y − Y′‖ over all pairs, each with itself included (Székely & Rizzo 2013, section 6), in
-    /// the unit of the distances; 0 where the samples are the same.
+    /// ℰ = 2 E‖X − Y‖ − E‖X − X′‖ − E‖Y − Y′‖ over all pairs, including each member with itself (Székely & Rizzo 2013, section 6), in
+    /// the unit of the distances; 0 if the samples are equal.
     pub distance: f64,
-    /// Mean distance between the samples over the mean of the two mean distances within them (pairs of different members): near
-    /// 1 where both are drawn alike, whatever their sizes; `None` where nothing within them differs.
+    /// Mean distance between the samples, divided by the mean of the two mean distances within the samples (pairs of different members): near
+    /// 1 if both come from one distribution, for any sample sizes; `None` if no members within the samples differ.
     pub ratio: Option<f64>,
-    /// Share of permutations of all members with ℰ at least as large, the observed one among them: valid for any distance; for
-    /// one of negative type (all Euclidean ones) small for every kind of difference once the samples are large.
+    /// Share of permutations of all members, the observed order included, with an ℰ at least as large. It is valid for any distance; for
+    /// a distance of negative type (such as all Euclidean ones) it is small for every kind of difference if the samples are large enough.
     pub p_value: f64,
-    /// Random permutations drawn.
+    /// The number of random permutations.
     pub permutations: usize,
 }
 
-/// Tests whether the first `first` members are drawn as the others are.
+/// Tests whether the first `first` members come from the same distribution as the others.
 ///
-/// `distances` are those of all pairs of members: (0, 1), (0, 2), …, (1, 2), ….
+/// `distances` holds the distances of all pairs of members in the order (0, 1), (0, 2), …, (1, 2), ….
 ///
 /// ```
 /// use realgap_core::statistics::energy_test;
@@ -46,7 +46,7 @@ pub struct EnergyTest {
 /// ```
 ///
 /// # Errors
-/// Another number of distances than that of pairs, an empty sample, distances that are not finite or negative.
+/// A number of distances that differs from the number of pairs, an empty sample, distances that are negative or not finite.
 pub fn energy_test(distances: &[f64], first: usize, seed: u64) -> Result<EnergyTest> {
     let members = members_of(distances.len()).filter(|members| (1..*members).contains(&first));
     let Some(members) = members else {
@@ -55,7 +55,7 @@ pub fn energy_test(distances: &[f64], first: usize, seed: u64) -> Result<EnergyT
                 "{} distances, {first} members in the first",
                 distances.len()
             ))
-            .allowed("those of all pairs, and a member at least in each sample"));
+            .allowed("the distances of all pairs, and at least one member in each sample"));
     };
     if let Some(wrong) = distances.iter().find(|d| !(d.is_finite() && **d >= 0.0)) {
         return Err(Error::invalid("not a distance")
@@ -84,16 +84,16 @@ pub fn energy_test(distances: &[f64], first: usize, seed: u64) -> Result<EnergyT
     })
 }
 
-/// How many members have this many pairs.
+/// The number of members that have this number of pairs; `None` if no number does.
 fn members_of(pairs: usize) -> Option<usize> {
     let members = (0.5 + (0.25 + 2.0 * pairs as f64).sqrt()).round() as usize;
     (members * (members - 1) / 2 == pairs).then_some(members)
 }
 
-/// Distances of all pairs, with sums that every permutation needs.
+/// The distances of all pairs, with the sums that every permutation needs.
 struct Table {
     members: usize,
-    /// Row by row, both ways.
+    /// The full symmetric matrix of distances, row by row.
     distances: Vec<f64>,
     row_sums: Vec<f64>,
     total: f64,
@@ -121,7 +121,7 @@ impl Table {
         }
     }
 
-    /// Sums of the distances within and between, where `chosen` are the first sample.
+    /// Sums of the distances within and between the samples, if the members `chosen` are the first sample.
     fn sums(&self, chosen: &[usize]) -> Sums {
         let (mut within, mut rows) = (0.0, 0.0);
         for (index, &i) in chosen.iter().enumerate() {
@@ -138,7 +138,7 @@ impl Table {
     }
 }
 
-/// Sums over pairs, each once.
+/// Sums over pairs; each pair is counted once.
 struct Sums {
     sizes: [f64; 2],
     within: [f64; 2],
@@ -168,7 +168,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_not_a_table_of_two_samples_is_refused() {
+    fn distances_that_do_not_describe_two_samples_are_refused() {
         for (distances, first) in [
             (vec![], 0),
             (vec![1.0], 0),
@@ -182,13 +182,13 @@ mod tests {
     }
 
     #[test]
-    fn samples_of_one_value_are_alike_and_have_no_ratio() {
+    fn equal_samples_of_one_value_have_distance_zero_and_no_ratio() {
         let test = energy_test(&[0.0; 15], 3, 1).unwrap();
         assert_eq!((test.distance, test.ratio, test.p_value), (0.0, None, 1.0));
     }
 
     #[test]
-    fn the_same_seed_permutes_alike() {
+    fn the_same_seed_gives_the_same_permutations() {
         let distances: Vec<f64> = (0..45).map(|k| f64::from(k * 7 % 11)).collect();
         let of = |seed| energy_test(&distances, 4, seed).unwrap();
         assert_eq!(of(1), of(1));

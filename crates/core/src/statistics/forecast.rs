@@ -1,11 +1,11 @@
-//! Scores of forecasts that give every possible event a probability.
+//! Scores of probability forecasts: Brier score and reliability diagram.
 
 use serde::Serialize;
 
 use super::proportion::Proportion;
 
-/// Brier's score of one forecast (Brier 1950): squared differences of the probabilities from 1 for what happened and 0 for all
-/// else, summed over all events. From 0 to 2; a single certain forecast that is wrong has 2.
+/// Brier's score of one forecast (Brier 1950): the squared difference of each event's probability from 1 if the event happened and from 0 if
+/// it did not, summed over all events. It is from 0 to 2; a certain forecast that is wrong has 2.
 ///
 /// ```
 /// use realgap_core::statistics::brier;
@@ -25,20 +25,20 @@ pub fn brier(probabilities: &[f64], happened: usize) -> f64 {
     terms.sum()
 }
 
-/// How often events happened that had about the same probability.
+/// The observed frequency of events that were forecast with about the same probability.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ReliabilityBin {
-    /// Mean of the probabilities that were given.
+    /// Mean of the forecast probabilities.
     pub probability: f64,
-    /// How often the event happened, with its 95 % interval (Wilson).
+    /// The observed frequency of the events, with its 95 % interval (Wilson).
     pub observed: Proportion,
 }
 
 /// Level of the intervals of [`reliability`].
 const LEVEL: f64 = 0.95;
 
-/// Probabilities and whether the event happened, in ten bins of equal width; empty bins are left out.
+/// Groups forecasts into ten bins of equal width; a forecast is a probability, and whether the event happened. Empty bins are left out.
 pub fn reliability(forecasts: &[(f64, bool)]) -> Vec<ReliabilityBin> {
     let bin_of = |probability: f64| ((10.0 * probability) as usize).min(9);
     let bins = (0..10).filter_map(|bin| {
@@ -57,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bins_count_what_happened_at_their_probability() {
+    fn bins_count_the_events_forecast_with_their_probability() {
         let bins = reliability(&[(0.05, false), (0.08, true), (1.0, true)]);
         assert_eq!(bins.len(), 2);
         assert!((bins[0].probability - 0.065).abs() < 1e-12);

@@ -1,26 +1,26 @@
-//! Intervals from leaving out one item after the other, for few items.
+//! The jackknife: intervals from leaving out one item at a time, for few items; and quantiles of Student's t, χ² and F.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
 
-/// What a number is computed from, which decides what the jackknife misses of its variance.
+/// Whether a statistic is a mean over items or over pairs, which decides how the jackknife's variance is corrected.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Degree {
     /// A mean over items, or a function of such means.
     Items,
     /// A mean over pairs of items.
     Pairs {
-        /// Variance of a single pair, over the square of the mean.
+        /// Variance of a single pair, divided by the square of the mean.
         variance: f64,
     },
 }
 
 /// Student's t interval of a positive number at `level` by the jackknife of its logarithm (Tukey 1958; Efron & Tibshirani
-/// 1993, chapter 11; the logarithm because its spread is that of a scale: Miller 1974).
+/// 1993, chapter 11; the logarithm is used because the number is a scale: Miller 1974).
 ///
-/// `left_out` are the values without each item. A mean over pairs is a U-statistic, whose variance has two parts (Hoeffding 1948,
-/// section 5): that of the items, which the jackknife overstates by (n − 1)² / (n − 2)² (Efron & Stein 1981), and that of single pairs
-/// over n (n − 1) / 2, which it misses, and which is most of it where items are of few kinds. `None` for fewer than three
-/// items, or values that are not all positive.
+/// `left_out` holds the value of the statistic without each item. A mean over pairs is a U-statistic, whose variance has two parts
+/// (Hoeffding 1948, section 5): the variance of the items, which the jackknife overestimates by (n − 1)² / (n − 2)² (Efron & Stein 1981), and
+/// the variance of single pairs divided by n (n − 1) / 2, which the jackknife misses, and which is the larger part if items are of few
+/// kinds. `None` for fewer than three items, or values that are not all positive.
 ///
 /// ```
 /// use realgap_core::statistics::{Degree, jackknife_interval};
@@ -53,7 +53,7 @@ pub fn jackknife_interval(
     Some((value / factor, value * factor))
 }
 
-/// Variance of a number by its values without each item (Tukey 1958).
+/// The jackknife variance of a statistic, from its values without each item (Tukey 1958).
 pub fn jackknife_variance(left_out: &[f64]) -> f64 {
     let n = left_out.len() as f64;
     let mean = left_out.iter().sum::<f64>() / n;
@@ -87,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn too_few_items_and_what_is_no_scale_have_no_interval() {
+    fn too_few_items_and_values_that_are_not_positive_have_no_interval() {
         for (value, left_out) in [
             (1.0, vec![1.0, 2.0]),
             (0.0, vec![0.0; 4]),

@@ -1,6 +1,6 @@
-//! The Matérn 5/2 correlation: how alike values of a smooth function are a distance apart.
+//! The Matérn 5/2 kernel: the correlation of two values of a smooth random function, by their distance.
 
-/// Correlation of two values `distance` length scales apart (Rasmussen & Williams 2006, equation 4.17): 1 at distance 0.
+/// Correlation of two values at a distance of `distance` length scales (Rasmussen & Williams 2006, equation 4.17): 1 at distance 0.
 ///
 /// ```
 /// use realgap_core::statistics::matern_5_2;

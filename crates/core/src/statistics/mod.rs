@@ -1,6 +1,6 @@
-//! Numbers about samples: what a spread is, how sure a share is, and resampling.
+//! Statistics of samples: descriptive numbers, intervals, tests and resampling.
 //!
-//! Checked against scipy and statsmodels where they have the same quantity (tests/statistic.rs).
+//! They are checked against scipy and statsmodels where these libraries have the same quantity (tests/statistic.rs).
 
 mod autocorrelation;
 mod bootstrap;
@@ -32,6 +32,6 @@ pub use normality::{LEAST_FOR_NORMALITY, anderson_darling};
 pub use paired::{PairedTest, wilcoxon_signed_rank};
 pub use proportion::{Proportion, normal_quantile};
 pub use significance::{
-    PValueMethod, SampleTest, kolmogorov_smirnov, mann_whitney, spearman, spearman_worth,
+    PValueMethod, SampleTest, kolmogorov_smirnov, mann_whitney, spearman, spearman_effective,
 };
 pub use survival::{Duration, KaplanMeier, log_rank};

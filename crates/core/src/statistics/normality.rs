@@ -1,17 +1,17 @@
-//! Is a sample drawn from a normal distribution?
+//! A test of normality: does a sample come from a normal distribution?
 
 use crate::error::Result;
 use crate::statistics::rank::check_sample;
 use crate::statistics::significance::SampleTest;
 use crate::statistics::{mean, standard_deviation};
 
-/// Fewest values that [`anderson_darling`] tests.
+/// The smallest number of values that [`anderson_darling`] accepts.
 pub const LEAST_FOR_NORMALITY: usize = 8;
 
 /// Anderson–Darling test of normality with mean and variance estimated: A²* = A² (1 + 0.75/n + 2.25/n²) and its p value by
-/// D'Agostino & Stephens (1986, table 4.9), as `statsmodels.stats.diagnostic.normal_ad`.
+/// D'Agostino & Stephens (1986, table 4.9), as in `statsmodels.stats.diagnostic.normal_ad`.
 ///
-/// Rounded readings are not normal: large samples of a coarse sensor are rejected for their steps alone.
+/// Rounded readings are not normal: large samples of a sensor with a coarse resolution are rejected because of the steps alone.
 ///
 /// # Errors
 /// Fewer than 8 values, values that are not finite. A sample of equal values is not normal: p = 0.

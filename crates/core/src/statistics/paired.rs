@@ -1,4 +1,4 @@
-//! Do pairs differ? A test that asks nothing of the distribution but symmetry.
+//! Wilcoxon's signed-rank test: do paired values differ? It assumes only that the distribution of the differences is symmetric.
 
 use serde::Serialize;
 use statrs::function::erf::erfc;
@@ -7,31 +7,31 @@ use super::rank::{check_sample, ranks};
 use super::significance::PValueMethod;
 use crate::error::Result;
 
-/// Up to this many pairs all signs are counted.
+/// Up to this number of pairs, the p value is exact: all combinations of signs are counted.
 const EXACT_PAIRS: usize = 60;
 
 /// A two-sided test of differences, with the size of the effect.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PairedTest {
-    /// Pairs that differ.
+    /// Number of pairs that differ.
     pub pairs: usize,
-    /// Sum of the ranks of positive differences.
+    /// Sum of the ranks of the positive differences.
     pub statistic: f64,
-    /// Probability of a sum at least this far out if either sign were as likely.
+    /// Probability of a sum at least as extreme if both signs were equally likely.
     pub p_value: f64,
-    /// Where the p value comes from.
+    /// How the p value was computed.
     pub method: PValueMethod,
-    /// Rank-biserial correlation of matched pairs (Kerby 2014): ranks of positive differences less those of negative ones, as
-    /// a share of all; −1 to 1.
+    /// Rank-biserial correlation of matched pairs (Kerby 2014): the sum of the ranks of positive differences minus that of negative
+    /// differences, as a share of the sum of all ranks; −1 to 1.
     pub effect: f64,
 }
 
-/// Wilcoxon's signed-rank test (Wilcoxon 1945) of differences: is their middle other than 0?
+/// Wilcoxon's signed-rank test (Wilcoxon 1945): is the centre of the differences other than 0?
 ///
-/// Differences of 0 are left out, as `scipy.stats.wilcoxon(d, zero_method="wilcox")`. Up to 60 pairs all signs are counted, with
-/// ties, too (scipy: `method=PermutationMethod()`; its `"exact"` knows no ties); beyond, the normal limit with the correction for
-/// ties. Where nothing differs, p is 1 and the effect 0.
+/// Differences of 0 are left out, as in `scipy.stats.wilcoxon(d, zero_method="wilcox")`. Up to 60 pairs, all combinations of signs are
+/// counted, also with ties (scipy: `method=PermutationMethod()`; scipy's `"exact"` does not support ties); with more pairs, the normal
+/// approximation with the correction for ties is used. If all differences are 0, p is 1 and the effect is 0.
 ///
 /// ```
 /// let test = realgap_core::statistics::wilcoxon_signed_rank(&[0.3, 0.1, 0.5, 0.2, 0.4])?;
@@ -40,7 +40,7 @@ pub struct PairedTest {
 /// ```
 ///
 /// # Errors
-/// No difference at all, differences that are not finite.
+/// An empty list of differences, differences that are not finite.
 pub fn wilcoxon_signed_rank(differences: &[f64]) -> Result<PairedTest> {
     check_sample("differences", differences, 1)?;
     let kept: Vec<f64> = differences.iter().copied().filter(|d| *d != 0.0).collect();
@@ -78,7 +78,7 @@ pub fn wilcoxon_signed_rank(differences: &[f64]) -> Result<PairedTest> {
     })
 }
 
-/// Share of all signs whose positive ranks sum to `from` or more. Ranks are whole or half.
+/// Share of all combinations of signs whose positive ranks sum to `from` or more. Ranks are multiples of one half.
 fn tail(ranks: &[f64], from: f64) -> f64 {
     let doubled: Vec<usize> = ranks
         .iter()

@@ -1,15 +1,15 @@
-//! How sure an observed share is.
+//! An observed share of trials with its Wilson confidence interval; and the normal quantile.
 
 use serde::{Deserialize, Serialize};
 use statrs::function::erf::erfc_inv;
 
-/// A share of trials with its Wilson score interval (Wilson 1927), which behaves at 0 and 1 and for few trials.
+/// A share of trials with its Wilson score interval (Wilson 1927), which is also valid near 0 and 1 and for few trials.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Proportion {
-    /// How often it happened.
+    /// Number of trials in which the event happened.
     pub count: usize,
-    /// This is how many trials there were.
+    /// Number of trials.
     pub trials: usize,
     /// `count / trials`; 0 without trials.
     pub share: f64,
@@ -47,7 +47,7 @@ impl Proportion {
         }
     }
 
-    /// The share of those that are, as [`Self::new`].
+    /// The share of trials that are true, with its interval as in [`Self::new`].
     pub fn of(trials: impl IntoIterator<Item = bool>, level: f64) -> Self {
         let (mut count, mut all) = (0, 0);
         for is in trials {
@@ -57,7 +57,8 @@ impl Proportion {
         Self::new(count, all, level)
     }
 
-    /// The same interval of a share that need not be a count: of a mean of shares, one a trial, it is wider than the truth.
+    /// The same interval for a share that need not be a count divided by the trials. For a mean of shares, one per trial, the interval is
+    /// wider than necessary.
     pub fn interval_of(share: f64, trials: usize, level: f64) -> (f64, f64) {
         let n = trials as f64;
         let z = normal_quantile(0.5 + 0.5 * level);

@@ -1,4 +1,4 @@
-//! Ranks of a sample.
+//! Ranks of a sample with ties, and the check of a sample's values.
 
 use crate::error::{Error, Result};
 
@@ -20,7 +20,7 @@ pub(super) fn ranks(values: &[f64]) -> (Vec<f64>, f64) {
     (ranks, tie_term)
 }
 
-/// Refuses samples that have no order or too few values.
+/// Refuses samples with too few values, or with values that are not finite.
 pub(super) fn check_sample(name: &str, values: &[f64], least: usize) -> Result<()> {
     if values.len() < least {
         return Err(Error::invalid("the sample is too small")
@@ -29,10 +29,12 @@ pub(super) fn check_sample(name: &str, values: &[f64], least: usize) -> Result<(
             .allowed(format!("{least} or more values")));
     }
     match values.iter().find(|v| !v.is_finite()) {
-        Some(value) => Err(Error::invalid("the sample has a value that is no number")
-            .field(name)
-            .found(value)
-            .allowed("finite numbers")),
+        Some(value) => Err(
+            Error::invalid("the sample has a value that is no finite number")
+                .field(name)
+                .found(value)
+                .allowed("finite numbers"),
+        ),
         None => Ok(()),
     }
 }

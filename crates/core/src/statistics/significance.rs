@@ -1,4 +1,4 @@
-//! Do two samples differ, and do two quantities go together? Tests without an assumption about distributions.
+//! Nonparametric tests: whether two samples differ, and whether two quantities are correlated.
 
 use serde::{Deserialize, Serialize};
 use statrs::function::beta::beta_reg;
@@ -9,19 +9,19 @@ use statrs::stats_tests::ks_test::{KSTwoSampleAlternativeMethod, ks_twosample};
 use super::rank::{check_sample, ranks};
 use crate::error::{Error, Result};
 
-/// Up to this many values in the smaller sample [`mann_whitney`] counts all orders, as scipy does.
+/// Up to this number of values in the smaller sample, [`mann_whitney`] counts all orders, as scipy does.
 const EXACT_SAMPLE: usize = 8;
-/// Up to this product of the sample sizes [`kolmogorov_smirnov`] counts all orders.
+/// Up to this product of the sample sizes, [`kolmogorov_smirnov`] counts all orders.
 const EXACT_PRODUCT: usize = 10_000;
 
-/// Where a p value comes from.
+/// How a p value was computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum PValueMethod {
     /// All orders of the values were counted.
     Exact,
-    /// The limit for large samples.
+    /// The approximation for large samples.
     Asymptotic,
 }
 
@@ -31,10 +31,10 @@ pub enum PValueMethod {
 pub struct SampleTest {
     /// The statistic: U of the first sample, the largest distance D, or the rank correlation ρ.
     pub statistic: f64,
-    /// Probability of a statistic at least this far out if the samples were drawn alike (or the quantities had nothing to do
-    /// with each other).
+    /// Probability of a statistic at least as extreme if the samples came from one distribution (or if the quantities were
+    /// independent).
     pub p_value: f64,
-    /// Where the p value comes from.
+    /// How the p value was computed.
     pub method: PValueMethod,
 }
 
@@ -50,9 +50,9 @@ impl SampleTest {
 
 /// Mann–Whitney U test (Mann & Whitney 1947): is one sample larger than the other?
 ///
-/// As `scipy.stats.mannwhitneyu(x, y, method="auto")`: exact where the smaller sample has at most 8 values and nothing is tied,
-/// else the normal approximation with continuity and tie correction. Not statrs 0.19's own, which lists every combination for
-/// the exact value (8 of 60 values: 2.6·10⁹).
+/// As `scipy.stats.mannwhitneyu(x, y, method="auto")`: exact if the smaller sample has at most 8 values and no values are tied,
+/// else the normal approximation with continuity and tie correction. The function of statrs 0.19 is not used, because it lists every
+/// combination for the exact value (8 of 60 values: 2.6·10⁹).
 ///
 /// ```
 /// let test = realgap_core::statistics::mann_whitney(&[1.0, 2.0, 3.0], &[4.0, 5.0, 6.0])?;
@@ -119,7 +119,7 @@ fn exact_u_tail(n1: usize, n2: usize, u: f64) -> f64 {
 /// Two-sample Kolmogorov–Smirnov test: do the samples have different distributions?
 ///
 /// Exact (as `scipy.stats.ks_2samp(x, y, method="exact")`, which is conservative with ties) up to a product of the sample sizes
-/// of 10 000, else Kolmogorov's limit `scipy.stats.kstwobign.sf(D √(n₁n₂/(n₁+n₂)))`. By statrs.
+/// of 10 000, else Kolmogorov's limit `scipy.stats.kstwobign.sf(D √(n₁n₂/(n₁+n₂)))`. It is computed by statrs.
 ///
 /// # Errors
 /// An empty sample, values that are not finite.
@@ -146,22 +146,22 @@ pub fn kolmogorov_smirnov(x: &[f64], y: &[f64]) -> Result<SampleTest> {
     })
 }
 
-/// Spearman's rank correlation: do two quantities rise together?
+/// Spearman's rank correlation: do two quantities increase together?
 ///
-/// ρ of the mean ranks; p as `scipy.stats.spearmanr`: Student's t with n − 2 degrees of freedom, which is rough below about ten
-/// values.
+/// ρ is computed from the mean ranks; p as in `scipy.stats.spearmanr`, by Student's t with n − 2 degrees of freedom, which is a rough
+/// approximation below about ten values.
 ///
 /// # Errors
 /// Samples of different length, fewer than three values, values that are not finite, a constant sample.
 pub fn spearman(x: &[f64], y: &[f64]) -> Result<SampleTest> {
-    spearman_worth(x, y, x.len() as f64)
+    spearman_effective(x, y, x.len() as f64)
 }
 
-/// As [`spearman`], where the pairs are worth only so many independent ones ([`independent_pairs`](super::independent_pairs)).
+/// As [`spearman`], for pairs that are equivalent to only `pairs` independent pairs ([`independent_pairs`](super::independent_pairs)).
 ///
 /// # Errors
 /// As [`spearman`], and fewer than three independent pairs.
-pub fn spearman_worth(x: &[f64], y: &[f64], pairs: f64) -> Result<SampleTest> {
+pub fn spearman_effective(x: &[f64], y: &[f64], pairs: f64) -> Result<SampleTest> {
     check_sample("x", x, 3)?;
     check_sample("y", y, 3)?;
     if x.len() != y.len() {
@@ -181,7 +181,7 @@ pub fn spearman_worth(x: &[f64], y: &[f64], pairs: f64) -> Result<SampleTest> {
     }
     if xx == 0.0 || yy == 0.0 {
         return Err(Error::invalid(
-            "a sample of equal values goes together with nothing",
+            "a sample of equal values has no correlation",
         ));
     }
     let statistic = (xy / (xx * yy).sqrt()).clamp(-1.0, 1.0);

@@ -1,4 +1,4 @@
-//! Durations of which some are only known to be longer than something.
+//! Survival analysis: durations of which some are censored, that is, only known to be longer than a time.
 
 use serde::Serialize;
 use statrs::function::erf::erfc;
@@ -7,17 +7,17 @@ use super::proportion::normal_quantile;
 use super::significance::SampleTest;
 use crate::error::{Error, Result};
 
-/// How long something took, or that it took longer than this.
+/// The duration of a task, or a time that the task took longer than.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Duration {
     /// Seconds, above 0.
     pub time_s: f64,
-    /// Whether it was finished then; otherwise it was given up (censored).
+    /// True if the task was finished at this time; false if it was given up at this time (censored).
     pub finished: bool,
 }
 
-/// The share that is not finished yet, over time (Kaplan & Meier 1958).
+/// The share of tasks that are not finished yet, over time (Kaplan & Meier 1958).
 ///
 /// ```
 /// use realgap_core::statistics::{Duration, KaplanMeier};
@@ -32,17 +32,17 @@ pub struct Duration {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct KaplanMeier {
-    /// Times at which something was finished, seconds, increasing.
+    /// Times at which a task was finished, seconds, increasing.
     pub times_s: Vec<f64>,
-    /// The share that is not finished right after each of them.
+    /// The share that is not finished right after each of these times.
     pub shares: Vec<f64>,
-    /// The sum Σ d / (n (n − d)) of Greenwood's formula up to it; infinite where nothing is left.
+    /// The sum Σ d / (n (n − d)) of Greenwood's formula up to each time; infinite if no task is left.
     greenwood: Vec<f64>,
 }
 
 fn check(durations: &[Duration]) -> Result<()> {
     if durations.is_empty() {
-        return Err(Error::invalid("no duration at all"));
+        return Err(Error::invalid("there are no durations"));
     }
     if let Some(wrong) = durations
         .iter()
@@ -55,7 +55,7 @@ fn check(durations: &[Duration]) -> Result<()> {
     Ok(())
 }
 
-/// At each time at which something was finished: how many were, and how many were still at it.
+/// Each time at which tasks were finished, with the number of tasks finished then, and the number still running just before (at risk).
 fn counts(durations: &[Duration]) -> Vec<(f64, f64, f64)> {
     let mut times: Vec<f64> = durations
         .iter()
@@ -69,17 +69,17 @@ fn counts(durations: &[Duration]) -> Vec<(f64, f64, f64)> {
             .iter()
             .filter(|d| d.finished && d.time_s == time)
             .count();
-        let at_it = durations.iter().filter(|d| d.time_s >= time).count();
-        (time, finished as f64, at_it as f64)
+        let at_risk = durations.iter().filter(|d| d.time_s >= time).count();
+        (time, finished as f64, at_risk as f64)
     };
     times.into_iter().map(of).collect()
 }
 
 impl KaplanMeier {
-    /// Of some durations.
+    /// The survival curve of some durations.
     ///
     /// # Errors
-    /// None at all, one that is not above 0.
+    /// No durations, a duration that is not above 0.
     pub fn new(durations: &[Duration]) -> Result<Self> {
         check(durations)?;
         let (mut share, mut sum) = (1.0, 0.0);
@@ -88,9 +88,9 @@ impl KaplanMeier {
             shares: Vec::new(),
             greenwood: Vec::new(),
         };
-        for (time, finished, at_it) in counts(durations) {
-            share *= 1.0 - finished / at_it;
-            sum += finished / (at_it * (at_it - finished));
+        for (time, finished, at_risk) in counts(durations) {
+            share *= 1.0 - finished / at_risk;
+            sum += finished / (at_risk * (at_risk - finished));
             curve.times_s.push(time);
             curve.shares.push(share);
             curve.greenwood.push(sum);
@@ -106,7 +106,7 @@ impl KaplanMeier {
         }
     }
 
-    /// When a share is finished: the first time at which it is; `None` where it never is.
+    /// The first time at which a share of `level` of the tasks is finished; `None` if the share is never reached.
     pub fn quantile_s(&self, level: f64) -> Option<f64> {
         let at = self
             .shares
@@ -115,12 +115,12 @@ impl KaplanMeier {
         Some(self.times_s[at])
     }
 
-    /// When half is finished.
+    /// The first time at which half of the tasks are finished.
     pub fn median_s(&self) -> Option<f64> {
         self.quantile_s(0.5)
     }
 
-    /// An interval for the share right after a time: Greenwood's variance on the scale of log(−log), as `scipy.stats.ecdf` has it.
+    /// An interval for the share right after a time: Greenwood's variance on the log(−log) scale, as in `scipy.stats.ecdf`.
     pub fn share_interval(&self, time_s: f64, level: f64) -> (f64, f64) {
         match self.times_s.partition_point(|t| *t <= time_s) {
             0 => (1.0, 1.0),
@@ -140,8 +140,8 @@ impl KaplanMeier {
         (at(1.0), at(-1.0))
     }
 
-    /// An interval for the median: from the first time at which the share's interval reaches one half to the first at which it lies
-    /// below (Brookmeyer & Crowley 1982). An end is `None` where the curve does not come down so far.
+    /// An interval for the median: from the first time at which the share's interval reaches one half to the first time at which the whole
+    /// interval is at or below one half (Brookmeyer & Crowley 1982). An end is `None` if the curve does not fall that far.
     pub fn median_interval_s(&self, level: f64) -> (Option<f64>, Option<f64>) {
         let first = |end: fn((f64, f64)) -> f64| {
             let at = |index: &usize| end(self.interval(*index, level)) <= 0.5;
@@ -151,26 +151,26 @@ impl KaplanMeier {
     }
 }
 
-/// Do two samples of durations differ? The log-rank test (Mantel 1966), two-sided, as `scipy.stats.logrank`.
+/// The log-rank test (Mantel 1966), two-sided, as `scipy.stats.logrank`: do two samples of durations differ?
 ///
 /// # Errors
-/// An empty sample, durations that are not above 0, nothing finished in both.
+/// An empty sample, durations that are not above 0, too few finished tasks.
 pub fn log_rank(x: &[Duration], y: &[Duration]) -> Result<SampleTest> {
     check(x)?;
     check(y)?;
     let (mut off, mut variance) = (0.0, 0.0);
-    for (time, finished, at_it) in counts(&[x, y].concat()) {
+    for (time, finished, at_risk) in counts(&[x, y].concat()) {
         let own = x.iter().filter(|d| d.time_s >= time).count() as f64;
         let done = x.iter().filter(|d| d.finished && d.time_s == time).count() as f64;
-        let share = own / at_it;
+        let share = own / at_risk;
         off += done - finished * share;
-        if at_it > 1.0 {
-            variance += finished * share * (1.0 - share) * (at_it - finished) / (at_it - 1.0);
+        if at_risk > 1.0 {
+            variance += finished * share * (1.0 - share) * (at_risk - finished) / (at_risk - 1.0);
         }
     }
     if variance <= 0.0 {
         return Err(Error::invalid(
-            "too little was finished to compare two samples",
+            "too few tasks were finished to compare two samples",
         ));
     }
     let statistic = off / variance.sqrt();

@@ -1,11 +1,11 @@
-//! Units of what others have recorded; everything inside the crate is metres, seconds and radians.
+//! Units that recorded files may use; inside the crate, all values are in metres, seconds and radians.
 
 use std::fmt;
 
-/// Writes an enum of units with their symbols and sizes.
+/// Declares an enum of units with their symbols and their sizes in SI units.
 macro_rules! units {
     ($(#[$doc:meta])* $name:ident, $what:literal, $size:ident: $($(#[$about:meta])* $member:ident $symbol:literal $words:literal $factor:expr;)*) => {
-        crate::spelled! {
+        crate::string_enum! {
             $(#[$doc])*
             #[derive(Default)]
             $name.symbol, concat!("is no unit of ", $what);
@@ -13,7 +13,7 @@ macro_rules! units {
         }
 
         impl $name {
-            /// What one of it is in SI.
+            /// The size of one such unit in the SI unit.
             pub fn $size(self) -> f64 {
                 match self {
                     $(Self::$member => $factor,)*

@@ -1,18 +1,18 @@
-//! Numbers for people: as many digits as they can use, in a unit of handy size.
+//! Formats numbers for people: with three significant digits, in a unit that suits their size.
 
 use super::Unit;
 
-/// A unit of handy size: `value * factor` is to be shown with `symbol`.
+/// The unit in which a value is displayed: `value * factor` is shown with `symbol`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DisplayUnit {
-    /// From the stored unit to the shown one.
+    /// Factor from the stored unit to the displayed unit.
     pub factor: f64,
     /// The symbol, empty for a dimensionless quantity.
     pub symbol: &'static str,
 }
 
 impl DisplayUnit {
-    /// The unit in which values of this `size` (in `unit`) read well: 0.0123 m as 1.23 cm.
+    /// The unit in which values of this `size` (in `unit`) are easy to read: 0.0123 m is shown as 1.23 cm.
     pub fn for_size(unit: Unit, size: f64) -> Self {
         let size = size.abs();
         let (factor, symbol) = match unit {
@@ -30,7 +30,7 @@ impl DisplayUnit {
         Self { factor, symbol }
     }
 
-    /// One unit for all of `values`, so that they can be compared at a glance: that of their median.
+    /// One unit for all of `values`, so that they can be compared at a glance: the unit that suits their median.
     pub fn for_values(unit: Unit, values: impl IntoIterator<Item = f64>) -> Self {
         let mut sizes: Vec<f64> = values
             .into_iter()
@@ -51,12 +51,12 @@ impl DisplayUnit {
         }
     }
 
-    /// As [`DisplayUnit::format`], without the symbol: for a range that stands beside its middle.
+    /// As [`DisplayUnit::format`] without the symbol, for numbers next to another number that shows the symbol.
     pub fn figure(self, value: f64) -> String {
         number(value * self.factor)
     }
 
-    /// `label`, followed by the unit in brackets where there is one: `discrepancy (cm)`.
+    /// The label followed by the unit in brackets, if it has a symbol: `discrepancy (cm)`.
     pub fn label(self, label: &str) -> String {
         match self.symbol {
             "" => label.to_string(),
@@ -65,7 +65,7 @@ impl DisplayUnit {
     }
 }
 
-/// `value` with its unit, in a unit of handy size: `quantity(0.0123, Unit::Metre)` is `1.23 cm`.
+/// The value in a unit that suits its size, with the unit's symbol: `quantity(0.0123, Unit::Metre)` is `1.23 cm`.
 ///
 /// ```
 /// use realgap_core::unit::{Unit, quantity};
@@ -77,7 +77,7 @@ pub fn quantity(value: f64, unit: Unit) -> String {
     DisplayUnit::for_size(unit, value).format(value)
 }
 
-/// `value` with so many decimals, never as −0.
+/// The value with this number of decimals; a value that rounds to zero has no minus sign.
 ///
 /// ```
 /// use realgap_core::unit::decimals;
@@ -91,7 +91,7 @@ pub fn decimals(value: f64, decimals: usize) -> String {
     }
 }
 
-/// `value` with three significant digits; powers of ten only far from 1; `–` when it is not finite.
+/// The value with three significant digits; with an exponent only if it is very large or very small; `–` if it is not finite.
 pub fn number(value: f64) -> String {
     if !value.is_finite() {
         return "–".to_string();
@@ -99,7 +99,7 @@ pub fn number(value: f64) -> String {
     if value == 0.0 {
         return "0".to_string();
     }
-    // Round first: 9.996 has the digits of 10.0.
+    // The exponent is taken after rounding, because 9.996 is shown as 10.0.
     let scientific = format!("{value:.2e}");
     let exponent: i32 = scientific
         .split_once('e')
@@ -117,7 +117,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn three_digits_whatever_the_size() {
+    fn numbers_of_any_size_have_three_digits() {
         for (value, text) in [
             (0.0, "0"),
             (1.0, "1.00"),
@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn lengths_choose_their_unit() {
+    fn lengths_are_shown_in_a_unit_that_suits_their_size() {
         for (value, text) in [
             (0.0, "0 mm"),
             (1.5, "1.50 m"),

@@ -242,6 +242,6 @@ impl Definition {
 }
 
 #[cfg(feature = "schema")]
-realgap_core::as_text! {
+realgap_core::string_schema! {
     StartUsed, "StartUsed", "Where the runs of a study start, in words.";
 }

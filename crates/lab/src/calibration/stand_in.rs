@@ -166,7 +166,7 @@ impl StandIn {
                 .at_file(folder)
                 .hint("name a new folder, or remove the old one: a mixture of two sets would carry the wrong meta.ron"));
         }
-        let is_ours = FolderLock::was_in(folder);
+        let is_ours = FolderLock::was_used(folder);
         let lock = FolderLock::make(folder)?;
         let mut files = (0..self.repeats).map(|repeat| run_file(folder, repeat));
         match files.find(|path| !is_ours && path.exists()) {

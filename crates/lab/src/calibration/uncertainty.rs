@@ -5,7 +5,7 @@ use super::setting::Setting;
 use super::{LEVEL, Scores, Study};
 use realgap_core::statistics::{mean_of_any, standard_deviation};
 
-realgap_core::worded! {
+realgap_core::labelled_enum! {
     /// Where the uncertainty of the scores comes from.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
     #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

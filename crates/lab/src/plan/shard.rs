@@ -8,7 +8,7 @@ use super::{Cost, Plan, Round};
 use realgap_core::Result;
 use realgap_store::{FolderLock, RobotRow, RunRow, STORE_FILE, Store, Table, Trial};
 
-realgap_core::worded! {
+realgap_core::labelled_enum! {
     /// How far a shard is.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
     #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

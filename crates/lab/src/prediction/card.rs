@@ -364,6 +364,6 @@ impl fmt::Display for Finals {
 }
 
 #[cfg(feature = "schema")]
-realgap_core::as_text! {
+realgap_core::string_schema! {
     SuccessRule, "SuccessRule", "Who said what far enough is, in words.";
 }

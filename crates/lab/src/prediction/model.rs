@@ -34,7 +34,7 @@ const NOWHERE_BODY_LENGTHS: f64 = 0.1;
 /// Level of the ranges that another engine is part of.
 pub const LEVEL: f64 = 0.9;
 
-realgap_core::worded! {
+realgap_core::labelled_enum! {
     /// What a model varies.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
     #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

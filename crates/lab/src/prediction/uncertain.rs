@@ -117,7 +117,7 @@ pub fn read_indistinguishable(folder: &Path) -> Result<Vec<ParameterSet>> {
         .map_err(|e| e.or_hint("name a folder that a sweep or tuning has written"))?;
     // Whoever has put points together by hand has no check sums.
     let is_sealed = Seal::read(folder)?.is_some_and(|seal| seal.has(INDISTINGUISHABLE_FILE));
-    if !is_sealed && FolderLock::was_in(folder) {
+    if !is_sealed && FolderLock::was_used(folder) {
         return Err(
             Error::conflict("nothing says that these points are what was written")
                 .at_file(&path)

@@ -10,7 +10,7 @@ use realgap_path::trajectory::Prepared;
 use realgap_simulation::EnergyBalance;
 pub use realgap_store::TravelRow as Travel;
 
-realgap_core::worded! {
+realgap_core::labelled_enum! {
     /// What is measured in one repeat.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
     #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

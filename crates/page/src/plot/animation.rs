@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::block::{ACTIVE, FLOOR, PASSIVE, SPIN, draw_length};
 use super::kit::*;
 use super::surface::{draw_outline, draw_surface, far_first, project, shadow};
-use realgap_core::file::Animated;
+use realgap_core::file::AnimatedPng;
 use realgap_core::statistics::ends_of;
 use realgap_robot::morphology::Surface;
 
@@ -103,7 +103,7 @@ pub fn draw_animation(animation: &Animation) -> Result<Vec<u8>> {
     let (width, height) = room.size;
     let mut bytes = Vec::new();
     let count = animation.moments.len();
-    let mut file = Animated::new(&mut bytes, [width, height], count, animation.shown_s)?;
+    let mut file = AnimatedPng::new(&mut bytes, [width, height], count, animation.shown_s)?;
     for moments in animation.moments.chunks(AT_ONCE) {
         let frames = moments.par_iter().map(|moment| Frame {
             animation,

@@ -65,7 +65,7 @@ pub fn check_folder(folder: &Path, kind: Kind) -> Result<()> {
             );
         }
     }
-    if FolderLock::was_in(folder) || folder.join(STORE_FILE).exists() {
+    if FolderLock::was_used(folder) || folder.join(STORE_FILE).exists() {
         return Ok(());
     }
     let files = draft::files(folder)?;

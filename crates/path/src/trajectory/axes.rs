@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use super::Trajectory;
 use realgap_core::error::{Error, Result};
 
-realgap_core::spelled! {
+realgap_core::string_enum! {
     /// Axes of the world and of the body in a file.
     Axes.name, "names no axes";
     /// As here: z up.

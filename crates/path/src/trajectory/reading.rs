@@ -16,7 +16,7 @@ use realgap_core::error::{Error, Result};
 use realgap_core::file::{Source, parse_ron};
 use realgap_core::unit::{AngleUnit, LengthUnit, TimeUnit};
 
-realgap_core::spelled! {
+realgap_core::string_enum! {
     /// Order of the four numbers of a quaternion, in the order of their columns.
     QuaternionOrder.name, "is no order of a quaternion";
     /// Real part first, as here and in most papers.

@@ -2,12 +2,12 @@
 
 use std::borrow::Cow;
 
-use realgap_core::as_text;
+use realgap_core::string_schema;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 
 use super::{Axes, Columns, QuaternionOrder, Role};
 
-as_text! {
+string_schema! {
     QuaternionOrder, "QuaternionOrder", "Whether the real part of a quaternion comes first.",
         [QuaternionOrder::Wxyz, QuaternionOrder::Xyzw].into_iter().map(QuaternionOrder::name);
     Axes, "Axes", "Which way the axes of poses point.",

@@ -12,7 +12,7 @@ use crate::arena::Arena;
 use realgap_core::error::{Error, Result};
 use realgap_core::random::Once;
 use realgap_core::statistics::{
-    autocorrelation_time, independent_pairs, mann_whitney, mean, spearman, spearman_worth,
+    autocorrelation_time, independent_pairs, mann_whitney, mean, spearman, spearman_effective,
     standard_deviation,
 };
 use realgap_core::table::Side::{Left, Right};
@@ -262,7 +262,7 @@ fn ranks(samples: &[&Sample], pairs: f64) -> (Option<f64>, Option<f64>) {
     let (predicted, actual) = both(samples);
     (
         spearman(&predicted, &actual).ok().map(|t| t.statistic),
-        spearman_worth(&predicted, &actual, pairs)
+        spearman_effective(&predicted, &actual, pairs)
             .ok()
             .map(|t| t.p_value),
     )

@@ -13,7 +13,7 @@ fn a_bad_log_is_told_what_is_wrong_with_it() {
         ("distance_cm,reading_cm\n0,1\n", "above 0"),
         ("distance_cm,reading_cm\nnan,1\n", "not a finite number"),
         ("distance_cm,reading_cm\n1,abc\n", "not a number"),
-        ("distance_cm,reading_cm\n1,2,3\n", "another number of cells"),
+        ("distance_cm,reading_cm\n1,2,3\n", "number of cells differs"),
     ] {
         let error = ReadingLog::parse("log.csv", text).unwrap_err().to_string();
         assert!(

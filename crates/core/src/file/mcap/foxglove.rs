@@ -1,29 +1,29 @@
-//! Messages that Foxglove knows, as JSON with their schemas.
+//! JSON schemas of the message types that the viewer Foxglove can show.
 
 use serde::Serialize;
 use serde_json::{Value, json};
 
-/// A topic that a file has, by the kind of its messages.
+/// The name of a topic, by the kind of its messages.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Topic {
     /// One pose over time.
     Pose(String),
-    /// Frames that move.
+    /// Transforms of moving frames.
     Transforms(String),
     /// Boxes, balls and lines in frames.
     Scene(String),
 }
 
-/// A time as messages have it.
+/// A timestamp as messages contain it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Stamp {
     /// Whole seconds.
     pub sec: u64,
-    /// The rest, nanoseconds.
+    /// The remainder, nanoseconds.
     pub nsec: u64,
 }
 
-/// A time as messages have it.
+/// Converts a time in nanoseconds into the timestamp of a message.
 pub fn stamp(time_ns: u64) -> Stamp {
     Stamp {
         sec: time_ns / 1_000_000_000,
@@ -31,7 +31,7 @@ pub fn stamp(time_ns: u64) -> Stamp {
     }
 }
 
-/// The schema of an object with these numbers.
+/// The schema of an object whose fields of these names are numbers.
 fn numbers(names: &[&str]) -> Value {
     let number = |name: &&str| ((*name).to_owned(), json!({ "type": "number" }));
     let properties: serde_json::Map<_, _> = names.iter().map(number).collect();
@@ -64,7 +64,7 @@ fn pose_schema() -> Value {
     object("foxglove.Pose", properties)
 }
 
-/// What is written of a scene; lists of what is not are empty in every message.
+/// The schema of a scene with the primitives that realgap writes; the lists of other primitives are empty in every message.
 fn scene_schema() -> Value {
     let text = json!({ "type": "string" });
     let colour = numbers(&["r", "g", "b", "a"]);
@@ -122,7 +122,7 @@ fn scene_schema() -> Value {
 }
 
 impl Topic {
-    /// The name of the schema.
+    /// The name of the topic.
     pub fn name(&self) -> &str {
         match self {
             Self::Pose(name) | Self::Transforms(name) | Self::Scene(name) => name,

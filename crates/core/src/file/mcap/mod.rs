@@ -1,6 +1,7 @@
-//! MCAP containers (<https://mcap.dev/spec>): messages of many channels in one file, as ROS 2 and Foxglove record them.
+//! Reads and writes MCAP containers (<https://mcap.dev/spec>): messages of many channels in one file, as ROS 2 and Foxglove record them.
 //!
-//! A small reader and writer of our own: the crate of that name brings fifteen more, and C for its compression (docs/design.md).
+//! This project has a small reader and writer of its own, because the crate `mcap` depends on fifteen more crates, and on C code for
+//! its compression (docs/design.md).
 
 mod foxglove;
 mod read;
@@ -10,7 +11,7 @@ pub use foxglove::{Stamp, Topic, stamp};
 pub use read::read_mcap;
 pub use write::McapWriter;
 
-/// First and last bytes of a file.
+/// The signature: the first and the last bytes of a file.
 const MAGIC: &[u8; 8] = b"\x89MCAP0\r\n";
 
 /// Kinds of records, by their first byte.

@@ -1,38 +1,38 @@
-//! Every message of a file, in its order.
+//! Reads all messages of an MCAP file in the order of the file.
 
 use std::collections::BTreeMap;
 use std::io::Read;
 
 use super::{MAGIC, opcode};
 use crate::error::{Error, Result};
-use crate::file::octet::Octets;
+use crate::file::byte_reader::ByteReader;
 
-/// Most bytes of one chunk, unpacked, and of all chunks together: what a small file may grow to.
+/// The largest size of one decompressed chunk, and of all chunks together, bytes: a small file must not expand without limit.
 const MOST_IN_CHUNK: u64 = 256_000_000;
 const MOST_IN_ALL: u64 = 4_000_000_000;
-/// Largest window that packed bytes may ask for.
+/// The largest decompression window that a file may request, bytes.
 const MOST_WINDOW: u64 = 1 << 27;
 
-/// Where messages of one kind are said.
+/// A channel: a topic with one type and encoding of messages.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Channel {
     pub topic: String,
-    /// How messages are coded: `cdr`, `json`, …
+    /// The encoding of the messages: `cdr`, `json`, …
     pub encoding: String,
-    /// Name of their type; empty where the file names none.
+    /// The name of the message type; empty if the file does not name it.
     pub schema: String,
 }
 
-/// One message.
+/// One recorded message.
 #[derive(Debug, Clone, Copy)]
 pub struct Message<'a> {
     pub channel: &'a Channel,
-    /// When it was recorded, nanoseconds.
+    /// The time at which the message was recorded, nanoseconds.
     pub log_time_ns: u64,
     pub data: &'a [u8],
 }
 
-/// What has been read so far.
+/// The state of reading: the schemas and channels known so far, and the number of decompressed bytes.
 struct Reader<'f> {
     schemas: BTreeMap<u16, String>,
     channels: BTreeMap<u16, Channel>,
@@ -43,10 +43,10 @@ struct Reader<'f> {
 /// Calls `each` with every message.
 ///
 /// # Errors
-/// Bytes that are no MCAP file, or not all of one; what `each` refuses.
+/// Bytes that are not an MCAP file, or only a part of one; errors of `each`.
 pub fn read_mcap(bytes: &[u8], each: &mut dyn FnMut(&Message<'_>) -> Result<()>) -> Result<()> {
-    let mut octets = Octets::new(bytes);
-    if octets.take(MAGIC.len()) != Some(MAGIC) {
+    let mut input = ByteReader::new(bytes);
+    if input.take(MAGIC.len()) != Some(MAGIC) {
         return Err(Error::invalid("this is no MCAP file")
             .found("other first bytes")
             .allowed("a file that begins with the signature of MCAP"));
@@ -58,64 +58,64 @@ pub fn read_mcap(bytes: &[u8], each: &mut dyn FnMut(&Message<'_>) -> Result<()>)
         each,
     };
     loop {
-        let at = octets.at();
-        let Some((kind, content)) = record(&mut octets) else {
+        let at = input.at();
+        let Some((kind, content)) = record(&mut input) else {
             return Err(cut_off(at));
         };
         match kind {
             opcode::CHUNK => reader.chunk(content, at)?,
-            // What stands before it repeats what was said; behind it comes the signature again, and nothing else.
-            opcode::FOOTER if octets.rest() == MAGIC => return Ok(()),
+            // The records before the footer repeat earlier records; only the signature follows the footer.
+            opcode::FOOTER if input.rest() == MAGIC => return Ok(()),
             opcode::FOOTER => return Err(cut_off(at)),
             _ => reader.record(kind, content, at)?,
         }
     }
 }
 
-/// Kind and content of the next record.
-fn record<'a>(octets: &mut Octets<'a>) -> Option<(u8, &'a [u8])> {
-    let kind = octets.u8()?;
-    let length = usize::try_from(octets.u64_le()?).ok()?;
-    Some((kind, octets.take(length)?))
+/// The kind and the content of the next record.
+fn record<'a>(input: &mut ByteReader<'a>) -> Option<(u8, &'a [u8])> {
+    let kind = input.u8()?;
+    let length = usize::try_from(input.u64_le()?).ok()?;
+    Some((kind, input.take(length)?))
 }
 
 fn cut_off(at: usize) -> Error {
     Error::invalid("the MCAP file is cut off")
-        .found(format!("a last record that is not whole, at byte {at}"))
-        .hint("`mcap recover` of Foxglove's command line keeps what was written before")
+        .found(format!("an incomplete last record, at byte {at}"))
+        .hint("`mcap recover` of Foxglove's command line keeps the complete records")
 }
 
 fn broken(what: &str, at: usize) -> Error {
     Error::invalid("the MCAP file is damaged").found(format!("{what} at byte {at}"))
 }
 
-fn string(octets: &mut Octets<'_>) -> Option<String> {
-    let length = octets.u32_le()?;
-    let bytes = octets.take(usize::try_from(length).ok()?)?;
+fn string(input: &mut ByteReader<'_>) -> Option<String> {
+    let length = input.u32_le()?;
+    let bytes = input.take(usize::try_from(length).ok()?)?;
     String::from_utf8(bytes.to_vec()).ok()
 }
 
 impl Reader<'_> {
     fn record(&mut self, kind: u8, content: &[u8], at: usize) -> Result<()> {
-        let mut octets = Octets::new(content);
+        let mut input = ByteReader::new(content);
         match kind {
             opcode::SCHEMA => {
-                let schema = octets.u16_le().zip(string(&mut octets));
+                let schema = input.u16_le().zip(string(&mut input));
                 let (id, name) = schema.ok_or_else(|| broken("a schema", at))?;
                 self.schemas.insert(id, name);
             }
             opcode::CHANNEL => {
                 let (id, channel) = self
-                    .channel(&mut octets)
+                    .channel(&mut input)
                     .ok_or_else(|| broken("a channel", at))?;
                 self.channels.insert(id, channel);
             }
             opcode::MESSAGE => {
                 let head = (
-                    octets.u16_le(),
-                    octets.u32_le(),
-                    octets.u64_le(),
-                    octets.u64_le(),
+                    input.u16_le(),
+                    input.u32_le(),
+                    input.u64_le(),
+                    input.u64_le(),
                 );
                 let (Some(channel), Some(_), Some(log_time_ns), Some(_)) = head else {
                     return Err(broken("a message", at));
@@ -123,51 +123,53 @@ impl Reader<'_> {
                 let Some(channel) = self.channels.get(&channel) else {
                     return Err(broken("a message of an unknown channel", at));
                 };
-                let data = octets.rest();
+                let data = input.rest();
                 (self.each)(&Message {
                     channel,
                     log_time_ns,
                     data,
                 })?;
             }
-            // Indices, attachments, metadata, and what later versions add.
+            // Indices, attachments, metadata, and records of later versions of the format are skipped.
             _ => {}
         }
         Ok(())
     }
 
-    fn channel(&self, octets: &mut Octets<'_>) -> Option<(u16, Channel)> {
-        let id = octets.u16_le()?;
-        let schema = octets.u16_le()?;
+    fn channel(&self, input: &mut ByteReader<'_>) -> Option<(u16, Channel)> {
+        let id = input.u16_le()?;
+        let schema = input.u16_le()?;
         let channel = Channel {
-            topic: string(octets)?,
-            encoding: string(octets)?,
+            topic: string(input)?,
+            encoding: string(input)?,
             schema: self.schemas.get(&schema).cloned().unwrap_or_default(),
         };
         Some((id, channel))
     }
 
     fn chunk(&mut self, content: &[u8], at: usize) -> Result<()> {
-        let mut octets = Octets::new(content);
+        let mut input = ByteReader::new(content);
         let mut head = || {
-            octets.take(16)?;
-            let size = octets.u64_le()?;
-            let crc = octets.u32_le()?;
-            let compression = string(&mut octets)?;
-            let length = usize::try_from(octets.u64_le()?).ok()?;
-            Some((size, crc, compression, octets.take(length)?))
+            input.take(16)?;
+            let size = input.u64_le()?;
+            let crc = input.u32_le()?;
+            let compression = string(&mut input)?;
+            let length = usize::try_from(input.u64_le()?).ok()?;
+            Some((size, crc, compression, input.take(length)?))
         };
         let (size, crc, compression, packed) = head().ok_or_else(|| broken("a chunk", at))?;
         self.unpacked = self.unpacked.saturating_add(size);
         if size > MOST_IN_CHUNK || self.unpacked > MOST_IN_ALL {
-            return Err(Error::invalid("the MCAP file is too large unpacked")
-                .found(format!("a chunk of {size} bytes at byte {at}"))
-                .allowed(format!(
-                    "at most {MOST_IN_CHUNK} bytes a chunk, {MOST_IN_ALL} in all"
-                ))
-                .hint(
-                    "`mcap filter` of Foxglove's command line keeps the topics that are needed",
-                ));
+            return Err(
+                Error::invalid("the MCAP file is too large when decompressed")
+                    .found(format!("a chunk of {size} bytes at byte {at}"))
+                    .allowed(format!(
+                        "at most {MOST_IN_CHUNK} bytes a chunk, {MOST_IN_ALL} in all"
+                    ))
+                    .hint(
+                        "`mcap filter` of Foxglove's command line keeps the topics that are needed",
+                    ),
+            );
         }
         let unpacked;
         let records = match compression.as_str() {
@@ -180,33 +182,33 @@ impl Reader<'_> {
                 unpacked = decoder.ok().and_then(|decoder| unpack(decoder, size));
                 unpacked
                     .as_deref()
-                    .ok_or_else(|| broken("a packed chunk", at))?
+                    .ok_or_else(|| broken("a compressed chunk", at))?
             }
             "lz4" => {
                 unpacked = unpack(lz4_flex::frame::FrameDecoder::new(packed), size);
                 unpacked
                     .as_deref()
-                    .ok_or_else(|| broken("a packed chunk", at))?
+                    .ok_or_else(|| broken("a compressed chunk", at))?
             }
             other => {
-                return Err(Error::invalid("the MCAP file is packed in an unknown way")
+                return Err(Error::invalid("the MCAP file has an unknown compression")
                     .found(other)
-                    .allowed("zstd, lz4 or nothing"));
+                    .allowed("zstd, lz4 or none"));
             }
         };
         if crc != 0 && crc32fast::hash(records) != crc {
-            return Err(broken("a chunk whose check sum is wrong", at));
+            return Err(broken("a chunk with a wrong checksum", at));
         }
-        let mut octets = Octets::new(records);
-        while !octets.is_empty() {
-            let (kind, content) = record(&mut octets).ok_or_else(|| broken("a chunk", at))?;
+        let mut input = ByteReader::new(records);
+        while !input.is_empty() {
+            let (kind, content) = record(&mut input).ok_or_else(|| broken("a chunk", at))?;
             self.record(kind, content, at)?;
         }
         Ok(())
     }
 }
 
-/// All of a packed stream, if it is as long as was said.
+/// Decompresses a stream; `None` if its length differs from the stated `size`.
 fn unpack(stream: impl Read, size: u64) -> Option<Vec<u8>> {
     let mut all = Vec::new();
     stream.take(size + 1).read_to_end(&mut all).ok()?;
@@ -221,11 +223,11 @@ mod tests {
     use crate::file::{McapWriter, Topic};
     use crate::random::Once;
 
-    /// Seed of the places where the file is cut.
+    /// The seed for the positions where the file is cut.
     const SEED: u64 = 30;
 
     #[test]
-    fn no_cut_of_a_file_reads_as_a_file() {
+    fn a_truncated_file_is_refused_wherever_it_is_cut() {
         let mut writer = McapWriter::new(vec![Topic::Pose("/robot".to_owned())]);
         for k in 0..200 {
             writer.message(0, k, &serde_json::json!({ "message": k.to_string() }));

@@ -1,4 +1,4 @@
-//! Writing a file: chunks with indices, so that players can jump to any time.
+//! Writes an MCAP file in chunks with indices, so that players can jump to any time.
 
 use std::collections::BTreeMap;
 use std::io::Write as _;
@@ -8,18 +8,18 @@ use serde::Serialize;
 use super::foxglove::Topic;
 use super::{MAGIC, opcode};
 
-/// A chunk is closed when it holds so many bytes.
+/// A chunk is closed when it holds this many bytes.
 const CHUNK_BYTES: usize = 1 << 20;
-/// Number of a writer's one layout of channels: their schema has the same number as they.
+/// The number of the first channel; each channel's schema has the same number as the channel.
 const FIRST_ID: u16 = 1;
 
-/// A file that grows in memory. Messages are to be written in the order of their times.
+/// An MCAP file that is built in memory. Messages must be added in the order of their times.
 pub struct McapWriter {
     bytes: Vec<u8>,
     topics: Vec<Topic>,
-    /// Records of the chunk that is open.
+    /// The records of the open chunk.
     chunk: Vec<u8>,
-    /// Times and places of its messages, by channel.
+    /// The times and byte offsets of the open chunk's messages, by channel.
     index: BTreeMap<u16, Vec<(u64, u64)>>,
     chunks: Vec<ChunkIndex>,
     counts: BTreeMap<u16, u64>,
@@ -29,7 +29,7 @@ struct ChunkIndex {
     times: [u64; 2],
     at: u64,
     length: u64,
-    /// Where the index of each channel is.
+    /// The byte offset of each channel's message index.
     message_index: Vec<(u16, u64)>,
     message_index_length: u64,
     compressed: u64,
@@ -75,7 +75,7 @@ fn push(bytes: &mut Vec<u8>, kind: u8, content: &Content) {
 }
 
 impl McapWriter {
-    /// A file whose messages will be of these topics.
+    /// Starts a file with messages of these topics.
     pub fn new(topics: Vec<Topic>) -> Self {
         let mut bytes = MAGIC.to_vec();
         let library = concat!("realgap ", env!("CARGO_PKG_VERSION"));
@@ -100,7 +100,7 @@ impl McapWriter {
         FIRST_ID + topic as u16
     }
 
-    /// Schemas and channels of all topics.
+    /// The records of the schemas and channels of all topics.
     fn channels(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         self.schemas(&mut bytes);
@@ -132,7 +132,7 @@ impl McapWriter {
         }
     }
 
-    /// Adds a message of the topic at this place of the list.
+    /// Adds a message of the topic with this index in the list.
     pub fn message(&mut self, topic: usize, time_ns: u64, message: &impl Serialize) {
         let id = Self::id(topic);
         let count = self.counts.entry(id).or_default();
@@ -145,7 +145,7 @@ impl McapWriter {
             .u32(sequence)
             .u64(time_ns)
             .u64(time_ns)
-            // Names and numbers can always be written.
+            // Names and numbers can always be serialised, so this never fails.
             .raw(&serde_json::to_vec(message).unwrap_or_default());
         push(&mut self.chunk, opcode::MESSAGE, &content);
         if self.chunk.len() >= CHUNK_BYTES {
@@ -194,7 +194,7 @@ impl McapWriter {
         });
     }
 
-    /// The whole file.
+    /// Ends the file and returns its bytes.
     pub fn finish(mut self) -> Vec<u8> {
         self.close_chunk();
         push(
@@ -225,7 +225,7 @@ impl McapWriter {
         }
         let offset_start = self.bytes.len() as u64;
         self.bytes.extend(offsets);
-        // The sum of 0 means: not computed.
+        // A checksum of 0 means that it was not computed.
         let footer = Content::default().u64(start).u64(offset_start).u32(0);
         push(&mut self.bytes, opcode::FOOTER, &footer);
         self.bytes.extend(MAGIC);
@@ -277,7 +277,7 @@ impl ChunkIndex {
     }
 }
 
-/// The same bytes packed, where that makes them fewer.
+/// The compressed bytes, if compression makes them fewer.
 fn packed(records: &[u8]) -> Option<Vec<u8>> {
     let mut encoder = lz4_flex::frame::FrameEncoder::new(Vec::new());
     encoder.write_all(records).ok()?;

@@ -23,7 +23,7 @@ const IN_PLACE_PATHS: f64 = 0.1;
 /// It does where it turns at least this much, radians.
 const IN_PLACE_TURN_RAD: f64 = std::f64::consts::FRAC_PI_4;
 
-realgap_core::worded! {
+realgap_core::labelled_enum! {
     /// What a behaviour is.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
     #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

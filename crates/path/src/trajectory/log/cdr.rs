@@ -1,10 +1,10 @@
 //! The coding of ROS 2 messages (CDR of the Object Management Group): numbers at multiples of their size.
 
-use realgap_core::file::Octets;
+use realgap_core::file::ByteReader;
 
 /// One coded message.
 pub(super) struct Cdr<'a> {
-    octets: Octets<'a>,
+    octets: ByteReader<'a>,
     is_big_endian: bool,
     /// Numbers larger than this are aligned as those of this size.
     most_aligned: usize,
@@ -16,7 +16,7 @@ const HEAD: usize = 4;
 impl<'a> Cdr<'a> {
     /// `None` for a coding of which messages of poses are never.
     pub(super) fn new(bytes: &'a [u8]) -> Option<Self> {
-        let mut octets = Octets::new(bytes);
+        let mut octets = ByteReader::new(bytes);
         let [0, kind, ..] = octets.array::<HEAD>()? else {
             return None;
         };

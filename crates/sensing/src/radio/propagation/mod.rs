@@ -91,7 +91,7 @@ pub trait Propagation: Sync {
     }
 }
 
-realgap_core::named!(dyn Propagation, propagation_by_name);
+realgap_core::serde_by_name!(dyn Propagation, propagation_by_name);
 
 /// The capped number of walls, as equation 2 of paper 002 has it.
 fn counted_walls(link: &Link, cap: usize) -> f64 {

@@ -69,7 +69,7 @@ pub trait Form: Sync {
     fn start(&self, knots: &[f64], points: &[Point]) -> Option<Vec<f64>>;
 }
 
-realgap_core::named!(dyn Form, form_by_name);
+realgap_core::serde_by_name!(dyn Form, form_by_name);
 
 /// A form with its parameters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
