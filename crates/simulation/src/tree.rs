@@ -93,8 +93,8 @@ impl TreeWorld {
             gravity_world_m_s2: Vec3::new(0.0, 0.0, -experiment.gravity_m_s2),
             fixtures: vec![floor(experiment)],
             links: Vec::new(),
-            apart: assembly
-                .apart
+            collision_exclude: assembly
+                .collision_exclude
                 .iter()
                 .map(|&(a, b)| (a as u64, b as u64))
                 .collect(),

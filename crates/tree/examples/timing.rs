@@ -236,7 +236,7 @@ fn model(robot: &Robot, settings: Settings) -> Model {
             Collider::new(SharedShape::halfspace(Vec3::Z), 1.0),
             Pose::identity(),
         )],
-        apart: Vec::new(),
+        collision_exclude: Vec::new(),
         settings,
     }
 }

@@ -161,10 +161,10 @@ impl Collision {
             for shape_b in self.shapes_of(b) {
                 let (one, two) = (&self.shapes[shape_a], &self.shapes[shape_b]);
                 let marks = (one.collider.mark, two.collider.mark);
-                let apart =
-                    model.apart.contains(&marks) || model.apart.contains(&(marks.1, marks.0));
+                let excluded = model.collision_exclude.contains(&marks)
+                    || model.collision_exclude.contains(&(marks.1, marks.0));
                 let grouped = one.collider.group != 0 && one.collider.group == two.collider.group;
-                if apart || grouped {
+                if excluded || grouped {
                     continue;
                 }
                 self.pairs.push(Pair {

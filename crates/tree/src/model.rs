@@ -15,7 +15,7 @@ pub struct Model {
     /// What nothing moves, or what is driven.
     pub fixtures: Vec<Fixture>,
     /// Pairs of marks whose shapes never touch each other. Links joined directly never do.
-    pub apart: Vec<(u64, u64)>,
+    pub collision_exclude: Vec<(u64, u64)>,
     /// How time passes and how contacts give.
     pub settings: Settings,
 }

@@ -308,7 +308,7 @@ fn groups_and_pairs_that_are_kept_apart_never_touch() {
     assert!(through(&|_| ()) > 0.08);
     let stated = through(&|m| {
         (m.links[0].colliders[0].mark, m.links[1].colliders[0].mark) = (1, 2);
-        m.apart.push((2, 1));
+        m.collision_exclude.push((2, 1));
     });
     assert!(stated < 0.031);
     assert!(

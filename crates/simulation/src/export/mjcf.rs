@@ -79,7 +79,7 @@ impl Format for Mjcf {
                 .map(|hinge| (hinge.parent_part, hinge.child_part));
             // A part of nothing is a joint of the next one: their neighbours are those of the whole chain.
             let is_body = |part: usize| part == 0 || !is_joint_of_next(robot, part);
-            let pairs = joined.chain(robot.parts_apart());
+            let pairs = joined.chain(robot.excluded_part_pairs());
             for (a, b) in pairs.filter(|(a, b)| is_body(*a) && is_body(*b)) {
                 contact.push(
                     Element::new("exclude")

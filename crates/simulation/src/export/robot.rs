@@ -86,7 +86,7 @@ impl<'a> Robot<'a> {
     }
 
     /// Pairs of different parts that hold modules which never touch.
-    pub(super) fn parts_apart(&self) -> Vec<(usize, usize)> {
+    pub(super) fn excluded_part_pairs(&self) -> Vec<(usize, usize)> {
         let part_of = |module: usize| {
             let mut parts = self.assembly.parts.iter();
             parts.position(|part| {
@@ -95,7 +95,7 @@ impl<'a> Robot<'a> {
             })
         };
         let mut pairs = Vec::new();
-        for &(a, b) in &self.assembly.apart {
+        for &(a, b) in &self.assembly.collision_exclude {
             if let (Some(a), Some(b)) = (part_of(a), part_of(b))
                 && a != b
                 && !pairs.contains(&(a, b))

@@ -18,7 +18,7 @@ pub(super) struct Hooks {
     /// Turns sliding friction opposite to slip; only where every contact has a cone of its own.
     pub friction: Option<Friction>,
     /// Pairs of modules that never touch.
-    pub apart: BTreeSet<(usize, usize)>,
+    pub collision_exclude: BTreeSet<(usize, usize)>,
     /// Friction of pairs with these colliders, whatever the other one is.
     pub pair_friction: Vec<(ColliderHandle, f64)>,
     /// Bodies that are driven along tracks.
@@ -32,11 +32,13 @@ impl PhysicsHooks for Hooks {
             // What is not of a module has no number.
             usize::try_from(mark).ok()?.checked_sub(1)
         };
-        let is_apart = match (module(context.collider1), module(context.collider2)) {
-            (Some(a), Some(b)) => self.apart.contains(&(a, b)) || self.apart.contains(&(b, a)),
+        let is_excluded = match (module(context.collider1), module(context.collider2)) {
+            (Some(a), Some(b)) => {
+                self.collision_exclude.contains(&(a, b)) || self.collision_exclude.contains(&(b, a))
+            }
             _ => false,
         };
-        (!is_apart).then_some(SolverFlags::default())
+        (!is_excluded).then_some(SolverFlags::default())
     }
 
     fn modify_solver_contacts(&self, context: &mut ContactModificationContext<'_>) {

@@ -164,7 +164,7 @@ impl RapierWorld {
             hooks: Hooks {
                 friction: (experiment.contact.friction_model != FrictionModel::Simplified)
                     .then(Friction::default),
-                apart: assembly.apart.iter().copied().collect(),
+                collision_exclude: assembly.collision_exclude.iter().copied().collect(),
                 ..Hooks::default()
             },
             scene: Vec::new(),
@@ -322,8 +322,8 @@ impl RapierWorld {
 
     /// What the engine has to ask about contacts of a module.
     fn questions(&self, module: usize) -> ActiveHooks {
-        let mut apart = self.hooks.apart.iter();
-        if apart.any(|&(a, b)| a == module || b == module) {
+        let mut excluded = self.hooks.collision_exclude.iter();
+        if excluded.any(|&(a, b)| a == module || b == module) {
             ActiveHooks::MODIFY_SOLVER_CONTACTS | ActiveHooks::FILTER_CONTACT_PAIRS
         } else {
             ActiveHooks::MODIFY_SOLVER_CONTACTS

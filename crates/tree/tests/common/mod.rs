@@ -58,7 +58,7 @@ pub fn model(links: Vec<Link>, fixtures: Vec<Fixture>, steps_1_s: f64) -> Model 
         gravity_world_m_s2: Vec3::new(0.0, 0.0, -G),
         links,
         fixtures,
-        apart: Vec::new(),
+        collision_exclude: Vec::new(),
         settings: Settings {
             timestep_s: 1.0 / steps_1_s,
             ..Settings::default()
