@@ -7,8 +7,7 @@ use serde::Serialize;
 /// Kind of a note.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-#[serde(rename = "Sort")]
+#[serde(rename = "Sort", rename_all = "snake_case")]
 pub enum NoteKind {
     /// Something that the file states is not in the robot.
     LeftOut,
