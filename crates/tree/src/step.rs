@@ -9,7 +9,7 @@ use crate::joint::{JointForces, JointImpulse, limit_reach};
 use crate::kinematics::{self, Node};
 use crate::model::Cone;
 use crate::spatial::Spatial;
-use crate::sweep::{close, open, respond, tops};
+use crate::sweep::{begin_sweeps, finish_sweeps, respond, tops};
 use crate::world::World;
 
 /// Largest number of times that a step is solved again because a servo reached its limit.
