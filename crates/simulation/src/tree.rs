@@ -1,5 +1,4 @@
-//! The engine `tree`: an adapter of the crate `realgap-tree`, a solver for trees in reduced coordinates that shares no code with
-//! Rapier's solver.
+//! The engine `tree`: an adapter of the crate `realgap-tree`, a solver for trees in reduced coordinates, without code of Rapier.
 //!
 //! Both engines use Parry's shapes, and the same natural frequency and damping ratio of contacts. The number of solves per step
 //! is 2/3 of the experiment's substeps, rounded up: 960 solves per second with the defaults.
