@@ -187,7 +187,7 @@ def main():
                 print(f"{collection:20} {name[:60]:60} not imported")
                 continue
             touched = [note for note in notes if note["sort"] in ("changed", "assumed", "doubt")
-                       and not re.search("mesh|inside each other|hull|name|limits|weighs nothing: the robot|prefix|XML|collision|servos|motors", note["what"])]
+                       and not re.search("mesh|overlap at the start|hull|name|limits|has no mass: the robot|prefix|XML|collision|servos|motors", note["what"])]
             try:
                 worst, why = (by_pinocchio if path.suffix == ".urdf" else by_mujoco)(path, ours)
             except Exception as error:

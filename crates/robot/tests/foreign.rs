@@ -1,11 +1,12 @@
-//! What robots of others may hold, what is said about it, and what is refused with file and line.
+//! Tests of the import of URDF and MJCF: which elements are supported, which notes are given, and which files are refused with
+//! file and line.
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
 use std::path::PathBuf;
 
 use nalgebra::Isometry3;
 use realgap_core::file::Source;
-use realgap_robot::import::{Note, Options, Sort};
+use realgap_robot::import::{Note, NoteKind, Options};
 use realgap_robot::morphology::body::uniform;
 use realgap_robot::morphology::{Assembly, Freedom, Morphology, Shape};
 
@@ -16,7 +17,7 @@ fn import(name: &str, text: &str) -> (Assembly, Vec<Note>) {
     let source = Source::new(name, text);
     let (robot, notes) =
         Morphology::import(&source, &Options::default()).unwrap_or_else(|e| panic!("{e}"));
-    // What is read can be written, and read again.
+    // An imported robot can be written and read again.
     let ron = robot.to_ron().unwrap();
     let again =
         Morphology::parse(&Source::new("robot.ron", &ron)).unwrap_or_else(|e| panic!("{e}\n{ron}"));
@@ -24,10 +25,10 @@ fn import(name: &str, text: &str) -> (Assembly, Vec<Note>) {
     (robot.assemble(), notes)
 }
 
-fn says(notes: &[Note], sort: Sort, part: &str) -> bool {
+fn has_note(notes: &[Note], kind: NoteKind, part: &str) -> bool {
     notes
         .iter()
-        .any(|note| note.sort == sort && note.what.contains(part) && !note.remedy.is_empty())
+        .any(|note| note.kind == kind && note.what.contains(part) && !note.remedy.is_empty())
 }
 
 fn refusal(text: &str) -> String {
@@ -77,11 +78,11 @@ fn shapes_and_joints_keep_their_kind() {
     let own = robot.parts[1].solids[0].inertia_kg_m2;
     let expected = 1e-4 * 0.5_f64.cos().powi(2) + 2e-4 * 0.5_f64.sin().powi(2);
     assert!((own[(0, 0)] - expected).abs() < 1e-15, "{own}");
-    assert!(says(&notes, Sort::Assumed, "servos of 1 joints"));
+    assert!(has_note(&notes, NoteKind::Assumed, "servos of 1 joints"));
 }
 
 #[test]
-fn every_value_that_was_made_up_or_changed_is_said_with_its_remedy() {
+fn every_assumed_or_changed_value_gives_a_note_with_a_remedy() {
     let text = format!(
         r#"<robot name="r"><link name="a">{LINK}</link>
         <link name="b c"><inertial><mass value="1"/></inertial><collision><geometry><mesh filename="package://none/x.stl"/></geometry></collision></link>
@@ -92,23 +93,23 @@ fn every_value_that_was_made_up_or_changed_is_said_with_its_remedy() {
     );
     let (robot, notes) = import("r.urdf", &text);
     assert_eq!(robot.hinges.len(), 1);
-    for (sort, part) in [
-        (Sort::Doubt, "cannot be found"),
-        (Sort::Doubt, "case only"),
-        (Sort::Assumed, "inertia of link `b c`"),
-        (Sort::Changed, "limits 0 to 0"),
-        (Sort::Changed, "effort 1000000"),
-        (Sort::Changed, "nothing behind joint `k`"),
-        (Sort::Changed, "the name \"b c\""),
-        (Sort::LeftOut, "<transmission>"),
-        (Sort::LeftOut, "<gazebo>"),
+    for (kind, part) in [
+        (NoteKind::Doubt, "cannot be found"),
+        (NoteKind::Doubt, "case only"),
+        (NoteKind::Assumed, "inertia of link `b c`"),
+        (NoteKind::Changed, "limits 0 to 0"),
+        (NoteKind::Changed, "effort 1000000"),
+        (NoteKind::Changed, "beyond joint `k` have no mass"),
+        (NoteKind::Changed, "the name \"b c\""),
+        (NoteKind::LeftOut, "<transmission>"),
+        (NoteKind::LeftOut, "<gazebo>"),
     ] {
-        assert!(says(&notes, sort, part), "{part}: {notes:#?}");
+        assert!(has_note(&notes, kind, part), "{part}: {notes:#?}");
     }
 }
 
 #[test]
-fn a_root_called_world_or_without_mass_is_held_and_any_other_is_free() {
+fn a_root_named_world_or_without_mass_is_mounted_and_any_other_root_is_free() {
     let fixed = |root: &str, inside: &str, kind: &str| {
         let text = format!(
             r#"<robot name="r"><link name="{root}">{inside}</link><link name="b">{LINK}</link><link name="c">{LINK}</link>
@@ -124,7 +125,7 @@ fn a_root_called_world_or_without_mass_is_held_and_any_other_is_free() {
 }
 
 #[test]
-fn meshes_become_hulls_and_bad_ones_are_doubted() {
+fn meshes_become_hulls_and_unusable_meshes_give_a_doubt() {
     let folder = std::env::temp_dir().join(format!("realgap-meshes-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let stl = |corners: &[[f64; 9]]| {
@@ -167,11 +168,15 @@ fn meshes_become_hulls_and_bad_ones_are_doubted() {
         matches!(&hull.shape, Shape::Hull { points_m } if points_m.len() == 4) && notes.is_empty(),
         "{notes:#?}"
     );
-    assert!(says(&read("flat", "1 1 1").1, Sort::Doubt, "flat"));
-    assert!(says(&read("empty", "1 1 1").1, Sort::Doubt, "empty"));
-    assert!(says(
+    assert!(has_note(&read("flat", "1 1 1").1, NoteKind::Doubt, "flat"));
+    assert!(has_note(
+        &read("empty", "1 1 1").1,
+        NoteKind::Doubt,
+        "empty"
+    ));
+    assert!(has_note(
         &read("good", "1000 1000 1000").1,
-        Sort::Doubt,
+        NoteKind::Doubt,
         "m long"
     ));
     std::fs::remove_dir_all(&folder).unwrap();
@@ -210,7 +215,7 @@ fn facets(low: [f64; 3], high: [f64; 3]) -> String {
 }
 
 #[test]
-fn a_bent_mesh_stays_open_as_several_hulls_where_its_own_hull_is_filled() {
+fn a_concave_mesh_stays_open_as_several_hulls_while_a_single_hull_fills_it() {
     let folder = tempfile::tempdir().unwrap();
     // A channel: a floor and two walls, 20 mm thick, 100 mm wide and high.
     let channel = [
@@ -250,7 +255,7 @@ fn a_bent_mesh_stays_open_as_several_hulls_where_its_own_hull_is_filled() {
 }
 
 #[test]
-fn a_robot_without_masses_weighs_what_its_shapes_do_at_the_density_of_water() {
+fn a_robot_without_masses_gets_those_of_its_shapes_at_the_density_of_water() {
     let link = |name: &str, shape: &str| {
         format!("<link name=\"{name}\"><collision><geometry>{shape}</geometry></collision></link>")
     };
@@ -274,23 +279,27 @@ fn a_robot_without_masses_weighs_what_its_shapes_do_at_the_density_of_water() {
         "{masses:?}"
     );
     assert!(
-        says(&notes, Sort::Assumed, "no link has a mass: each weighs"),
+        has_note(
+            &notes,
+            NoteKind::Assumed,
+            "no link has a mass: the masses are"
+        ),
         "{notes:#?}"
     );
-    // Without shapes there is less to go by, and it is said.
+    // Without shapes every link is assumed to be a ball, and a note has_note so.
     let (robot, notes) = import(
         "r.urdf",
         &format!("<robot name=\"r\"><link name=\"a\"/><link name=\"b\"/>{joint}</robot>"),
     );
     assert_eq!(robot.hinges.len(), 1);
     assert!(
-        says(&notes, Sort::Assumed, "each is a ball of 1 kg"),
+        has_note(&notes, NoteKind::Assumed, "each link is a ball of 1 kg"),
         "{notes:#?}"
     );
 }
 
 #[test]
-fn what_other_readers_forgive_is_read_and_what_is_dropped_is_said() {
+fn errors_that_other_readers_accept_are_repaired_and_ignored_elements_give_notes() {
     let joint = |name: &str, inside: &str| {
         format!(
             "<joint name=\"{name}\" type=\"revolute\">{inside}<limit lower=\"-1\" upper=\"1\" effort=\"2\" velocity=\"1\"/></joint>"
@@ -320,21 +329,21 @@ fn what_other_readers_forgive_is_read_and_what_is_dropped_is_said() {
     // Half a turn about z.
     let axis = robot.hinges[0].axis_robot;
     assert!((axis.x + 1.0).abs() < 1e-12, "{axis:?}");
-    for (sort, part) in [
-        (Sort::LeftOut, "document type"),
-        (Sort::Changed, "is negative"),
-        (Sort::LeftOut, "mimics one that mimics it"),
-        (Sort::Changed, "empty list"),
-        (Sort::Changed, "the effort inf"),
-        (Sort::LeftOut, "`jerk` of <limit>"),
-        (Sort::LeftOut, "servos of 1 joints that state no effort"),
+    for (kind, part) in [
+        (NoteKind::LeftOut, "document type"),
+        (NoteKind::Changed, "is negative"),
+        (NoteKind::LeftOut, "mimics a joint that mimics it"),
+        (NoteKind::Changed, "empty list"),
+        (NoteKind::Changed, "the effort inf"),
+        (NoteKind::LeftOut, "`jerk` of <limit>"),
+        (NoteKind::LeftOut, "servos of 1 joints that state no effort"),
     ] {
-        assert!(says(&notes, sort, part), "{part}: {notes:#?}");
+        assert!(has_note(&notes, kind, part), "{part}: {notes:#?}");
     }
 }
 
 #[test]
-fn what_is_no_robot_is_refused_with_file_line_and_reason() {
+fn files_without_a_valid_robot_are_refused_with_file_line_and_reason() {
     let joint = |inside: &str| {
         two(&format!(
             "<joint name=\"j\" type=\"revolute\">{inside}{ENDS}</joint>"
@@ -344,11 +353,11 @@ fn what_is_no_robot_is_refused_with_file_line_and_reason() {
         |inside: &str| format!("<robot name=\"r\">\n<link name=\"a\">{inside}</link></robot>");
     let bomb =
         "<!DOCTYPE r [<!ENTITY a \"aaaaaaaa\"><!ENTITY b \"&a;&a;&a;&a;\">]><robot name=\"&b;\"/>";
-    for (text, said) in [
+    for (text, expected) in [
         ("<robot".to_owned(), "not XML"),
         ("<sdf/>".to_owned(), "neither"),
         (bomb.to_owned(), "entities"),
-        (two(""), "hangs on nothing"),
+        (two(""), "exactly one root"),
         (
             two("<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child link=\"c\"/></joint>"),
             "bad.urdf:6:",
@@ -363,7 +372,7 @@ fn what_is_no_robot_is_refused_with_file_line_and_reason() {
             two(&format!(
                 "<joint name=\"j\" type=\"fixed\">{ENDS}</joint><joint name=\"k\" type=\"fixed\"><parent link=\"b\"/><child link=\"a\"/></joint>"
             )),
-            "circle",
+            "cycle",
         ),
         (joint("<origin xyz=\"0 0\"/>"), "3 finite numbers"),
         (joint("<axis xyz=\"0 0 nan\"/>"), "3 finite numbers"),
@@ -371,7 +380,7 @@ fn what_is_no_robot_is_refused_with_file_line_and_reason() {
         (joint("<origin xyz=\"${x} 0 0\"/>"), "xacro"),
         (
             two(&format!("<joint name=\"j\" type=\"hinge\">{ENDS}</joint>")),
-            "no such type",
+            "unknown type",
         ),
         (
             body("<inertial><mass value=\"-1\"/></inertial>"),
@@ -381,7 +390,7 @@ fn what_is_no_robot_is_refused_with_file_line_and_reason() {
             body(
                 "<inertial><mass value=\"1\"/><inertia ixx=\"-1\" iyy=\"1\" izz=\"1\"/></inertial>",
             ),
-            "no body has the inertia",
+            "physically impossible",
         ),
         (
             body(
@@ -414,13 +423,13 @@ fn what_is_no_robot_is_refused_with_file_line_and_reason() {
             format!(
                 "<robot name=\"r\"><link name=\"base\">{LINK}</link><link name=\"a\">{LINK}</link><link name=\"b\">{LINK}</link>\n\n<joint name=\"j\" type=\"fixed\">{ENDS}</joint><joint name=\"k\" type=\"fixed\"><parent link=\"b\"/><child link=\"a\"/></joint></robot>"
             ),
-            // The link's collision shape stands on a second line, three times.
+            // The collision shape of each link starts a new line, three times.
             "bad.urdf:6:",
         ),
         (joint("<origin xyz=\"1e200 0 0\"/>"), "bad.urdf:6:"),
     ] {
         let error = refusal(&text);
-        assert!(error.contains(said), "{text}\n{error}");
+        assert!(error.contains(expected), "{text}\n{error}");
     }
 }
 
@@ -457,6 +466,9 @@ fn mjcf_resolves_defaults_angles_and_densities() {
     );
     assert_eq!(robot.hinges[0].actuator.unwrap().servo.max_torque_nm, 20.0);
     assert!(robot.world_from_mount.is_none());
-    assert!(says(&notes, Sort::LeftOut, "<sensor>"), "{notes:#?}");
-    assert!(says(&notes, Sort::Assumed, "torques as commands"));
+    assert!(
+        has_note(&notes, NoteKind::LeftOut, "<sensor>"),
+        "{notes:#?}"
+    );
+    assert!(has_note(&notes, NoteKind::Assumed, "torques as commands"));
 }

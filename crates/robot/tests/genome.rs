@@ -1,4 +1,4 @@
-//! What must hold for every genome, and for every text that is none.
+//! Property tests of genomes and development, and tests of refused genome files.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::collections::BTreeMap;
@@ -11,7 +11,7 @@ use realgap_robot::genome::{Development, DevelopmentError, Gene, Genome, Individ
 use realgap_robot::morphology::Morphology;
 
 fn genomes(most: usize) -> impl Strategy<Value = Genome> {
-    // Ends matter: 1 must choose the last, not one behind it.
+    // The ends of the range matter: 1 must select the last choice, not one beyond it.
     let number = prop_oneof![8 => 0.0..=1.0_f64, 1 => Just(0.0), 1 => Just(1.0)];
     let gene = prop::collection::vec(number, Gene::LEN)
         .prop_map(|values| Gene::new(values.try_into().unwrap()).unwrap());
@@ -35,12 +35,12 @@ fn gene(changes: &[(Locus, f64)]) -> Gene {
 
 proptest! {
     #[test]
-    fn a_genome_develops_into_a_sound_robot_or_says_why_not(genome in genomes(12)) {
+    fn a_genome_develops_into_a_valid_robot_or_gives_a_reason(genome in genomes(12)) {
         let settings = settings(12);
         match settings.develop("robot", &genome) {
             Ok(robot) => {
                 prop_assert_eq!(robot.modules().len(), genome.len());
-                // Glued in one piece: every module but the root is a child, and the root reaches all.
+                // The robot is connected: every module but the root is a child, and all are reached from the root.
                 prop_assert_eq!(robot.attachments().len() + 1, genome.len());
                 let solids: Vec<_> = robot.assemble().parts.into_iter().flat_map(|part| part.solids).collect();
                 let boxes: Vec<_> = solids.iter().filter(|solid| solid.collides).map(|solid| {
@@ -54,29 +54,29 @@ proptest! {
                         prop_assert!(depth <= 1e-6, "boxes overlap by {} m", depth);
                     }
                 }
-                // The default plate is as large as its cube.
+                // The default plate is as large as its cube, which gives the warning `tied-plate`.
                 let others: Vec<_> = robot.warnings().into_iter().filter(|w| w.code.name() != "tied-plate").collect();
                 prop_assert!(others.is_empty(), "{:?}", others);
             }
-            Err(misfit) => {
-                prop_assert!(!matches!(misfit, DevelopmentError::Refused(_)), "{}", misfit);
-                prop_assert!(!misfit.to_string().is_empty());
+            Err(error) => {
+                prop_assert!(!matches!(error, DevelopmentError::Refused(_)), "{}", error);
+                prop_assert!(!error.to_string().is_empty());
             }
         }
         prop_assert_eq!(settings.develop("robot", &genome), settings.develop("robot", &genome));
     }
 
     #[test]
-    fn genome_and_robot_survive_being_written_and_read(genome in genomes(5), other in any::<bool>()) {
-        let mut specimen = Individual::new("writ_ten", genome);
+    fn a_written_genome_and_its_robot_are_read_back_equal(genome in genomes(5), other in any::<bool>()) {
+        let mut individual = Individual::new("writ_ten", genome);
         if other {
-            specimen.development.passive_share = 0.25;
-            specimen.development.amplitude_rad = (0.1, 1.0 / 3.0);
+            individual.development.passive_share = 0.25;
+            individual.development.amplitude_rad = (0.1, 1.0 / 3.0);
         }
-        let text = specimen.to_ron().unwrap();
+        let text = individual.to_ron().unwrap();
         let back = Individual::parse(&Source::new("genome.ron", text)).map_err(|e| TestCaseError::fail(e.to_string()))?;
-        prop_assert_eq!(&back, &specimen);
-        if let Ok(robot) = specimen.develop() {
+        prop_assert_eq!(&back, &individual);
+        if let Ok(robot) = individual.develop() {
             let back = Morphology::parse(&Source::new("robot.ron", robot.to_ron().unwrap()))
                 .map_err(|e| TestCaseError::fail(e.to_string()))?;
             prop_assert_eq!(back, robot);
@@ -84,20 +84,20 @@ proptest! {
     }
 
     #[test]
-    fn a_larger_plate_than_the_cube_is_refused_or_fits_but_never_panics(genome in genomes(8), side_m in 0.01..0.2_f64) {
+    fn a_plate_larger_than_the_cube_is_refused_or_fits_and_never_panics(genome in genomes(8), side_m in 0.01..0.2_f64) {
         let settings = Development { plate_side_m: side_m, ..settings(8) };
-        if let Err(misfit) = settings.develop("robot", &genome) {
-            prop_assert!(!misfit.to_string().is_empty());
+        if let Err(error) = settings.develop("robot", &genome) {
+            prop_assert!(!error.to_string().is_empty());
         }
     }
 }
 
 #[test]
 fn building_turns_the_part_and_places_the_module_on_top() {
-    // Two in a tower, laid on its side towards +x, one more on the far end.
+    // Two modules form a tower that is laid on its side towards +x; a third module is added at the far end.
     let genome = Genome::new(vec![
         gene(&[]),
-        gene(&[(Locus::Kind, 1.0), (Locus::FaceModule, 0.9)]), // looks along -z: at the one below
+        gene(&[(Locus::Kind, 1.0), (Locus::FaceModule, 0.9)]), // faces -z, towards the module below
         gene(&[(Locus::PitchPart, 0.3), (Locus::PlaceX, 1.0)]),
     ])
     .unwrap();
@@ -108,13 +108,13 @@ fn building_turns_the_part_and_places_the_module_on_top() {
         .map(|g| (g.parent, g.face.name(), g.child))
         .collect();
     assert_eq!(attachments, [(0, "PosX", 1), (1, "PosZ", 2)]);
-    // The module turned with the part: it still looks at the first.
+    // The module turned together with the part: it still faces the first module.
     assert_eq!(robot.modules()[1].driven_face().unwrap().name(), "NegX");
     assert_eq!(robot.assemble().parts.len(), 2);
 }
 
 #[test]
-fn every_reason_is_found_and_names_the_modules() {
+fn every_development_error_occurs_and_names_the_modules() {
     let active = |changes: &[(Locus, f64)]| {
         let mut all = vec![(Locus::Kind, 1.0)];
         all.extend_from_slice(changes);
@@ -143,7 +143,7 @@ fn every_reason_is_found_and_names_the_modules() {
             allowed: 4
         }
     );
-    // An L: cells (0,0,0), (1,0,0) and (1,0,1); the next stands on (0,0,0), beside (1,0,1).
+    // An L of the cells (0,0,0), (1,0,0) and (1,0,1); the next module is placed on (0,0,0), beside (1,0,1).
     let l = |third: Gene| {
         vec![
             gene(&[]),
@@ -169,7 +169,7 @@ fn every_reason_is_found_and_names_the_modules() {
             neighbour: 2
         }
     );
-    // The second looks up from (1,0,0) after the turn, the third at the same cell from (0,0,1).
+    // After the turn the second module faces up from (1,0,0), and the third faces the same cell from (0,0,1).
     assert_eq!(
         develop(vec![
             gene(&[]),
@@ -198,18 +198,18 @@ fn most_random_genomes_of_the_published_sizes_develop() {
         let genome = Genome::random(1 + draw as usize % 5, &mut rng).unwrap();
         let outcome = Development::default().develop("robot", &genome);
         *outcomes
-            .entry(outcome.map_or_else(|misfit| misfit.code(), |_| "developed"))
+            .entry(outcome.map_or_else(|error| error.code(), |_| "developed"))
             .or_default() += 1;
     }
     assert!(outcomes["developed"] > 800, "{outcomes:?}");
 }
 
 #[test]
-fn a_plate_that_hits_its_own_robot_is_found_unless_it_hardly_turns() {
-    // (0,0,0) drives a plate on its top; (1,0,1) stands beside that plate.
+fn a_plate_that_hits_its_own_robot_is_found_if_it_turns_far_enough() {
+    // The module in (0,0,0) drives a plate on its top; the module in (1,0,1) is beside that plate.
     let robot = |amplitude: f64| {
         let genome = Genome::new(vec![
-            // Looks along -x, up after the third module's turn.
+            // The face points along -x, and up after the turn of the third module.
             gene(&[
                 (Locus::Kind, 1.0),
                 (Locus::FaceModule, 0.2),

@@ -1,4 +1,4 @@
-//! Robots: bodies, genomes, import.
+//! Tests of the crate: robots of modules and of bodies, genomes, and the import of URDF and MJCF.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 #[path = "../../../tests/common/shared.rs"]

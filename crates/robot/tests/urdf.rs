@@ -1,4 +1,4 @@
-//! Robots of boxes and hinges come from URDF, and what does not come is said.
+//! Tests of the URDF import of robots of boxes and hinges.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use realgap_core::file::Source;
@@ -15,7 +15,7 @@ const LINK: &str = r#"<inertial><mass value="0.2"/><inertia ixx="1e-4" iyy="2e-4
     <collision><geometry><box size="0.1 0.06 0.04"/></geometry></collision>"#;
 
 #[test]
-fn an_imported_pendulum_swings_as_its_length_says() {
+fn an_imported_pendulum_has_the_axis_limits_and_inertia_of_its_file() {
     let urdf = format!(
         r#"<robot name="swing"><link name="world"/><link name="bob">{LINK}</link><link name="arm">{LINK}</link>
         <joint name="fix" type="fixed"><origin xyz="0 0 1"/><parent link="world"/><child link="bob"/></joint>
@@ -25,7 +25,7 @@ fn an_imported_pendulum_swings_as_its_length_says() {
     let (robot, left_out) = import(&urdf);
     let assembly = robot.assemble();
     let hinge = &assembly.hinges[0];
-    // The joint's frame is turned by a quarter: its x is the robot's y.
+    // The joint's frame is rotated by a quarter turn: its x axis is the robot's y axis.
     assert!(
         (hinge.axis_robot.y - 1.0).abs() < 1e-9,
         "{:?}",
@@ -36,10 +36,10 @@ fn an_imported_pendulum_swings_as_its_length_says() {
     assert!(
         left_out
             .iter()
-            .any(|said| said.contains("the servos of 1 joints")),
+            .any(|note| note.contains("the servos of 1 joints")),
         "{left_out:?}"
     );
-    // Moments turn with the frame.
+    // The moments of inertia are rotated with the frame.
     let arm = assembly.parts[hinge.child_part].mass(&nalgebra::Isometry3::identity());
     assert!(
         (arm.inertia_kg_m2[(0, 0)] - 2e-4).abs() < 1e-9,

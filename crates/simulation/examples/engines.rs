@@ -1,4 +1,4 @@
-//! What each engine makes of a robot, and what a simulated second costs.
+//! Compares all engines on one robot: the end position, and the CPU time per simulated second.
 //!
 //! `cargo run --release -p realgap-simulation --example engines -- morphologies/tripod.ron 10`
 #![allow(clippy::print_stdout, reason = "an example prints")]
@@ -17,7 +17,7 @@ fn main() -> Result<()> {
     let mut experiment = Experiment::new(Morphology::read(path)?.assemble());
     experiment.duration_s = duration_s
         .parse()
-        .map_err(|_| Error::usage("the duration is no number"))?;
+        .map_err(|_| Error::usage("the duration is not a number"))?;
     for engine in ENGINES {
         experiment.solver.engine = *engine;
         let done = run(&experiment)?;

@@ -1,15 +1,15 @@
-//! What a study may change about a robot, relative to its morphology.
+//! Adjustments: changes that a study makes to a robot, its joints and its modules, relative to the robot's file.
 
 use nalgebra::Vector3;
 
 use realgap_robot::morphology::{Assembly, Role};
 
-/// What a study may change about the robot, relative to its morphology.
+/// Changes of the whole robot, relative to its morphology.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Adjustment {
     /// Factor on every mass (inertia follows).
     pub mass_scale: f64,
-    /// Further factor on every inertia.
+    /// Additional factor on every inertia.
     pub inertia_scale: f64,
     /// Shift of every cube's centre of mass in the module's own frame, metres.
     pub centre_of_mass_offset_m: Vector3<f64>,
@@ -41,7 +41,7 @@ impl Default for Adjustment {
 }
 
 impl Adjustment {
-    /// The robot with these changes.
+    /// Returns the robot with these changes.
     pub(super) fn apply(&self, robot: &Assembly) -> Assembly {
         let mut robot = robot.clone();
         for solid in robot.parts.iter_mut().flat_map(|part| &mut part.solids) {
@@ -62,20 +62,19 @@ impl Adjustment {
     }
 }
 
-/// What a study may change about one joint and its servo beside what the robot's file states of them.
+/// Changes of one joint and its servo, relative to the robot's file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HingeAdjustment {
-    /// Factor on how strongly the servo answers an angle error: the gain of the velocity law, the stiffness of
-    /// the torque law.
+    /// Factor on the servo's reaction to an angle error: the gain of the velocity law, or the stiffness of the torque law.
     pub gain_scale: f64,
-    /// Age of the command that the servo acts on, beside that of the robot's file, seconds.
+    /// Delay between a command and the servo's reaction, in addition to that of the robot's file, seconds.
     pub latency_s: f64,
-    /// Play between servo and joint, from end to end, radians: within it the servo exerts no torque, beyond it
-    /// the servo sees only the error that is left.
+    /// Backlash (play) between servo and joint, from end to end, radians: within it the servo exerts no torque, and beyond it the
+    /// servo reacts only to the part of the error that exceeds it.
     pub backlash_rad: f64,
-    /// What the servo adds to the angles that it is told, radians.
+    /// Offset that the servo adds to commanded angles, radians.
     pub offset_rad: f64,
-    /// What the joint's encoder reads where the angle is 0, radians. Servo, recorded start and recorded samples go by the encoder.
+    /// Reading of the joint's encoder at angle 0, radians. Servo, recorded start and recorded samples use encoder angles.
     pub zero_rad: f64,
 }
 
@@ -91,12 +90,12 @@ impl Default for HingeAdjustment {
     }
 }
 
-/// What a study may change about one module.
+/// Changes of one module, relative to the robot's file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModuleAdjustment {
     /// Factor on its mass; inertia follows.
     pub mass_scale: f64,
-    /// Further factors on its inertia about x, y and z of its own frame.
+    /// Additional factors on its inertia about x, y and z of its own frame.
     pub inertia_scale: Vector3<f64>,
     /// Shift of its centre of mass in its own frame, metres.
     pub centre_of_mass_offset_m: Vector3<f64>,
@@ -113,12 +112,13 @@ impl Default for ModuleAdjustment {
 }
 
 impl ModuleAdjustment {
-    /// Changes the module of this name, if the robot has it. Its plate is left alone.
+    /// Applies the changes to the module of this name, if the robot has one. The module's plate is not changed.
     pub(super) fn apply(&self, name: &str, robot: &mut Assembly) {
         let Some(module) = robot.module_names.iter().position(|known| known == name) else {
             return;
         };
-        // Moments along x, y, z times these leave the moments of the other axes alone; products follow their mean.
+        // Scaling by these factors changes each moment independently of the other axes; products of inertia scale with the
+        // geometric mean of their two factors.
         let root = self.inertia_scale.map(f64::sqrt);
         let solids = robot.parts.iter_mut().flat_map(|part| &mut part.solids);
         for solid in solids.filter(|s| s.module == module && s.role == Role::Cube) {

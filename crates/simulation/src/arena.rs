@@ -1,4 +1,4 @@
-//! An arena as something to bump into: its walls, boxes and circles as one fixed body of the scene.
+//! Conversion of an arena into obstacles: its walls, boxes and circles become one fixed body of the scene.
 
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 
@@ -8,27 +8,28 @@ use realgap_core::error::{Error, Result};
 use realgap_core::file::Source;
 use realgap_sensing::arena::{Arena, Shape};
 
-/// An arena is a plan: everything that stands in it is so high, and goes a little into the floor, metres.
+/// An arena is a two-dimensional plan. Its objects get this height above the floor, and reach this depth below it, metres.
 const HEIGHT_M: f64 = 0.5;
 const DEPTH_M: f64 = 0.1;
-/// Coulomb friction of robot and walls: that of a body of a scene that states none.
+/// Coulomb friction coefficient between robot and walls: the default of bodies of a scene.
 const FRICTION: f64 = 0.5;
-/// A circle is the union of so many turned boxes: a polygon of twice as many corners, all on the circle.
+/// Number of rotated boxes whose union represents a circle: a polygon with twice as many corners, all on the circle.
 const BOXES_OF_A_CIRCLE: usize = 8;
-/// A robot may start this deep in a fixed body, metres: measured starts touch walls, and contact pushes them out.
+/// Largest allowed penetration of a fixed body at the start, metres: recorded starts may touch walls, and contacts push the robot
+/// out.
 const TOUCH_M: f64 = 0.005;
 
 impl SceneBody {
-    /// Name of the body that is an arena.
+    /// Name of the body that represents an arena.
     pub const ARENA: &'static str = "arena";
 
-    /// What stands in an arena, one fixed body 0.5 m high.
+    /// The objects of an arena as one fixed body, 0.5 m high.
     ///
-    /// A robot that starts at the origin, looking along +x, stands where the arena says that robots start if `at_start`; otherwise the
-    /// world has the arena's coordinates.
+    /// If `at_start` is true, the body is placed so that a robot which starts at the world's origin, facing +x, is at the arena's
+    /// start pose; otherwise the world has the arena's coordinates.
     ///
     /// # Errors
-    /// An arena without objects, or with none where robots start if that is asked for.
+    /// An arena without objects; an arena without a start pose if `at_start` is true.
     pub fn of_arena(arena: &Arena, at_start: bool) -> Result<Self> {
         let world_from_arena = match (at_start, arena.start) {
             (false, _) => Isometry3::identity(),
@@ -81,10 +82,10 @@ impl SceneBody {
         Ok(body)
     }
 
-    /// As [`SceneBody::of_arena`], of an arena's file.
+    /// Reads an arena's file and converts it as [`SceneBody::of_arena`] does.
     ///
     /// # Errors
-    /// Anything that is not an arena, and as there.
+    /// Text that is not an arena; the errors of [`SceneBody::of_arena`].
     pub fn read_arena(source: &Source, at_start: bool) -> Result<Self> {
         let arena = Arena::parse(source)?;
         Self::of_arena(&arena, at_start).map_err(|e| source.at("start", e))
@@ -93,12 +94,12 @@ impl SceneBody {
     /// Checks that no box of the robot starts in a fixed body, with joints at zero.
     ///
     /// # Errors
-    /// It would.
+    /// A box of the robot starts in the body.
     pub(super) fn check_clear(&self, experiment: &Experiment) -> Result<()> {
         self.check_clear_of("a wall", experiment)
     }
 
-    /// As [`SceneBody::check_clear`], where the body is called something else.
+    /// As [`SceneBody::check_clear`]; the error calls the body `what`.
     pub(super) fn check_clear_of(&self, what: &str, experiment: &Experiment) -> Result<()> {
         let SceneMotion::Fixed { world_from_body } = self.motion else {
             return Ok(());
@@ -132,7 +133,7 @@ impl SceneBody {
     }
 }
 
-/// Where the robot's frame is at the start, with joints at zero.
+/// Pose of the robot's frame at the start, with joints at zero.
 pub(super) fn world_from_robot(experiment: &Experiment) -> Isometry3<f64> {
     let assembly = &experiment.assembly;
     match (&experiment.start, assembly.world_from_mount) {
@@ -161,9 +162,10 @@ pub(super) fn world_from_robot(experiment: &Experiment) -> Isometry3<f64> {
     }
 }
 
-/// How deep two boxes (pose, half of the sides) are in each other, metres; negative or 0 where they are apart.
+/// How deep two boxes (pose, half of the sides) are in each other, metres; negative or 0 if they do not overlap.
 ///
-/// Two boxes are apart where one of fifteen axes separates them: the three of each, and those across two edges.
+/// Separating-axis test: two boxes do not overlap if one of fifteen axes separates them, the three axes of each box and the nine
+/// cross products of their edges.
 fn overlap_m(
     (a_pose, a_half): &(Isometry3<f64>, Vector3<f64>),
     (b_pose, b_half): &(Isometry3<f64>, Vector3<f64>),
@@ -171,10 +173,10 @@ fn overlap_m(
     let axes =
         |pose: &Isometry3<f64>| -> Matrix3<f64> { *pose.rotation.to_rotation_matrix().matrix() };
     let (a, b) = (axes(a_pose), axes(b_pose));
-    let apart_m = b_pose.translation.vector - a_pose.translation.vector;
+    let offset_m = b_pose.translation.vector - a_pose.translation.vector;
     let along = |axis: Vector3<f64>| -> f64 {
         let radius = |m: &Matrix3<f64>, half: &Vector3<f64>| (m.transpose() * axis).abs().dot(half);
-        radius(&a, a_half) + radius(&b, b_half) - apart_m.dot(&axis).abs()
+        radius(&a, a_half) + radius(&b, b_half) - offset_m.dot(&axis).abs()
     };
     let faces = (0..3).flat_map(|k| [a.column(k).into_owned(), b.column(k).into_owned()]);
     let edges = (0..9).filter_map(|k| a.column(k / 3).cross(&b.column(k % 3)).try_normalize(1e-6));
@@ -194,11 +196,11 @@ mod tests {
     }
 
     #[test]
-    fn boxes_overlap_as_far_as_a_ruler_says() {
+    fn the_overlap_of_boxes_has_the_expected_depth() {
         let still = unit_box(0.0, 0.0);
         assert!((overlap_m(&still, &unit_box(0.9, 0.0)) - 0.1).abs() < 1e-12);
         assert!((overlap_m(&still, &unit_box(1.2, 0.0)) + 0.2).abs() < 1e-12);
-        // Turned by 45 degrees a corner reaches 0.707 m.
+        // A corner of a box that is turned by 45 degrees reaches 0.707 m.
         let turned = unit_box(1.25, std::f64::consts::FRAC_PI_4);
         assert!((overlap_m(&still, &turned) + 0.043).abs() < 1e-3);
         let turned = unit_box(1.15, std::f64::consts::FRAC_PI_4);

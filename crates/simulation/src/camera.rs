@@ -1,4 +1,4 @@
-//! What a camera adds to the truth: errors of recorded positions, orientations and times.
+//! Camera model: measurement errors of recorded positions, orientations and times.
 
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
@@ -8,8 +8,8 @@ use realgap_core::error::{Error, Result};
 use realgap_core::random::Numbered;
 use realgap_path::trajectory::{Interpolator, Trajectory};
 
-/// Distributions of a camera's (or any tracker's) errors, independent from sample to sample. A field that is not named is no
-/// error.
+/// Distributions of a camera's (or any tracker's) errors, independent from sample to sample. A field that is left out stands for
+/// no error.
 ///
 /// ```
 /// use realgap_simulation::{Camera, Distribution};
@@ -25,7 +25,7 @@ pub struct Camera {
     pub position_m: Distribution,
     /// Error of each recorded orientation, a turn about a random axis, radians.
     pub angle_rad: Distribution,
-    /// By how much later than its time stamp each sample was taken, seconds.
+    /// Delay between a sample's time stamp and the moment at which it was taken, seconds.
     pub time_s: Distribution,
 }
 
@@ -39,24 +39,24 @@ impl Camera {
         ]
     }
 
-    /// Whether it records the truth.
+    /// Whether the camera has no errors.
     pub fn is_zero(&self) -> bool {
         self.uses().iter().all(|(_, field, _)| field.is_zero())
     }
 
-    /// Checks that every distribution is sound.
+    /// Checks that every distribution is valid.
     ///
     /// # Errors
-    /// The first field that is not.
+    /// The first field with an invalid distribution.
     pub fn check(&self) -> Result<()> {
         let fault = self.uses().into_iter().find_map(fault_of);
         fault.map_or(Ok(()), |(_, error)| Err(error))
     }
 
-    /// What the camera would have recorded: positions and orientations with errors, no velocities.
+    /// The trajectory that the camera would have recorded: positions and orientations with errors, no velocities.
     ///
-    /// Positions and orientations draw from one stream and times from another, so that the first two are the same whatever the
-    /// third is.
+    /// Errors of positions and orientations are drawn from one random stream and errors of times from another, so that the first
+    /// two do not depend on the third.
     ///
     /// # Errors
     /// None for a valid trajectory.
@@ -64,7 +64,7 @@ impl Camera {
         let mut rng = Numbered::Camera.generator(seed, repeat);
         let mut clock = Numbered::CameraTime.generator(seed, repeat);
         let mut taken = Interpolator::new(truth);
-        // Three errors of this size about the axes turn by as much as one about a random axis does.
+        // Three independent errors of this size about the axes have the same size as one error about a random axis.
         let about_each = self.angle_rad.divided_by(3.0_f64.sqrt());
         let mut positions = Vec::with_capacity(truth.len());
         let mut orientations = Vec::with_capacity(truth.len());
@@ -95,7 +95,7 @@ impl Camera {
     }
 }
 
-/// What is wrong with a field, if anything.
+/// The error of a field, if its distribution is invalid.
 pub(super) fn fault_of(
     (name, field, purpose): (&'static str, Distribution, Use),
 ) -> Option<(&'static str, Error)> {

@@ -1,8 +1,8 @@
-//! Recorded commands of servos.
+//! Recorded commands of servos over time.
 
 use realgap_core::error::{Error, Result};
 
-/// What a recorded track asks of a servo.
+/// The quantity that a track commands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Quantity {
     /// An angle, radians.
@@ -14,13 +14,13 @@ pub enum Quantity {
     Torque,
 }
 
-/// What is in force between two recorded commands.
+/// The command in force between two recorded commands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Between {
-    /// The earlier one, as servos do.
+    /// The earlier command is held, as real servos do.
     #[default]
     Held,
-    /// A straight line from one to the other.
+    /// Linear interpolation between the two.
     Interpolated,
 }
 
@@ -31,16 +31,16 @@ pub struct CommandTrack {
     values: Vec<f64>,
     quantity: Quantity,
     between: Between,
-    /// When the servo is switched on or off, in order; on before the first.
+    /// Times at which the servo is switched on or off, in order; it is on before the first.
     switches: Vec<(f64, bool)>,
 }
 
 impl CommandTrack {
-    /// Commanded angles (radians) at times from the start of the run, each held until the next; before the first that one holds.
-    /// From `off_from_s` on the servo is switched off.
+    /// Commanded angles (radians) at times from the start of the run. Each is held until the next; before the first time the
+    /// first command is in force. From `off_from_s` on the servo is switched off.
     ///
     /// # Errors
-    /// No sample, columns of different lengths, times that do not increase, or a number that is none.
+    /// No sample, columns of different lengths, times that do not increase, or a number that is not finite.
     pub fn new(times_s: Vec<f64>, values: Vec<f64>, off_from_s: Option<f64>) -> Result<Self> {
         let increasing = times_s.windows(2).all(|w| w[0] < w[1]);
         let finite = times_s.iter().chain(&values).chain(&off_from_s);
@@ -72,13 +72,13 @@ impl CommandTrack {
         Self { quantity, ..self }
     }
 
-    /// The same commands with something else in force between them.
+    /// The same commands with another rule for the time between them.
     #[must_use]
     pub fn with(self, between: Between) -> Self {
         Self { between, ..self }
     }
 
-    /// The same commands to a servo that is on where its own column is not 0, one value a command.
+    /// The same commands with a column that switches the servo: on where the value is not 0, one value per command.
     #[must_use]
     pub fn switched(mut self, on: &[f64]) -> Self {
         for (time_s, is_on) in self.times_s.iter().zip(on.iter().map(|on| *on != 0.0)) {
@@ -90,7 +90,7 @@ impl CommandTrack {
         self
     }
 
-    /// The same commands, each later by seconds of its own, of which none overtakes another.
+    /// The same commands, each delayed by its own time in seconds; no command overtakes another.
     pub(super) fn late(&self, mut by_s: impl FnMut() -> f64) -> Self {
         let mut latest_s = f64::NEG_INFINITY;
         let arrivals = self.times_s.iter().map(|time_s| {
@@ -103,12 +103,12 @@ impl CommandTrack {
         }
     }
 
-    /// What is commanded.
+    /// The commanded quantity.
     pub fn quantity(&self) -> Quantity {
         self.quantity
     }
 
-    /// What is in force between two commands.
+    /// The rule for the time between two commands.
     pub(super) fn between(&self) -> Between {
         self.between
     }
@@ -134,7 +134,8 @@ impl CommandTrack {
         from + (t_s - from_s) / (to_s - from_s) * (to - from)
     }
 
-    /// The command that stands for a whole step: the mean of what is held, so that a run is a smooth function of the delay.
+    /// The command for a whole step: the mean of the held commands over the step, so that a run is a smooth function of the
+    /// delay.
     pub(super) fn mean(&self, from_s: f64, to_s: f64) -> f64 {
         if self.between == Between::Interpolated || to_s <= from_s {
             return self.value(0.5 * (from_s + to_s));
@@ -164,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn a_command_is_held_until_the_next_unless_lines_are_asked_for() {
+    fn a_command_is_held_until_the_next_unless_it_is_interpolated() {
         for (t_s, held, line) in [
             (0.0, 0.0, 0.0),
             (1.5, 0.0, 0.5),
@@ -182,7 +183,7 @@ mod tests {
     fn late_commands_do_not_overtake_each_other() {
         let mut delays_s = [1.5, 0.0, 0.25].into_iter();
         let late = track().late(|| delays_s.next().unwrap_or_default());
-        // The first comes with the second, which replaces it at once.
+        // The first command arrives together with the second, which replaces it immediately.
         assert_eq!(late.times_s, [2.5, 2.5, 4.25]);
         assert_eq!(
             [2.4, 2.5, 4.2, 4.25].map(|t_s| late.value(t_s)),
@@ -197,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn a_track_that_goes_back_is_refused() {
+    fn a_track_whose_times_do_not_increase_is_refused() {
         assert!(CommandTrack::new(vec![1.0, 1.0], vec![0.0, 1.0], None).is_err());
         assert!(CommandTrack::new(vec![], vec![], None).is_err());
         assert!(CommandTrack::new(vec![0.0], vec![f64::NAN], None).is_err());

@@ -1,4 +1,4 @@
-//! How an error of a repeat is distributed.
+//! Probability distributions of the errors that a repeat draws.
 
 use rand_distr::{Distribution as _, StandardNormal};
 use serde::{Deserialize, Serialize};
@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use realgap_core::error::{Error, Result};
 use realgap_core::random::Generator;
 
-/// Distribution of an error. Every one is a monotonic function of a standard normal number, so that a field
-/// draws the same amount of randomness whatever its distribution, and the same seed the same quantile.
+/// Distribution of an error. Each is a monotonic function of a standard normal number. So every field draws one random number,
+/// independent of its distribution, and the same seed gives the same quantile.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Distribution {
@@ -15,18 +15,18 @@ pub enum Distribution {
     Normal(f64),
     /// Uniform between two values.
     Uniform(f64, f64),
-    /// |Normal(sd)|: never negative, most likely small.
+    /// |Normal(sd)|: never negative, with the highest density at 0.
     HalfNormal(f64),
-    /// A factor exp(Normal(sd)): median 1, never negative. For relative fields only.
+    /// A factor exp(Normal(sd)): median 1, never negative. Only for relative fields.
     LogNormal(f64),
 }
 
-/// One standard normal number of a stream.
+/// Draws one standard normal number from a stream.
 pub(super) fn normal(rng: &mut Generator) -> f64 {
     StandardNormal.sample(rng)
 }
 
-/// What a drawn value is used for, which decides what is allowed.
+/// The use of a drawn value, which determines the allowed distributions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Use {
     /// Added to a value of any sign.
@@ -37,11 +37,12 @@ pub(super) enum Use {
     Factor,
 }
 
-/// Smallest factor: what is left of a relative draw that would go below. Ten standard deviations of a usual field.
+/// Smallest factor: a relative draw below it is raised to it. For usual fields this is about ten standard deviations away.
 const LEAST_FACTOR: f64 = 0.01;
-/// Wider relative errors than this are not errors any more; a normal one would often be cut at the smallest factor.
+/// Largest standard deviation of a normal relative error; a wider one would often be cut off at the smallest factor.
 const WIDEST_NORMAL_FACTOR: f64 = 0.3;
-/// Wider still is a typing error: a factor of e² each way within one standard deviation.
+/// Largest standard deviation of a log-normal factor; a larger one is probably a typing error, because it means a factor of e² in
+/// each direction within one standard deviation.
 const WIDEST_LOG_NORMAL: f64 = 2.0;
 
 impl Default for Distribution {
@@ -60,7 +61,7 @@ impl Distribution {
         }
     }
 
-    /// The same distribution with a smaller spread.
+    /// The same distribution with its spread divided by a number.
     pub(super) fn divided_by(&self, divisor: f64) -> Self {
         match *self {
             Self::Normal(sd) => Self::Normal(sd / divisor),
@@ -70,7 +71,7 @@ impl Distribution {
         }
     }
 
-    /// The draw that belongs to a standard normal number.
+    /// The draw that corresponds to a standard normal number.
     pub(super) fn draw(&self, normal: f64) -> f64 {
         match *self {
             Self::Normal(sd) => sd * normal,
@@ -83,7 +84,7 @@ impl Distribution {
         }
     }
 
-    /// The factor that belongs to a standard normal number; positive and finite.
+    /// The factor that corresponds to a standard normal number; positive and finite.
     pub(super) fn factor(&self, normal: f64) -> f64 {
         match *self {
             Self::LogNormal(sd) => libm::exp(sd * normal),
@@ -175,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn factors_stay_positive_and_finite_however_far_out_the_draw() {
+    fn factors_stay_positive_and_finite_for_extreme_draws() {
         for distribution in [
             Distribution::Normal(WIDEST_NORMAL_FACTOR),
             Distribution::Uniform(-0.999_999, 5.0),

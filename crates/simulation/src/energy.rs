@@ -1,13 +1,14 @@
-//! Where a run's mechanical energy comes from and where it goes.
+//! Energy balance of a run: the work of servos, gravity, contacts and friction, and the change of kinetic energy.
 //!
-//! The engine says what contacts did during a step, for all substeps together, but not what a motor did. So what crosses a hinge
-//! follows from momentum: the parts beyond it have changed theirs by gravity, by contacts and by what the hinge passed on, and
-//! nothing else. That impulse times the mean of the speeds before and after the step is its work, as for every impulse (½ m v²
-//! changes by m Δv times the mean of v). Nothing here is found from the change of energy, so that the balance can fail to
-//! close: what is left over is [`EnergyBalance::residual_j`].
+//! The engine reports the impulses of contacts during a step, summed over all substeps, but not those of motors. The impulse
+//! through a hinge is therefore computed from momentum: the momentum of the parts beyond the hinge changes only by gravity, by
+//! contacts and by the impulse through the hinge. The work of that impulse is the impulse times the mean of the speeds before and
+//! after the step, as for every impulse (½ m v² changes by m Δv times the mean of v). No term is computed from the change of
+//! energy, so the sum of all terms is an independent check: its deviation from the change of energy is
+//! [`EnergyBalance::residual_j`].
 //!
-//! Steps are resolved, substeps are not: a servo that speeds a part up and a contact that stops it again within the same step
-//! both count as having done nothing.
+//! The balance resolves steps, but not substeps: a servo that accelerates a part and a contact that stops it again within the
+//! same step both count as having done no work.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 use serde::Serialize;
@@ -20,37 +21,39 @@ use super::part_state::PartState;
 use realgap_core::warning::{Code, Warning};
 use realgap_robot::morphology::{Assembly, Bearing, Freedom};
 
-/// Above this share of what the servos gave, a balance is called open.
+/// A balance whose residual exceeds this fraction of the servos' positive work gives a warning.
 const OPEN_SHARE: f64 = 0.02;
 
-/// Where the mechanical energy of a run came from and went, from [`Experiment::energy_from_s`] to the end, joules.
+/// Energy balance of a run from [`Experiment::energy_from_s`] to its end, joules.
 ///
 /// Work is positive where it adds to the robot's energy: `servo + gravity + contact + friction + joint + slack + residual = kinetic`.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EnergyBalance {
-    /// Work of all servos: what their motors gave minus what they took.
+    /// Net work of all servos: positive minus negative work of their motors.
     pub servo_j: f64,
-    /// What they gave, each servo and step by itself: an actuator that cannot store what it takes spends this.
+    /// Positive work of all servos, summed over servos and steps: the energy that actuators spend if they cannot recover energy.
     pub servo_positive_j: f64,
-    /// Work of gravity: weight times fall.
+    /// Work of gravity: weight times loss of height.
     pub gravity_j: f64,
-    /// Work of contacts along their normals; impacts lose energy, pushed-in contacts and led bodies may give some.
+    /// Work of contacts along their normals; impacts dissipate energy, while penetrating contacts and driven bodies may add some.
     pub contact_j: f64,
     /// Work of contacts across their normals: friction.
     pub friction_j: f64,
-    /// Work of friction, gears and limits of the hinges. A limit of a hinge with a servo without a gear counts as the servo's.
+    /// Work of friction, gears and limits of the hinges. The work of a limit counts as the servo's if the hinge has a servo
+    /// without a gear.
     pub joint_j: f64,
-    /// Work of hinges that gave way: an ideal hinge does none, an impulse joint opens a little.
+    /// Work against the constraints of the hinges: an ideal hinge does none, an impulse joint opens a little.
     pub slack_j: f64,
     /// Change of kinetic energy, rotors included.
     pub kinetic_j: f64,
-    /// What nothing above explains: numerical.
+    /// Residual that no term above explains: numerical error.
     pub residual_j: f64,
 }
 
 impl EnergyBalance {
-    /// What is not explained, as a share of what the servos gave, or of what gravity did or what moved where that is more.
+    /// The residual as a fraction of the servos' positive work, or of the work of gravity or the change of kinetic energy if one
+    /// of these is larger.
     pub fn residual_share(&self) -> f64 {
         let scale_j = self
             .servo_positive_j
@@ -62,26 +65,26 @@ impl EnergyBalance {
         self.residual_j.abs() / scale_j
     }
 
-    /// What to know where the balance does not close.
+    /// A warning if the balance does not close.
     pub(super) fn warning(&self) -> Option<Warning> {
         let share = self.residual_share();
         (share.is_nan() || share > OPEN_SHARE).then(|| {
             Code::EnergyOpen.warning(format!(
-                "{:.1} % of the energy comes from nowhere or goes nowhere: shorter steps or more substeps close the balance",
+                "the energy balance does not close: its residual is {:.1} % of the energy; use shorter steps or more substeps",
                 100.0 * share
             ))
         })
     }
 
-    /// Mechanical cost of transport: what the servos gave per weight and distance; `None` for who gets nowhere or weighs nothing.
+    /// Mechanical cost of transport: the servos' positive work per weight and distance; `None` if distance or weight is zero.
     pub fn cost_of_transport(&self, weight_n: f64, distance_m: f64) -> Option<f64> {
         let cost = self.servo_positive_j / (weight_n * distance_m);
         cost.is_finite().then_some(cost)
     }
 }
 
-/// What a hinge is to the meter.
-struct Gauge {
+/// The properties of a hinge that the energy meter needs.
+struct HingeMeter {
     parent: usize,
     child: usize,
     /// Point on the axis, in the child's frame.
@@ -91,11 +94,11 @@ struct Gauge {
     slides: bool,
     bearing: Bearing,
     has_servo: bool,
-    /// Inertia of a rotor that no part has, kg m².
+    /// Inertia of a rotor that is not part of any body's inertia, kg m².
     armature_kg_m2: f64,
 }
 
-impl Gauge {
+impl HingeMeter {
     /// Speed, rad/s.
     fn speed_rad_s(&self, parts: &[PartState]) -> f64 {
         let (parent, child) = (&parts[self.parent], &parts[self.child]);
@@ -144,29 +147,29 @@ impl Mean {
     }
 }
 
-/// Reads the energy off a run, one step at a time, and changes nothing.
-pub(super) struct Meter {
+/// Computes the energy balance of a run step by step, without influence on the run.
+pub(super) struct EnergyMeter {
     from_s: f64,
     gravity_m_s2: f64,
     timestep_s: f64,
-    gauges: Vec<Gauge>,
+    hinge_meters: Vec<HingeMeter>,
     before: Vec<PartState>,
     loads: Vec<Load>,
     wrenches: Vec<Wrench>,
     balance: EnergyBalance,
 }
 
-impl Meter {
+impl EnergyMeter {
     /// A meter for a robot that counts from `from_s` on.
     pub fn new(experiment: &Experiment, assembly: &Assembly, from_s: f64) -> Self {
         let has_rotors = experiment.joint_kind() == JointFormulation::Multibody
             || experiment.solver.engine != EngineChoice::default();
-        let gauges = assembly.hinges.iter().map(|hinge| {
+        let hinge_meters = assembly.hinges.iter().map(|hinge| {
             let child_from_robot: Isometry3<f64> =
                 robot_from_part_at_zero(assembly, hinge.child_part).inverse();
             let servo = hinge.actuator.as_ref().map(|actuator| &actuator.servo);
             let motor = servo.and_then(|servo| servo.law.motor());
-            Gauge {
+            HingeMeter {
                 parent: hinge.parent_part,
                 child: hinge.child_part,
                 anchor_child_m: child_from_robot * Point3::from(hinge.anchor_robot_m),
@@ -184,7 +187,7 @@ impl Meter {
             from_s,
             gravity_m_s2: experiment.gravity_m_s2,
             timestep_s: experiment.solver.timestep_s,
-            gauges: gauges.collect(),
+            hinge_meters: hinge_meters.collect(),
             before: Vec::new(),
             loads: Vec::new(),
             wrenches: Vec::new(),
@@ -205,12 +208,12 @@ impl Meter {
         balance
     }
 
-    /// Looks at the robot before the first step.
+    /// Records the state of the robot before the first step.
     pub fn start(&mut self, assembly: &Assembly, world: &dyn World) {
-        self.before = look(assembly, world);
+        self.before = part_states(assembly, world);
     }
 
-    /// Looks at the robot after a step that began at `began_s`; `efforts` of motors behind gears, by hinge.
+    /// Evaluates a step that began at `began_s` from the state after it; `efforts` are those of motors behind gears, by hinge.
     pub fn read(
         &mut self,
         assembly: &Assembly,
@@ -218,8 +221,8 @@ impl Meter {
         began_s: f64,
         efforts: &[Option<Effort>],
     ) {
-        let after = look(assembly, world);
-        // The step in whose middle counting starts belongs to the later part.
+        let after = part_states(assembly, world);
+        // A step is counted if its middle is not before the start of counting.
         if began_s + 0.5 * self.timestep_s >= self.from_s {
             world.loads(&mut self.loads);
             self.count(assembly.world_from_mount.is_some(), &after, efforts);
@@ -235,7 +238,7 @@ impl Meter {
             let centre_world_m = 0.5 * (a.centre_world_m + b.centre_world_m);
             let spin =
                 |part: &PartState| part.inertia_world_kg_m2 * part.angular_velocity_world_rad_s;
-            // What is held in place takes up whatever comes.
+            // A fixed part absorbs any impulse and does not move.
             if !(is_held && index == 0) {
                 balance.kinetic_j += b.kinetic_energy_j() - a.kinetic_energy_j();
                 balance.gravity_j += weight_n.dot(&(b.centre_world_m - a.centre_world_m));
@@ -258,28 +261,30 @@ impl Meter {
             wrench.impulse_n_s -= impulse_n_s;
             wrench.moment_nm_s -= point_world_m.cross(&impulse_n_s);
         }
-        // Parents come before their children, so from the last hinge on all beyond a hinge is known.
-        for (index, gauge) in self.gauges.iter().enumerate().rev() {
-            let passed = self.wrenches[gauge.child];
-            let parent = &mut self.wrenches[gauge.parent];
+        // Parents precede their children, so in reverse order all impulses beyond a hinge are known when the hinge is reached.
+        for (index, hinge_meter) in self.hinge_meters.iter().enumerate().rev() {
+            let passed = self.wrenches[hinge_meter.child];
+            let parent = &mut self.wrenches[hinge_meter.parent];
             parent.impulse_n_s += passed.impulse_n_s;
             parent.moment_nm_s += passed.moment_nm_s;
             let (a, b) = (
-                self.before[gauge.child].world_from_part,
-                after[gauge.child].world_from_part,
+                self.before[hinge_meter.child].world_from_part,
+                after[hinge_meter.child].world_from_part,
             );
-            let anchor_world_m =
-                0.5 * ((a * gauge.anchor_child_m).coords + (b * gauge.anchor_child_m).coords);
-            let axis_world =
-                (a.rotation * gauge.axis_part + b.rotation * gauge.axis_part).normalize();
+            let anchor_world_m = 0.5
+                * ((a * hinge_meter.anchor_child_m).coords
+                    + (b * hinge_meter.anchor_child_m).coords);
+            let axis_world = (a.rotation * hinge_meter.axis_part
+                + b.rotation * hinge_meter.axis_part)
+                .normalize();
             let moment_nm_s = passed.moment_nm_s - anchor_world_m.cross(&passed.impulse_n_s);
-            let [parent, child] = [gauge.parent, gauge.child]
+            let [parent, child] = [hinge_meter.parent, hinge_meter.child]
                 .map(|part| Mean::of(&self.before[part], &after[part]).about(&anchor_world_m));
             let open_m_s = child.0 - parent.0;
             let turn_rad_s = child.1 - parent.1;
-            // What the joint leaves free is no slack.
+            // Motion along the joint's degree of freedom is no opening of the joint.
             let along = |v: &Vector3<f64>| axis_world * v.dot(&axis_world);
-            let (slack_m_s, slack_rad_s, along_axis) = if gauge.slides {
+            let (slack_m_s, slack_rad_s, along_axis) = if hinge_meter.slides {
                 let impulse_n_s = passed.impulse_n_s.dot(&axis_world);
                 (open_m_s - along(&open_m_s), turn_rad_s, impulse_n_s)
             } else {
@@ -287,14 +292,17 @@ impl Meter {
                 (open_m_s, tilt_rad_s, moment_nm_s.dot(&axis_world))
             };
             balance.slack_j += passed.impulse_n_s.dot(&slack_m_s) + moment_nm_s.dot(&slack_rad_s);
-            let [first_rad_s, then_rad_s] =
-                [gauge.speed_rad_s(&self.before), gauge.speed_rad_s(after)];
+            let [first_rad_s, then_rad_s] = [
+                hinge_meter.speed_rad_s(&self.before),
+                hinge_meter.speed_rad_s(after),
+            ];
             let mean_rad_s = 0.5 * (first_rad_s + then_rad_s);
-            let rotor_j = 0.5 * gauge.armature_kg_m2 * (then_rad_s.powi(2) - first_rad_s.powi(2));
+            let rotor_j =
+                0.5 * hinge_meter.armature_kg_m2 * (then_rad_s.powi(2) - first_rad_s.powi(2));
             balance.kinetic_j += rotor_j;
             let hinge_j = along_axis * mean_rad_s + rotor_j;
             let servo_j = match efforts.get(index).copied().flatten() {
-                _ if !gauge.has_servo => 0.0,
+                _ if !hinge_meter.has_servo => 0.0,
                 Some(effort) => {
                     let torque_nm = effort.damping_nm_s_rad * (effort.target_rad_s - mean_rad_s);
                     torque_nm * mean_rad_s * self.timestep_s
@@ -304,7 +312,7 @@ impl Meter {
                         viscous_nm_s_rad,
                         dry_nm,
                         ..
-                    } = gauge.bearing;
+                    } = hinge_meter.bearing;
                     let lost_w = viscous_nm_s_rad * mean_rad_s.powi(2) + dry_nm * mean_rad_s.abs();
                     hinge_j + lost_w * self.timestep_s
                 }
@@ -316,7 +324,7 @@ impl Meter {
     }
 }
 
-fn look(assembly: &Assembly, world: &dyn World) -> Vec<PartState> {
+fn part_states(assembly: &Assembly, world: &dyn World) -> Vec<PartState> {
     (0..assembly.parts.len())
         .map(|part| world.part_now(part))
         .collect()

@@ -1,4 +1,4 @@
-//! The door to the engines: what one has to do to simulate an experiment, and the list of those there are.
+//! Interface of physics engines: the trait that an engine implements, and the list of all engines.
 
 use std::fmt;
 
@@ -14,36 +14,38 @@ use realgap_core::error::Result;
 use realgap_core::file::look_up;
 use realgap_robot::morphology::Assembly;
 
-/// What turns experiments into runs. [`run`](crate::run) owns commands, sampling and what is absurd; an engine owns time.
+/// A physics engine. [`run`](crate::run) computes commands, takes samples and detects diverged states; the engine advances the
+/// time.
 pub trait Engine: fmt::Debug + Sync {
-    /// Name in files and on the command line.
+    /// Name of the engine in files and on the command line.
     fn name(&self) -> &'static str;
 
-    /// Version and precision, which decide the results bit for bit: part of fingerprints.
+    /// Version and precision, which determine the results bit for bit; they are part of fingerprints.
     fn version(&self) -> &'static str;
 
-    /// Why it cannot simulate an experiment, as a whole sentence; then Rapier does, with a warning.
+    /// Reason why the engine cannot simulate an experiment, as a whole sentence; Rapier then simulates it instead, with a
+    /// warning.
     fn refusal(&self, experiment: &Experiment) -> Option<String>;
 
-    /// Puts a robot and what is around it into a world of the engine.
+    /// Builds a world of the engine that contains a robot and the scene.
     ///
     /// # Errors
-    /// A robot without inertia where it has to have some.
+    /// A robot with a part that has no inertia although it needs one.
     fn build(&self, setup: &Setup<'_>) -> Result<Box<dyn World>>;
 }
 
-/// What a world is built from.
+/// Everything that a world is built from.
 #[derive(Debug, Clone, Copy)]
 pub struct Setup<'a> {
     /// Floor, scene, gravity, contacts and numerics.
     pub experiment: &'a Experiment,
-    /// The robot with all adjustments: in place of the experiment's own.
+    /// The robot with all adjustments, which replaces the experiment's own robot.
     pub assembly: &'a Assembly,
-    /// Where its parts start, by index: the pose of each part's frame.
+    /// Poses of the parts' frames at the start, by index.
     pub world_from_parts: &'a [Isometry3<f64>],
     /// Angles and speeds of its hinges at the start, by index.
     pub joints: &'a [JointState],
-    /// How it moves as one rigid body at the start, beside its hinges.
+    /// Rigid motion of the whole robot at the start, in addition to that of its hinges.
     pub motion: Motion,
 }
 
@@ -67,21 +69,21 @@ impl Motion {
     };
 }
 
-/// What one contact point did to one part of the robot during a step.
+/// Impulses of one contact point on one part of the robot during a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Load {
     /// Index of the part.
     pub part: usize,
-    /// From the part's centre of mass to where the impulses act, world frame, metres.
+    /// Vector from the part's centre of mass to the point at which the impulses act, world frame, metres.
     pub arm_world_m: Vector3<f64>,
     /// Impulse along the contact's normal, world frame, N s.
     pub normal_world_n_s: Vector3<f64>,
-    /// Impulse across it, by friction, world frame, N s.
+    /// Friction impulse, perpendicular to the normal, world frame, N s.
     pub friction_world_n_s: Vector3<f64>,
 }
 
-/// A robot on a floor in an engine's hands, one step at a time. Parts, hinges and bodies of the scene have the indices of the
-/// assembly and of the experiment.
+/// A simulated world of an engine, with one robot. Parts, hinges and bodies of the scene have the indices of the assembly and of
+/// the experiment.
 pub trait World {
     /// Advances by one timestep of the experiment.
     fn step(&mut self);
@@ -89,54 +91,55 @@ pub trait World {
     /// Pose, linear velocity of the part frame's origin and angular velocity of a part, all in the world frame.
     fn part(&self, part: usize) -> (Isometry3<f64>, Vector3<f64>, Vector3<f64>);
 
-    /// A part in full.
+    /// Complete state of a part.
     fn part_state(&self, part: usize) -> PartState;
 
-    /// A part in full, with the velocities that belong to the impulses of the last step.
+    /// Complete state of a part, with the velocities after the impulses of the last step.
     fn part_now(&self, part: usize) -> PartState {
         self.part_state(part)
     }
 
-    /// Adds to the velocity of a part that no hinge holds, m/s.
+    /// Adds to the velocity of a part without hinges, m/s.
     fn push(&mut self, part: usize, velocity_world_m_s: &Vector3<f64>);
 
-    /// Angle of a hinge, radians, continued from `near_rad` so that it does not jump at half turns; of a slide metres.
+    /// Angle of a hinge, radians, continued from `near_rad` so that it does not jump at half turns; for a slide the distance,
+    /// metres.
     fn hinge_angle_rad(&self, hinge: usize, near_rad: f64) -> f64;
 
-    /// Speed of a hinge, rad/s; of a slide m/s.
+    /// Speed of a hinge, rad/s; for a slide m/s.
     fn hinge_speed_rad_s(&self, hinge: usize) -> f64;
 
-    /// Asks the motor of a hinge that is at `angle_rad` to do `command` during the next step.
+    /// Sets the command of the motor of a hinge, which is at `angle_rad`, for the next step.
     fn drive(&mut self, hinge: usize, angle_rad: f64, command: Command);
 
-    /// Has the motor of a hinge, and its gear, act during the next step.
+    /// Applies the effort of the motor and the gear of a hinge during the next step.
     fn exert(&mut self, hinge: usize, effort: &Effort);
 
-    /// Every contact of the step before, once for each part of the robot that it touches. Asked for only where
+    /// All contacts of the previous step, once for each part of the robot that is in contact. Called only if
     /// [`Experiment::energy_from_s`] is stated.
     fn loads(&self, loads: &mut Vec<Load>);
 
-    /// Where the bodies of the scene are.
+    /// Poses of the bodies of the scene.
     fn scene_poses(&self) -> Vec<Isometry3<f64>>;
 
-    /// Puts a driven body of the scene where it starts.
+    /// Places a driven body of the scene at its start pose.
     fn place_driven(&mut self, index: usize, world_from_body: &Isometry3<f64>);
 
-    /// Leads a driven body to where it is to be after the next step.
+    /// Moves a driven body so that it reaches a pose after the next step.
     fn lead_driven(&mut self, index: usize, next: &Isometry3<f64>);
 }
 
-/// Which engine an experiment runs in: Rapier unless it says otherwise. Engines are told apart by their names.
+/// The engine that simulates an experiment: Rapier by default. Engines are compared by their names.
 #[derive(Clone, Copy)]
 pub struct EngineChoice(&'static dyn Engine);
 
 impl EngineChoice {
-    /// Any engine, one of your own, too.
+    /// Any engine, including one that is implemented outside of this crate.
     pub const fn new(engine: &'static dyn Engine) -> Self {
         Self(engine)
     }
 
-    /// The engine beside the reference: the tree solver, where it is built in.
+    /// The second engine besides the reference: the tree solver, if it is in the list.
     pub(super) fn second() -> Option<Self> {
         ENGINES.get(1).copied()
     }
@@ -146,7 +149,8 @@ impl EngineChoice {
         self.0
     }
 
-    /// The engine that will simulate an experiment: the chosen one, or Rapier with the sentence that says why.
+    /// The engine that will simulate an experiment: the chosen one, or Rapier together with the reason why the chosen engine
+    /// cannot.
     pub fn able(&self, experiment: &Experiment) -> (&'static dyn Engine, Option<String>) {
         match self.0.refusal(experiment) {
             None => (self.0, None),
@@ -179,7 +183,7 @@ pub static ENGINES: &[EngineChoice] = &[EngineChoice(&RAPIER), EngineChoice(&TRE
 /// The engine of this name.
 ///
 /// # Errors
-/// No such engine; the error lists those there are.
+/// An unknown engine; the error lists the known ones.
 pub fn engine_by_name(name: &str) -> Result<EngineChoice> {
     look_up("engine", name, ENGINES, |engine| engine.get().name()).copied()
 }

@@ -1,4 +1,4 @@
-//! Everything that decides what a simulation does, as plain validated data.
+//! The experiment: all settings that determine a simulation, as plain data.
 
 mod check;
 
@@ -51,10 +51,10 @@ impl Floor {
 /// State of the robot at time 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Start {
-    /// Placed on the floor at the origin with the servos at their first command, and left to come to rest.
+    /// The robot is placed on the floor at the origin with the servos at their first command, and settles before time 0.
     Settled,
-    /// The full state of the tracked module, in recorded lengths ([`Experiment::recording_length_scale`]); joints as
-    /// [`Experiment::start_joints`] says.
+    /// The full state of the tracked module, in recorded lengths ([`Experiment::recording_length_scale`]); the joints start as
+    /// [`Experiment::start_joints`] states.
     State(State),
 }
 
@@ -67,26 +67,28 @@ pub struct JointState {
     pub speed_rad_s: f64,
 }
 
-/// How parts are jointed.
+/// Formulation of joints in the solver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointFormulation {
     /// Reduced coordinates: hinges cannot separate.
     Multibody,
-    /// Maximal coordinates: hinges are constraints solved with the contacts; cheaper.
+    /// Maximal coordinates: hinges are constraints that are solved together with the contacts, which is faster.
     Impulse,
-    /// Multibody joints where a light part carries a heavy one, [`JointFormulation::LIGHT`], or a servo is a motor behind a gear, and the
-    /// robot has at most [`JointFormulation::MOST_HINGES`] hinges; impulse joints for all others, whose contacts they do not soften (docs/fidelity/contact.md).
-    /// A robot of stated bodies is a multibody, whatever its number of joints, and one whose bearings give way never is.
+    /// Multibody joints for a robot with at most [`JointFormulation::MOST_HINGES`] hinges in which a light part carries a heavy
+    /// one ([`JointFormulation::LIGHT`]) or a servo is a motor behind a gear; impulse joints for all other modular robots,
+    /// because multibody joints soften contacts (docs/fidelity/contact.md). A robot of bodies always has multibody joints, and a
+    /// robot with compliant bearings always has impulse joints.
     Auto,
 }
 
 impl JointFormulation {
-    /// Most hinges that [`JointFormulation::Auto`] joins as a multibody: the cost grows with the square of the hinges and more.
+    /// Largest number of hinges for which [`JointFormulation::Auto`] chooses multibody joints: their cost grows with the square
+    /// of the number of hinges or faster.
     pub const MOST_HINGES: usize = 12;
-    /// A part is light below this share of the mass of the part that it is hinged to.
+    /// A part counts as light if its mass is below this fraction of the mass of the part that it is hinged to.
     pub const LIGHT: f64 = 0.25;
 
-    /// The kind that this robot gets: never [`JointFormulation::Auto`].
+    /// The formulation for this robot: never [`JointFormulation::Auto`].
     pub fn resolved(self, assembly: &Assembly) -> Self {
         let mass_kg = |part: usize| assembly.parts[part].mass_kg();
         let is_uneven = assembly.hinges.iter().any(|hinge| {
@@ -97,9 +99,9 @@ impl JointFormulation {
             has_gear || a.min(b) < Self::LIGHT * a.max(b)
         });
         match self {
-            // What cannot part cannot give way.
+            // Multibody joints cannot be compliant.
             Self::Auto if assembly.is_compliant() => Self::Impulse,
-            // Links without mass, springs and slides are at home in reduced coordinates.
+            // Links without mass, springs and slides are represented best in reduced coordinates.
             Self::Auto if !assembly.is_modular => Self::Multibody,
             Self::Auto if is_uneven && assembly.hinges.len() <= Self::MOST_HINGES => {
                 Self::Multibody
@@ -109,7 +111,7 @@ impl JointFormulation {
         }
     }
 
-    /// The other way to joint the same robot.
+    /// The other formulation for the same robot.
     pub fn other(self) -> Self {
         match self {
             Self::Impulse => Self::Multibody,
@@ -125,7 +127,8 @@ pub enum FrictionModel {
     Simplified,
     /// A friction cone at every contact point, opposite to its slip.
     Coulomb,
-    /// A cone that is relaxed to a convex problem, as MuJoCo's is (Anitescu 2006; Todorov 2014): what slides hops over the floor.
+    /// A cone that is relaxed to a convex problem, as MuJoCo's is (Anitescu 2006; Todorov 2014): sliding bodies hop over the
+    /// floor.
     Relaxed,
 }
 
@@ -134,8 +137,8 @@ pub enum FrictionModel {
 pub struct Contact {
     /// Distance at which contacts are predicted, metres.
     pub prediction_m: f64,
-    /// Natural frequency of the softness of contacts with the floor, Hz; contacts among modules have half of it,
-    /// as in Rapier's own defaults (60 and 30 Hz).
+    /// Natural frequency of contacts with the floor, Hz; contacts between modules have half of it, as in Rapier's own defaults
+    /// (60 and 30 Hz).
     pub natural_frequency_hz: f64,
     /// Damping ratio of the contact softness, dimensionless.
     pub damping_ratio: f64,
@@ -163,12 +166,12 @@ pub struct Solver {
     pub substeps: usize,
     /// Passes over joints and contacts in every substep (Rapier's "internal PGS iterations").
     pub sweeps: usize,
-    /// Passes without bias at the end of every substep (Rapier's "internal stabilization iterations"): 0 keeps
-    /// the energy of hinges, which such a pass drains (docs/fidelity/joints.md).
+    /// Passes without bias at the end of every substep (Rapier's "internal stabilization iterations"). With 0 the energy of
+    /// hinges is conserved; every such pass dissipates some of it (docs/fidelity/joints.md).
     pub relaxations: usize,
-    /// How parts are jointed in Rapier.
+    /// Formulation of joints in Rapier.
     pub joint: JointFormulation,
-    /// Which engine simulates.
+    /// The engine that simulates.
     pub engine: EngineChoice,
 }
 
@@ -185,21 +188,21 @@ impl Default for Solver {
     }
 }
 
-/// Steps and contacts with a relaxed cone, [`Experiment::relaxed`]: one over 2 ms is the angular frequency.
+/// Timestep (s) and natural frequency of contacts (Hz) for [`Experiment::relaxed`]: the angular frequency is the inverse of 2 ms.
 const RELAXED_STEP_S: f64 = 1.0 / 2000.0;
 const RELAXED_HZ: f64 = 500.0 / std::f64::consts::TAU;
-/// Damping ratio and sweeps at the limit, [`Experiment::at_limit`].
+/// Damping ratio and number of sweeps for [`Experiment::at_limit`].
 const LIMIT_DAMPING_RATIO: f64 = 3.0;
 const LIMIT_SWEEPS: usize = 4;
 
-/// How this one execution differs from the intended one: the draw of one repeat.
+/// Deviations of one repeat from the intended experiment, as drawn from the noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Perturbation {
-    /// Shift of the start, world frame, metres. A settled start keeps only what the fall leaves of it.
+    /// Shift of the start, world frame, metres. A settled start changes it while the robot falls and settles.
     pub shift_world_m: Vector3<f64>,
     /// Rotation of the start about the tracked point, world frame, rotation vector, radians.
     pub turn_world_rad: Vector3<f64>,
-    /// Velocity added to that of a stated start, world frame, m/s. What settles has none.
+    /// Velocity added to that of a stated start, world frame, m/s. It has no effect on a settled start.
     pub velocity_world_m_s: Vector3<f64>,
     /// Angular velocity added to that of a stated start, world frame, rad/s.
     pub spin_world_rad_s: Vector3<f64>,
@@ -209,22 +212,23 @@ pub struct Perturbation {
     pub servo_gain_factor: Vec<f64>,
     /// Error of every command's phase, radians, by hinge; empty for none.
     pub servo_phase_rad: Vec<f64>,
-    /// Latency of every servo beyond the adjustment's, seconds, by hinge; empty for none.
+    /// Latency of every servo in addition to the adjustment's, seconds, by hinge; empty for none.
     pub servo_latency_s: Vec<f64>,
     /// Factor on every module's mass, by module; empty for none.
     pub mass_factor: Vec<f64>,
     /// Factor on every module's friction, by module; empty for none.
     pub friction_factor: Vec<f64>,
-    /// Further factor on the friction of every module's plate, by module; empty for none.
+    /// Additional factor on the friction of every module's plate, by module; empty for none.
     pub plate_friction_factor: Vec<f64>,
     /// Factor on the friction of all modules.
     pub run_friction_factor: f64,
-    /// Seed and number of the repeat, for what draws as it goes: a vehicle's wheels and sensor; `None` for a run without noise.
+    /// Seed and number of the repeat, for models that draw random numbers during the run (wheels and sensor of a vehicle, sensors
+    /// of a controller); `None` for a run without noise.
     pub draw: Option<(u64, u64)>,
 }
 
 impl Default for Perturbation {
-    /// Everything as intended.
+    /// No deviation.
     fn default() -> Self {
         Self {
             shift_world_m: Vector3::zeros(),
@@ -255,13 +259,13 @@ impl Perturbation {
         }
     }
 
-    /// Latency of a servo beyond the adjustment's, seconds.
+    /// Latency of a servo in addition to the adjustment's, seconds.
     pub(super) fn latency_s_of(&self, hinge: usize) -> f64 {
         self.servo_latency_s.get(hinge).copied().unwrap_or(0.0)
     }
 }
 
-/// When the state is written down.
+/// Times at which the state is recorded.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Sampling {
     /// At this rate, Hz, from time 0, and at the end.
@@ -270,7 +274,7 @@ pub enum Sampling {
     Times(Arc<[f64]>),
 }
 
-/// One execution to be simulated.
+/// One execution of a robot that is to be simulated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Experiment {
     /// The robot.
@@ -281,25 +285,25 @@ pub struct Experiment {
     pub gravity_m_s2: f64,
     /// State at time 0.
     pub start: Start,
-    /// Joints at time 0, by hinge; where there is none the servo is at its first command, a passive hinge at 0, and the
-    /// robot moves as one rigid body. A settled start takes the angles and lets them come to rest.
+    /// Joints at time 0, by hinge. A hinge without a value starts at its servo's first command, or at 0 if it is passive, with
+    /// speed 0. A settled start uses the angles as the state before settling.
     pub start_joints: Vec<JointState>,
-    /// Whether the run's trajectory holds the joints' angles and speeds too; by default it does where the robot's file
+    /// Whether the run's trajectory also contains the angles and speeds of the joints; by default it does if the robot's file
     /// states hinges.
     pub records_joints: bool,
-    /// What servos were told, in place of their gaits, by name of the hinge.
+    /// Recorded commands of servos, in place of their gaits, by name of the hinge.
     pub commands: BTreeMap<String, Arc<CommandTrack>>,
-    /// A two-wheel robot in place of the modular one, which then is only its size.
+    /// A two-wheel robot that replaces the robot of the assembly, which then only provides the size.
     pub vehicle: Option<Arc<Vehicle>>,
-    /// The numbers of the two-wheel robot.
+    /// Parameters of the two-wheel robot.
     pub drive: Drive,
-    /// What the robot reads and hears, and does about it ([`Experiment::with_controller`]).
+    /// Controller of the robot: sensors, rules and radio ([`Experiment::with_controller`]).
     pub controller: Option<Arc<Controller>>,
-    /// Other bodies beside the robot.
+    /// Other bodies in the scene.
     pub scene: Vec<SceneBody>,
     /// Length of the run, seconds.
     pub duration_s: f64,
-    /// When the state is written down.
+    /// Times at which the state is recorded.
     pub sampling: Sampling,
     /// Numerical settings.
     pub solver: Solver,
@@ -311,17 +315,17 @@ pub struct Experiment {
     pub hinge_adjustments: Vec<HingeAdjustment>,
     /// Changes to single modules, by name.
     pub module_adjustments: BTreeMap<String, ModuleAdjustment>,
-    /// How this execution differs from the intended one.
+    /// Deviations from the intended experiment.
     pub perturbation: Perturbation,
-    /// Recorded lengths are this times the true ones. The run itself is in true lengths.
+    /// Ratio of recorded to true lengths. The run itself is in true lengths.
     pub recording_length_scale: f64,
-    /// Whether the run says where its energy came from and went ([`super::EnergyBalance`]), and from which second on. It changes
-    /// nothing about the run.
+    /// If stated, the run computes its energy balance ([`super::EnergyBalance`]) from this time on, seconds. This does not change
+    /// the run.
     pub energy_from_s: Option<f64>,
 }
 
 impl Experiment {
-    /// An experiment with all defaults: settled start, 10 s, 60 samples a second.
+    /// An experiment with all defaults: settled start, 10 s, 60 samples per second.
     pub fn new(assembly: Assembly) -> Self {
         Self {
             records_joints: assembly.hinges.iter().any(|hinge| hinge.is_stated),
@@ -348,12 +352,13 @@ impl Experiment {
         }
     }
 
-    /// The engine that will simulate this: the chosen one, or Rapier where that cannot.
+    /// The engine that will simulate this experiment: the chosen one, or Rapier if the chosen engine cannot.
     pub fn engine(&self) -> &'static dyn Engine {
         self.solver.engine.able(self).0
     }
 
-    /// What simulates this, and its version: a vehicle rolls by its own equations, in no engine.
+    /// Name and version of the engine that simulates this experiment; a vehicle is simulated by its own equations without an
+    /// engine.
     pub fn engine_version(&self) -> &'static str {
         match self.vehicle {
             Some(_) => "two-wheel vehicle, no engine",
@@ -361,8 +366,9 @@ impl Experiment {
         }
     }
 
-    /// The engine that is as valid for this experiment as Rapier: the tree solver, unless it cannot simulate it, or the experiment
-    /// asks for what means something in Rapier only (impulse joints, relaxations, simplified friction) or for a third engine.
+    /// A second engine that is as valid for this experiment as Rapier: the tree solver. `None` if the tree solver cannot simulate
+    /// the experiment, or if the experiment uses settings that exist only in Rapier (impulse joints, relaxations, simplified
+    /// friction) or a third engine.
     pub fn second_engine(&self) -> Option<EngineChoice> {
         let (solver, second) = (&self.solver, EngineChoice::second()?);
         let plain = solver.joint != JointFormulation::Impulse
@@ -373,20 +379,21 @@ impl Experiment {
         (plain && is_known && can).then_some(second)
     }
 
-    /// How this robot is jointed: never [`JointFormulation::Auto`].
+    /// Formulation of joints for this robot: never [`JointFormulation::Auto`].
     pub fn joint_kind(&self) -> JointFormulation {
         self.solver.joint.resolved(&self.assembly)
     }
 
-    /// The same experiment near the limit of rigid contact and short steps, with this kind of joint; slow. What changes
-    /// much on the way there is numerical (docs/fidelity.md).
+    /// The same experiment near the limit of rigid contact and short steps, with this formulation of joints; such a run is slow.
+    /// Results that change much towards this limit are dominated by numerical effects (docs/fidelity.md).
     pub fn at_limit(&self, joint: JointFormulation) -> Self {
         let joint = joint.resolved(&self.assembly);
         let mut limit = self.clone();
         limit.solver.joint = joint;
         limit.solver.timestep_s *= 0.25;
         limit.solver.sweeps = limit.solver.sweeps.max(LIMIT_SWEEPS);
-        // Impulse joints lend a contact the mass of a single part only.
+        // With impulse joints the effective mass at a contact is that of a single part, so contacts need a higher frequency and
+        // more substeps.
         let (frequency_hz, substeps) = match joint {
             JointFormulation::Impulse => (1200.0, 8),
             JointFormulation::Multibody | JointFormulation::Auto => (600.0, 1),
@@ -398,8 +405,9 @@ impl Experiment {
         limit
     }
 
-    /// The same experiment with contacts as MuJoCo has them with what [`export`](crate::export) writes (`solref` 0.002 1): a relaxed
-    /// cone, and a spring and damper that need 2 ms, in the tree solver. `None` where that cannot simulate it.
+    /// The same experiment with contacts like those of MuJoCo for a file that [`export`](crate::export) writes (`solref` 0.002
+    /// 1): a relaxed cone, and a spring and damper with a time constant of 2 ms, in the tree solver. `None` if the tree solver
+    /// cannot simulate the experiment.
     pub fn relaxed(&self) -> Option<Self> {
         let mut relaxed = self.clone();
         relaxed.solver.engine = self.second_engine()?;
@@ -413,7 +421,7 @@ impl Experiment {
         Some(relaxed)
     }
 
-    /// What is changed about a joint and its servo.
+    /// Adjustment of a joint and its servo.
     pub fn hinge_adjustment(&self, hinge: usize) -> HingeAdjustment {
         let changed = self.hinge_adjustments.get(hinge);
         changed.copied().unwrap_or_default()
@@ -434,7 +442,7 @@ impl Experiment {
         robot
     }
 
-    /// What this repeat's draw changes about the robot itself.
+    /// Applies the deviations of this repeat to the robot.
     fn perturb(&self, robot: &mut Assembly) {
         let drawn = &self.perturbation;
         for solid in robot.parts.iter_mut().flat_map(|part| &mut part.solids) {

@@ -1,4 +1,4 @@
-//! Where every part of a robot is over a run: simulated, read back, or worked out from the tracked module and the joints.
+//! Poses of all parts of a robot over a run: simulated, read from a file, or computed from the tracked module and the joints.
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
@@ -16,15 +16,15 @@ use realgap_robot::morphology::{Assembly, Solid};
 pub struct Film {
     /// The tracked module, with the joints where they are known.
     pub track: Trajectory,
-    /// Poses of the parts' own frames ([`part_from_solid`]), in the assembly's order, at the times of `track`; `None` where nobody
-    /// knows them.
+    /// Poses of the parts' own frames ([`part_from_solid`]), in the assembly's order, at the times of `track`; `None` for a part
+    /// whose poses are unknown.
     pub parts: Vec<Option<Vec<Isometry3<f64>>>>,
-    /// Poses of the other bodies at the same times, in the experiment's order; none of a recorded run.
+    /// Poses of the bodies of the scene at the same times, in the experiment's order; empty for a recorded run.
     pub scene: Vec<Vec<Isometry3<f64>>>,
 }
 
-/// Simulates the experiment as [`run`](super::run()) does and keeps all parts and joints at the times at which it samples. `None` for
-/// a run that diverged.
+/// Simulates the experiment as [`run`](super::run()) does and records all parts and joints at its sample times. The film is
+/// `None` for a run that diverged.
 ///
 /// # Errors
 /// As [`run_with`]; a vehicle has no parts.
@@ -32,7 +32,7 @@ pub fn film(experiment: &Experiment) -> Result<(Run, Option<Film>)> {
     film_with(experiment, RunHooks::default()).map(|(run, film, _)| (run, film))
 }
 
-/// As [`film`], before those who run_with, with what a controller decided.
+/// As [`film`], with hooks as in [`run_with`] and with the log of the controller's decisions.
 ///
 /// # Errors
 /// As [`film`] and [`run_with`].
@@ -69,7 +69,7 @@ pub fn film_with(experiment: &Experiment, hooks: RunHooks<'_>) -> Result<(Run, O
         }
         before = Some(now.clone());
     };
-    // Who came with the caller stays as long as the observer only.
+    // Shortens the lifetimes of the caller's hooks to that of the new observer.
     let hooks = RunHooks {
         observer: Some(&mut observer),
         feedback: hooks.feedback.map(|feedback| feedback as _),
@@ -99,9 +99,9 @@ pub fn part_name(part: usize) -> String {
 }
 
 impl Film {
-    /// What a recording tells about a robot's parts: the columns `part0_x_m` and so on, where every part has them; else what follows
-    /// from the tracked module's orientation and the recorded joints, or from the joints alone of a robot that is held. Parts beyond a
-    /// joint that nobody recorded are unknown.
+    /// The film of a recorded run. The poses come from the columns `part0_x_m` and so on, if every part has them; otherwise they
+    /// follow from the tracked module's orientation and the recorded joints, or, for a mounted robot, from the joints alone.
+    /// Parts beyond a joint without a recording are unknown.
     pub fn of_recording(assembly: &Assembly, recording: &Recording) -> Self {
         let track = recording.trajectory.clone();
         let count = assembly.parts.len();
@@ -133,7 +133,7 @@ impl Film {
                 scene: Vec::new(),
             };
         }
-        // What is held is known without any joint.
+        // The root of a mounted robot is known without any joint.
         let start = if held.is_some() {
             0
         } else {
@@ -191,7 +191,7 @@ impl Film {
             .collect()
     }
 
-    /// Everything turned about the world's z axis, then moved.
+    /// The film rotated about the world's z axis and then shifted.
     ///
     /// # Errors
     /// Positions that are no longer finite.
@@ -231,11 +231,11 @@ fn poses(motion: &Trajectory) -> Option<impl Iterator<Item = Isometry3<f64>> + '
     Some((places.zip(turns)).map(|(place, turn)| Isometry3::from_parts((*place).into(), *turn)))
 }
 
-/// Which parts hang on this one by joints that are known.
+/// For each part whether it is connected to the part `start` by joints with known coordinates.
 fn known_parts(assembly: &Assembly, start: usize, is_known: impl Fn(usize) -> bool) -> Vec<bool> {
     let mut known = vec![false; assembly.parts.len()];
     known[start] = true;
-    // Every round reaches at least one part more, or none is left to reach.
+    // Every iteration reaches at least one more part, or none is left to reach.
     for _ in 0..assembly.parts.len() {
         for (index, hinge) in assembly.hinges.iter().enumerate() {
             if is_known(index) && (known[hinge.parent_part] || known[hinge.child_part]) {

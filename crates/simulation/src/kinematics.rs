@@ -1,4 +1,4 @@
-//! Where every part is, given the servo angles: forward kinematics of the hinge tree.
+//! Forward kinematics: poses and velocities of all parts for given joint coordinates.
 
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 
@@ -11,7 +11,7 @@ pub(super) fn robot_from_part_at_zero(assembly: &Assembly, part: usize) -> Isome
     Isometry3::from_parts(origin, UnitQuaternion::identity())
 }
 
-/// A turning motion about an axis anywhere: velocities of all points of a rigid body.
+/// Velocity of a rigid body (a twist): from it follow the velocities of all its points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Turn {
     /// Angular velocity, world frame, rad/s.
@@ -21,7 +21,7 @@ pub(super) struct Turn {
 }
 
 impl Turn {
-    /// None.
+    /// No motion.
     pub const REST: Self = Self {
         angular_world_rad_s: Vector3::new(0.0, 0.0, 0.0),
         at_origin_world_m_s: Vector3::new(0.0, 0.0, 0.0),
@@ -33,7 +33,7 @@ impl Turn {
     }
 }
 
-/// How each part moves beyond the root because its joints turn.
+/// For each part the velocity relative to the root that is due to the motion of the joints.
 pub(super) fn joint_turns(
     assembly: &Assembly,
     world_from_parts: &[Isometry3<f64>],
@@ -73,8 +73,8 @@ pub(super) fn part_from_track(assembly: &Assembly) -> Isometry3<f64> {
     robot_from_part_at_zero(assembly, assembly.track_part).inverse() * assembly.robot_from_track
 }
 
-/// Smallest signed distance of the robot's shapes to the plane through the origin with this unit normal, metres; of the parts'
-/// origins where nothing has a surface.
+/// Smallest signed distance of the robot's shapes to the plane through the origin with this unit normal, metres; that of the
+/// parts' origins if no shape has a surface.
 pub(super) fn lowest_m(
     assembly: &Assembly,
     parts: &[Isometry3<f64>],

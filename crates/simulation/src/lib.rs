@@ -1,8 +1,8 @@
-//! Experiments and their simulation with Rapier.
+//! Experiments and their simulation with a physics engine: Rapier, or the solver of the crate `realgap-tree`.
 //!
-//! An [`Experiment`] is plain data: robot, floor, start, duration, solver settings. [`run`] turns
-//! it into a [`Run`] and never changes it. Same experiment → same bits, on any thread.
-//! `engine` is the only file of the crate that names `rapier3d`, in f64 or (feature `f32`) in f32.
+//! An [`Experiment`] is plain data: robot, floor, start, duration, solver settings. [`run`] simulates it, returns a [`Run`], and
+//! never changes the experiment. The same experiment gives bit-identical results, on any thread. Only the folder `rapier` names
+//! the crate `rapier3d_f64`; all other files use the trait [`Engine`] or the types that `rapier` re-exports.
 
 pub mod export;
 pub mod parameter;
@@ -11,6 +11,7 @@ mod adjustment;
 mod arena;
 mod camera;
 mod command;
+mod command_source;
 mod control;
 mod distribution;
 mod energy;
@@ -21,7 +22,6 @@ mod kinematics;
 mod motor;
 mod noise;
 mod numerics;
-mod order;
 mod outcome;
 mod part_state;
 mod path;

@@ -1,36 +1,36 @@
-//! The law of a servo as it is built: duty, torque-speed line, and the friction budget of its gear.
+//! Model of a motor behind a gear: duty, torque-speed line, and the friction budget of the gear.
 //!
-//! The budget depends on the load of the gear. Its motor side is known; its output side is what the gear passes on, motor
-//! torque minus friction, so the budget is an equation for the friction itself and is solved here, once for either direction of
-//! motion. An engine whose friction knows one budget gets the mean of the two as friction and half their difference as a
-//! torque: at any moment at most the budget of the direction in which the hinge moves, or would.
+//! The budget depends on the load of the gear. The torque on its motor side is known. The torque on its output side is the motor
+//! torque minus friction, so the budget is an equation for the friction itself, which is solved here for both directions of
+//! motion. Engines have one friction limit for both directions: they get the mean of the two budgets as friction, and half of
+//! their difference as an additional torque. So in each direction the friction is at most the budget of that direction.
 
 use realgap_robot::morphology::{GearFriction, Motor};
 
-/// What a motor and its gear do to a hinge during one step.
+/// Motor torque and gear friction at a hinge during one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effort {
-    /// The motor pulls towards this speed, rad/s …
+    /// Speed towards which the motor drives the hinge, rad/s.
     pub target_rad_s: f64,
-    /// … with this much torque per speed, N m s/rad.
+    /// Torque of the motor per difference to the target speed, N m s/rad.
     pub damping_nm_s_rad: f64,
-    /// Most that friction holds against a motion forwards, viscous friction apart, N m.
+    /// Largest friction torque against forward motion, without viscous friction, N m.
     pub forwards_nm: f64,
-    /// Most that it holds against a motion backwards, N m.
+    /// Largest friction torque against backward motion, without viscous friction, N m.
     pub backwards_nm: f64,
-    /// Torque against the motion in proportion to its speed, N m s/rad.
+    /// Coefficient of viscous friction, N m s/rad.
     pub viscous_nm_s_rad: f64,
     /// Inertia of the rotor at the output, kg m².
     pub armature_kg_m2: f64,
 }
 
 impl Effort {
-    /// Friction that is the same in both directions, N m.
+    /// Friction torque for both directions: the mean of the two budgets, N m.
     pub fn dry_nm(&self) -> f64 {
         0.5 * (self.forwards_nm + self.backwards_nm)
     }
 
-    /// The speed that the motor has to pull towards for that friction to be what either direction has, rad/s.
+    /// Target speed of the motor, shifted so that with this mean friction the total torque in each direction is correct, rad/s.
     pub fn shifted_target_rad_s(&self) -> f64 {
         if self.damping_nm_s_rad == 0.0 {
             return 0.0;
@@ -39,17 +39,17 @@ impl Effort {
     }
 }
 
-/// A motor at its torque limit pulls towards a speed this far away, rad/s, so that its torque hardly depends on the speed.
+/// A motor at its torque limit drives towards a speed this far away, rad/s, so that its torque hardly depends on the speed.
 const FAR_RAD_S: f64 = 1e4;
 
-/// The duty that the position loop asks for, at most a step's slew away from the one `before`.
+/// The duty that the position loop commands; it differs from the previous duty `before` by at most the slew of one step.
 pub(super) fn duty(motor: &Motor, error_rad: f64, before: f64, timestep_s: f64) -> f64 {
     let asked = (motor.position_gain * motor.duty_1_rad * error_rad).clamp(-1.0, 1.0);
     let most = motor.slew_1_s * timestep_s;
     asked.clamp(before - most, before + most)
 }
 
-/// What the motor does at a duty and a speed; `None`: it is switched off, and only its gear is felt.
+/// The effort of the motor at a duty and a speed; `None` for a motor that is switched off, of which only the gear friction acts.
 pub(super) fn effort(
     motor: &Motor,
     duty: Option<f64>,
@@ -82,9 +82,10 @@ pub(super) fn effort(
     }
 }
 
-/// Most that the gear holds against a motion, viscous friction apart, N m; `along_nm` is the motor's torque along that motion.
+/// Largest friction torque of the gear against a motion, without viscous friction, N m; `along_nm` is the motor's torque in the
+/// direction of that motion.
 ///
-/// F = own + output load · |along − F|, where `own` holds all that does not depend on the output.
+/// F = own + output load · |along − F|, where `own` contains all terms that do not depend on the output torque.
 pub(super) fn budget_nm(friction: &GearFriction, along_nm: f64, speed_rad_s: f64) -> f64 {
     let still =
         (-(speed_rad_s.abs() / friction.stribeck_speed_rad_s).powf(friction.stribeck_shape)).exp();
@@ -98,16 +99,16 @@ pub(super) fn budget_nm(friction: &GearFriction, along_nm: f64, speed_rad_s: f64
         + friction.quadratic_1_nm * motor_nm.powi(2);
     let output = (friction.output_load + still * friction.stribeck_load).min(MOST_OUTPUT);
     let all_nm = if own_nm <= along_nm {
-        // The motor drives: what is left of its torque reaches the output.
+        // The motor drives the output with the rest of its torque.
         (own_nm + output * along_nm) / (1.0 + output)
     } else {
-        // Something else drives, against the friction and perhaps the motor.
+        // An external load drives the output, against the friction and possibly against the motor.
         (own_nm - output * along_nm) / (1.0 - output)
     };
     (all_nm - viscous_nm).max(0.0)
 }
 
-/// With all of the output's torque lost the gear would lock itself.
+/// Largest fraction of the output torque that is lost; with a fraction of 1 the gear would be self-locking.
 const MOST_OUTPUT: f64 = realgap_robot::morphology::MOST_LOAD;
 
 #[cfg(test)]
@@ -149,13 +150,14 @@ mod tests {
     }
 
     #[test]
-    fn a_gear_that_rubs_on_its_load_is_harder_to_drive_back_than_to_drive() {
+    fn a_gear_with_load_dependent_friction_is_harder_to_drive_backwards_than_forwards() {
         let friction = GearFriction {
             motor_load: 0.3,
             output_load: 0.3,
             ..GearFriction::default()
         };
-        // Forwards (1 − m) / (1 + m) of the motor's torque arrives; backwards the output needs (1 + m) / (1 − m) of it.
+        // Forwards, (1 − m) / (1 + m) of the motor's torque arrives at the output; backwards, the output needs (1 + m) / (1 − m)
+        // of it.
         let arrives = 0.2 - budget_nm(&friction, 0.2, 0.0);
         let needed = 0.2 + budget_nm(&friction, -0.2, 0.0);
         assert!((arrives - 0.2 * 0.7 / 1.3).abs() < 1e-12);
@@ -183,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn the_torque_line_and_the_budget_of_either_direction_come_out_of_the_effort() {
+    fn the_effort_has_the_torque_line_and_the_friction_budgets_of_both_directions() {
         let motor = motor(loaded());
         let (duty, speed) = (0.3, 2.0);
         let effort = effort(&motor, Some(duty), 10.0, speed);
@@ -196,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn a_supply_that_gives_way_takes_most_at_half_duty_and_nothing_at_full() {
+    fn supply_ripple_reduces_torque_at_half_duty_and_not_at_full_duty() {
         let mut motor = motor(GearFriction::default());
         motor.ripple_ohm = 4.0;
         let share = |duty: f64| {
@@ -204,12 +206,12 @@ mod tests {
             effort.damping_nm_s_rad * effort.target_rad_s / (duty * motor.stall_nm())
         };
         assert!((share(1.0) - 1.0).abs() < 1e-12);
-        // By hand: i = u (V − ripple i u (1 − u)) / R at u = 1/2 has i = V / (2 R + ripple / 4).
+        // Expected value: i = u (V − ripple i u (1 − u)) / R at u = 1/2 gives i = V / (2 R + ripple / 4).
         assert!((share(0.5) - 2.0 * 3.5 / (2.0 * 3.5 + 1.0)).abs() < 1e-12);
     }
 
     #[test]
-    fn switched_off_only_the_gear_is_felt() {
+    fn a_switched_off_motor_has_gear_friction_only() {
         let effort = effort(&motor(loaded()), None, 10.0, 5.0);
         assert_eq!((effort.target_rad_s, effort.damping_nm_s_rad), (0.0, 0.0));
         assert!((effort.dry_nm() - 0.01 / 0.7).abs() < 1e-12);

@@ -1,4 +1,5 @@
-//! What makes repeats of one experiment differ: random starts, servos, masses and frictions, and the camera that sees them.
+//! Noise model: random deviations between repeats of one experiment in start, servos, masses and friction, and errors of the
+//! camera.
 
 use std::sync::Arc;
 
@@ -12,7 +13,7 @@ use realgap_core::error::{Error, Result};
 use realgap_core::random::Numbered;
 use realgap_path::trajectory::Trajectory;
 
-/// Distributions of the errors that a repeat draws, all independent. A field that is not named is no error.
+/// Distributions of the errors that a repeat draws, all independent. A field that is left out stands for no error.
 ///
 /// Relative fields are factors: 1 + draw, or the draw itself for a `LogNormal`.
 ///
@@ -33,42 +34,43 @@ use realgap_path::trajectory::Trajectory;
 pub struct Noise {
     /// Start position, x and y each, metres.
     pub start_position_m: Distribution,
-    /// Start height above where the robot would just touch, metres (below 0 counts as 0 for settled starts).
+    /// Start height above the height at which the robot would just touch the floor, metres (values below 0 count as 0 for settled
+    /// starts).
     pub start_height_m: Distribution,
     /// Start tilt about a random horizontal axis, radians.
     pub start_tilt_rad: Distribution,
     /// Start heading, radians.
     pub start_heading_rad: Distribution,
-    /// Velocity of a stated start along each axis, m/s; nothing where the robot settles first.
+    /// Velocity of a stated start along each axis, m/s; no effect on a settled start.
     pub start_velocity_m_s: Distribution,
-    /// Angular velocity of a stated start about each axis, rad/s; nothing where the robot settles first.
+    /// Angular velocity of a stated start about each axis, rad/s; no effect on a settled start.
     pub start_spin_rad_s: Distribution,
-    /// Zero of each servo, radians.
+    /// Error of the zero position of each servo, radians.
     pub servo_zero_rad: Distribution,
     /// Gain (stiffness for the torque law) of each servo, relative.
     pub servo_gain_relative: Distribution,
-    /// Phase of each servo's command, radians.
+    /// Error of the phase of each servo's command, radians.
     pub servo_phase_rad: Distribution,
-    /// Age of the command that each servo acts on, added to the experiment's own, seconds.
+    /// Latency of each servo, added to the experiment's own, seconds.
     pub servo_latency_s: Distribution,
-    /// How much later than recorded each single command of a recorded track arrives, seconds; none overtakes another.
+    /// Delay of each single command of a recorded track, seconds; no command overtakes another.
     pub command_jitter_s: Distribution,
     /// Mass (and with it inertia) of each module, relative.
     pub mass_relative: Distribution,
     /// Friction of each module, its plate included, relative.
     pub friction_cube_relative: Distribution,
-    /// Friction of each plate on top of its module's, relative. A plate of its cube's size carries as much as the cube does,
-    /// and only a difference of the two decides which of them slips.
+    /// Friction of each plate on top of its module's, relative. A plate as large as its cube carries as much load as the cube, so
+    /// which of the two slips depends only on the difference of their friction coefficients.
     pub friction_plate_relative: Distribution,
     /// Friction of all modules in this run, relative.
     pub friction_run_relative: Distribution,
-    /// Errors of the camera that records the repeat. It changes what is seen, not what happens: [`Noise::perturb`] knows
-    /// nothing of it, [`Noise::record`] applies it.
+    /// Errors of the camera that records the repeat. They change the recording and not the simulation: [`Noise::perturb`] ignores
+    /// them, and [`Noise::record`] applies them.
     pub camera: Camera,
 }
 
 impl Noise {
-    /// How exactly a robot can be put down by hand: 1 mm, 1° of tilt and heading.
+    /// Noise of a robot that is placed by hand: 1 mm of position, 1° of tilt and heading.
     pub fn careful_start() -> Self {
         let degree = Distribution::Normal(1.0_f64.to_radians());
         Self {
@@ -88,9 +90,9 @@ impl Noise {
         }
     }
 
-    /// What to expect of a robot that nobody has measured yet: [`Noise::careful_repeat`], servo gains within 3 %,
-    /// phases within 1°, latencies up to one 50 Hz servo frame (20 ms), masses within 2 %, and friction within
-    /// 5 % from cube to cube, from plate to cube and from run to run. Estimates, to be replaced by what a laboratory knows.
+    /// Default noise for a robot without measurements: [`Noise::careful_repeat`], servo gains within 3 %, phases within 1°,
+    /// latencies up to one 50 Hz servo frame (20 ms), masses within 2 %, and friction within 5 % from cube to cube, from plate to
+    /// cube and from run to run. The values are estimates, to be replaced by measurements.
     pub fn unmeasured_robot() -> Self {
         Self {
             servo_gain_relative: Distribution::LogNormal(0.03),
@@ -150,22 +152,22 @@ impl Noise {
         self.fields().iter().all(|(_, field)| field.is_zero())
     }
 
-    /// Checks that every distribution is sound and suits its field.
+    /// Checks that every distribution is valid and suits its field.
     ///
     /// # Errors
-    /// The first field that is not.
+    /// The first field with an invalid or unsuitable distribution.
     pub fn check(&self) -> Result<()> {
         self.fault().map_or(Ok(()), |(_, error)| Err(error))
     }
 
-    /// The first field that is not sound, by name, and what is wrong with it.
+    /// The name and the error of the first field that is not valid.
     pub fn fault(&self) -> Option<(&'static str, Error)> {
         self.uses().into_iter().find_map(fault_of)
     }
 
-    /// The experiment of repeat number `repeat`, everything random drawn from this noise.
+    /// The experiment of repeat number `repeat`, with all deviations drawn from this noise.
     ///
-    /// Repeat k is the same whatever the other repeats are, so any one can be replayed.
+    /// Repeat k does not depend on the other repeats, so any single repeat can be reproduced.
     pub fn perturb(&self, experiment: &Experiment, seed: u64, repeat: u64) -> Experiment {
         let mut drawn = Experiment {
             perturbation: self.draw(experiment, seed, repeat),
@@ -180,7 +182,7 @@ impl Noise {
         drawn
     }
 
-    /// What the camera makes of the motion of repeat number `repeat`; the motion itself where no camera is stated.
+    /// The recording of the motion of repeat number `repeat` by the camera; the motion itself if the camera has no errors.
     ///
     /// # Errors
     /// None for a valid trajectory.
@@ -191,7 +193,7 @@ impl Noise {
         self.camera.record(&motion, seed, repeat)
     }
 
-    /// The same noise seen by nobody: what a robot does, whoever looks.
+    /// The same noise without the errors of the camera.
     #[must_use]
     pub fn without_camera(&self) -> Self {
         Self {
@@ -220,7 +222,7 @@ impl Noise {
         let servo_zero_rad = (0..hinges)
             .map(|_| self.servo_zero_rad.draw(normal(&mut rng)))
             .collect();
-        // A stream a kind of error: changing one kind must not change the others.
+        // Each kind of error has its own random stream, so that a change of one kind does not change the draws of the others.
         let normals = |stream: Numbered, count: usize| {
             let mut rng = stream.generator(seed, repeat);
             (0..count).map(move |_| normal(&mut rng))
@@ -232,7 +234,7 @@ impl Noise {
             normals(stream, count).map(|z| field.factor(z)).collect()
         };
         let mut motion = Numbered::StartMotion.generator(seed, repeat);
-        // Drawn whether asked for or not, so that one does not change the other.
+        // Both vectors are always drawn, so that one does not change the other.
         let mut vector =
             |field: Distribution| Vector3::from_fn(|_, _| field.draw(normal(&mut motion)));
         Perturbation {

@@ -1,14 +1,14 @@
-//! Timesteps and substeps that are as valid as an experiment's own.
+//! Numerical ensemble: timesteps and substeps that are as valid as an experiment's own.
 //!
-//! A step that is half as long or twice the substeps is as good a choice, and for a robot that walks it changes what comes of
-//! it. Studies score the mean over such settings, and predictions say how far they part.
+//! Half the timestep or twice the substeps is an equally good choice, but for a walking robot it changes the result. Studies use
+//! the mean score over such settings, and predictions report the spread of their results.
 
 use super::experiment::Experiment;
 
 impl Experiment {
-    /// The experiment with the equally valid numerics of this number, 0 being its own: the timestep divided or the substeps
-    /// multiplied by 1 to 2. Odd numbers vary the substeps, even ones the step, spread so that any first few cover the range
-    /// (van der Corput 1935).
+    /// The experiment with equally valid numerical settings; number 0 stands for its own settings. For other numbers the timestep
+    /// is divided, or the substeps are multiplied, by a factor of 1 to 2. Odd numbers vary the substeps, even ones the step, in a
+    /// sequence whose first members always cover the range evenly (van der Corput 1935).
     #[must_use]
     pub fn with_numerics(&self, number: u64) -> Self {
         let (shorter, more) = factors(number);
@@ -19,7 +19,7 @@ impl Experiment {
     }
 }
 
-/// By how much the timestep is divided and the substeps are multiplied.
+/// The factors by which the timestep is divided and the substeps are multiplied.
 fn factors(number: u64) -> (f64, f64) {
     if number == 0 {
         return (1.0, 1.0);
@@ -50,8 +50,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn any_first_few_cover_the_range() {
-        // Twice the substeps, half the step, then what lies between.
+    fn the_first_members_cover_the_range() {
+        // First twice the substeps, then half the step, then intermediate factors.
         assert_eq!((factors(1), factors(2)), ((1.0, 2.0), (2.0, 1.0)));
         assert!((factors(3).1 - 2.0_f64.sqrt()).abs() < 1e-12 && factors(3).0 == 1.0);
         assert_eq!(factors(0), (1.0, 1.0));

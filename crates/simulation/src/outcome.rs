@@ -1,4 +1,4 @@
-//! How a simulation ended: with its result, or without one.
+//! Outcome of a simulation: a result, or a divergence.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use realgap_core::error::{Error, Result};
 
-/// Either the whole duration was simulated and there is a `T`, or the run diverged and there is none.
+/// The result `T` of a completed simulation, or the reason why the simulation diverged.
 ///
 /// ```
 /// use realgap_simulation::{Divergence, Outcome};
@@ -22,17 +22,17 @@ use realgap_core::error::{Error, Result};
 pub enum Outcome<T> {
     /// The whole duration was simulated.
     Completed(T),
-    /// The state became non-finite or absurd; such a run cannot win anything.
+    /// The state became non-finite or implausible; such a run has no result and cannot be selected as best.
     Diverged(Divergence),
 }
 
-/// When and why a simulation was given up.
+/// Time and reason of a simulation that was stopped because it diverged.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Divergence {
-    /// When, seconds from the start (negative: while settling).
+    /// Time of the divergence, seconds from the start (negative while the robot settles).
     pub at_s: f64,
-    /// What was seen.
+    /// Description of the implausible state.
     pub why: String,
 }
 
@@ -43,7 +43,7 @@ impl fmt::Display for Divergence {
 }
 
 impl<T> Outcome<T> {
-    /// The result, where there is one.
+    /// The result, if the simulation was completed.
     pub fn completed(self) -> Option<T> {
         match self {
             Self::Completed(result) => Some(result),
@@ -51,12 +51,12 @@ impl<T> Outcome<T> {
         }
     }
 
-    /// The result without taking it, where there is one.
+    /// A reference to the result, if the simulation was completed.
     pub fn get(&self) -> Option<&T> {
         self.as_ref().completed()
     }
 
-    /// Why there is none, where there is none.
+    /// The divergence, if the simulation diverged.
     pub fn divergence(&self) -> Option<&Divergence> {
         match self {
             Self::Completed(_) => None,
@@ -64,7 +64,7 @@ impl<T> Outcome<T> {
         }
     }
 
-    /// Whether there is a result.
+    /// Whether the simulation was completed.
     pub fn is_completed(&self) -> bool {
         self.divergence().is_none()
     }
@@ -77,7 +77,7 @@ impl<T> Outcome<T> {
         }
     }
 
-    /// The same outcome with what `of` makes of the result.
+    /// The same outcome with the function `of` applied to the result.
     pub fn map<U>(self, of: impl FnOnce(T) -> U) -> Outcome<U> {
         match self {
             Self::Completed(result) => Outcome::Completed(of(result)),
@@ -85,10 +85,10 @@ impl<T> Outcome<T> {
         }
     }
 
-    /// As [`Self::map`], of what may fail.
+    /// As [`Self::map`], for a function that can fail.
     ///
     /// # Errors
-    /// What `of` says.
+    /// The errors of `of`.
     pub fn try_map<U>(self, of: impl FnOnce(T) -> Result<U>) -> Result<Outcome<U>> {
         Ok(match self {
             Self::Completed(result) => Outcome::Completed(of(result)?),
@@ -96,10 +96,10 @@ impl<T> Outcome<T> {
         })
     }
 
-    /// The result, for a caller to whom a run that diverges is an error.
+    /// The result; a divergence becomes an error.
     ///
     /// # Errors
-    /// The run diverged: when, and why.
+    /// The run diverged; the error states the time and the reason.
     pub fn into_result(self) -> Result<T> {
         match self {
             Self::Completed(result) => Ok(result),

@@ -1,8 +1,8 @@
-//! Where one rigid part is and how it moves.
+//! State of one rigid part: pose, velocities and mass properties.
 
 use nalgebra::{Isometry3, Matrix3, Vector3};
 
-/// One rigid part as the engine sees it.
+/// State of one rigid part in the engine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PartState {
     /// Pose of the part frame (centre of its first solid, axes of the robot at zero angles).

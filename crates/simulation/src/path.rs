@@ -1,4 +1,4 @@
-//! States on their way to becoming a trajectory: what is written down between two steps.
+//! Sampling of a run: interpolation between steps, and collection of samples into a trajectory.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -6,7 +6,7 @@ use super::experiment::JointState;
 use realgap_core::error::Result;
 use realgap_path::trajectory::{JointTrack, State, Trajectory};
 
-/// The state a share of the way from one step to the next; exactly the end states at 0 and 1.
+/// Interpolates the state between two steps; exactly the end states for shares of 0 and 1.
 pub(super) fn between(
     before: &(State, Vec<JointState>),
     after: &(State, Vec<JointState>),
@@ -45,7 +45,7 @@ fn between_states(before: &State, after: &State, share: f64) -> State {
     }
 }
 
-/// Samples on their way to becoming a trajectory.
+/// The samples of a run, from which a trajectory is built.
 #[derive(Default)]
 pub(super) struct Path {
     times_s: Vec<f64>,
@@ -53,14 +53,14 @@ pub(super) struct Path {
     orientations: Vec<UnitQuaternion<f64>>,
     linear: Vec<Vector3<f64>>,
     angular: Vec<Vector3<f64>>,
-    /// Names of the joints that are written down.
+    /// Names of the recorded joints.
     pub joint_names: Vec<String>,
     /// Joints of every sample, one sample after the other.
     joints: Vec<JointState>,
 }
 
 impl Path {
-    /// None yet.
+    /// A path without samples.
     pub fn with_capacity(samples: usize) -> Self {
         Self {
             times_s: Vec::with_capacity(samples),
@@ -73,7 +73,7 @@ impl Path {
         }
     }
 
-    /// One more.
+    /// Appends a sample.
     pub fn push(&mut self, t_s: f64, (state, joints): &(State, Vec<JointState>)) {
         self.joints.extend(joints);
         self.times_s.push(t_s);
@@ -83,7 +83,7 @@ impl Path {
         self.angular.push(state.angular_velocity_body_rad_s);
     }
 
-    /// All of them.
+    /// The trajectory of all samples.
     ///
     /// # Errors
     /// Times or values that make no trajectory.

@@ -1,15 +1,16 @@
-//! What can be simulated but means little.
+//! Warnings about experiments that can be simulated but whose results mean little.
 
 use super::experiment::Experiment;
 use realgap_core::warning::{Code, Warning};
 use realgap_robot::morphology::Role;
 
-/// Steps a period of a gait needs at least.
+/// Smallest number of steps per period of a gait.
 const STEPS_A_PERIOD: f64 = 10.0;
 
 impl Experiment {
-    /// What can be simulated but means little: a gait that is faster than the steps can follow (`gait-too-fast`), a centre of mass
-    /// that lies outside of its cube (`centre-of-mass-outside`). What is odd about the robot itself, its morphology says.
+    /// Warnings about settings that can be simulated but give meaningless results: a gait that is faster than the steps can
+    /// follow (`gait-too-fast`), a centre of mass that lies outside of its cube (`centre-of-mass-outside`). Warnings about the
+    /// robot itself come from [`realgap_robot::morphology::Morphology::warnings`].
     pub fn warnings(&self) -> Vec<Warning> {
         let robot = self.adjusted_assembly();
         let name = |module: usize| &robot.module_names[module];
@@ -25,7 +26,7 @@ impl Experiment {
         let mut warnings: Vec<Warning> = too_fast
             .map(|(hinge, gait)| {
                 Code::GaitTooFast.warning(format!(
-                    "the gait of `{}` has {} Hz, but steps of {timestep_s:.3e} s follow {most_hz:.3} Hz at most (ten a period): \
+                    "the gait of `{}` has {} Hz, but steps of {timestep_s:.3e} s follow {most_hz:.3} Hz at most (ten per period): \
                          lower its frequency or timestep_s",
                     hinge.name,
                     gait.frequency_hz
@@ -44,7 +45,7 @@ impl Experiment {
         warnings.extend(outside.map(|solid| {
             let centre_m = solid.centre_of_mass_solid_m;
             Code::CentreOfMassOutside.warning(format!(
-                "the centre of mass of `{}` is shifted to ({}, {}, {}) m, out of its cube of {} m: no solid cube has it there; \
+                "the centre of mass of `{}` is shifted to ({}, {}, {}) m, out of its cube of {} m, which is impossible for a solid cube; \
                      check body.com_offset_x_m, y and z",
                 name(solid.module),
                 centre_m.x,
@@ -67,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gait_that_the_steps_cannot_follow_and_a_centre_of_mass_in_the_air_are_said() {
+    fn a_gait_too_fast_for_the_steps_and_a_centre_of_mass_outside_its_cube_give_warnings() {
         let robot = Morphology::read(concat!(
             env!("CARGO_MANIFEST_DIR"),
             "/../../morphologies/tripod.ron"
@@ -89,7 +90,7 @@ mod tests {
             .iter()
             .map(|h| h.actuator.unwrap().gait.frequency_hz);
         let fastest_hz = fastest_hz.fold(0.0, f64::max);
-        // Exactly ten steps a period are enough.
+        // Exactly ten steps per period are enough.
         experiment.solver.timestep_s = 0.1 / fastest_hz;
         assert_eq!(codes(&experiment), []);
         experiment.adjustment.frequency_scale = 1.01;

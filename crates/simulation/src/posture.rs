@@ -1,4 +1,4 @@
-//! How a robot stands at one moment: how far above the floor, and whether it is inside of itself.
+//! Posture of a robot at one moment: its clearance above the floor, and the overlap of its own parts.
 
 use nalgebra::Isometry3;
 
@@ -9,19 +9,19 @@ use super::rapier::{Surface, to_pose};
 use super::watch::Snapshot;
 use realgap_robot::morphology::{Assembly, Solid};
 
-/// The boxes of a robot, ready to be looked at in many snapshots.
+/// The collision shapes of a robot, prepared for the evaluation of many snapshots.
 #[derive(Debug)]
 pub struct Posture<'a> {
     assembly: &'a Assembly,
-    /// Everything that touches, with its part and its pose in the part's frame.
+    /// The solids with a surface, each with its part and its pose in the part's frame.
     boxes: Vec<(usize, Isometry3<f64>, &'a Solid)>,
     surfaces: Vec<Surface>,
-    /// Pairs of boxes whose parts no hinge joins.
+    /// Pairs of solids whose parts no hinge connects.
     pairs: Vec<(usize, usize)>,
 }
 
 impl<'a> Posture<'a> {
-    /// The boxes of a robot.
+    /// Prepares the collision shapes of a robot.
     pub fn new(assembly: &'a Assembly) -> Self {
         let mut boxes = Vec::new();
         for (index, part) in assembly.parts.iter().enumerate() {
@@ -54,13 +54,13 @@ impl<'a> Posture<'a> {
         }
     }
 
-    /// Distance of the lowest point to the floor, metres; below 0 inside of it.
+    /// Distance of the lowest point from the floor, metres; negative if it is below the floor.
     pub fn clearance_m(&self, snapshot: &Snapshot, floor: &Floor) -> f64 {
         let poses: Vec<_> = snapshot.parts.iter().map(|p| p.world_from_part).collect();
         self.above_m(&poses, floor)
     }
 
-    /// The same of a robot whose joints are all at zero, from the pose of what is tracked.
+    /// The same for a robot whose joints are all at zero, from the pose of the tracked module.
     pub fn rigid_clearance_m(&self, world_from_track: &Isometry3<f64>, floor: &Floor) -> f64 {
         let world_from_robot = world_from_track * self.assembly.robot_from_track.inverse();
         let poses: Vec<_> = (0..self.assembly.parts.len())
@@ -74,7 +74,7 @@ impl<'a> Posture<'a> {
         lowest_m(self.assembly, world_from_parts, &normal) - floor.height_m * normal.z
     }
 
-    /// How deep two boxes of parts that no hinge joins are inside each other, metres, the deepest of all; 0 for none. Edges count as
+    /// Largest penetration depth of two solids of parts that no hinge connects, metres; 0 if none overlap. Rounded edges count as
     /// sharp.
     pub fn overlap_m(&self, snapshot: &Snapshot) -> f64 {
         let placed: Vec<Isometry3<f64>> = self
@@ -88,8 +88,8 @@ impl<'a> Posture<'a> {
                 self.boxes[a].2.half_extents_m(),
                 self.boxes[b].2.half_extents_m(),
             );
-            let apart_m = (placed[a].translation.vector - placed[b].translation.vector).norm();
-            if apart_m > half_a.norm() + half_b.norm() {
+            let distance_m = (placed[a].translation.vector - placed[b].translation.vector).norm();
+            if distance_m > half_a.norm() + half_b.norm() {
                 continue;
             }
             let (first, second) = (&self.surfaces[a], &self.surfaces[b]);

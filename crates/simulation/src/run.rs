@@ -1,6 +1,6 @@
-//! One run: settle, step, sample, and stop when the state becomes absurd.
+//! Simulation of one run: settling, stepping, sampling, and detection of diverged states.
 
-mod course;
+mod progress;
 
 use std::time::Duration;
 
@@ -8,15 +8,15 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::adjustment::HingeAdjustment;
 use super::command::Quantity;
+use super::command_source::CommandSource;
 use super::control::{Feedback, Log, Steer, steered};
-use super::energy::{EnergyBalance, Meter};
+use super::energy::{EnergyBalance, EnergyMeter};
 use super::engine::{Motion, Setup, World};
 use super::experiment::{Experiment, JointState, Start};
 use super::kinematics::{lowest_m, part_from_track, robot_from_parts};
 use super::motor::{Effort, duty, effort};
-use super::order::Orders;
 use super::outcome::Outcome;
-use super::scene::{Guide, SceneMotion};
+use super::scene::{DrivenPath, SceneMotion};
 use super::servo::{NOTHING, command, error_beyond_play};
 use super::vehicle;
 use super::watch::{Observer, Push, RunHooks, Snapshot};
@@ -28,7 +28,7 @@ use realgap_robot::morphology::{Actuator, Assembly, Hinge};
 /// Result of one simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
-    /// The tracked module's motion, or why there is none.
+    /// The motion of the tracked module, or the reason why the run diverged.
     pub outcome: Outcome<Trajectory>,
     /// Steps taken after settling.
     pub steps: u64,
@@ -38,22 +38,22 @@ pub struct Run {
     pub cpu: Duration,
     /// Root mean square of command minus angle over all servos and steps, radians; 0 without servos.
     pub servo_rms_rad: f64,
-    /// Where the energy came from and went, where [`Experiment::energy_from_s`] asks for it and the run was completed.
+    /// Energy balance, if [`Experiment::energy_from_s`] is stated and the run was completed.
     pub energy: Option<EnergyBalance>,
-    /// What the reader should know.
+    /// Warnings about the run.
     pub warnings: Vec<Warning>,
 }
 
-/// Farthest distance from the start that a small robot can sensibly reach, metres.
+/// Distance from the start beyond which a run counts as diverged, metres.
 const FARTHEST_M: f64 = 1e3;
-/// Largest speed, m/s.
+/// Speed above which a run counts as diverged, m/s.
 const FASTEST_M_S: f64 = 1e3;
-/// Largest rate of turn, rad/s.
+/// Angular speed above which a run counts as diverged, rad/s.
 const FASTEST_RAD_S: f64 = 1e5;
 /// Longest settling, seconds.
 const SETTLE_LIMIT_S: f64 = 3.0;
-/// A robot that moves and turns less than this within `REST_WINDOW_S` is at rest. Poses decide, not
-/// velocities: the solver lets a light plate tremble in place.
+/// A robot that moves and turns less than this within `REST_WINDOW_S` is at rest. The criterion uses poses and not velocities,
+/// because in the solver a light plate can vibrate in place.
 const REST_M: f64 = 2e-4;
 const REST_RAD: f64 = 4e-3;
 const REST_WINDOW_S: f64 = 0.1;
@@ -67,10 +67,11 @@ pub fn run(experiment: &Experiment) -> Result<Run> {
     run_with(experiment, RunHooks::default()).map(|(run, _)| run)
 }
 
-/// Simulates an experiment before those who run_with, and says what its controller read and decided: nothing where it has none.
+/// Simulates an experiment with hooks (observer, feedback, clock), and returns the log of its controller, which is empty without
+/// a controller.
 ///
 /// # Errors
-/// As [`run`]; whatever the clock and the feedback refuse; an observer of a vehicle, feedback without a controller.
+/// As [`run`]; errors of the clock and of the feedback; an observer of a vehicle, feedback without a controller.
 pub fn run_with(experiment: &Experiment, hooks: RunHooks<'_>) -> Result<(Run, Log)> {
     pushed(experiment, &[], hooks)
 }
@@ -111,8 +112,8 @@ fn no_controller() -> Error {
     Error::invalid("the experiment has no controller").hint("give it one with `with_controller`")
 }
 
-/// Simulates an experiment with its controller, and says what was read and decided; `feedback` has the last word of every decision.
-/// `observer` sees every step as in [`watch`].
+/// Simulates an experiment with its controller, and returns the log of readings and decisions; `feedback` may override every
+/// decision. `observer` is called for every step as in [`watch`].
 ///
 /// # Errors
 /// As [`run_with`]; an experiment without a controller.
@@ -132,11 +133,12 @@ pub fn steer<'a>(
     run_with(experiment, hooks)
 }
 
-/// Simulates the experiment and shows every part and hinge to `observer`: at time 0 and after every step
-/// (settling excluded). `pushes` add to the velocities of parts at time 0.
+/// Simulates the experiment and calls `observer` with the state of every part and hinge: at time 0 and after every step (settling
+/// excluded). `pushes` add to the velocities of parts at time 0.
 ///
 /// # Errors
-/// As [`run`]; a push of a part that does not exist, or that hangs on a hinge: its joint would have to be told too.
+/// As [`run`]; a push of a part that does not exist or that has a hinge, because the speed of its joint would have to change,
+/// too.
 pub fn watch(
     experiment: &Experiment,
     pushes: &[Push],
@@ -166,27 +168,27 @@ fn thread_cpu_time() -> Duration {
     START.get_or_init(std::time::Instant::now).elapsed()
 }
 
-pub(super) use course::Course;
+pub(super) use progress::RunProgress;
 
-/// A world in motion, with the servos' memory.
+/// A run in progress: the engine's world, and the state of the servos.
 pub(super) struct Rollout<'a> {
     assembly: &'a Assembly,
     world: Box<dyn World>,
     part_from_track: Isometry3<f64>,
     /// Driven bodies of the scene, by index.
-    guides: Vec<(usize, Guide<'a>)>,
+    driven_paths: Vec<(usize, DrivenPath<'a>)>,
     records_joints: bool,
     angles_rad: Vec<f64>,
     squared_error_rad2: f64,
-    orders: Vec<Orders<'a>>,
-    /// What a controller has servos do in place of their orders, by hinge.
+    commands: Vec<CommandSource<'a>>,
+    /// Commands of the controller in place of the servos' own commands, by hinge.
     steering: Vec<Steer>,
-    meter: Option<Meter>,
-    /// What every motor behind a gear did during the step before.
+    meter: Option<EnergyMeter>,
+    /// Effort of every motor behind a gear during the previous step.
     efforts: Vec<Option<Effort>>,
-    /// Duty of every motor during the step before.
+    /// Duty of every motor during the previous step.
     duties: Vec<f64>,
-    /// Changes to the hinges, latencies and offsets in full.
+    /// Adjustments of the hinges, with total latencies and offsets.
     changes: Vec<HingeAdjustment>,
     timestep_s: f64,
     steps: u64,
@@ -194,13 +196,13 @@ pub(super) struct Rollout<'a> {
     warnings: Vec<Warning>,
 }
 
-/// Where a joint starts that nobody says, by its encoder: at its servo's first command, without one at 0, and never beyond its
-/// limits.
+/// Start angle of a joint for which none is stated, as its encoder reads it: the servo's first command, or 0 without a servo,
+/// limited to the joint's range.
 fn start_rad(experiment: &Experiment, index: usize, hinge: &Hinge) -> f64 {
     let change = experiment.hinge_adjustment(index);
-    let orders = Orders::new(experiment, hinge);
-    let asked_rad = match orders.quantity() {
-        Quantity::Position => orders.value(0.0) + change.offset_rad,
+    let commands = CommandSource::new(experiment, hinge);
+    let asked_rad = match commands.quantity() {
+        Quantity::Position => commands.value(0.0) + change.offset_rad,
         Quantity::Velocity | Quantity::Torque => 0.0,
     };
     match hinge.bearing.limits_rad {
@@ -211,21 +213,21 @@ fn start_rad(experiment: &Experiment, index: usize, hinge: &Hinge) -> f64 {
     }
 }
 
-/// What is changed about a hinge, with the latency of the servo itself and the draw of this run.
+/// Total adjustment of a hinge: that of the study, the latency of the servo itself, and the deviations of this repeat.
 fn total_change(experiment: &Experiment, assembly: &Assembly, hinge: usize) -> HingeAdjustment {
     let drawn = &experiment.perturbation;
     let Hinge { name, actuator, .. } = &assembly.hinges[hinge];
     let mut change = experiment.hinge_adjustment(hinge);
     let own_s = actuator.map_or(0.0, |actuator| actuator.servo.delay_s);
     change.latency_s = change.latency_s + drawn.latency_s_of(hinge) + own_s;
-    // A gait has the error of the servo's zero in its offset already.
+    // For a gait, its offset already contains the error of the servo's zero position.
     if experiment.commands.contains_key(name) {
         change.offset_rad += drawn.servo_zero_rad.get(hinge).unwrap_or(&0.0);
     }
     change
 }
 
-/// Where the robot stands and how it moves at time 0.
+/// Pose and velocity of the robot at time 0.
 fn placed(
     experiment: &Experiment,
     assembly: &Assembly,
@@ -238,10 +240,10 @@ fn placed(
         (Start::Settled, None) => {
             let turned: Vec<_> = robot_from_parts.iter().map(|pose| turn * pose).collect();
             let normal = experiment.floor.normal_world();
-            // The floor passes through (0, 0, height); lift the robot along z until it just touches.
+            // The floor passes through (0, 0, height). The robot is lifted along z until it just touches the floor.
             let above_m = lowest_m(assembly, &turned, &normal) / normal.z;
             let mut shift_m = perturbation.shift_world_m;
-            // Never start inside the floor.
+            // The robot never starts inside the floor.
             shift_m.z = shift_m.z.max(0.0) + experiment.floor.height_m - above_m;
             (Isometry3::from_parts(shift_m.into(), turn), Motion::REST)
         }
@@ -305,32 +307,32 @@ impl<'a> Rollout<'a> {
             joints: &joints,
             motion,
         })?;
-        let mut guides = Vec::new();
+        let mut driven_paths = Vec::new();
         for (index, body) in experiment.scene.iter().enumerate() {
             if let SceneMotion::Driven { track } = &body.motion {
                 let track = track.as_deref();
-                let mut guide = Guide::new(track, experiment.recording_length_scale);
-                world.place_driven(index, &guide.pose(0.0));
-                guides.push((index, guide));
+                let mut driven_path = DrivenPath::new(track, experiment.recording_length_scale);
+                world.place_driven(index, &driven_path.pose(0.0));
+                driven_paths.push((index, driven_path));
             }
         }
         Ok(Self {
             assembly,
             world,
             part_from_track: part_from_track(assembly),
-            guides,
+            driven_paths,
             records_joints: experiment.records_joints,
             angles_rad,
             squared_error_rad2: 0.0,
-            orders: assembly
+            commands: assembly
                 .hinges
                 .iter()
-                .map(|hinge| Orders::new(experiment, hinge))
+                .map(|hinge| CommandSource::new(experiment, hinge))
                 .collect(),
             steering: vec![Steer::Own; assembly.hinges.len()],
             meter: experiment
                 .energy_from_s
-                .map(|from_s| Meter::new(experiment, assembly, from_s)),
+                .map(|from_s| EnergyMeter::new(experiment, assembly, from_s)),
             efforts: vec![None; assembly.hinges.len()],
             duties: vec![0.0; assembly.hinges.len()],
             timestep_s: experiment.solver.timestep_s,
@@ -343,13 +345,13 @@ impl<'a> Rollout<'a> {
         })
     }
 
-    /// Drives every servo towards its command from `from_s` to `end_s` (or what it knows of it by then), leads every driven body to
-    /// where it is at `end_s`, and takes one step.
+    /// Applies the command of every servo for the time from `from_s` to `end_s` (delayed by the servo's latency), moves every
+    /// driven body to its pose at `end_s`, and advances the world by one step.
     fn step(&mut self, from_s: f64, end_s: f64) {
-        // The command of the middle of the step stands for all of it.
+        // The command at the middle of the step is used for the whole step.
         let t_s = 0.5 * (from_s + end_s);
-        for (index, guide) in &mut self.guides {
-            self.world.lead_driven(*index, &guide.pose(end_s));
+        for (index, driven_path) in &mut self.driven_paths {
+            self.world.lead_driven(*index, &driven_path.pose(end_s));
         }
         for (index, hinge) in self.assembly.hinges.iter().enumerate() {
             let angle_rad = self.world.hinge_angle_rad(index, self.angles_rad[index]);
@@ -357,26 +359,26 @@ impl<'a> Rollout<'a> {
             let Some(Actuator { servo, .. }) = &hinge.actuator else {
                 continue;
             };
-            let orders = &self.orders[index];
+            let commands = &self.commands[index];
             let change = &self.changes[index];
-            let quantity = orders.quantity();
+            let quantity = commands.quantity();
             let steer = self.steering[index];
             let asked = |at_s: f64| match steer {
-                Steer::Own => orders.value(at_s),
+                Steer::Own => commands.value(at_s),
                 Steer::Gait(gait) => gait.angle_rad(at_s),
                 Steer::Hold(value) => value,
             };
             let mut target = match steer {
-                Steer::Own => orders.over(from_s, end_s, change.latency_s),
+                Steer::Own => commands.over(from_s, end_s, change.latency_s),
                 _ => asked((t_s - change.latency_s).max(0.0)),
             };
             if quantity == Quantity::Position {
-                // The servo turns until its encoder reads what it is told.
+                // The servo turns until its encoder reads the commanded angle.
                 let lead_rad = change.offset_rad - change.zero_rad;
                 self.squared_error_rad2 += (asked(t_s) + lead_rad - angle_rad).powi(2);
                 target += lead_rad;
             }
-            let is_on = orders.is_on(t_s);
+            let is_on = commands.is_on(t_s);
             let Some(motor) = servo.law.motor() else {
                 let command = if is_on {
                     command(servo, change.backlash_rad, quantity, target, angle_rad)
@@ -386,7 +388,7 @@ impl<'a> Rollout<'a> {
                 self.world.drive(index, angle_rad, command);
                 continue;
             };
-            // Within the play, as switched off, the motor exerts nothing.
+            // Within the backlash, and when it is switched off, the motor exerts no torque.
             let error_rad =
                 error_beyond_play(change.backlash_rad, target, angle_rad).filter(|_| is_on);
             let duty = error_rad
@@ -400,12 +402,12 @@ impl<'a> Rollout<'a> {
         self.world.step();
     }
 
-    /// The angle of a hinge now, by its encoder.
+    /// The present angle of a hinge, as its encoder reads it.
     fn angle_rad(&self, index: usize) -> f64 {
         self.world.hinge_angle_rad(index, self.angles_rad[index]) + self.changes[index].zero_rad
     }
 
-    /// The tracked module's state, and the joints' where they are recorded.
+    /// State of the tracked module, and of the joints if they are recorded.
     fn sample(&self) -> (State, Vec<JointState>) {
         let joints = if self.records_joints {
             self.angles_rad.len()
@@ -432,12 +434,12 @@ impl<'a> Rollout<'a> {
         }
     }
 
-    /// Why the present state cannot be taken seriously, if so.
-    fn absurd(&self, origin_world_m: &Vector3<f64>) -> Option<String> {
+    /// The reason why the present state counts as diverged; `None` if it is plausible.
+    fn divergence_reason(&self, origin_world_m: &Vector3<f64>) -> Option<String> {
         for part in 0..self.assembly.parts.len() {
             let (pose, linear, angular) = self.world.part(part);
             let distance_m = (pose.translation.vector - origin_world_m).norm();
-            // NaN is beyond every limit.
+            // NaN counts as beyond every limit.
             let beyond = |value: f64, limit: f64| value.is_nan() || value > limit;
             if beyond(distance_m, FARTHEST_M) {
                 return Some(format!("part {part} is {distance_m:.3e} m from the start"));
@@ -461,7 +463,7 @@ impl<'a> Rollout<'a> {
             .collect()
     }
 
-    /// Holds the servos at their first command until nothing moves; the reason where that cannot be taken seriously.
+    /// Holds the servos at their first command until the robot is at rest; returns the reason if the state diverges.
     fn settle(&mut self, timestep_s: f64, origin_world_m: &Vector3<f64>) -> Option<String> {
         let limit = (SETTLE_LIMIT_S / timestep_s).ceil() as u64;
         let window = (REST_WINDOW_S / timestep_s).ceil() as u64;
@@ -469,7 +471,7 @@ impl<'a> Rollout<'a> {
         for taken in 1..=limit {
             self.step(0.0, 0.0);
             self.settle_steps = taken;
-            if let Some(why) = self.absurd(origin_world_m) {
+            if let Some(why) = self.divergence_reason(origin_world_m) {
                 return Some(why);
             }
             if taken % window == 0 {

@@ -1,4 +1,4 @@
-//! Bodies beside the robot: fixed, free, or driven along a recorded track.
+//! Bodies of the scene besides the robot: fixed, free, or driven along a recorded track.
 
 use std::sync::Arc;
 
@@ -7,19 +7,19 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use realgap_core::error::{Error, Result};
 use realgap_path::trajectory::{Interpolator, Trajectory};
 
-/// A box of such a body.
+/// A box of a body of the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SceneBox {
     /// Edge lengths along its own axes, metres.
     pub sides_m: Vector3<f64>,
-    /// Its own axes in the body's frame, from its centre.
+    /// Pose of the box in the body's frame; the origin of the box is its centre.
     pub body_from_box: Isometry3<f64>,
 }
 
 /// A body that is not part of the robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneBody {
-    /// Name: a driven body is recorded in columns that begin with it.
+    /// Name; the recorded columns of a driven body begin with it.
     pub name: String,
     /// Its boxes, in its own frame, at least one.
     pub boxes: Vec<SceneBox>,
@@ -32,30 +32,30 @@ pub struct SceneBody {
 /// How a body of the scene moves.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SceneMotion {
-    /// Not at all.
+    /// The body does not move.
     Fixed {
-        /// Where it is.
+        /// Pose of the body.
         world_from_body: Isometry3<f64>,
     },
-    /// It moves as forces make it, from rest.
+    /// The body moves freely, starting at rest.
     Free {
-        /// Where it starts.
+        /// Pose at the start.
         world_from_body: Isometry3<f64>,
         /// Mass, kg; the density is the same everywhere.
         mass_kg: f64,
     },
-    /// Along a recorded track, whatever is in the way; in recorded lengths, from its first sample on.
+    /// The body follows a recorded track, unaffected by contacts; in recorded lengths, from its first sample on.
     Driven {
-        /// Poses over time; before it is known, the body stands at the origin.
+        /// Poses over time; without a track the body is at the origin.
         track: Option<Arc<Trajectory>>,
     },
 }
 
 impl SceneBody {
-    /// Checks what no field can check for itself.
+    /// Checks the values of the body.
     ///
     /// # Errors
-    /// No boxes, sizes or friction that cannot be, a driven body without orientations.
+    /// A body without boxes, sizes or friction out of range, a driven body whose track has no orientations.
     pub fn check(&self) -> Result<()> {
         let refuse = |what: &str, found: String, allowed: &str| {
             Err(Error::invalid(what)
@@ -80,7 +80,7 @@ impl SceneBody {
                 .all(|v| v.is_finite())
         }) {
             return refuse(
-                "a box of the scene is nowhere",
+                "the position of a box of the scene is not finite",
                 "a number that is not finite".to_owned(),
                 "finite metres",
             );
@@ -106,13 +106,13 @@ impl SceneBody {
     }
 }
 
-/// Where a driven body is, while time goes on.
-pub(super) struct Guide<'a> {
+/// The pose of a driven body over time.
+pub(super) struct DrivenPath<'a> {
     track: Option<Interpolator<'a>>,
     length_scale: f64,
 }
 
-impl<'a> Guide<'a> {
+impl<'a> DrivenPath<'a> {
     /// `length_scale`: recorded lengths over true ones.
     pub fn new(track: Option<&'a Trajectory>, length_scale: f64) -> Self {
         Self {

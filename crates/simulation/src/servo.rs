@@ -1,9 +1,9 @@
-//! The servo law: from commanded and measured angle to what the joint's motor is asked to do.
+//! Control law of a servo: computes the command of a joint's motor from commanded and measured angle.
 
 use super::command::Quantity;
 use realgap_robot::morphology::{Servo, ServoLaw};
 
-/// What a joint motor is asked to do during one step, within its torque limit.
+/// Command of a joint's motor for one step, within its torque limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Command {
     /// Follow a joint velocity: torque = damping · (target − velocity).
@@ -28,7 +28,7 @@ pub enum Command {
     },
 }
 
-/// How stiffly a velocity servo holds its speed: it spends its whole torque on this share of its top speed.
+/// Stiffness of the speed control of a velocity servo: its full torque acts at a speed error of this fraction of its top speed.
 const SPEED_SLACK: f64 = 1.0 / 40.0;
 /// Top speed that stands in for "unlimited" when the stiffness is chosen, rad/s.
 const UNLIMITED_RAD_S: f64 = 10.0;
@@ -40,14 +40,14 @@ pub(super) const NOTHING: Command = Command::Velocity {
     max_torque_nm: 0.0,
 };
 
-/// What is left of the error beyond half the play; `None` within it.
+/// The part of the error beyond half of the backlash; `None` within the backlash.
 pub(super) fn error_beyond_play(backlash_rad: f64, target_rad: f64, angle_rad: f64) -> Option<f64> {
     let whole_error_rad = target_rad - angle_rad;
     let beyond_rad = whole_error_rad.abs() - 0.5 * backlash_rad;
     (backlash_rad <= 0.0 || beyond_rad > 0.0).then(|| beyond_rad.copysign(whole_error_rad))
 }
 
-/// A torque that hardly depends on the speed: the pull towards a speed this far away, rad/s.
+/// A torque that hardly depends on the speed, as a speed command with a very distant target speed, rad/s.
 fn torque(torque_nm: f64) -> Command {
     const FAR_RAD_S: f64 = 1e6;
     Command::Velocity {
@@ -57,7 +57,7 @@ fn torque(torque_nm: f64) -> Command {
     }
 }
 
-/// How strongly a servo that follows speeds holds them, N m s/rad.
+/// Damping of a servo with speed control: torque per speed error, N m s/rad.
 pub(super) fn speed_damping_nm_s_rad(servo: &Servo) -> f64 {
     let top_rad_s = if servo.max_speed_rad_s.is_finite() {
         servo.max_speed_rad_s
@@ -67,14 +67,14 @@ pub(super) fn speed_damping_nm_s_rad(servo: &Servo) -> f64 {
     servo.max_torque_nm / (SPEED_SLACK * top_rad_s.max(f64::MIN_POSITIVE))
 }
 
-/// The command of a servo at `angle_rad` that is told `target` of a quantity: an angle, a speed or a torque.
+/// The motor command of a servo at `angle_rad` whose commanded quantity (an angle, a speed or a torque) is `target`.
 ///
-/// The velocity law is given to the engine as a spring while its speed limit does not bind
-/// (stiffness = gain · damping is the same law): the engine re-reads the angle every substep, so the gain
-/// holds exactly however long the step (docs/fidelity.md).
+/// While its speed limit does not bind, the velocity law is passed to the engine as a spring (with stiffness = gain · damping it
+/// is the same law). The engine evaluates the angle in every substep, so the gain is exact for any length of the step
+/// (docs/fidelity.md).
 ///
-/// `backlash_rad` is the play between servo and joint from end to end. The servo's own shaft is taken to be
-/// where it is told to be; while the joint is within half the play of it, nothing is transmitted.
+/// `backlash_rad` is the play between servo and joint from end to end. The servo's own shaft is assumed to be at the commanded
+/// angle; while the joint is within half of the play of it, no torque is transmitted.
 pub(super) fn command(
     servo: &Servo,
     backlash_rad: f64,
@@ -124,7 +124,8 @@ pub(super) fn command(
             damping_nm_s_rad,
             max_torque_nm,
         },
-        // Driven by its effort, never by a command: a motor has more to say than a target.
+        // A motor is controlled by its effort (see motor.rs), and a direct law by torque commands, so neither gets an angle
+        // command.
         ServoLaw::Motor(_) | ServoLaw::Direct => NOTHING,
     }
 }
@@ -153,7 +154,7 @@ mod tests {
         else {
             panic!("not a spring")
         };
-        // Free of load, torque 0 means velocity = stiffness / damping · error = gain · error.
+        // Without load, torque 0 means velocity = stiffness / damping · error = gain · error.
         assert!((stiffness_nm_rad / damping_nm_s_rad * error_rad - 3.0).abs() < 1e-12);
     }
 
@@ -172,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn within_the_play_nothing_is_transmitted_and_beyond_it_the_rest() {
+    fn within_the_backlash_no_torque_is_transmitted_and_beyond_it_the_rest_of_the_error_acts() {
         let Command::Velocity { max_torque_nm, .. } =
             command(&servo(8.0), 0.1, Quantity::Position, 0.04, 0.0)
         else {

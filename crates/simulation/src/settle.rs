@@ -1,4 +1,4 @@
-//! Does a robot come to rest where it is put down?
+//! Settling test: whether a robot comes to rest on the floor without falling over.
 
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -8,11 +8,11 @@ use super::run::run;
 use realgap_core::error::Result;
 use realgap_core::warning::{Code, Warning};
 
-/// What a robot did while it settled on the floor with its servos held at their first command.
+/// Result of settling a robot on the floor with its servos held at their first command.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Settling {
-    /// How long it took, seconds; the whole limit if it never came to rest.
+    /// Duration of settling, seconds; the time limit if the robot did not come to rest.
     pub taken_s: f64,
     /// Angle between the tracked module's up before and after, radians; `None` when the simulation diverged.
     pub tilt_rad: Option<f64>,
@@ -30,7 +30,7 @@ enum End {
     Diverged { why: String },
 }
 
-/// Beyond this a robot has fallen onto another side, radians. Corners of plates lift a robot by less.
+/// Tilt beyond which a robot counts as fallen over, radians. Corners of plates lift a robot by less.
 const TOPPLED_RAD: f64 = std::f64::consts::FRAC_PI_4;
 
 impl Settling {
@@ -59,7 +59,7 @@ impl Settling {
         }
         if let Some(tilt_rad) = self.tilt_rad.filter(|_| self.is_toppled()) {
             warnings.push(Code::Toppled.warning(format!(
-                "the robot fell over when it was put down: its tracked module tilted by {:.0} degrees",
+                "the robot fell over when it was placed on the floor: its tracked module tilted by {:.0} degrees",
                 tilt_rad.to_degrees()
             )));
         }
@@ -67,8 +67,8 @@ impl Settling {
     }
 }
 
-/// Puts the robot of the experiment down and lets it settle, as a run with a settled start does; nothing else of the
-/// experiment's start and duration counts.
+/// Places the robot of the experiment on the floor and lets it settle, as a run with a settled start does; the experiment's start
+/// and duration are ignored.
 ///
 /// # Errors
 /// Settings that cannot be simulated, as [`run`].
@@ -90,7 +90,7 @@ pub fn settle(experiment: &Experiment) -> Result<Settling> {
         .get()
         .and_then(|motion| motion.orientations_world_from_body()?.first().copied())
         .map(|world_from_body| {
-            // The robot frame stands upright before; so does the tracked module, but for its own servo.
+            // The robot frame is upright before settling, and so is the tracked module except for the angle of its own servo.
             let before = short.assembly.robot_from_track.rotation;
             let up_body = before.inverse() * Vector3::z();
             (world_from_body * up_body).angle(&Vector3::z())

@@ -1,7 +1,7 @@
-//! The second engine: trees in reduced coordinates, solved by the crate `realgap-tree`, which shares no code with Rapier's solver.
+//! The engine `tree`: an adapter of the crate `realgap-tree`, a solver for trees in reduced coordinates, without code of Rapier.
 //!
-//! Shapes are Parry's in both, and contacts mean the same frequency and damping ratio. A step of an experiment is taken in
-//! 2/3 of its substeps, rounded up: 960 solves a second at the defaults.
+//! Both engines use Parry's shapes, and the same natural frequency and damping ratio of contacts. The number of solves per step
+//! is 2/3 of the experiment's substeps, rounded up: 960 solves per second with the defaults.
 
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Vector3};
 use realgap_tree::parry::math::{Mat3, Pose, Vec3};
@@ -28,7 +28,7 @@ use realgap_robot::morphology::{Assembly, ClusterMass, Freedom, Hinge, Part, Rol
 #[derive(Debug, Clone, Copy)]
 pub struct Tree;
 
-/// The engine itself.
+/// The instance of the engine.
 pub static TREE: Tree = Tree;
 
 impl Engine for Tree {
@@ -47,7 +47,7 @@ impl Engine for Tree {
         experiment
             .assembly
             .is_compliant()
-            .then(|| "its hinges cannot give way (hinge.bearing_hz)".to_owned())
+            .then(|| "its hinges cannot be compliant (hinge.bearing_hz)".to_owned())
     }
 
     fn build(&self, setup: &Setup<'_>) -> Result<Box<dyn World>> {
@@ -55,25 +55,25 @@ impl Engine for Tree {
     }
 }
 
-/// What a body of the scene is in the solver.
+/// Representation of a body of the scene in the solver.
 #[derive(Debug, Clone, Copy)]
-enum Place {
-    /// Fixtures from the first index to before the second, at this pose before the first step.
+enum SceneHandle {
+    /// Fixtures with indices from the first (included) to the second (excluded).
     Fixtures(usize, usize),
     /// A link of its own.
     Link(usize),
 }
 
-/// A robot on a floor in the hands of the tree solver.
+/// A world of the tree solver with one robot.
 struct TreeWorld {
     world: realgap_tree::World,
-    /// Solves in a step.
+    /// Number of solves per step.
     solves: usize,
     timestep_s: f64,
     masses: Vec<ClusterMass>,
     hinges: Vec<Hinge>,
-    scene: Vec<Place>,
-    /// What contacts did in the step before, where that is asked for.
+    scene: Vec<SceneHandle>,
+    /// Contact impulses of the previous step, if the energy balance is computed.
     loads: Option<Vec<Load>>,
 }
 
@@ -93,8 +93,8 @@ impl TreeWorld {
             gravity_world_m_s2: Vec3::new(0.0, 0.0, -experiment.gravity_m_s2),
             fixtures: vec![floor(experiment)],
             links: Vec::new(),
-            apart: assembly
-                .apart
+            collision_exclude: assembly
+                .collision_exclude
                 .iter()
                 .map(|&(a, b)| (a as u64, b as u64))
                 .collect(),
@@ -169,7 +169,7 @@ impl TreeWorld {
         })
     }
 
-    /// Adds what contacts did in the last solve.
+    /// Adds the contact impulses of the last solve.
     fn collect_loads(&mut self) {
         let Some(loads) = &mut self.loads else {
             return;
@@ -308,9 +308,9 @@ impl World for TreeWorld {
     }
 
     fn scene_poses(&self) -> Vec<Isometry3<f64>> {
-        let pose = |place: &Place| match *place {
-            Place::Fixtures(first, _) => self.world.fixture(first),
-            Place::Link(link) => self.world.link(link).world_from_link,
+        let pose = |place: &SceneHandle| match *place {
+            SceneHandle::Fixtures(first, _) => self.world.fixture(first),
+            SceneHandle::Link(link) => self.world.link(link).world_from_link,
         };
         self.scene
             .iter()
@@ -319,7 +319,7 @@ impl World for TreeWorld {
     }
 
     fn place_driven(&mut self, index: usize, world_from_body: &Isometry3<f64>) {
-        if let Place::Fixtures(first, end) = self.scene[index] {
+        if let SceneHandle::Fixtures(first, end) = self.scene[index] {
             for fixture in first..end {
                 let pose = to_pose(world_from_body);
                 self.world.lead(fixture, pose, Vec3::ZERO, Vec3::ZERO);
@@ -328,7 +328,7 @@ impl World for TreeWorld {
     }
 
     fn lead_driven(&mut self, index: usize, next: &Isometry3<f64>) {
-        let Place::Fixtures(first, end) = self.scene[index] else {
+        let SceneHandle::Fixtures(first, end) = self.scene[index] else {
             return;
         };
         let here = from_pose(&self.world.fixture(first));
@@ -416,8 +416,8 @@ fn colliders(
     solids.filter_map(collider).collect()
 }
 
-/// Puts the bodies of the scene in; driven ones stand at the origin until they are led.
-fn add_scene(model: &mut Model, experiment: &Experiment) -> Vec<Place> {
+/// Adds the bodies of the scene; driven bodies are at the origin until they are placed.
+fn add_scene(model: &mut Model, experiment: &Experiment) -> Vec<SceneHandle> {
     let adjusted = &experiment.adjustment;
     let mut places = Vec::new();
     for body in &experiment.scene {
@@ -448,7 +448,7 @@ fn add_scene(model: &mut Model, experiment: &Experiment) -> Vec<Place> {
                 world_from_body,
                 mass_kg,
             } => {
-                places.push(Place::Link(model.links.len()));
+                places.push(SceneHandle::Link(model.links.len()));
                 let (centre_m, inertia_kg_m2) = uniform(body, *mass_kg);
                 model.links.push(Link {
                     attachment: Attachment::Free {
@@ -465,7 +465,7 @@ fn add_scene(model: &mut Model, experiment: &Experiment) -> Vec<Place> {
         let first = model.fixtures.len();
         let fixtures = colliders.map(|collider| Fixture::at_rest(collider, to_pose(&pose)));
         model.fixtures.extend(fixtures);
-        places.push(Place::Fixtures(first, model.fixtures.len()));
+        places.push(SceneHandle::Fixtures(first, model.fixtures.len()));
     }
     places
 }

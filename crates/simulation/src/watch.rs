@@ -1,4 +1,4 @@
-//! A look at a whole robot during a run: every part and every hinge, not the tracked module alone.
+//! Observation of a run: hooks that are called during it, and snapshots of all parts and hinges.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
@@ -9,23 +9,24 @@ use super::part_state::PartState;
 use realgap_core::error::{Error, Result};
 use realgap_robot::morphology::Assembly;
 
-/// Who sees every step, if anybody.
+/// A callback that is called with a snapshot at time 0 and after every step.
 pub type Observer<'a> = Option<&'a mut dyn FnMut(&Snapshot)>;
 
-/// Who attends a run; nobody unless said.
+/// Callbacks of a run; by default there are none.
 #[derive(Default)]
 pub struct RunHooks<'a> {
-    /// Sees every step as in [`watch`](super::run::watch); a vehicle has no parts to see.
+    /// Called for every step as in [`watch`](super::run::watch); not available for a vehicle, which has no parts.
     pub observer: Observer<'a>,
-    /// Has the last word of every decision of a controller.
+    /// Called for every decision of a controller, and may override it.
     pub feedback: Option<Feedback<'a>>,
-    /// Hears before every step which share of the run is done, from 0 to 1; its error ends the run. A vehicle's run is over at once.
+    /// Called before every step with the completed fraction of the run, from 0 to 1; an error that it returns ends the run. Not
+    /// called for a vehicle.
     pub clock: Option<&'a mut dyn FnMut(f64) -> Result<()>>,
 }
 
 impl RunHooks<'_> {
-    /// Tells the clock that so many steps are done.
-    pub(super) fn tell(&mut self, done: u64, steps: u64) -> Result<()> {
+    /// Calls the clock with the number of completed steps.
+    pub(super) fn report_progress(&mut self, done: u64, steps: u64) -> Result<()> {
         match &mut self.clock {
             Some(clock) => clock(done as f64 / steps.max(1) as f64),
             None => Ok(()),
@@ -33,7 +34,7 @@ impl RunHooks<'_> {
     }
 }
 
-/// A velocity added to one loose part at time 0.
+/// A velocity that is added to one part without hinges at time 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Push {
     /// Index of the part.
@@ -57,24 +58,24 @@ impl Push {
             .field("part")
             .found(self.part)
             .allowed(format!(
-                "a part below {} that no hinge holds",
+                "an index below {} of a part without hinges",
                 assembly.parts.len()
             )))
     }
 }
 
-/// One hinge.
+/// State of one hinge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HingeState {
     /// Angle, radians, within half a turn.
     pub angle_rad: f64,
-    /// Distance between the two points that the hinge should keep together, metres.
+    /// Distance between the two anchor points that the hinge keeps together, metres; 0 for an ideal hinge.
     pub opening_m: f64,
-    /// Angle between the two axes that the hinge should keep parallel, radians.
+    /// Angle between the two axes that the hinge keeps parallel, radians; 0 for an ideal hinge.
     pub tilt_rad: f64,
 }
 
-/// The robot at one moment.
+/// State of the robot at one moment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Snapshot {
     /// Time, seconds from the start.
@@ -83,7 +84,7 @@ pub struct Snapshot {
     pub parts: Vec<PartState>,
     /// Hinges, in the assembly's order.
     pub hinges: Vec<HingeState>,
-    /// Poses of the other bodies, in the experiment's order.
+    /// Poses of the bodies of the scene, in the experiment's order.
     pub scene: Vec<Isometry3<f64>>,
 }
 

@@ -1,4 +1,4 @@
-//! Walls that robots bump into.
+//! Tests of arenas as obstacles: where walls, boxes and circles stop a robot, and refused starts.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -33,7 +33,7 @@ fn sliding(heading_rad: f64) -> Experiment {
     experiment
 }
 
-/// How far out it comes, metres.
+/// Largest distance from the origin that the cube reaches, metres.
 fn farthest_m(experiment: &Experiment) -> f64 {
     experiment.check().unwrap();
     let motion = run(experiment).unwrap().outcome.completed().unwrap();
@@ -42,7 +42,7 @@ fn farthest_m(experiment: &Experiment) -> f64 {
 }
 
 #[test]
-fn walls_boxes_and_circles_stop_a_robot_where_beams_meet_them() {
+fn walls_boxes_and_circles_stop_a_robot_at_the_distance_that_a_beam_measures() {
     let plan = arena(
         "boundary: Open,
         walls: [(from_m: (2.0, 0.5), to_m: (2.0, 2.5), thickness_m: 0.1)],
@@ -84,7 +84,7 @@ fn a_robot_that_starts_in_a_wall_is_refused_before_it_runs() {
     assert!(experiment.check().is_err());
     experiment.scene = vec![plan(1.0 + 0.1 + 1.1 * half_m)];
     experiment.check().unwrap();
-    // In the coordinates of the arena the origin is its corner, and the walls around it are there.
+    // In arena coordinates the origin is a corner of the arena, so the robot starts in the surrounding walls.
     let nowhere = arena("boundary: Solid").unwrap();
     assert!(
         SceneBody::of_arena(&nowhere, true)

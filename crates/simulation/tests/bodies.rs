@@ -1,5 +1,5 @@
-//! Bodies beyond the cube: boxes, compounds, stated hinges with friction and limits, parts that never touch,
-//! against closed forms.
+//! Tests of bodies other than cubes: boxes, compounds, stated hinges with friction and limits, and excluded collisions, against
+//! closed-form solutions.
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
 use std::f64::consts::TAU;
@@ -23,7 +23,7 @@ fn refusal(text: &str) -> String {
         .to_string()
 }
 
-/// A stand, and an arm of two boxes that hangs from it: a thin bar with a weight at its end.
+/// A stand, and an arm of two boxes on a hinge at the stand: a thin bar with a weight at its end.
 fn pendulum(hinge: &str) -> Morphology {
     robot(&format!(
         r#"(
@@ -41,7 +41,7 @@ fn pendulum(hinge: &str) -> Morphology {
     ))
 }
 
-/// Inertia of the arm about its hinge by hand, kg m², and its mass times the distance of its centre of mass, kg m.
+/// Expected inertia of the arm about its hinge, kg m², and its mass times the distance of its centre of mass, kg m.
 fn arm() -> (f64, f64) {
     let part = |mass: f64, x: f64, z: f64, down: f64| {
         (
@@ -74,7 +74,7 @@ fn film(experiment: &Experiment) -> Vec<Snapshot> {
     film
 }
 
-/// Angles over time, continued over half turns.
+/// Angles over time, without jumps at half turns.
 fn angles(film: &[Snapshot]) -> Vec<f64> {
     let mut last = film[0].hinges[0].angle_rad;
     film.iter()
@@ -107,7 +107,7 @@ fn a_pendulum_of_two_boxes_has_the_period_and_keeps_the_energy_of_a_physical_pen
             4.0 * period,
         ));
         let angles = angles(&film);
-        // Down through zero, first to fourth time.
+        // Times of the first to fourth downward zero crossings.
         let crossings: Vec<f64> = (1..angles.len())
             .filter(|&k| angles[k - 1] > 0.0 && angles[k] <= 0.0)
             .map(|k| {
@@ -156,7 +156,7 @@ fn a_compound_module_weighs_and_turns_as_its_boxes_do() {
     assert!((mass.mass_kg - 0.3).abs() < 1e-12 && mass.centre_m.norm() < 1e-12);
     assert!((mass.inertia_kg_m2[(0, 0)] / about_x - 1.0).abs() < 1e-12);
     assert!((mass.inertia_kg_m2[(1, 1)] / about_y - 1.0).abs() < 1e-12);
-    // What is given counts instead, wherever the boxes are.
+    // Stated values replace those of the boxes.
     let given = of(&robot(&text(
         ", centre_of_mass_m: (0.01, 0, 0.002), inertia_kg_m2: (1e-4, 2e-4, 2e-4)",
     ))
@@ -212,7 +212,7 @@ fn viscous_friction_makes_a_hinge_slow_down_exponentially_and_dry_friction_at_a_
 }
 
 #[test]
-fn dry_friction_holds_what_weighs_less_than_it_and_lets_go_what_weighs_more() {
+fn dry_friction_holds_a_load_below_its_limit_and_not_above() {
     let moment = arm().1;
     let held_up_to = |angle: f64| moment * G * angle.sin();
     for kind in KINDS {
@@ -220,7 +220,8 @@ fn dry_friction_holds_what_weighs_less_than_it_and_lets_go_what_weighs_more() {
             let dry = share * held_up_to(0.5);
             let robot = pendulum(&format!(", dry_nm: {dry}"));
             let mut experiment = swing(&robot, kind, at(0.5, 0.0), 1.0);
-            // An impulse joint's friction is as firm as the solver's sweeps are many: 0.03 rad/s of creep with the default 4.
+            // The friction of an impulse joint becomes more exact with more sweeps of the solver: with the default of 4 the hinge
+            // creeps at 0.03 rad/s.
             experiment.solver.sweeps = if kind == JointFormulation::Impulse {
                 64
             } else {
@@ -299,7 +300,7 @@ fn a_jointed_body_in_free_flight_keeps_its_momenta_and_starts_with_the_speeds_it
             (spin(last) - spin(first)).norm() < 2e-3 * spin(first).norm(),
             "{kind:?}"
         );
-        // The speeds of the parts agree with those of the joints from the first moment on.
+        // From the start on, the speeds of the parts agree with those of the joints.
         let motion = run(&experiment).unwrap().outcome.completed().unwrap();
         let joint = motion.joint("hinge").unwrap();
         let speeds = joint.speeds_rad_s.as_ref().unwrap();
@@ -317,8 +318,8 @@ fn a_jointed_body_in_free_flight_keeps_its_momenta_and_starts_with_the_speeds_it
 }
 
 #[test]
-fn modules_that_never_touch_pass_through_each_other_and_all_others_do_not() {
-    let text = |apart: &str| {
+fn only_modules_with_excluded_collisions_pass_through_each_other() {
+    let text = |exclusions: &str| {
         robot(&format!(
             r#"(name: "swing", mount_m: (0, 0, 1), modules: [
             (name: "stand", kind: Passive(side_m: 0.05, mass_kg: 1)),
@@ -327,7 +328,7 @@ fn modules_that_never_touch_pass_through_each_other_and_all_others_do_not() {
             (name: "bob", kind: Passive(side_m: 0.03, mass_kg: 0.05)),
         ], glue: [(parent: "stand", face: NegZ, child: "wall")],
         hinges: [(name: "upper", parent: "stand", child: "link", anchor_m: (0.05, 0, 0), child_anchor_m: (0, 0, 0.025), axis: (0, 1, 0)),
-                 (name: "lower", parent: "link", child: "bob", anchor_m: (0, 0, -0.025), axis: (0, 1, 0))]{apart})"#
+                 (name: "lower", parent: "link", child: "bob", anchor_m: (0, 0, -0.025), axis: (0, 1, 0))]{exclusions})"#
         ))
     };
     for kind in KINDS {
@@ -339,7 +340,7 @@ fn modules_that_never_touch_pass_through_each_other_and_all_others_do_not() {
                 .map(|s| s.parts[2].centre_world_m.x)
                 .fold(f64::INFINITY, f64::min)
         };
-        // Half the wall and half the bob: the bob stops there, or swings on.
+        // The bob stops at a distance of half the wall and half the bob, or it swings on.
         let stopped = farthest(&text(""));
         let through = farthest(&text(
             r#", never_touch: [("wall", "bob"), ("link", "wall")]"#,
@@ -352,7 +353,7 @@ fn modules_that_never_touch_pass_through_each_other_and_all_others_do_not() {
 }
 
 #[test]
-fn what_cannot_be_built_is_refused_where_it_stands() {
+fn invalid_robots_are_refused_with_the_path_of_the_value() {
     let one = |body: &str| format!(r#"(name: "r", modules: [(name: "a", kind: Passive({body}))])"#);
     let two = |hinge: &str, more: &str| {
         format!(
@@ -401,14 +402,14 @@ fn what_cannot_be_built_is_refused_where_it_stands() {
                 "axis: (0, 0, 1)",
                 r#", glue: [(parent: "a", face: PosX, child: "b")]"#,
             ),
-            "glued twice",
+            "attached twice",
         ),
     ];
     for (text, expected) in cases {
-        let said = refusal(&text);
+        let error = refusal(&text);
         assert!(
-            said.contains(expected) && said.contains("robot.ron"),
-            "{expected}: {said}"
+            error.contains(expected) && error.contains("robot.ron"),
+            "{expected}: {error}"
         );
     }
 }

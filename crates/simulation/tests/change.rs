@@ -1,4 +1,4 @@
-//! Small changes to an experiment with a servo, and what a hinge then does.
+//! Test helpers: small changes to an experiment with a servo, and the recorded motion of its hinge.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 #![allow(dead_code, reason = "every test binary uses its own part")]
 
@@ -15,7 +15,12 @@ pub trait Change: Into<Experiment> {
         change(&mut experiment);
         experiment
     }
-    fn told(self, times_s: &[f64], angles_rad: &[f64], off_from_s: Option<f64>) -> Experiment {
+    fn with_commands(
+        self,
+        times_s: &[f64],
+        angles_rad: &[f64],
+        off_from_s: Option<f64>,
+    ) -> Experiment {
         let track = CommandTrack::new(times_s.to_vec(), angles_rad.to_vec(), off_from_s).unwrap();
         let track = track.with(Between::Interpolated);
         self.with(|e| {
@@ -23,7 +28,7 @@ pub trait Change: Into<Experiment> {
         })
     }
     fn off(self) -> Experiment {
-        self.told(&[0.0], &[0.0], Some(0.0))
+        self.with_commands(&[0.0], &[0.0], Some(0.0))
     }
     fn from(self, angle_rad: f64, speed_rad_s: f64) -> Experiment {
         self.with(|e| {

@@ -1,4 +1,4 @@
-//! A bearing that gives way, against a mass on a spring and a damper.
+//! Tests of compliant bearings against a mass on a spring and a damper.
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
 use std::f64::consts::TAU;
@@ -13,7 +13,7 @@ const FREQUENCY_HZ: f64 = 8.0;
 const RATIO: f64 = 0.25;
 const G: f64 = 9.81;
 
-/// A weight under a stand that is held, its hinge upright and through both centres: all that it can do is sink.
+/// A weight under a fixed stand, with a vertical hinge through both centres: the weight can only move down.
 fn hanging() -> Experiment {
     let text = r#"(
         name: "hanging",
@@ -39,7 +39,7 @@ fn compliant() -> Experiment {
         .set("hinge.bearing_ratio", RATIO)
 }
 
-/// How far the weight has sunk over time, metres.
+/// Downward displacement of the weight over time, metres.
 fn sunk_m(experiment: &Experiment) -> Vec<(f64, f64)> {
     let mut film = Vec::new();
     let run = watch(experiment, &[], &mut |s| {
@@ -47,12 +47,12 @@ fn sunk_m(experiment: &Experiment) -> Vec<(f64, f64)> {
         film.push((s.time_s, heights[0] - heights[1]));
     });
     assert!(run.unwrap().outcome.is_completed());
-    let apart_m = film[0].1;
-    film.iter().map(|(t, z)| (*t, z - apart_m)).collect()
+    let initial_m = film[0].1;
+    film.iter().map(|(t, z)| (*t, z - initial_m)).collect()
 }
 
 #[test]
-fn a_weight_on_a_bearing_that_gives_way_swings_as_on_a_spring_and_a_damper() {
+fn a_weight_on_a_compliant_bearing_swings_as_on_a_spring_and_a_damper() {
     let omega = TAU * FREQUENCY_HZ;
     let damped = omega * (1.0_f64 - RATIO * RATIO).sqrt();
     let sag_m = G / (omega * omega);
@@ -73,14 +73,15 @@ fn a_weight_on_a_bearing_that_gives_way_swings_as_on_a_spring_and_a_damper() {
 }
 
 #[test]
-fn a_bearing_that_does_not_give_way_holds() {
+fn a_rigid_bearing_holds_the_weight() {
     let (_, sunk_m) = *sunk_m(&hanging()).last().unwrap();
     assert!(sunk_m.abs() < 1e-6, "{sunk_m}");
 }
 
 #[test]
-fn what_swings_on_a_bearing_is_the_reduced_mass_of_its_two_parts() {
-    // The stand lies on the floor and the weight stands over it, as heavy: half of one of them swings, which carries all of one.
+fn the_oscillating_mass_at_a_bearing_is_the_reduced_mass_of_its_parts() {
+    // The stand lies on the floor, and the equally heavy weight is above it: the reduced mass is half of one mass, but the spring
+    // carries the weight of a whole one.
     let text = r#"(
         name: "standing",
         modules: [
@@ -103,13 +104,13 @@ fn what_swings_on_a_bearing_is_the_reduced_mass_of_its_two_parts() {
     );
 }
 
-/// Why an experiment is refused.
+/// The error with which an experiment is refused.
 fn refusal(experiment: &Experiment) -> String {
     experiment.check().unwrap_err().to_string()
 }
 
 #[test]
-fn a_bearing_gives_way_only_where_hinges_are_constraints() {
+fn bearings_are_compliant_with_impulse_joints_only() {
     let robot = compliant();
     robot.check().unwrap();
     assert_eq!(robot.joint_kind(), JointFormulation::Impulse);
@@ -131,5 +132,5 @@ fn a_bearing_gives_way_only_where_hinges_are_constraints() {
         let weight = &mut Arc::make_mut(&mut e.assembly).parts[1];
         weight.solids[0].mass_kg = 1e-6;
     });
-    assert!(refusal(&light).contains("weighs next to nothing"));
+    assert!(refusal(&light).contains("almost no mass"));
 }

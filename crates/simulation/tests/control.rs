@@ -1,4 +1,4 @@
-//! Robots that read sensors and radio in an engine's hands, and act on them.
+//! Tests of controlled robots: sensors, rules, callbacks, radio messages, and groups of robots.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::path::Path;
@@ -18,7 +18,8 @@ const ARENA: &str = "Arena(name: \"hall\", size_m: (4.0, 2.0), boundary: Open, \
 const RADIO: &str =
     "Radio(propagation: \"thickness\", values: [-40.0, 2.0, 0.0, 600.0], shadowing_sd_db: 0.0)";
 
-/// The eye of the chain looks to where it walks; where something is nearer than 15 cm, the floor too, it holds still.
+/// The sensor of the chain points in its walking direction; the robot stops moving while an object, including the floor, is
+/// nearer than 15 cm.
 const RULES: &str =
     "sensors: [(name: \"front\", on: \"m0\", turn_deg: 180, model: \"ultrasonic\")],
     rules: [(when: (sensor: \"front\", below_m: 0.15), then: [HOLD])],";
@@ -83,9 +84,9 @@ fn farthest_m(run: &Run) -> f64 {
     positions.map(|p| -p.x).fold(0.0, f64::max)
 }
 
-/// A cube in the middle of the hall looks at the wall, and at another cube that stands between.
+/// A cube in the middle of the hall measures the distance to the wall, or to another cube in between.
 #[test]
-fn what_is_read_is_the_distance_from_the_sensor_to_what_is_ahead() {
+fn a_reading_is_the_distance_from_the_sensor_to_the_object_ahead() {
     let folder = folder();
     let robot = Morphology::read(common::project().join("morphologies/cube.ron")).unwrap();
     let half_m = 0.5 * robot.assemble().body_length_m;
@@ -118,13 +119,13 @@ fn what_is_read_is_the_distance_from_the_sensor_to_what_is_ahead() {
             (read_m - expected_m).abs() < 1e-4,
             "{others}: {read_m}, {expected_m}"
         );
-        // An ultrasonic sensor hears nothing from beyond its 21 cm.
+        // The ultrasonic sensor gives no reading beyond its range of 21 cm.
         let is_far = expected_m + half_m > 0.21;
         assert_eq!(readings[1].is_none(), is_far, "{readings:?}");
     }
 }
 
-/// A scanner whose four polynomials say where it is: x ahead, whatever its heading.
+/// A scanner whose four polynomials give its own x position for every heading.
 #[test]
 fn a_sensorgraph_is_read_at_the_place_of_the_scanner_in_the_arena() {
     let folder = folder();
@@ -184,7 +185,7 @@ fn a_modular_robot_avoids_the_box_of_paper_000_in_both_engines() {
             let most = way.iter().copied().fold(0.0, f64::max);
             (most, way[way.len() - 1])
         });
-        // The near face of the box is at 0.86 m, and the tripod's front 5 cm before its core and more.
+        // The near face of the box is at 0.86 m, and the tripod's front is at least 5 cm ahead of its core.
         assert!(seeing.0 > 0.6 && seeing.0 < 0.8, "{name}: {seeing:?}");
         assert!(blind.0 > seeing.0 + 0.02, "{name}: {seeing:?} {blind:?}");
         assert!(seeing.1 < seeing.0 - 0.1, "{name}: {seeing:?}");
@@ -209,7 +210,7 @@ fn the_same_seed_gives_the_same_bits_and_another_does_not() {
 }
 
 #[test]
-fn a_callback_has_the_last_word_at_a_fixed_rate() {
+fn a_callback_overrides_decisions_at_a_fixed_rate() {
     let folder = folder();
     let experiment = chain();
     let controller = controller(folder.path(), &experiment, "rate_hz: 10,").unwrap();
@@ -244,7 +245,7 @@ fn a_callback_has_the_last_word_at_a_fixed_rate() {
 
 /// With and without a controller.
 #[test]
-fn a_run_tells_its_clock_how_far_it_is_and_ends_where_the_clock_refuses() {
+fn a_run_reports_its_progress_to_the_clock_and_ends_with_its_error() {
     let mut free = chain();
     free.duration_s = 1.0;
     let steered = free
@@ -282,7 +283,7 @@ fn a_run_tells_its_clock_how_far_it_is_and_ends_where_the_clock_refuses() {
 }
 
 #[test]
-fn the_angles_that_it_knows_are_those_of_the_moment() {
+fn sensed_angles_are_those_of_the_time_of_the_decision() {
     let mut experiment = chain();
     experiment.duration_s = 1.0;
     experiment.records_joints = true;
@@ -295,7 +296,7 @@ fn the_angles_that_it_knows_are_those_of_the_moment() {
         let row = (sensed.time_s / experiment.solver.timestep_s).round() as usize;
         let joints = way.joints().iter();
         let angles: Vec<f64> = joints.map(|joint| joint.angles_rad[row]).collect();
-        // Samples are drawn between two steps: they differ by rounding.
+        // Samples are interpolated between two steps, so they differ by rounding errors.
         let place: [f64; 3] = way.positions_world_m()[row].into();
         let (known, seen) = (sensed.angles_rad.iter(), angles.iter());
         let pairs = known.zip(seen).chain(sensed.position_m.iter().zip(&place));
@@ -307,9 +308,10 @@ fn the_angles_that_it_knows_are_those_of_the_moment() {
     }
 }
 
-/// Two chains walk one behind the other: the one behind sees the first, and is told where it was when that was sent.
+/// Two chains walk one behind the other: the rear one detects the front one and receives messages with its position at the time
+/// of sending.
 #[test]
-fn robots_see_one_another_and_hear_where_the_others_were() {
+fn robots_detect_each_other_and_receive_positions_of_the_others() {
     let text = "rate_hz: 20, name: \"behind\",
         sensors: [(name: \"front\", on: \"m0\", turn_deg: 180, model: \"laser\")],
         others: [(name: \"ahead\", x_m: 2.0, y_m: 1.6), (name: \"hidden\", x_m: 0.8, y_m: 1.0)],
@@ -326,12 +328,12 @@ fn robots_see_one_another_and_hear_where_the_others_were() {
     let ahead: Vec<&_> = of(1).collect();
     for decision in of(0).skip(8) {
         let heard: Vec<usize> = decision.sensed.heard.iter().map(|h| h.from).collect();
-        // The wall is 0.1 m thick and takes 60 dB: together with the way too much for -92 dBm.
+        // The wall is 0.1 m thick and attenuates by 60 dB: together with the distance the strength is below -92 dBm.
         assert_eq!(heard, [1]);
         let message = &decision.sensed.heard[0];
         assert!((message.arrived_s - message.sent_s - 0.2).abs() < 1e-9);
         assert!(decision.sensed.time_s >= message.arrived_s - 1e-9);
-        // It says where the other was when it was sent.
+        // The message contains the position of the sender at the time of sending.
         let then = ahead
             .iter()
             .min_by(|a, b| {
@@ -352,7 +354,7 @@ fn robots_see_one_another_and_hear_where_the_others_were() {
 }
 
 #[test]
-fn a_bad_controller_is_told_what_is_wrong_with_it() {
+fn an_invalid_controller_is_refused_with_the_reason() {
     let (folder, experiment) = (folder(), chain());
     for (text, said) in [
         ("rate_hz: 0,", "rate_hz"),
@@ -407,7 +409,7 @@ fn a_bad_controller_is_told_what_is_wrong_with_it() {
             "rate_hz: 10, start: (x_m: 2.0, y_m: 1.0, heading_deg: inf),",
             "not a heading",
         ),
-        // Its middle is free, its body is not.
+        // The start position is free, but the robot's body overlaps the wall.
         (
             "rate_hz: 10, start: (x_m: 1.46, y_m: 1.0, heading_deg: 90),",
             "start: the robot starts in a wall",
@@ -422,7 +424,7 @@ fn a_bad_controller_is_told_what_is_wrong_with_it() {
         ),
         (
             "rate_hz: 10, others: [(name: \"robot\", x_m: 3, y_m: 1)],",
-            "a name of its own",
+            "names must be unique",
         ),
     ] {
         let error = controller(folder.path(), &experiment, text)
@@ -432,9 +434,9 @@ fn a_bad_controller_is_told_what_is_wrong_with_it() {
     }
 }
 
-/// Strength falls by equation 2 of paper 002, a wall takes 30 dB, and what is weaker than -92 dBm does not arrive.
+/// The strength falls by equation 2 of paper 002, a wall attenuates by 30 dB, and messages weaker than -92 dBm do not arrive.
 #[test]
-fn what_is_heard_is_what_the_closed_form_lets_through_after_its_delay() {
+fn messages_arrive_with_the_strength_and_delay_of_the_closed_form() {
     let folder = folder();
     let model = "Radio(propagation: \"walls\", values: [-90.0, 2.0, 30.0])";
     std::fs::write(folder.path().join("radio.ron"), model).unwrap();
@@ -448,11 +450,11 @@ fn what_is_heard_is_what_the_closed_form_lets_through_after_its_delay() {
     let (_, log) = steer(&experiment, None, None).unwrap();
     let robots = 4;
     let rounds: Vec<_> = log.decisions.chunks(robots).collect();
-    // The wall stands from x = 1.35 to 1.45 m, and every robot beside the middle of it.
+    // The wall extends from x = 1.35 to 1.45 m, and every robot is beside its middle.
     let strength_dbm = |a: [f64; 3], b: [f64; 3]| {
-        let apart_m = (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt();
+        let distance_m = (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt();
         let is_between = (a[0] < 1.4) != (b[0] < 1.4);
-        -90.0 - 20.0 * apart_m.log10() - if is_between { 30.0 } else { 0.0 }
+        -90.0 - 20.0 * distance_m.log10() - if is_between { 30.0 } else { 0.0 }
     };
     let mut counts = [[0; 4]; 4];
     for (round, decisions) in rounds.iter().enumerate() {
@@ -491,9 +493,10 @@ fn what_is_heard_is_what_the_closed_form_lets_through_after_its_delay() {
     );
 }
 
-/// Two tripods walk at one another, and stop where the other said that it is near; without radio they walk through one another.
+/// Two tripods walk towards each other, and stop when a message says that the other is near; without radio they walk through each
+/// other.
 #[test]
-fn robots_stop_for_one_another_by_what_they_heard() {
+fn robots_stop_for_each_other_by_radio_messages() {
     let path = common::project().join("controllers/two_tripods.ron");
     let robot = Morphology::read(common::project().join("morphologies/tripod.ron")).unwrap();
     for name in ["rapier", "tree"] {

@@ -1,4 +1,4 @@
-//! Where a run's energy comes from and goes, against closed forms, and whether the balance of walkers closes.
+//! Tests of the energy balance against closed-form solutions, and of its residual for walking robots.
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
 use crate::common;
@@ -17,7 +17,8 @@ use realgap_simulation::{
 const G: f64 = 9.81;
 const KINDS: [JointFormulation; 2] = [JointFormulation::Impulse, JointFormulation::Multibody];
 
-/// Runs it and says where its energy went; that nobody looks changes no bit.
+/// Runs an experiment with and without the energy balance, checks that both runs are bit-identical, and returns the balance and
+/// the path.
 fn balance(experiment: &Experiment) -> (EnergyBalance, Trajectory) {
     let plain = run(experiment).unwrap();
     assert!(plain.energy.is_none());
@@ -47,7 +48,7 @@ fn assert_near(value: f64, expected: f64, share: f64) {
     );
 }
 
-/// A stand, and a bar that hangs from it by a hinge of which `hinge` says the rest.
+/// A stand, and a bar on a hinge at the stand; `hinge` states further fields of the hinge.
 fn pendulum(kind: JointFormulation, hinge: &str) -> Experiment {
     let text = format!(
         r#"(
@@ -65,17 +66,17 @@ fn pendulum(kind: JointFormulation, hinge: &str) -> Experiment {
     let mut experiment = Experiment::new(robot.assemble());
     experiment.solver.joint = kind;
     experiment.duration_s = 1.0;
-    // A quarter of the usual timestep, through which a servo's command is held.
+    // A quarter of the usual timestep, because a servo's command is constant during a step.
     experiment.solver.timestep_s = 1.0 / 1920.0;
     experiment.sampling = Sampling::Rate(480.0);
     experiment
 }
 
-/// Its inertia about the hinge, kg m², and mass times distance of the centre, kg m.
+/// Inertia of the bar about the hinge, kg m², and its mass times the distance of its centre, kg m.
 const INERTIA_KG_M2: f64 = 0.3 * ((0.02 * 0.02 + 0.2 * 0.2) / 12.0 + 0.01);
 const MOMENT_KG_M: f64 = 0.3 * 0.1;
 
-/// A servo that swings up by a quarter turn in a second and stands there for a moment.
+/// A servo that raises the bar by a quarter turn in one second and then stands still for a moment.
 const LIFT: &str = "servo: (max_torque_nm: 5, max_speed_rad_s: 20, law: Velocity(gain_1_s: 40)),
     gait: (amplitude_rad: 1.5707963, frequency_hz: 0.25)";
 
@@ -88,7 +89,7 @@ fn last(path: &Trajectory) -> JointState {
 }
 
 #[test]
-fn lifting_a_pendulum_costs_its_weight_times_the_height() {
+fn the_work_of_lifting_a_pendulum_is_its_weight_times_the_height() {
     for kind in KINDS {
         let (energy, path) = balance(&pendulum(kind, LIFT));
         let end = last(&path);
@@ -102,7 +103,7 @@ fn lifting_a_pendulum_costs_its_weight_times_the_height() {
 }
 
 #[test]
-fn at_the_usual_timestep_lifting_is_told_within_two_percent() {
+fn at_the_usual_timestep_the_work_of_lifting_is_exact_within_two_percent() {
     for kind in KINDS {
         let mut experiment = pendulum(kind, LIFT);
         experiment.solver.timestep_s = 1.0 / 480.0;
@@ -117,20 +118,20 @@ fn in_free_space_all_work_of_a_servo_becomes_kinetic_energy() {
     for kind in KINDS {
         let mut experiment = pendulum(kind, LIFT);
         experiment.gravity_m_s2 = 0.0;
-        // It swings back through its middle, as fast as it is told to be and neither faster nor slower.
+        // The bar swings back through its middle position at the commanded speed.
         experiment.duration_s = 2.0;
         let (energy, _) = balance(&experiment);
         let fastest_rad_s = 0.25 * PI * PI;
         let kinetic_j = 0.5 * INERTIA_KG_M2 * fastest_rad_s.powi(2);
         assert_near(energy.kinetic_j, kinetic_j, 0.015);
         assert_near(energy.servo_j, energy.kinetic_j, 0.005);
-        // It had stopped in between, and taken back what it gave at first.
+        // In between the bar had stopped, so the servo did negative work of the same size first.
         assert_near(energy.servo_positive_j, 2.0 * kinetic_j, 0.05);
     }
 }
 
 #[test]
-fn a_gear_takes_what_its_motor_gives_and_the_load_does_not_get() {
+fn the_loss_of_a_gear_is_the_work_of_its_motor_minus_that_on_the_load() {
     let motor = "servo: (max_torque_nm: 10, law: Motor(position_gain: 800, duty_1_rad: 0.003, supply_v: 7.2,
         torque_constant_nm_a: 0.4, resistance_ohm: 3.2, armature_kg_m2: 0.002, friction: (dry_nm: 0.05, viscous_nm_s_rad: 0.02))),
         gait: (amplitude_rad: 1.5707963, frequency_hz: 0.25)";
@@ -151,7 +152,7 @@ fn a_gear_takes_what_its_motor_gives_and_the_load_does_not_get() {
 }
 
 #[test]
-fn a_hinge_that_rubs_loses_what_the_swing_loses() {
+fn the_work_of_hinge_friction_is_the_energy_that_the_swing_loses() {
     for kind in KINDS {
         let mut experiment = pendulum(kind, "viscous_nm_s_rad: 0.004");
         experiment.start_joints = vec![JointState {
@@ -162,7 +163,7 @@ fn a_hinge_that_rubs_loses_what_the_swing_loses() {
         let end = last(&path);
         let fallen_j = MOMENT_KG_M * G * (end.angle_rad.cos() - 1.2_f64.cos());
         let lost_j = fallen_j - 0.5 * INERTIA_KG_M2 * end.speed_rad_s.powi(2);
-        // An impulse joint gives way a little, and that drains energy, too.
+        // An impulse joint opens a little, which also dissipates energy.
         assert_near(energy.joint_j + energy.slack_j, -lost_j, 0.01);
         assert!(energy.slack_j.abs() < 0.05 * lost_j);
         assert_eq!((energy.servo_j, energy.contact_j), (0.0, 0.0));
@@ -202,7 +203,7 @@ fn a_sliding_cube_loses_friction_times_weight_times_distance() {
 fn a_bouncing_cube_loses_one_minus_e_squared_of_its_fall() {
     let (mut experiment, mass_kg) = cube(0.2, Vector3::zeros());
     experiment.floor.restitution = 0.5;
-    // It lands after 0.2 s and is in the air again.
+    // The cube lands after 0.2 s and is in the air again at the end.
     experiment.duration_s = 0.25;
     let (energy, path) = balance(&experiment);
     let impact_j = mass_kg * G * 0.2;
@@ -229,7 +230,7 @@ fn walker(name: &str, kind: JointFormulation) -> Experiment {
 }
 
 #[test]
-fn the_balance_of_walkers_closes_and_both_joint_kinds_tell_the_same() {
+fn the_balance_of_walkers_closes_and_both_joint_formulations_agree() {
     for name in ["tripod", "spider8", "chain5"] {
         let [impulse, multibody] = KINDS.map(|kind| {
             let (energy, _) = balance(&walker(name, kind));
@@ -243,7 +244,7 @@ fn the_balance_of_walkers_closes_and_both_joint_kinds_tell_the_same() {
 }
 
 #[test]
-fn shorter_steps_tell_the_same_energy() {
+fn shorter_steps_give_the_same_energy() {
     let experiment = walker("spider8", JointFormulation::Impulse);
     let mut fine = experiment.clone();
     fine.solver.timestep_s *= 0.25;
@@ -253,19 +254,19 @@ fn shorter_steps_tell_the_same_energy() {
 }
 
 #[test]
-fn energy_is_counted_from_the_moment_that_is_asked_for() {
+fn the_energy_balance_begins_at_the_stated_time() {
     let mut experiment = pendulum(JointFormulation::Impulse, LIFT);
     experiment.energy_from_s = Some(0.5);
     let late = run(&experiment).unwrap();
     let angles_rad = &late.outcome.get().unwrap().joints()[0].angles_rad;
     let height_j = |angle_rad: f64| -MOMENT_KG_M * G * angle_rad.cos();
-    // 480 samples a second.
+    // There are 480 samples per second.
     let lifted_j = height_j(angles_rad[480]) - height_j(angles_rad[240]);
     assert_near(late.energy.unwrap().gravity_j, -lifted_j, 0.005);
 }
 
 #[test]
-fn what_cannot_be_counted_is_refused() {
+fn an_impossible_energy_balance_is_refused() {
     let mut experiment = walker("chain3", JointFormulation::Impulse);
     experiment.energy_from_s = Some(5.0);
     let error = run(&experiment).unwrap_err().to_string();
@@ -274,7 +275,7 @@ fn what_cannot_be_counted_is_refused() {
     experiment.contact.friction_model = FrictionModel::Simplified;
     let error = run(&experiment).unwrap_err().to_string();
     assert!(error.contains("friction"), "{error}");
-    // Multibody contacts have a friction of their own in every point, whatever the model is.
+    // Multibody contacts have friction at every point, for every friction model.
     experiment.solver.joint = JointFormulation::Multibody;
     assert!(run(&experiment).unwrap().energy.is_some());
 }

@@ -1,4 +1,4 @@
-//! Two engines behind one door: what both must say, and what happens where one cannot.
+//! Tests of the two engines: agreement, reproducibility, and experiments that one of them cannot simulate.
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
 use crate::common;
@@ -24,18 +24,18 @@ fn motion(experiment: &Experiment, engine: EngineChoice) -> Trajectory {
 }
 
 /// Largest distance of two motions at equal times, metres.
-fn apart_m(a: &Trajectory, b: &Trajectory) -> f64 {
+fn distance_m(a: &Trajectory, b: &Trajectory) -> f64 {
     let pairs = a.positions_world_m().iter().zip(b.positions_world_m());
     pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
 }
 
 #[test]
-fn both_engines_take_a_walker_the_same_way() {
+fn both_engines_move_a_walker_along_the_same_path() {
     let tree = engine_by_name("tree").unwrap();
     for (name, most_m) in [("chain3", 0.003), ("spider8", 0.002)] {
         let mut experiment = shipped(name);
         experiment.duration_s = 4.0;
-        let far_m = apart_m(
+        let far_m = distance_m(
             &motion(&experiment, EngineChoice::default()),
             &motion(&experiment, tree),
         );
@@ -53,7 +53,7 @@ fn every_engine_gives_the_same_bits_twice() {
 }
 
 #[test]
-fn a_servo_behind_a_gear_swings_its_weight_in_both() {
+fn a_servo_with_a_gear_swings_its_weight_the_same_way_in_both_engines() {
     let mut experiment = shipped("servo_pendulum");
     experiment.duration_s = 2.0;
     let tree = engine_by_name("tree").unwrap();
@@ -66,7 +66,7 @@ fn a_servo_behind_a_gear_swings_its_weight_in_both() {
 }
 
 #[test]
-fn an_engine_that_is_not_there_is_named_with_those_that_are() {
+fn the_error_of_an_unknown_engine_lists_the_known_ones() {
     let error = engine_by_name("tee").unwrap_err().to_string();
     assert!(
         error.contains("rapier") && error.contains("tree"),
@@ -75,12 +75,12 @@ fn an_engine_that_is_not_there_is_named_with_those_that_are() {
 }
 
 #[test]
-fn only_the_tree_solver_relaxes_the_cone_and_what_it_is_refused_says_where_to_go() {
+fn only_the_tree_solver_has_a_relaxed_cone_and_the_error_in_rapier_names_it() {
     let mut experiment = shipped("two_module");
     experiment.duration_s = 1.0;
     let tree = engine_by_name("tree").unwrap();
     let relaxed = experiment.relaxed().unwrap();
-    assert!(apart_m(&motion(&experiment, tree), &motion(&relaxed, tree)) > 1e-3);
+    assert!(distance_m(&motion(&experiment, tree), &motion(&relaxed, tree)) > 1e-3);
     assert!(relaxed.relaxed().is_none(), "it is relaxed already");
 
     experiment.contact.friction_model = FrictionModel::Relaxed;

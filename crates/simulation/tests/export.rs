@@ -1,7 +1,7 @@
-//! Exported robots: complete, well formed, and accepted by the simulators they are meant for.
+//! Tests of exported robots: they are complete, well formed, and accepted by the target simulators.
 //!
-//! The simulators' tests need Python with `mujoco` or `pybullet` (tools/requirements-engines.txt): `REALGAP_PYTHON`, or `python3`. Without
-//! them they say so and pass.
+//! The tests with simulators need Python with `mujoco` or `pybullet` (tools/requirements-engines.txt), as `REALGAP_PYTHON` or
+//! `python3`. Without these packages the tests print a message and pass.
 #![allow(clippy::unwrap_used)] // a test may fail loudly
 
 use crate::common;
@@ -35,7 +35,7 @@ fn named(name: &str) -> Morphology {
     Morphology::read(folder().join(format!("morphologies/{name}.ron"))).unwrap()
 }
 
-/// A servo whose cube hangs on its parent by the driven face: axis and cube are the other way round.
+/// A servo whose cube is attached to its parent by the driven face, so that axis and cube are reversed.
 fn hanging() -> Morphology {
     let text = r#"(
         name: "hanging",
@@ -106,7 +106,7 @@ fn every_robot_is_well_formed_complete_and_its_names_are_unique() {
             } else {
                 "link"
             };
-            // URDF holds a mounted robot by a joint to a link of the world.
+            // URDF fixes a mounted robot by a joint to a link of the world.
             let world = part == "link" && assembly.world_from_mount.is_some();
             let bodies = assembly.parts.len() + usize::from(world);
             assert_eq!(all(&document, part).count(), bodies);
@@ -136,7 +136,7 @@ fn every_robot_is_well_formed_complete_and_its_names_are_unique() {
 }
 
 #[test]
-fn what_a_format_cannot_carry_stands_in_the_file_too() {
+fn warnings_about_missing_properties_are_comments_in_the_file() {
     for format in FORMATS {
         let morphology = named("tripod");
         let robot = Robot::new(&morphology, &Experiment::new(morphology.assemble()));
@@ -152,7 +152,7 @@ fn what_a_format_cannot_carry_stands_in_the_file_too() {
 }
 
 #[test]
-fn that_bearings_give_way_is_said_to_be_missing() {
+fn missing_compliance_of_bearings_gives_a_warning() {
     for format in ["mjcf", "urdf"] {
         let of = |hz: f64| render(&named("elbow"), format, &[("hinge.bearing_hz", hz)]);
         assert!(of(200.0).contains("compliance") || of(200.0).contains("hinge.bearing_hz"));
@@ -161,7 +161,7 @@ fn that_bearings_give_way_is_said_to_be_missing() {
 }
 
 #[test]
-fn mjcf_carries_gait_servo_floor_and_calibrated_values() {
+fn mjcf_contains_gait_servo_floor_and_calibrated_values() {
     let text = render(
         &named("tripod"),
         "mjcf",
@@ -190,14 +190,14 @@ fn mjcf_carries_gait_servo_floor_and_calibrated_values() {
     assert_eq!(excluded, 3, "joined parts must not collide");
 }
 
-/// Runs a Python script on the arguments, or says that it cannot.
+/// Runs a Python script with arguments; returns `None` and prints a message if the package is missing.
 fn python(package: &str, script: &str, arguments: &[&Path]) -> Option<String> {
     let python = python_with(package)?;
     let done = Command::new(&python)
         .arg("-c")
         .arg(script)
         .args(arguments)
-        // Tools lie beside each other and must not leave compiled copies there.
+        // The script imports modules from the folder of tools, where no compiled copies may be left.
         .env("PYTHONPATH", folder().join("tools"))
         .env("PYTHONDONTWRITEBYTECODE", "1")
         .output()
@@ -224,7 +224,7 @@ fn write_all(format: &str, to: &Path) -> Vec<PathBuf> {
 }
 
 #[test]
-fn mujoco_loads_every_robot_and_walks_it() {
+fn mujoco_loads_and_simulates_every_robot() {
     let folder = tempfile::tempdir().unwrap();
     let files = write_all("mjcf", folder.path());
     let script = r"
@@ -247,7 +247,7 @@ for path in sys.argv[1:]:
 }
 
 #[test]
-fn mujoco_and_realgap_see_the_same_robot() {
+fn mujoco_and_realgap_compute_the_same_mass_properties() {
     let morphology = hanging();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("hanging.mjcf");
@@ -376,7 +376,7 @@ print(d.qpos[0], d.qvel[0])
 }
 
 #[test]
-fn pybullet_loads_every_robot_and_holds_it() {
+fn pybullet_loads_and_simulates_every_robot() {
     let folder = tempfile::tempdir().unwrap();
     let files = write_all("urdf", folder.path());
     let script = r"

@@ -1,4 +1,4 @@
-//! From an experiment to a run.
+//! Tests of the crate: from an experiment to a run.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 mod arena;

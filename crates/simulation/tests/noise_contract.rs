@@ -1,6 +1,7 @@
-//! Every kind of noise changes a run, leaves the other kinds alone, and refuses what it must refuse.
+//! Contract of the noise model: every kind of noise changes a run, does not affect the draws of the other kinds, and refuses
+//! invalid distributions.
 //!
-//! The list of fields is the struct's own: one that is added and not applied fails here.
+//! The list of fields is that of the struct: a field that is added but not applied makes a test fail.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -13,7 +14,7 @@ use realgap_path::trajectory::{State, Trajectory};
 use realgap_robot::morphology::Morphology;
 use realgap_simulation::{CommandTrack, Experiment, Noise, Perturbation, Start, run};
 
-/// Less than this is no demonstration, metres or radians.
+/// Smallest change that counts as an effect, metres or radians.
 const VISIBLE: f64 = 1e-4;
 
 fn walk() -> Experiment {
@@ -23,7 +24,7 @@ fn walk() -> Experiment {
     experiment
 }
 
-/// What settles has no velocity to begin with.
+/// A flight, because noise of the start velocity has no effect on a settled start.
 fn flight() -> Experiment {
     let mut experiment = walk();
     experiment.duration_s = 0.1;
@@ -37,7 +38,7 @@ fn flight() -> Experiment {
 }
 
 /// The walk with one leg that follows a recorded track.
-fn told() -> Experiment {
+fn commanded() -> Experiment {
     let mut experiment = walk();
     let times_s: Vec<f64> = (0..60).map(|k| 0.025 * f64::from(k)).collect();
     let angles_rad = times_s.iter().map(|t| (4.0 * t).sin()).collect();
@@ -73,11 +74,11 @@ fn only(name: &str) -> Noise {
 }
 
 #[test]
-fn every_kind_of_noise_changes_a_run_and_a_repeat_can_be_made_again() {
+fn every_kind_of_noise_changes_a_run_and_is_reproducible() {
     for name in names() {
         let base = match name {
             "start_velocity_m_s" | "start_spin_rad_s" => flight(),
-            "command_jitter_s" => told(),
+            "command_jitter_s" => commanded(),
             _ => walk(),
         };
         let intended = run(&base).unwrap().outcome.completed().unwrap();
@@ -89,7 +90,7 @@ fn every_kind_of_noise_changes_a_run_and_a_repeat_can_be_made_again() {
         };
         let drawn = of(1);
         assert_eq!(drawn, of(1), "{name} is not repeatable");
-        // A metre and a radian count alike: what is seen of either is a change.
+        // Changes in metres and in radians are compared with the same threshold: a change of either is enough.
         let turns = |motion: &Trajectory| motion.orientations_world_from_body().unwrap().to_vec();
         let (drawn_turns, intended_turns) = (turns(&drawn), turns(&intended));
         let positions = drawn.positions_world_m().iter();
@@ -114,7 +115,7 @@ fn no_noise_changes_no_bit() {
     assert!(Noise::default().is_zero());
 }
 
-/// The parts of a draw, by field; start fields share two vectors.
+/// The values of a draw, by field; the fields of the start share two vectors.
 fn parts(p: &Perturbation) -> Vec<(&'static str, Vec<f64>)> {
     vec![
         (
@@ -143,7 +144,7 @@ fn parts(p: &Perturbation) -> Vec<(&'static str, Vec<f64>)> {
 }
 
 #[test]
-fn a_kind_of_noise_leaves_the_draws_of_all_others_alone() {
+fn a_kind_of_noise_does_not_change_the_draws_of_the_others() {
     let base = walk();
     let without = Noise::default().perturb(&base, 3, 1).perturbation;
     let all = Noise::unmeasured_robot().perturb(&base, 3, 1).perturbation;
@@ -155,20 +156,20 @@ fn a_kind_of_noise_leaves_the_draws_of_all_others_alone() {
             let is_own = name == *part
                 || (*part == "start_t" && matches!(name, "start_tilt_rad" | "start_heading_rad"));
             assert_eq!(*drawn != nothing, is_own, "{name} and {part}");
-            // A robot that nobody has measured is put down, not thrown.
+            // The default noise contains no velocities at the start.
             let is_thrown = matches!(*part, "start_velocity_m_s" | "start_spin_rad_s");
             assert_eq!(usual == nothing, is_thrown, "{part}");
         }
     }
-    // A draw has one value a servo or module, and these differ from each other.
+    // A draw has one value per servo or module, and these values differ from each other.
     assert_eq!(all.servo_gain_factor.len(), base.assembly.hinges.len());
     assert_eq!(all.mass_factor.len(), base.assembly.module_names.len());
     assert_ne!(all.mass_factor[0], all.mass_factor[1]);
 }
 
-/// What the stand-ins under `real_trajectories/tripod_standin` were drawn with: these seeds are pinned.
+/// The stand-ins under `real_trajectories/tripod_standin` were drawn with these seeds, so their draws must not change.
 #[test]
-fn old_seeds_draw_what_they_drew() {
+fn the_draws_of_pinned_seeds_do_not_change() {
     let degree = 1.0_f64.to_radians();
     let drawn = Noise::careful_repeat().perturb(&walk(), 7, 3).perturbation;
     let expected: Vec<f64> = PINNED.to_vec();
@@ -199,7 +200,7 @@ const PINNED: [f64; 9] = [
 ];
 
 #[test]
-fn noise_that_makes_no_sense_is_refused_with_the_way_out() {
+fn invalid_noise_is_refused_with_a_valid_alternative() {
     for (text, message) in [
         ("start_position_m: Normal(-0.001)", "0 or more"),
         ("start_position_m: Normal(NaN)", "0 or more"),

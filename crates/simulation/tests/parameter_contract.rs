@@ -1,7 +1,7 @@
-//! Every parameter of the registry changes a run, is read back, and refuses what it must refuse.
+//! Contract of the parameters: every parameter of the registry changes a run, is read back, and refuses invalid values.
 //!
-//! A parameter without a line in `case` is tried on both robots between two ends of its bounds, and fails
-//! here if nothing moves: none can be added that is silently not applied.
+//! A parameter without a line in `case` is tested on two robots with two values within its bounds, and the test fails if the runs
+//! are equal: so no parameter can be added without effect.
 
 #![allow(clippy::unwrap_used)] // a test may fail loudly
 
@@ -18,7 +18,7 @@ use realgap_simulation::{
 
 use crate::change::Change as _;
 
-/// Less than this is no demonstration, metres.
+/// Smallest change that counts as an effect, metres.
 const VISIBLE_M: f64 = 1e-4;
 
 fn robot(name: &str) -> Experiment {
@@ -57,7 +57,7 @@ fn elbow() -> Experiment {
     experiment
 }
 
-/// The same, with a bearing that gives way.
+/// The same, with a compliant bearing.
 fn loose() -> Experiment {
     elbow().set("hinge.bearing_hz", 100.0)
 }
@@ -167,7 +167,7 @@ fn seen_by_exponential() -> Experiment {
 /// Builds an experiment.
 type Make = fn() -> Experiment;
 
-/// Where a parameter is put to the test, and between which values.
+/// The experiments and the two values with which a parameter is tested.
 fn case(parameter: &Parameter) -> (Vec<Make>, f64, f64) {
     let (low, high) = parameter.bounds;
     match parameter.name {
@@ -185,7 +185,7 @@ fn case(parameter: &Parameter) -> (Vec<Make>, f64, f64) {
         "solver.sweeps" => (vec![toss, walk], 1.0, 4.0),
         "solver.relaxations" => (vec![walk], 0.0, 1.0),
         "solver.joint" | "solver.engine" => (vec![walk], 0.0, 1.0),
-        // A lone cube moves the same whatever it weighs; a robot with servos does not.
+        // The motion of a single cube does not depend on its mass; that of a robot with servos does.
         "body.mass_scale" => (vec![walk], 1.0, 2.0),
         "body.inertia_scale" => (vec![toss], 1.0, 1.5),
         "body.com_offset_x_m" | "body.com_offset_y_m" | "body.com_offset_z_m" => {
@@ -213,12 +213,12 @@ fn case(parameter: &Parameter) -> (Vec<Make>, f64, f64) {
         "servo.stribeck_nm" => (vec![swung], 0.0, 0.1),
         "servo.motor_load" | "servo.output_load" | "servo.stribeck_load" => (vec![swung], 0.0, 0.2),
         "servo.quadratic_1_nm" => (vec![swung], 0.0, 0.5),
-        // Form of a part that is there only where something falls with speed.
+        // These parameters act only if the Stribeck friction is not zero.
         "servo.stribeck_speed_rad_s" => (vec![sticky], 0.1, 1.0),
         "servo.stribeck_shape" => (vec![sticky], 1.0, 3.0),
         "gait.frequency_scale" | "gait.amplitude_scale" => (vec![walk], 1.0, 0.7),
         "hinge.bearing_hz" => (vec![elbow], 0.0, 100.0),
-        // A ratio does nothing where nothing gives way.
+        // The damping ratio has an effect only if the bearing is compliant.
         "hinge.bearing_ratio" => (vec![loose], 1.0, 0.3),
         "hinge.armature_kg_m2" => (vec![elbow], 0.0, 0.001),
         "hinge.viscous_nm_s_rad" | "hinge.dry_nm" => (vec![elbow], 0.0, 0.002),
@@ -283,7 +283,7 @@ fn path_of(experiment: &Experiment) -> Trajectory {
 }
 
 #[test]
-fn a_parameter_of_a_module_that_the_robot_does_not_have_is_said_to_have_no_effect() {
+fn a_parameter_of_a_missing_module_gives_a_warning_about_no_effect() {
     let said = |name: &str, experiment: &Experiment| {
         let set = ParameterSet::new().with(format!("{name}=1.2").parse().unwrap());
         let warnings = set.without_effect(experiment);
@@ -298,11 +298,11 @@ fn a_parameter_of_a_module_that_the_robot_does_not_have_is_said_to_have_no_effec
     assert!(said("servo.gain", &elbow()).contains("no servos"));
     assert!(said("servo.dry_nm", &walk()).contains("no servo of the robot is a motor"));
     assert!(said("pusher.friction", &toss()).contains("no driven body"));
-    assert!(said("vehicle.sensor.mean.slope", &toss()).contains("no vehicle"));
-    assert!(said("vehicle.sensor.mean.exponent", &driven()).contains("no such number"));
+    assert!(said("vehicle.sensor.mean.slope", &toss()).contains("not a vehicle"));
+    assert!(said("vehicle.sensor.mean.exponent", &driven()).contains("no such quantity"));
     assert_eq!(said("vehicle.sensor.mean.slope", &driven()), "");
     assert!(said("servo.elbow.gain", &walk()).contains("no joint `elbow`, only "));
-    assert!(said("servo.stiffness_nm_rad", &walk()).contains("no such joint"));
+    assert!(said("servo.stiffness_nm_rad", &walk()).contains("none of these joints"));
     for wrong in [
         "servo.*.mass",
         "servo.a b.gain",
@@ -315,9 +315,9 @@ fn a_parameter_of_a_module_that_the_robot_does_not_have_is_said_to_have_no_effec
     }
 }
 
-/// The one with the narrower name holds, wherever it stands.
+/// The parameter with the more specific name is used, independent of the order.
 #[test]
-fn a_parameter_of_one_joint_overrules_that_of_a_group_and_this_that_of_all() {
+fn a_parameter_of_one_joint_overrides_that_of_a_group_which_overrides_that_of_all() {
     let walk = walk();
     let names: Vec<String> = walk
         .assembly
@@ -351,7 +351,7 @@ fn a_parameter_of_one_joint_overrules_that_of_a_group_and_this_that_of_all() {
     assert_eq!(all.value(&changed), None, "they differ");
 }
 
-/// A form is one line of its registry; the numbers that have names can be set, swept and tuned.
+/// Forms are entries of a registry; all named numbers of a form can be set, swept and tuned.
 #[test]
 fn every_named_number_of_a_form_is_a_parameter_of_a_vehicles_sensor() {
     for form in FORMS.iter().filter(|form| form.name() != "table") {
@@ -384,7 +384,7 @@ fn every_parameter_changes_a_run() {
             let base = experiment();
             let at = |value| path_of(&parameter.apply(&base, value).unwrap());
             let first = at(one);
-            // A difference shows something only where the same value gives the same run.
+            // A difference is meaningful only if the same value gives the same run.
             assert_eq!(first, at(one), "{} is not repeatable", parameter.name);
             let distance_m = largest_distance_m(&first, &at(other));
             assert!(
@@ -397,10 +397,11 @@ fn every_parameter_changes_a_run() {
 }
 
 #[test]
-fn what_is_set_is_read_back_and_nothing_else_changes() {
+fn a_set_value_is_read_back_and_no_other_parameter_changes() {
     for parameter in parameter::all().chain(of_a_module()) {
         let (_, one, other) = case(parameter);
-        // Servos and hinges have what their robot's file states, and the tripod's states little.
+        // The file of the tripod does not state all values of servos and hinges, so another experiment is used if a value is
+        // missing.
         let own = case(parameter).0[0];
         let has_it = |base: &Make| parameter.value(&base()).is_some();
         let base = match parameter.name {
@@ -457,9 +458,9 @@ fn defaults_are_allowed_values() {
     }
 }
 
-/// The amplitude of a servo's answer falls with its gain for the torque law too.
+/// The response of a servo becomes weaker with a lower gain, also for the torque law.
 #[test]
-fn the_gain_means_something_for_both_servo_laws() {
+fn the_gain_has_an_effect_for_both_servo_laws() {
     // chain3 has torque servos, the tripod velocity servos.
     for name in ["chain3", "tripod"] {
         let base = robot(name);
@@ -478,13 +479,13 @@ fn the_gain_means_something_for_both_servo_laws() {
 }
 
 #[test]
-fn latency_shifts_the_answer_by_exactly_its_time() {
+fn latency_shifts_the_response_by_exactly_its_time() {
     use realgap_simulation::watch;
     let angles = |latency_s: f64| {
         let base = walk();
         let latency = parameter::by_name("servo.latency_s").unwrap();
         let mut experiment = latency.apply(&base, latency_s).unwrap();
-        // In free space: no floor that mixes in.
+        // In free space, so that the floor has no influence.
         experiment.gravity_m_s2 = 0.0;
         experiment.floor.height_m = -5.0;
         experiment.start = Start::State(State {

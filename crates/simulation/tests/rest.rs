@@ -1,4 +1,4 @@
-//! Robots made from genomes lie at rest, or it is said that they fell over.
+//! Tests of settling: robots made from genomes come to rest, or a warning says that they fell over.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use realgap_robot::genome::{Development, Gene, Genome, Locus};
@@ -23,7 +23,7 @@ fn a_passive_cube_is_a_robot_and_lies_at_rest() {
 
 #[test]
 fn a_robot_that_falls_over_while_it_settles_is_flagged() {
-    // A tower of two that goes on beside its top: the centre of mass is beyond the foot.
+    // A tower with an overhang at its top: the centre of mass is beyond the foot.
     let l = gene(&[(Locus::PitchPart, 0.3), (Locus::PlaceX, 1.0)]);
     let stand = gene(&[(Locus::PitchPart, 0.8), (Locus::PlaceX, 0.0)]);
     let heavy = Development {

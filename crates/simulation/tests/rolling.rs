@@ -1,4 +1,4 @@
-//! Bodies of any shape on joints of any kind, against closed forms.
+//! Tests of robots of bodies: shapes and joints of all kinds against closed-form solutions.
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
 use std::f64::consts::{PI, TAU};
@@ -30,7 +30,7 @@ fn at_rest(experiment: &mut Experiment, height_m: f64) {
     });
 }
 
-/// How fast a body goes down a slope, as a share of g sin α.
+/// Acceleration of a body down a slope, as a fraction of g sin α.
 fn share_of_free_fall(shape: &str) -> f64 {
     let text =
         format!(r#"(name: "ball", bodies: [(name: "ball", mass_kg: 0.5, shapes: [{shape}])])"#);
@@ -69,7 +69,7 @@ fn cart(left_rad_s: f64, right_rad_s: f64) -> Experiment {
         left.split_once('|').unwrap(),
         right.split_once('|').unwrap(),
     );
-    // So slow a sine that it is a straight line: the wheel's angle grows at its speed.
+    // The sine is so slow that it is practically a straight line: the wheel's angle grows at a constant speed.
     let servo = |joint: &str, speed: f64| {
         format!(
             r#"(joint: "{joint}_axle", servo: (law: Velocity(gain_1_s: 50), max_torque_nm: 1), gait: (amplitude_rad: 1000, frequency_hz: {}))"#,
@@ -97,7 +97,7 @@ fn wheels_roll_at_omega_r_and_turn_on_the_circle_of_their_track_width() {
     let half = places.len() / 2;
     let speed_m_s = (places[places.len() - 1] - places[half]).norm() / (path.duration_s() / 2.0);
     assert!((speed_m_s / (5.0 * 0.04) - 1.0).abs() < 0.01, "{speed_m_s}");
-    // Inner and outer wheel 2 : 3: the middle runs on a circle of w/2 (3 + 2) / (3 − 2).
+    // With speeds of inner and outer wheel of 2 : 3, the middle moves on a circle of radius w/2 (3 + 2) / (3 − 2).
     let mut turning = cart(4.0, 6.0);
     turning.duration_s = 6.0;
     turning.floor.friction = 0.8;
@@ -119,7 +119,7 @@ fn wheels_roll_at_omega_r_and_turn_on_the_circle_of_their_track_width() {
     assert!((radius_m / 0.5 - 1.0).abs() < 0.01, "{radius_m}");
 }
 
-/// A mass on a slide, held by the world.
+/// A mass on a slide that is fixed to the world.
 fn slide(kind: &str, axis: &str) -> Experiment {
     experiment(&format!(
         r#"(name: "slide", mount: (at_m: (0, 0, 2)), bodies: [(name: "rail"),
@@ -192,7 +192,7 @@ fn a_spring_on_a_hinge_swings_by_its_own_inertia() {
 }
 
 #[test]
-fn bodies_fixed_to_each_other_are_one_rigid_part_and_swing_as_one() {
+fn bodies_fixed_to_each_other_are_one_rigid_part_and_swing_as_one_body() {
     let rod = |fixed: bool| {
         let joint = r#"(name: "pin", parent: "stand", child: "a", kind: Turn(axis: (0, 1, 0)))"#;
         match fixed {
@@ -225,7 +225,7 @@ fn bodies_fixed_to_each_other_are_one_rigid_part_and_swing_as_one() {
 }
 
 #[test]
-fn a_torque_as_command_is_the_torque_at_the_joint() {
+fn a_commanded_torque_acts_at_the_joint() {
     let mut spun = experiment(
         r#"(name: "wheel", mount: (at_m: (0, 0, 1)), bodies: [(name: "hub"),
             (name: "wheel", mass_kg: 1, inertia_kg_m2: (xx: 0.01, yy: 0.01, zz: 0.02))],

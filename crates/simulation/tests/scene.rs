@@ -1,4 +1,4 @@
-//! Other bodies of the scene: driven, fixed and free.
+//! Tests of bodies of the scene: driven, fixed and free.
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
 use std::f64::consts::PI;
@@ -39,7 +39,7 @@ fn body(motion: SceneMotion) -> SceneBody {
 }
 
 #[test]
-fn a_driven_body_pushes_a_cube_as_far_as_it_goes_and_keeps_to_its_track() {
+fn a_driven_body_follows_its_track_and_pushes_a_cube_along() {
     let times: Vec<f64> = (0..=100).map(|k| 0.02 * f64::from(k)).collect();
     let along = |t: f64| 0.1 * (1.0 - (PI * t / 2.0).cos()) / 2.0;
     let track = Trajectory::new(
@@ -65,13 +65,13 @@ fn a_driven_body_pushes_a_cube_as_far_as_it_goes_and_keeps_to_its_track() {
             motion.orientations_world_from_body().unwrap()[last],
         )
     };
-    // The tip's front face is at 0.06 m, and 0.1 m further at the end; the cube's rear face is there.
+    // The tip's front face is at 0.06 m at the start and 0.1 m further at the end, where it touches the cube's rear face.
     let (position, turn) = end(&experiment);
     assert!(
         (position.x - 0.2).abs() < 1e-3 && turn.angle() < 0.02,
         "{position}"
     );
-    // A tip further forward pushes further; one above the cube not at all.
+    // A tip further forward pushes the cube further; a tip above the cube does not push it.
     experiment.adjustment.pusher_offset_m.x = 0.01;
     assert!((end(&experiment).0.x - 0.21).abs() < 1e-3);
     experiment.adjustment.pusher_offset_m.z = 0.2;

@@ -1,4 +1,4 @@
-//! A servo as it is built, against closed forms, with both kinds of joint.
+//! Tests of servos with motor and gear against closed-form solutions, with both formulations of joints.
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
 use std::f64::consts::TAU;
@@ -23,7 +23,7 @@ const VOLT: f64 = 7.2;
 /// kt V / R, N m.
 const STALL_NM: f64 = KT * VOLT / OHM;
 
-/// The pendulum with a motor of which `rest` says what is not as above.
+/// The pendulum with a motor; `rest` states additional fields of its law.
 fn pendulum(rest: &str) -> Experiment {
     let text = format!(
         r#"(
@@ -40,7 +40,7 @@ fn pendulum(rest: &str) -> Experiment {
     );
     let robot =
         Morphology::parse(&Source::new("pendulum.ron", text)).unwrap_or_else(|e| panic!("{e}"));
-    // What is written is read again.
+    // A written robot is read back to an equal value.
     let again = Morphology::parse(&Source::new("again.ron", robot.to_ron().unwrap()));
     assert_eq!(again.unwrap(), robot);
     let mut experiment = Experiment::new(robot.assemble());
@@ -61,10 +61,10 @@ fn close(measured: f64, expected: f64, share: f64, what: &str) {
 #[test]
 fn at_full_duty_the_arm_rises_until_its_weight_balances_the_stall_torque() {
     for kind in KINDS {
-        // So weak a supply that the motor cannot lift the arm all the way.
+        // The supply is so weak that the motor cannot lift the arm all the way.
         let (volt, viscous) = (2.0, 0.05);
         let robot = pendulum(&format!(", friction: (viscous_nm_s_rad: {viscous})"))
-            .told(&[0.0], &[5.0], None)
+            .with_commands(&[0.0], &[5.0], None)
             .from(0.0, 0.0)
             .set("servo.supply_v", volt)
             .joined(kind)
@@ -81,12 +81,12 @@ fn at_full_duty_the_arm_rises_until_its_weight_balances_the_stall_torque() {
 }
 
 #[test]
-fn without_load_the_speed_is_what_the_back_emf_and_the_friction_leave_of_the_supply() {
+fn without_load_the_speed_follows_from_supply_back_emf_and_friction() {
     for kind in KINDS {
         for dry in [0.0, 0.1] {
             let robot = pendulum(&format!(", friction: (dry_nm: {dry})"))
                 .weightless()
-                .told(&[0.0, 1.0], &[1.0, 1000.0], None)
+                .with_commands(&[0.0, 1.0], &[1.0, 1000.0], None)
                 .from(0.0, 0.0)
                 .joined(kind)
                 .lasting(1.0);
@@ -103,7 +103,7 @@ fn without_load_the_speed_is_what_the_back_emf_and_the_friction_leave_of_the_sup
 }
 
 #[test]
-fn switched_off_it_runs_down_under_coulomb_and_under_viscous_friction() {
+fn a_switched_off_servo_slows_down_by_coulomb_and_viscous_friction() {
     let speed = 10.0;
     for kind in KINDS {
         let dry = 0.05;
@@ -177,7 +177,7 @@ fn the_armature_lengthens_the_period_of_the_free_swing() {
 }
 
 #[test]
-fn a_dead_time_shifts_the_answer_and_nothing_else() {
+fn a_dead_time_shifts_the_response_and_changes_nothing_else() {
     let times: Vec<f64> = (0..=200).map(|k| f64::from(k) * 0.01).collect();
     let angles: Vec<f64> = times
         .iter()
@@ -185,10 +185,10 @@ fn a_dead_time_shifts_the_answer_and_nothing_else() {
         .collect();
     for kind in KINDS {
         let robot = |dead: f64| {
-            // In whole steps, so that the shift is one of samples.
+            // The dead time is a whole number of steps, so that the shift is a whole number of samples.
             pendulum(", friction: (viscous_nm_s_rad: 0.02)")
                 .weightless()
-                .told(&times, &angles, None)
+                .with_commands(&times, &angles, None)
                 .from(0.0, 0.0)
                 .set("servo.latency_s", dead)
                 .set("timestep_s", 0.001)
@@ -205,11 +205,11 @@ fn a_dead_time_shifts_the_answer_and_nothing_else() {
 }
 
 #[test]
-fn within_the_play_nothing_is_transmitted_and_the_arm_comes_to_rest_at_its_edge() {
+fn within_the_backlash_no_torque_is_transmitted_and_the_arm_rests_at_its_edge() {
     for kind in KINDS {
         let robot = pendulum(", friction: (viscous_nm_s_rad: 0.3)")
             .weightless()
-            .told(&[0.0], &[0.3], None)
+            .with_commands(&[0.0], &[0.3], None)
             .from(0.0, 0.0)
             .set("servo.backlash_rad", 0.1)
             .joined(kind)
@@ -221,18 +221,18 @@ fn within_the_play_nothing_is_transmitted_and_the_arm_comes_to_rest_at_its_edge(
 }
 
 #[test]
-fn a_gear_that_rubs_on_its_load_lifts_less_and_holds_more() {
+fn a_gear_with_load_dependent_friction_lifts_less_and_holds_more() {
     let m: f64 = 0.3;
     let friction = format!(
         ", friction: (dry_nm: 0.001, motor_load: {m}, output_load: {m}, viscous_nm_s_rad: 0.05)"
     );
-    // The error is far beyond what saturates the duty, which rises slowly.
+    // The error is so large that the duty saturates; it rises slowly because of the slew limit.
     let volt = 2.0;
     let torque = KT * volt / OHM;
     let weight = |angle: f64| MASS_KG * G * ARM_M * angle.sin();
     for kind in KINDS {
         let slow = pendulum(&friction)
-            .told(&[0.0], &[5.0], None)
+            .with_commands(&[0.0], &[5.0], None)
             .set("servo.supply_v", volt)
             .set("servo.slew_1_s", 0.2)
             .joined(kind);
@@ -244,7 +244,7 @@ fn a_gear_that_rubs_on_its_load_lifts_less_and_holds_more() {
             0.03,
             &format!("{kind:?} lifts"),
         );
-        // Held from above, it sinks until the weight is no more than what torque and friction hold.
+        // From above, the arm sinks until its weight is no more than motor torque and friction can hold.
         let held = slow.set("servo.slew_1_s", 1e6).from(1.5, 0.0).lasting(6.0);
         let (_, joint) = film(&held);
         let sunk = weight(*joint.angles_rad.last().unwrap());
@@ -262,7 +262,7 @@ fn a_slew_limit_spreads_the_impulse_of_a_step_over_time() {
     for kind in KINDS {
         let robot = pendulum(", slew_1_s: 10")
             .weightless()
-            .told(&[0.0], &[100.0], None)
+            .with_commands(&[0.0], &[100.0], None)
             .from(0.0, 0.0)
             .set("timestep_s", 0.0005)
             .joined(kind)

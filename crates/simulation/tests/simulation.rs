@@ -1,4 +1,4 @@
-//! What must hold of any simulation: reproducible, honest about its start, free fall as Galileo said.
+//! Tests of basic properties of a simulation: reproducibility, start state, free fall, sampling, and divergence.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -54,7 +54,7 @@ fn a_run_does_not_change_its_experiment() {
 }
 
 #[test]
-fn a_run_starts_with_the_state_that_was_asked_for() {
+fn a_run_starts_with_the_stated_state() {
     for joint in [JointFormulation::Impulse, JointFormulation::Multibody] {
         for robot in ["cube", "tripod", "chain5"] {
             let flying = flying(robot, joint);
@@ -94,9 +94,9 @@ fn a_cube_in_free_flight_follows_the_parabola() {
     }
 }
 
-/// Internal servo torques cannot move the centre of mass; both joint kinds must agree about where it goes.
+/// Internal torques of servos cannot move the centre of mass, so both formulations of joints must agree about its path.
 #[test]
-fn both_joint_kinds_fly_alike() {
+fn both_joint_formulations_give_the_same_flight() {
     let end = |joint| {
         let mut flying = flying("tripod", joint);
         flying.duration_s = 0.2;
@@ -104,12 +104,12 @@ fn both_joint_kinds_fly_alike() {
         let motion = run(&flying).unwrap().outcome.completed().unwrap();
         motion.positions_world_m()[motion.len() - 1]
     };
-    let apart_m = (end(JointFormulation::Impulse) - end(JointFormulation::Multibody)).norm();
-    assert!(apart_m < 1e-3, "{apart_m} m apart");
+    let distance_m = (end(JointFormulation::Impulse) - end(JointFormulation::Multibody)).norm();
+    assert!(distance_m < 1e-3, "a distance of {distance_m} m");
 }
 
 #[test]
-fn samples_come_when_they_were_asked_for() {
+fn samples_are_taken_at_the_stated_times() {
     let mut still = experiment("cube");
     still.duration_s = 0.51;
     still.sampling = Sampling::Rate(10.0);
@@ -132,7 +132,7 @@ fn a_settled_robot_starts_at_rest_on_the_floor() {
 }
 
 #[test]
-fn an_absurd_state_is_a_status_and_has_no_trajectory() {
+fn a_diverged_run_is_an_outcome_without_a_trajectory() {
     let mut thrown = flying("cube", JointFormulation::Impulse);
     thrown.floor.height_m = -9.0;
     let Start::State(state) = &mut thrown.start else {
@@ -194,9 +194,9 @@ fn a_repeat_can_be_replayed_alone() {
     );
 }
 
-/// Sample standard deviation of many draws: within 5 standard errors of what was asked for.
+/// The sample standard deviation of many draws is within 5 standard errors of the stated value.
 #[test]
-fn the_camera_error_has_the_size_that_was_asked_for() {
+fn the_camera_error_has_the_stated_size() {
     let base = Experiment {
         duration_s: 20.0,
         sampling: Sampling::Rate(200.0),

@@ -1,4 +1,4 @@
-//! Beliefs and the two-wheel robot: closed forms, what is refused, and studies of it like of any other robot.
+//! Tests of the two-wheel robot: closed-form solutions, noise, several robots, and refused files.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -25,12 +25,12 @@ fn motion(experiment: &Experiment) -> Trajectory {
 
 /// The ideal robot of paper 000, section 5.2: straight to the first box, right, straight to the second, right, and back.
 #[test]
-fn the_ideal_robot_goes_where_the_paper_says() {
+fn the_ideal_robot_follows_the_path_of_the_paper() {
     let mut experiment = two_wheel();
     experiment.drive.ideal_actuator = 1.0;
     experiment.drive.ideal_sensor = 1.0;
     experiment.drive.ideal_control = 1.0;
-    // The paper measures from the robot's middle.
+    // The paper measures distances from the robot's middle.
     experiment.drive.sensor_ahead_m = 0.0;
     let path = motion(&experiment);
     let positions = path.positions_world_m();
@@ -43,12 +43,12 @@ fn the_ideal_robot_goes_where_the_paper_says() {
     let speed = positions[60].x - positions[0].x;
     assert!(
         (speed - 0.2266).abs() < 1e-6,
-        "constants come once a command, not once an epoch: {speed}"
+        "constants must apply once per command, not once per epoch: {speed}"
     );
 }
 
 #[test]
-fn constants_of_a_command_come_once() {
+fn constants_of_a_command_apply_once_per_command() {
     let mut experiment = two_wheel();
     experiment.drive.drift_rad_s = 0.0;
     experiment.drive.drift_offset_rad = 0.0;
@@ -68,7 +68,7 @@ fn constants_of_a_command_come_once() {
     let turned = |coast_rad: f64| {
         let mut changed = experiment.clone();
         changed.drive.turn_coast_rad = coast_rad;
-        // One turn within the run.
+        // The run contains one turn.
         changed.duration_s = 2.5;
         motion(&changed).turned_rad().unwrap()
     };
@@ -76,11 +76,12 @@ fn constants_of_a_command_come_once() {
     assert!((more - 0.1).abs() < 1e-6, "{more}");
 }
 
-/// Alarms come like Poisson's: after a time t all but exp(-rate t) of the runs have turned. 600 runs: standard error 0.02.
+/// False alarms are a Poisson process: after a time t, all but exp(-rate t) of the runs have turned. With 600 runs the standard
+/// error is 0.02.
 #[test]
-fn false_alarms_come_as_often_as_they_are_set_and_never_of_themselves() {
+fn false_alarms_occur_at_the_stated_rate_and_not_by_default() {
     let mut experiment = two_wheel();
-    // The first box is 1.7 s away.
+    // The robot needs 1.7 s to the first box.
     experiment.duration_s = 1.0;
     let turned = |rate_hz: f64| {
         let mut changed = experiment.clone();
@@ -90,7 +91,7 @@ fn false_alarms_come_as_often_as_they_are_set_and_never_of_themselves() {
         turns.filter(|turned| *turned < -0.3).count() as f64 / 600.0
     };
     assert_eq!(turned(0.0), 0.0);
-    // It coasts for 0.06 s, and has turned by 0.2 rad more than it drifts 0.06 s later.
+    // The robot coasts for 0.06 s, and 0.06 s later it has turned by 0.2 rad more than by drift.
     for rate_hz in [0.5, 2.0] {
         let (found, expected) = (turned(rate_hz), 1.0 - (-rate_hz * 0.88).exp());
         assert!((found - expected).abs() < 0.06, "{found}, {expected}");
@@ -104,19 +105,19 @@ fn false_alarms_come_as_often_as_they_are_set_and_never_of_themselves() {
 }
 
 #[test]
-fn repeats_differ_by_their_number_alone_and_are_the_same_again() {
+fn repeats_depend_on_their_number_and_are_reproducible() {
     let experiment = two_wheel();
     let noise = Noise::default();
     let of = |repeat: u64| motion(&noise.perturb(&experiment, 7, repeat));
     assert_eq!(of(3), of(3));
     assert_ne!(of(3), of(4));
     assert_eq!(motion(&experiment), motion(&experiment));
-    // Half of the actuators' errors switched off changes no draw of the sensor.
+    // Switching off errors of actuators and readings changes no draw of the sensor.
     let mut quiet = experiment.clone();
     quiet.drive.actuator_noise = 0.0;
     quiet.drive.sensor_noise = 0.0;
     let quiet = |repeat: u64| motion(&noise.perturb(&quiet, 7, repeat));
-    // Only the moment of the first reading is left: it is within a sampling time.
+    // Only the time of the first reading remains random: it is within one sampling time.
     let off = (quiet(3).positions_world_m()[80] - quiet(4).positions_world_m()[80]).norm();
     assert!(off < 1e-9, "{off}");
 }
@@ -145,25 +146,25 @@ fn crowd(others: &str) -> realgap_core::Result<Experiment> {
 }
 
 #[test]
-fn robots_in_one_arena_see_and_avoid_one_another() {
+fn robots_in_one_arena_detect_and_avoid_each_other() {
     let turned_rad = |experiment: &Experiment| {
         let motion = motion(experiment);
         let all = motion.orientations_world_from_body().unwrap();
         all[0].angle_to(&all[all.len() - 1])
     };
-    // Alone it drifts; another that comes towards it makes it turn to the right.
+    // A single robot only drifts; another robot that comes towards it makes it turn to the right.
     let alone = turned_rad(&crowd("").unwrap());
     assert!(alone < 0.3, "{alone}");
     let met = turned_rad(&crowd("(x_m: 1.8, y_m: 0.97, heading_deg: 180.0)").unwrap());
     assert!(met > 1.2, "{met}");
-    // One far off changes nothing, not even what is drawn.
+    // A distant robot changes nothing, not even the random draws.
     let mut far = crowd("(x_m: 3.9, y_m: 2.9, heading_deg: 90.0)").unwrap();
     let mut lone = crowd("").unwrap();
     for experiment in [&mut far, &mut lone] {
         experiment.perturbation.draw = Some((3, 4));
     }
     assert_eq!(motion(&far), motion(&lone));
-    // One that is driven into from behind its sensor's view stops both before they overlap.
+    // Robots that do not react to their sensors stop before they overlap.
     let mut blind = crowd("(x_m: 1.5, y_m: 1.0, heading_deg: 180.0)").unwrap();
     blind.drive.threshold_m = 0.0;
     blind.drive.ideal_sensor = 1.0;
@@ -194,6 +195,6 @@ fn a_thousand_runs_take_seconds() {
     for repeat in 0..100 {
         let _motion = motion(&Noise::default().perturb(&experiment, 1, repeat));
     }
-    // 2 CPU s a thousand in a release build; tests are slower, and machines busy.
+    // A release build needs 2 CPU s per thousand runs; test builds are slower, and machines may be busy.
     assert!(begun.elapsed().as_secs_f64() < 2.0, "{:?}", begun.elapsed());
 }

@@ -1,7 +1,7 @@
 //! The articulated-body algorithm on the level of velocities and impulses (Featherstone 2008, chapter 7).
 //!
-//! Instead of a mass matrix every body has its articulated inertia and its response J M⁻¹ Jᵀ, six by six: together they say all
-//! that contacts need, in a time proportional to the number of bodies.
+//! Instead of a mass matrix, every body has its articulated inertia and its response J M⁻¹ Jᵀ, both six by six. Together they
+//! contain everything that contacts need, and computing them takes a time proportional to the number of bodies.
 
 use parry3d_f64::math::Vec3;
 
@@ -11,8 +11,8 @@ use crate::spatial::{Spatial, Symmetric};
 
 /// Articulated inertias from the leaves inwards (equations 7.33 to 7.43), then responses from the root outwards.
 ///
-/// `stiff` is what a joint adds to the inertia about its axis: rotor, and what resists implicitly (dampers, springs, servos).
-/// False where a joint or a root has no inertia.
+/// `stiff` is the amount that a joint adds to the inertia about its axis: the rotor, and the implicit terms of dampers, springs
+/// and servos. Returns false if a joint or a root has no inertia.
 pub(crate) fn factor(forest: &Forest, nodes: &mut [Node], stiff: &[f64]) -> bool {
     for (body, node) in forest.bodies.iter().zip(nodes.iter_mut()) {
         node.articulated = Symmetric::rigid(body.mass_kg, node.arm_m, &node.inertia_world);
@@ -34,10 +34,10 @@ pub(crate) fn factor(forest: &Forest, nodes: &mut [Node], stiff: &[f64]) -> bool
                 let d = node.axis.dot(&u) + stiff[index];
                 sound &= d > 0.0;
                 node.inverse_d = 1.0 / d;
-                node.lean = u * node.inverse_d;
+                node.u_over_d = u * node.inverse_d;
                 let parent = &mut above[body.parent];
                 parent.articulated.add(&node.articulated);
-                parent.articulated.add_outer(&u, &-node.lean);
+                parent.articulated.add_outer(&u, &-node.u_over_d);
             }
         }
     }
@@ -53,21 +53,22 @@ pub(crate) fn factor(forest: &Forest, nodes: &mut [Node], stiff: &[f64]) -> bool
     sound
 }
 
-/// Λ = Lᵀ Λ_parent L + S Sᵀ / D, where L = 1 − (U / D) Sᵀ is what a parent feels of an impulse on its child.
+/// Λ = Lᵀ Λ_parent L + S Sᵀ / D, where L = 1 − (U / D) Sᵀ maps an impulse on a child to the impulse that its parent receives.
 fn respond(parent: &Node, node: &mut Node) {
-    node.recoil = parent.response.times(&node.lean);
-    node.give = node.inverse_d + node.lean.dot(&node.recoil);
+    node.recoil = parent.response.times(&node.u_over_d);
+    node.give = node.inverse_d + node.u_over_d.dot(&node.recoil);
     let (axis, half) = (node.axis, node.axis * (0.5 * node.give) - node.recoil);
     node.response = parent.response;
     node.response.add_outer(&axis, &half);
     node.response.add_outer(&half, &axis);
 }
 
-/// Velocities after a step of `time_s` in which only what is given acts, and what rows did in the step before (`warm`).
+/// Velocities after a step of `time_s` in which only the given impulses and the contact impulses of the previous step (`warm`)
+/// act.
 ///
 /// Velocity products are taken in the middle of the step, at the mean of the velocities before and after (a predictor and a
-/// corrector): taken at its beginning they let a pendulum's energy grow in proportion to the step. What comes of the step is
-/// `foreseen` where it has been solved before.
+/// corrector): taken at its beginning they let a pendulum's energy grow in proportion to the step. `foreseen` is true if the step
+/// has been solved before, so that the change of velocity over the step is already known.
 pub(crate) fn free_velocities(
     tree: &Tree,
     forest: &Forest,
@@ -100,16 +101,18 @@ pub(crate) fn free_velocities(
     }
 }
 
-/// Changes of velocity and speed over a step, with velocity products at the mean of velocities before and coming.
+/// Changes of velocity and speed over a step, with velocity products at the mean of the velocities before and after it.
 fn accelerate(tree: &Tree, bodies: &[Body], nodes: &mut [Node], time_s: f64, given: &[Spatial]) {
     velocity_products(tree, bodies, nodes, time_s, given);
     gather(tree, bodies, nodes);
     spread(tree, bodies, nodes);
 }
 
-/// Impulse on every body: what is given, minus velocity products v ×* I v (equation 7.29), and the drift of its axis.
+/// Impulse on every body: the given impulse, minus velocity products v ×* I v (equation 7.29); and the change of velocity due to
+/// the motion of its joint axis.
 ///
-/// Seen from a frame that moves along with the root: neither knows of the speed at which all fly together.
+/// All is computed in a frame that translates with the root, so that the result does not depend on the common velocity of the
+/// tree.
 fn velocity_products(
     tree: &Tree,
     bodies: &[Body],
@@ -138,7 +141,8 @@ fn velocity_products(
     }
 }
 
-/// Impulses and efforts from the leaves inwards; leaves in `speed_change` what is left for the joint.
+/// Propagates impulses and efforts from the leaves inwards; stores in `speed_change` the generalised impulse that remains for the
+/// joint.
 fn gather(tree: &Tree, bodies: &[Body], nodes: &mut [Node]) {
     for (index, body) in (tree.root..tree.end).zip(bodies).rev() {
         if body.is_root() {
@@ -150,7 +154,7 @@ fn gather(tree: &Tree, bodies: &[Body], nodes: &mut [Node]) {
         let dragged = node.articulated.times(&node.drift);
         node.speed_change = left;
         let mut passed = node.impulse - dragged;
-        passed.add_scaled(&node.lean, node.axis.dot(&dragged) - left);
+        passed.add_scaled(&node.u_over_d, node.axis.dot(&dragged) - left);
         above[body.parent].impulse += passed;
     }
 }
@@ -165,7 +169,7 @@ fn spread(tree: &Tree, bodies: &[Body], nodes: &mut [Node]) {
             continue;
         }
         node.change = above[body.parent].change + node.drift;
-        node.speed_change = node.speed_change * node.inverse_d - node.lean.dot(&node.change);
+        node.speed_change = node.speed_change * node.inverse_d - node.u_over_d.dot(&node.change);
         node.change.add_scaled(&node.axis, node.speed_change);
     }
 }

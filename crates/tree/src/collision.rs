@@ -1,4 +1,4 @@
-//! Which shapes come close.
+//! Broad phase of collision detection: finds the pairs of shapes that are close enough for a contact.
 
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::{Pose, Rot3, Vec3};
@@ -15,21 +15,21 @@ struct Shape {
     body_from_shape: Pose,
     collider: Collider,
     form: Form,
-    /// Ball around it, in the body's frame.
+    /// Centre of the bounding ball, in the body's frame.
     ball_body_m: Vec3,
     radius_m: f64,
 }
 
-/// A shape of the world.
-pub(crate) struct Placed {
+/// A fixture's shape with its pose in the world.
+pub(crate) struct PlacedFixture {
     pub fixture: Fixture,
     form: Form,
     world_from_shape: Pose,
-    /// Box around the shape, in its own frame.
+    /// Bounding box of the shape, in the shape's own frame.
     around: Aabb,
 }
 
-impl Placed {
+impl PlacedFixture {
     fn place(&mut self) {
         self.world_from_shape =
             self.fixture.world_from_fixture * self.fixture.collider.owner_from_shape;
@@ -40,29 +40,29 @@ impl Placed {
         self.fixture.velocity_world_m_s + self.fixture.angular_velocity_world_rad_s.cross(arm_m)
     }
 
-    /// Puts it elsewhere.
+    /// Sets the pose of the fixture.
     pub fn put(&mut self, world_from_fixture: Pose) {
         self.fixture.world_from_fixture = world_from_fixture;
         self.place();
     }
 }
 
-/// Two bodies, or a body and a fixture, and the range of their pairs of shapes.
-struct Couple {
+/// Two bodies, or a body and a fixture, and the range of their pairs of shapes in the list of pairs.
+struct BodyPair {
     a: usize,
     b: usize,
     first: usize,
     end: usize,
 }
 
-/// Everything that may touch.
+/// All shapes, and all pairs of shapes that may be in contact.
 pub(crate) struct Collision {
     shapes: Vec<Shape>,
-    pub fixtures: Vec<Placed>,
+    pub fixtures: Vec<PlacedFixture>,
     pairs: Vec<Pair>,
-    with_fixtures: Vec<Couple>,
-    between_bodies: Vec<Couple>,
-    /// Ball around each body, and how far from it surfaces are watched.
+    with_fixtures: Vec<BodyPair>,
+    between_bodies: Vec<BodyPair>,
+    /// Bounding ball of each body, and the distance within which contacts of the body are searched.
     centres: Vec<Vec3>,
     radii: Vec<f64>,
     reaches: Vec<f64>,
@@ -70,7 +70,7 @@ pub(crate) struct Collision {
     now: u64,
 }
 
-/// Share of a step's travel by which surfaces are watched ahead.
+/// Contacts are searched within this multiple of the distance that a body travels in a step.
 const AHEAD: f64 = 1.5;
 
 impl Collision {
@@ -97,12 +97,12 @@ impl Collision {
         }
         for fixture in 0..collision.fixtures.len() {
             for body in 0..many {
-                collision.meet_fixture(body, fixture, forest);
+                collision.add_fixture_pairs(body, fixture, forest);
             }
         }
         for a in 0..many {
             for b in a + 1..many {
-                collision.meet_body(a, b, model, forest);
+                collision.add_body_pairs(a, b, model, forest);
             }
         }
         collision
@@ -113,7 +113,7 @@ impl Collision {
         first..self.shapes.partition_point(|shape| shape.body <= body)
     }
 
-    fn meet_fixture(&mut self, body: usize, fixture: usize, forest: &Forest) {
+    fn add_fixture_pairs(&mut self, body: usize, fixture: usize, forest: &Forest) {
         if forest.bodies[body].freedom == Freedom::Mounted {
             return;
         }
@@ -142,7 +142,7 @@ impl Collision {
                 workspace: None,
             });
         }
-        self.with_fixtures.push(Couple {
+        self.with_fixtures.push(BodyPair {
             a: body,
             b: fixture,
             first,
@@ -150,7 +150,7 @@ impl Collision {
         });
     }
 
-    fn meet_body(&mut self, a: usize, b: usize, model: &Model, forest: &Forest) {
+    fn add_body_pairs(&mut self, a: usize, b: usize, model: &Model, forest: &Forest) {
         let joined = forest.bodies[b].parent == a || forest.bodies[a].parent == b;
         let mounted = |body: usize| forest.bodies[body].freedom == Freedom::Mounted;
         if joined || (mounted(a) && mounted(b)) {
@@ -161,10 +161,10 @@ impl Collision {
             for shape_b in self.shapes_of(b) {
                 let (one, two) = (&self.shapes[shape_a], &self.shapes[shape_b]);
                 let marks = (one.collider.mark, two.collider.mark);
-                let apart =
-                    model.apart.contains(&marks) || model.apart.contains(&(marks.1, marks.0));
+                let excluded = model.collision_exclude.contains(&marks)
+                    || model.collision_exclude.contains(&(marks.1, marks.0));
                 let grouped = one.collider.group != 0 && one.collider.group == two.collider.group;
-                if apart || grouped {
+                if excluded || grouped {
                     continue;
                 }
                 self.pairs.push(Pair {
@@ -183,7 +183,7 @@ impl Collision {
             }
         }
         if self.pairs.len() > first {
-            self.between_bodies.push(Couple {
+            self.between_bodies.push(BodyPair {
                 a,
                 b,
                 first,
@@ -192,7 +192,7 @@ impl Collision {
         }
     }
 
-    /// Finds all contacts of the bodies where they are now.
+    /// Finds all contacts of the bodies at their present poses.
     pub fn find(&mut self, nodes: &[Node], time_s: f64, touches: &mut Vec<Touch>) {
         self.now += 1;
         for (index, node) in nodes.iter().enumerate() {
@@ -202,7 +202,7 @@ impl Collision {
             self.reaches[index] = AHEAD * time_s * speed;
         }
         for couple in 0..self.with_fixtures.len() {
-            let Couple { a, b, first, end } = self.with_fixtures[couple];
+            let BodyPair { a, b, first, end } = self.with_fixtures[couple];
             let placed = &self.fixtures[b];
             let led = placed.velocity_at(self.centres[a]).length()
                 + placed.fixture.angular_velocity_world_rad_s.length() * self.radii[a];
@@ -216,7 +216,7 @@ impl Collision {
             }
         }
         for couple in 0..self.between_bodies.len() {
-            let Couple { a, b, first, end } = self.between_bodies[couple];
+            let BodyPair { a, b, first, end } = self.between_bodies[couple];
             let reach = self.prediction_m.max(self.reaches[a] + self.reaches[b]);
             let near = self.radii[a] + self.radii[b] + reach;
             if self.centres[a].distance_squared(self.centres[b]) < near * near {
@@ -278,7 +278,7 @@ impl Collision {
         pair.touch_shape(index, self.now, mine, other, reach, touches);
     }
 
-    /// Keeps the impulse of a contact for the next step.
+    /// Stores the impulse of a contact for the warm start of the next step.
     pub fn remember(&mut self, memory: Memory, impulse_world_n_s: Vec3) {
         match memory {
             Memory::Corner { pair, corner } => self.pairs[pair].corners[corner] = impulse_world_n_s,
@@ -290,17 +290,17 @@ impl Collision {
         }
     }
 
-    /// Forgets all contacts: what was put elsewhere starts anew.
+    /// Discards the stored impulses of all contacts, because a body or fixture was moved.
     pub fn forget(&mut self) {
         self.now += 2;
     }
 
-    /// Link and mark of a body's shape.
+    /// Link and caller's mark of a body's shape.
     pub fn owner(&self, shape: usize) -> (usize, u64) {
         (self.shapes[shape].link, self.shapes[shape].collider.mark)
     }
 
-    /// Moves driven fixtures on.
+    /// Advances moving fixtures by a time.
     pub fn lead(&mut self, time_s: f64) {
         for placed in &mut self.fixtures {
             let (v, w) = (
@@ -318,8 +318,8 @@ impl Collision {
     }
 }
 
-impl Placed {
-    /// A lower bound of the distance from a point.
+impl PlacedFixture {
+    /// A lower bound of the distance of the fixture from a point.
     fn distance(&self, point_world_m: Vec3) -> f64 {
         let point_m = self.world_from_shape.inverse_transform_point(point_world_m);
         if let Form::HalfSpace(normal) = self.form {
@@ -329,8 +329,8 @@ impl Placed {
     }
 }
 
-fn placed(fixture: &Fixture) -> Placed {
-    let mut placed = Placed {
+fn placed(fixture: &Fixture) -> PlacedFixture {
+    let mut placed = PlacedFixture {
         form: Form::of(&fixture.collider.shape),
         around: fixture.collider.shape.compute_local_aabb(),
         fixture: fixture.clone(),

@@ -1,4 +1,5 @@
-//! Contact rows: a soft normal with restitution, and friction within Coulomb's cone, opposite to slip; or both within a relaxed one.
+//! Contact constraints (rows): a soft normal constraint with restitution, and friction within Coulomb's cone, opposite to the
+//! slip; or both within a relaxed cone.
 
 use parry3d_f64::math::Vec3;
 
@@ -8,25 +9,25 @@ use crate::model::{Cone, Settings};
 use crate::spatial::Spatial;
 use crate::touch::{Memory, Touch};
 
-/// Spring and damper as an implicit step sees them (Catto 2011, "Soft constraints").
+/// Spring and damper of a contact in an implicit time step (Catto 2011, "Soft constraints").
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Softness {
-    /// Speed that undoes a depth, 1/s.
+    /// Speed of separation per penetration depth, 1/s.
     recovery_1_s: f64,
     most_recovery_m_s: f64,
-    /// How much the row gives, as a share of its inverse mass.
+    /// Compliance of the row, as a fraction of its inverse mass.
     pub slack: f64,
     time_s: f64,
     relaxed: Option<Relaxed>,
 }
 
-/// What rows of a relaxed cone aim at: accelerations of a spring and a damper of unit mass, whatever the contact feels (the reference
-/// of Todorov 2014), in an implicit step.
+/// Target velocities of the rows of a relaxed cone: those of a spring and a damper of unit mass, independent of the mass at the
+/// contact (the reference acceleration of Todorov 2014), in an implicit step.
 #[derive(Debug, Clone, Copy)]
 struct Relaxed {
-    /// Share of a velocity that is left after the step.
+    /// Fraction of a velocity that remains after the step.
     kept: f64,
-    /// Speed that undoes a depth, 1/s.
+    /// Speed of separation per penetration depth, 1/s.
     recovery_1_s: f64,
 }
 
@@ -48,7 +49,8 @@ impl Softness {
         }
     }
 
-    /// Least speed apart at this distance: above the surface, what just touches it at the end of the step.
+    /// Smallest required speed of separation at this distance. Above the surface it is the speed with which the surfaces just
+    /// touch at the end of the step.
     pub fn wanted_speed(&self, distance: f64) -> f64 {
         if distance > 0.0 {
             -distance / self.time_s
@@ -58,13 +60,13 @@ impl Softness {
     }
 }
 
-/// The rows of a contact as one body sees them: along the normal and two tangents.
+/// The part of a contact's rows that belongs to one body: along the normal and two tangents.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Side {
-    /// Reads the velocity of the point.
-    pub reads: [Spatial; 3],
-    /// Change of the body's velocity per impulse of the pair.
-    pub gives: [Spatial; 3],
+    /// Rows of the Jacobian: they map the body's velocity to the velocity of the contact point.
+    pub jacobian: [Spatial; 3],
+    /// Change of the body's velocity per unit impulse between the pair of bodies.
+    pub response: [Spatial; 3],
 }
 
 /// A contact point.
@@ -80,16 +82,17 @@ pub(crate) struct Point {
     /// Inverse masses: normal, and the tangents, the larger one first.
     normal_k: f64,
     tangent_k: [f64; 2],
-    /// Inverse mass of both trees, each as if it were one piece: outside contacts never give less.
+    /// Inverse mass of both trees, each treated as one rigid body: the inverse mass at a contact with another tree or with a
+    /// fixture is never smaller.
     whole_k: f64,
-    /// Normal speed per impulse along the tangents.
+    /// Normal velocity per unit impulse along each of the tangents.
     presses: [f64; 2],
-    /// Slip left per impulse of friction.
+    /// Remaining slip velocity per unit friction impulse.
     slip_per_impulse: f64,
     wanted: f64,
     slack: f64,
     friction: f64,
-    /// Speed apart per slip, within a relaxed cone.
+    /// Speed of separation per slip velocity, for a relaxed cone.
     lift: f64,
     pub impulse: [f64; 3],
     pub memory: Memory,
@@ -102,24 +105,24 @@ pub(crate) struct Point {
 pub(crate) struct Group {
     pub a: usize,
     pub b: usize,
-    /// Where their paths meet; [`NONE`] for different trees.
+    /// Last common ancestor of both bodies; [`NONE`] if they belong to different trees.
     pub meeting: usize,
     pub first: usize,
     pub end: usize,
-    /// The next group of the same meeting; [`NONE`] after the last.
+    /// The next group with the same common ancestor; [`NONE`] after the last.
     pub next: usize,
 }
 
-/// A normal gives at least this share of what the tangents or the trees as a whole would.
+/// The inverse mass of a normal row is at least this fraction of that of the tangents or of the trees as rigid bodies.
 const RIGID: f64 = 0.01;
 
-/// Share of its inverse mass that a row of a relaxed cone gives, as MuJoCo's do at an impedance of 0.97.
+/// Compliance of a row of a relaxed cone as a fraction of its inverse mass, as MuJoCo's at an impedance of 0.97.
 const GIVES: f64 = 0.03;
 
-/// How much more than friction may press together a contact gives where it jams.
+/// Factor by which the compliance of a jamming contact exceeds the pressing effect of friction.
 const JAMMING: f64 = 1.1;
 
-/// What a row needs to know about the step.
+/// Data of the step that the rows depend on.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Step {
     pub time_s: f64,
@@ -141,7 +144,7 @@ fn basis(normal: Vec3) -> [Vec3; 3] {
 }
 
 impl Point {
-    /// Rows without what bodies give.
+    /// Builds the rows; the responses of the bodies are added later by [`Point::weigh`].
     #[inline(always)]
     pub fn new(touch: &Touch, index: usize, forest: &Forest, nodes: &[Node], step: &Step) -> Self {
         let basis = basis(touch.normal_world);
@@ -168,9 +171,9 @@ impl Point {
             is_impact: false,
         };
         point.impulse[0] = point.impulse[0].max(0.0);
-        point.a.reads = basis.map(|axis| Spatial::at(arm_a, axis));
+        point.a.jacobian = basis.map(|axis| Spatial::at(arm_a, axis));
         let mut swing = node.swing_at(arm_a, &nodes[forest.bodies[touch.a].root]);
-        let mut approach = point.led[0] - point.a.reads[0].dot(&node.velocity);
+        let mut approach = point.led[0] - point.a.jacobian[0].dot(&node.velocity);
         let mut pull = -basis[0].dot(step.gravity_world_m_s2);
         if touch.b != NONE {
             let other = &nodes[touch.b];
@@ -187,7 +190,7 @@ impl Point {
             return point;
         }
         point.is_impact = point.bounce(touch, approach, pull, step);
-        // Over the step a point travels by its velocity and by half of what velocity products do to it.
+        // Over the step a point travels by its velocity and by half of the effect of the velocity products.
         for (k, axis) in basis.iter().enumerate() {
             let same_point =
                 k > 0 || (matches!(touch.memory, Memory::Corner { .. }) && !point.is_impact);
@@ -198,11 +201,11 @@ impl Point {
         point
     }
 
-    /// Rows of a relaxed cone: what is left of every velocity and what undoes the depth are what the rows aim at, and the normal takes
-    /// its share of the slip beyond that.
+    /// Sets the targets of the rows for a relaxed cone: the remaining fraction of each velocity plus the speed that reduces the
+    /// penetration. The normal row also separates the surfaces in proportion to the slip.
     fn relax(&mut self, relaxed: Relaxed, touch: &Touch, nodes: &[Node]) {
         for (k, axis) in self.basis.iter().enumerate() {
-            let mut speed = self.a.reads[k].dot(&nodes[touch.a].velocity) - self.led[k];
+            let mut speed = self.a.jacobian[k].dot(&nodes[touch.a].velocity) - self.led[k];
             if touch.b != NONE {
                 let other = nodes[touch.b].velocity.velocity_at(self.arm_b);
                 speed -= other.dot(*axis);
@@ -214,10 +217,11 @@ impl Point {
         self.lift = touch.friction;
     }
 
-    /// Restitution (Newton's), where the surfaces meet within the step faster than gravity makes them in four.
+    /// Newton's restitution, applied if the surfaces meet within the step at a higher speed than gravity produces in four steps.
+    /// Returns whether the contact is an impact.
     ///
-    /// The rows turn the velocity round at a distance above the surface. So they aim at the speed that a body has there which has
-    /// fallen on, bounced and risen again; velocities belong to the middle of a step.
+    /// The rows reverse the velocity at some distance above the surface. Their target is therefore the speed that a body has at
+    /// that height after it has fallen to the surface, bounced and risen again; velocities belong to the middle of a step.
     fn bounce(&mut self, touch: &Touch, approach: f64, pull: f64, step: &Step) -> bool {
         let h = step.time_s;
         let threshold = (4.0 * h * step.gravity_world_m_s2.length()).max(1e-6);
@@ -232,16 +236,19 @@ impl Point {
                 self.wanted = leaves.sqrt() - 0.5 * h * pull;
             }
         }
-        // An impact is hard.
+        // An impact has no compliance.
         self.slack = 0.0;
         true
     }
 
-    /// Completes the rows once it is known what both bodies give, and turns the tangents to where one does not feel the other.
+    /// Completes the rows once the responses of both bodies are known, and rotates the tangents to the principal directions, in
+    /// which they are decoupled.
     pub fn weigh(&mut self, mut other: Option<&mut Side>) {
         let give = |other: &Option<&mut Side>, a: &Side, i: usize, j: usize| {
-            let its = other.as_ref().map_or(0.0, |b| b.reads[i].dot(&b.gives[j]));
-            a.reads[i].dot(&a.gives[j]) + its
+            let its = other
+                .as_ref()
+                .map_or(0.0, |b| b.jacobian[i].dot(&b.response[j]));
+            a.jacobian[i].dot(&a.response[j]) + its
         };
         self.normal_k = give(&other, &self.a, 0, 0);
         self.slack *= self.normal_k;
@@ -257,8 +264,8 @@ impl Point {
         let mean = 0.5 * (tt + ss);
         let least = 1e-6 * self.whole_k;
         self.tangent_k = [(mean + radius).max(least), (mean - radius).max(least)];
-        // Where the bodies cannot part along the normal, a joint or a mount holds already: a hard row would do it again, with any
-        // impulse.
+        // If a joint or a mount prevents the bodies from separating along the normal, a hard row would constrain the same motion
+        // twice, and its impulse could become arbitrarily large.
         self.slack = self
             .slack
             .max(RIGID * self.whole_k.max(mean) - self.normal_k);
@@ -279,7 +286,7 @@ impl Point {
         (self.impulse[1], self.impulse[2]) = turned(self.impulse[1], self.impulse[2]);
         (self.presses[0], self.presses[1]) = turned(self.presses[0], self.presses[1]);
         let turn = |side: &mut Side| {
-            for rows in [&mut side.reads, &mut side.gives] {
+            for rows in [&mut side.jacobian, &mut side.response] {
                 let [_, t, u] = *rows;
                 (rows[1], rows[2]) = (t * c + u * s, u * c - t * s);
             }
@@ -290,34 +297,39 @@ impl Point {
         }
     }
 
-    /// The impulse on the first body.
+    /// The impulse on the first body, world frame, N s.
     pub fn impulse_world(&self) -> Vec3 {
         let [n, t, s] = self.basis;
         n * self.impulse[0] + t * self.impulse[1] + s * self.impulse[2]
     }
 
-    /// One visit of a sweep; changes the velocities and returns the change of the impulse.
+    /// Solves the rows once within a sweep; changes the velocities and returns the change of the impulse.
     #[inline(always)]
     pub fn solve(&mut self, a: &mut Spatial, mut b: Option<(&Side, &mut Spatial)>) -> [f64; 3] {
-        let reads = |point: &Self, i: usize, a: &Spatial, b: &Option<(&Side, &mut Spatial)>| {
-            let mut speed = point.a.reads[i].dot(a) - point.led[i];
-            if let Some((side, velocity)) = b {
-                speed += side.reads[i].dot(velocity);
-            }
-            speed
-        };
+        let relative_speed =
+            |point: &Self, i: usize, a: &Spatial, b: &Option<(&Side, &mut Spatial)>| {
+                let mut speed = point.a.jacobian[i].dot(a) - point.led[i];
+                if let Some((side, velocity)) = b {
+                    speed += side.jacobian[i].dot(velocity);
+                }
+                speed
+            };
         let slack = self.slack.max(self.jam());
-        let mut residual = reads(self, 0, a, &b) - self.wanted + slack * self.impulse[0];
+        let mut residual = relative_speed(self, 0, a, &b) - self.wanted + slack * self.impulse[0];
         if self.lift > 0.0 {
-            residual -= self.lift * length_of([reads(self, 1, a, &b), reads(self, 2, a, &b)]);
+            residual -= self.lift
+                * length_of([
+                    relative_speed(self, 1, a, &b),
+                    relative_speed(self, 2, a, &b),
+                ]);
         }
         let normal = (self.impulse[0] - residual / (self.normal_k + slack)).max(0.0);
         let mut more = [normal - self.impulse[0], 0.0, 0.0];
         self.impulse[0] = normal;
         if more[0] != 0.0 {
-            a.add_scaled(&self.a.gives[0], more[0]);
+            a.add_scaled(&self.a.response[0], more[0]);
             if let Some((side, velocity)) = &mut b {
-                velocity.add_scaled(&side.gives[0], more[0]);
+                velocity.add_scaled(&side.response[0], more[0]);
             }
         }
         let most = self.friction * normal;
@@ -325,7 +337,10 @@ impl Point {
         if most == 0.0 && before == [0.0; 2] {
             return more;
         }
-        let slip = [reads(self, 1, a, &b), reads(self, 2, a, &b)];
+        let slip = [
+            relative_speed(self, 1, a, &b),
+            relative_speed(self, 2, a, &b),
+        ];
         let k = self.tangent_k;
         let wish = [k[0] * before[0] - slip[0], k[1] * before[1] - slip[1]];
         let now = friction(&k, wish, most, &mut self.slip_per_impulse);
@@ -333,28 +348,29 @@ impl Point {
             let change = now[k] - before[k];
             more[k + 1] = change;
             self.impulse[k + 1] = now[k];
-            a.add_scaled(&self.a.gives[k + 1], change);
+            a.add_scaled(&self.a.response[k + 1], change);
             if let Some((side, velocity)) = &mut b {
-                velocity.add_scaled(&side.gives[k + 1], change);
+                velocity.add_scaled(&side.response[k + 1], change);
             }
         }
         more
     }
 
-    /// Work of the impulse at these mean velocities, beyond what undoing depth or bouncing takes.
+    /// Work of the impulse at these mean velocities, without the work for reducing penetration and for bouncing.
     pub fn work(&self, a: &Spatial, b: Option<(&Side, Spatial)>) -> f64 {
         let mut work = -0.5 * self.impulse[0] * self.wanted.max(0.0);
         for (k, impulse) in self.impulse.iter().enumerate() {
             let its = b
                 .as_ref()
-                .map_or(0.0, |(side, velocity)| side.reads[k].dot(velocity));
-            work += impulse * (self.a.reads[k].dot(a) + its - self.led[k]);
+                .map_or(0.0, |(side, velocity)| side.jacobian[k].dot(velocity));
+            work += impulse * (self.a.jacobian[k].dot(a) + its - self.led[k]);
         }
         work
     }
 
-    /// Where friction presses the surfaces together faster than the normal impulse parts them, a sliding contact jams without bound
-    /// (Painlevé's paradox): there it gives as much as it takes for an answer to exist.
+    /// Additional compliance for a jamming contact: if friction presses the surfaces together faster than the normal impulse
+    /// separates them, the impulse of a sliding contact grows without bound (Painlevé's paradox). The compliance is just large
+    /// enough for a solution to exist.
     #[inline]
     fn jam(&self) -> f64 {
         let [n, t, u] = self.impulse;
@@ -365,7 +381,7 @@ impl Point {
         JAMMING * -(self.presses[0] * t + self.presses[1] * u) / n - self.normal_k
     }
 
-    /// How fast a change of impulse moves the point, m/s.
+    /// Speed of the contact point due to a change of the impulse, m/s.
     pub fn speed_of(&self, change: &[f64; 3]) -> f64 {
         (change[0] * self.normal_k).abs()
             + (change[1] * self.tangent_k[0]).abs()
@@ -373,11 +389,12 @@ impl Point {
     }
 }
 
-/// Friction within Coulomb's cone: what stops the slip, or else an impulse of length `most` that is opposite to the slip left.
+/// Friction within Coulomb's cone: the impulse that stops the slip, or, if that is too large, an impulse of length `most`
+/// opposite to the remaining slip.
 ///
-/// `wish` is K · before − slip along the principal tangents. What is left, K · new − wish = −s · new, has the solution
-/// new = wish / (K + s); s by Newton's method on the secular equation 1 / |new| = 1 / most (Moré and Sorensen 1983), starting from
-/// where it was in the sweep before.
+/// `wish` is K · before − slip along the principal tangents. The remaining slip satisfies K · new − wish = −s · new, with the
+/// solution new = wish / (K + s); s is found by Newton's method on the secular equation 1 / |new| = 1 / most (Moré and Sorensen
+/// 1983), starting from the value of the previous sweep.
 #[inline(always)]
 fn friction(k: &[f64; 2], wish: [f64; 2], most: f64, start: &mut f64) -> [f64; 2] {
     let sticks = [wish[0] / k[0], wish[1] / k[1]];
@@ -387,7 +404,7 @@ fn friction(k: &[f64; 2], wish: [f64; 2], most: f64, start: &mut f64) -> [f64; 2
     if most <= 0.0 {
         return [0.0; 2];
     }
-    // Between these s lies, as K stretches nothing by more than its larger and less than its smaller value.
+    // Bounds of s: K scales a vector by at least its smaller and at most its larger value.
     let whole = length_of(wish) / most;
     let (least, greatest) = ((whole - k[0]).max(0.0), whole - k[1]);
     let mut s = within(*start, least, greatest);
@@ -410,7 +427,8 @@ fn friction(k: &[f64; 2], wish: [f64; 2], most: f64, start: &mut f64) -> [f64; 2
     [now[0] * scale, now[1] * scale]
 }
 
-/// The value between bounds that mostly hold: a branch, so that nothing waits for them.
+/// Clamps a value to bounds that it rarely exceeds; the branch is usually predicted, so that the following operations need not
+/// wait for the clamp.
 #[inline(always)]
 fn within(s: f64, least: f64, greatest: f64) -> f64 {
     #[cold]

@@ -1,10 +1,10 @@
-//! The model as the solver wants it: links that are fixed to each other are one body, bodies stand depth first.
+//! Internal form of the model: links that are fixed to each other are merged into one body, and bodies are in depth-first order.
 
 use parry3d_f64::math::{Mat3, Pose, Rot3, Vec3};
 
 use crate::model::{Attachment, Joint, JointType, Model, ModelError};
 
-/// Stands for "no body".
+/// Index that stands for "no body".
 pub(crate) const NONE: usize = usize::MAX;
 
 /// How a body may move relative to its parent.
@@ -12,7 +12,7 @@ pub(crate) const NONE: usize = usize::MAX;
 pub(crate) enum Freedom {
     /// Root of a tree that moves freely: six degrees of freedom.
     Free,
-    /// Root of a tree that is mounted: none.
+    /// Root of a tree that is mounted: no degrees of freedom.
     Mounted,
     /// Turns about its axis.
     Turning,
@@ -20,7 +20,7 @@ pub(crate) enum Freedom {
     Sliding,
 }
 
-/// What does not change about a body and the joint to its parent.
+/// Constant properties of a body and of the joint to its parent.
 #[derive(Debug, Clone)]
 pub(crate) struct Body {
     pub parent: usize,
@@ -29,7 +29,7 @@ pub(crate) struct Body {
     pub freedom: Freedom,
     /// Orientation in the parent at position 0.
     pub parent_from_body: Rot3,
-    /// Axis, in the body's frame.
+    /// Joint axis, in the body's frame.
     pub axis_body: Vec3,
     /// A point of the axis, in the parent's frame …
     pub anchor_parent_m: Vec3,
@@ -42,12 +42,12 @@ pub(crate) struct Body {
     pub stiffness: f64,
     pub rest: f64,
     pub mass_kg: f64,
-    /// Inverse mass of all that moves of its tree, 1/kg; 0 where nothing does.
+    /// Inverse of the total mass of the moving bodies of its tree, 1/kg; 0 if nothing moves.
     pub tree_inverse_mass: f64,
     pub centre_body_m: Vec3,
-    /// About the centre of mass.
+    /// Inertia about the centre of mass, body frame, kg m².
     pub inertia_body: Mat3,
-    /// Pose of a root, position of a joint.
+    /// Pose at the start, of a root.
     pub start: Pose,
     pub start_position: f64,
 }
@@ -58,16 +58,16 @@ impl Body {
     }
 }
 
-/// Where a link is.
+/// The body that a link belongs to, and the link's pose in that body.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Place {
     pub body: usize,
     pub body_from_link: Pose,
-    /// Whether the link moves relative to the body's parent by a joint of its own.
+    /// Whether the link has a joint of its own to the body's parent (false if it is fixed to another link of the body).
     pub leads: bool,
 }
 
-/// One move of the walk around a tree that visits every body (an Euler tour).
+/// One move of a walk around a tree that visits every body (an Euler tour).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Move {
     /// From its parent to this body.
@@ -79,10 +79,10 @@ pub(crate) enum Move {
 /// All trees of a world.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Forest {
-    /// Depth first: a tree is a range, and so is every subtree.
+    /// In depth-first order: a tree is a range of indices, and so is every subtree.
     pub bodies: Vec<Body>,
     pub places: Vec<Place>,
-    /// First body and one past the last, first move and one past the last of each tree.
+    /// The ranges of bodies and of moves of each tree.
     pub trees: Vec<Tree>,
     pub tour: Vec<Move>,
 }
@@ -186,7 +186,7 @@ impl Forest {
         forest
     }
 
-    /// Moves from a body up to one of those above it.
+    /// Appends the moves from a body up to one of its ancestors.
     fn climb(&mut self, mut from: usize, to: usize) {
         while from != to {
             self.tour.push(Move::Up(from));
@@ -204,7 +204,7 @@ impl Forest {
         self.trees.push(tree);
     }
 
-    /// Mass, centre and inertia of each body from its links.
+    /// Computes mass, centre of mass and inertia of each body from its links.
     fn weigh(&mut self, model: &Model) {
         for (link, place) in model.links.iter().zip(&self.places) {
             let body = &mut self.bodies[place.body];
@@ -228,14 +228,14 @@ impl Forest {
             let body = &mut self.bodies[place.body];
             let arm = place.body_from_link * link.centre_link_m - body.centre_body_m;
             let turn = Mat3::from_quat(place.body_from_link.rotation);
-            // Huygens and Steiner.
+            // Parallel-axis theorem (Huygens and Steiner).
             let outer = Mat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
             let shifted = (Mat3::IDENTITY * arm.length_squared() - outer) * link.mass_kg;
             body.inertia_body += turn * link.inertia_link_kg_m2 * turn.transpose() + shifted;
         }
     }
 
-    /// The last body that is above both or one of them; [`NONE`] if their trees differ.
+    /// The last common ancestor of two bodies (which may be one of them); [`NONE`] if their trees differ.
     pub fn meeting(&self, mut a: usize, mut b: usize) -> usize {
         // A parent's index is smaller than its children's.
         while a != b {
@@ -249,7 +249,7 @@ impl Forest {
     }
 }
 
-/// A body without mass yet, held by this.
+/// A body with this attachment; its mass is added later.
 fn body(attachment: &Attachment, places: &[Place]) -> Body {
     let mut body = Body {
         parent: NONE,

@@ -1,74 +1,76 @@
-//! What acts along a joint: motor or servo, limits, dry and viscous friction, spring.
+//! Forces along a joint: motor or servo, limits, dry and viscous friction, spring.
 //!
-//! Servos, dampers and springs resist implicitly, as part of the articulated inertia, so that contacts feel at once what stands
-//! behind a joint. A servo at its torque limit becomes a row of its own, as limits and dry friction are (Todorov 2011, 2014).
+//! Servos, dampers and springs are treated implicitly, as part of the articulated inertia, so that contacts include their
+//! stiffness immediately. A servo at its torque limit becomes a constraint row, as limits and dry friction are (Todorov 2011,
+//! 2014).
 
 use crate::contact::Softness;
 use crate::forest::{Body, Freedom};
 use crate::kinematics::Node;
 use crate::spatial::Spatial;
 
-/// Share of its limit below which a servo that has been there is part of the inertia again.
+/// A servo that was at its limit is treated implicitly again when its torque falls below this fraction of the limit.
 const NEAR: f64 = 0.9;
 
-/// A joint that moves slower than this into its limit leans on it, rad/s or m/s.
-const LEANING: f64 = 0.05;
+/// A joint that moves into its limit more slowly than this counts as resting on it, rad/s or m/s.
+const RESTING_SPEED: f64 = 0.05;
 
-/// What a joint's motor is asked to do from now on.
+/// Command of a joint's motor, valid until the next command.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Command {
-    /// Nothing.
+    /// No torque.
     #[default]
     Off,
-    /// Torque = gain · (target − speed), within its limit.
+    /// Torque = gain · (target − speed), limited to `max_torque`.
     Velocity {
-        /// Speed, rad/s or m/s.
+        /// Target speed, rad/s or m/s.
         target: f64,
-        /// N m s/rad or N s/m.
+        /// Torque per speed, N m s/rad or N s/m.
         gain: f64,
-        /// Limit, N m or N.
+        /// Limit of the torque, N m or N.
         max_torque: f64,
     },
-    /// Torque = stiffness · (target − position) − damping · speed, within its limit.
+    /// Torque = stiffness · (target − position) − damping · speed, limited to `max_torque`.
     Servo {
-        /// Position, rad or m.
+        /// Target position, rad or m.
         target: f64,
-        /// N m/rad or N/m.
+        /// Stiffness, N m/rad or N/m.
         stiffness: f64,
-        /// N m s/rad or N s/m.
+        /// Torque per speed, N m s/rad or N s/m.
         damping: f64,
-        /// Limit, N m or N.
+        /// Limit of the torque, N m or N.
         max_torque: f64,
     },
-    /// This torque, N m or N.
+    /// A constant torque, N m or N.
     Torque(f64),
 }
 
-/// What acted along a joint during a step: impulses on the child, against them on the parent, N m s or N s.
+/// Impulses along a joint during a step. They act on the child, and with the opposite sign on the parent, N m s or N s.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointImpulse {
-    /// By the motor.
+    /// Impulse of the motor.
     pub motor: f64,
-    /// By a limit.
+    /// Impulse of a limit.
     pub limit: f64,
-    /// By dry friction.
+    /// Impulse of dry friction.
     pub dry_friction: f64,
-    /// By viscous friction.
+    /// Impulse of viscous friction.
     pub viscous_friction: f64,
-    /// By the spring.
+    /// Impulse of the spring.
     pub spring: f64,
 }
 
-/// The actors along one joint.
+/// Motor, friction, limits and spring of one joint.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Actor {
+pub(crate) struct JointForces {
     pub command: Command,
     pub viscous: f64,
     pub dry: f64,
     pub armature: f64,
-    /// What was done since the step began.
+    /// Impulses since the beginning of the step.
     pub done: JointImpulse,
-    /// Servo: impulse = push − grip · speed, at most `most`. Folded: part of the inertia, else a row.
+    /// Servo: impulse = push − grip · speed, at most `most`. If `folded` is true, the servo is part of the inertia (implicit),
+    /// otherwise it is a row.
     push: f64,
     grip: f64,
     most: f64,
@@ -78,7 +80,7 @@ pub(crate) struct Actor {
     /// Dry friction: at most this impulse.
     dry_most: f64,
     dry_now: f64,
-    /// Limit: +1 the lower one, −1 the upper one, 0 out of reach.
+    /// Limit within reach: +1 for the lower one, −1 for the upper one, 0 for none.
     side: f64,
     wanted: f64,
     slack: f64,
@@ -86,7 +88,7 @@ pub(crate) struct Actor {
     spring_push: f64,
 }
 
-impl Actor {
+impl JointForces {
     pub fn new(body: &Body) -> Self {
         Self {
             viscous: body.viscous,
@@ -96,14 +98,14 @@ impl Actor {
         }
     }
 
-    /// Nothing has happened yet.
+    /// Discards the stored impulses of the previous step.
     pub fn forget(&mut self) {
         (self.motor, self.dry_now, self.limit_now) = (0.0, 0.0, 0.0);
         self.saturated = false;
     }
 
-    /// Reads command and position before a step; returns what resists implicitly, rotor included.
-    /// `ratio`: how long the step is, compared to the one before.
+    /// Evaluates command and position before a step; returns the implicit inertia of the joint, including the rotor. `ratio`:
+    /// length of the step relative to that of the previous step.
     pub fn prepare(&mut self, body: &Body, node: &Node, time_s: f64, ratio: f64) -> f64 {
         self.motor *= ratio;
         self.dry_now *= ratio;
@@ -136,10 +138,10 @@ impl Actor {
             }
         };
         self.most = most * time_s;
-        self.push += time_s * stiffness * (target - felt(node, time_s));
+        self.push += time_s * stiffness * (target - spring_position(node, time_s));
         self.grip = time_s * (0.25 * time_s * stiffness + damping);
         self.folded = !self.saturated || self.grip == 0.0;
-        self.spring_push = time_s * body.stiffness * (body.rest - felt(node, time_s));
+        self.spring_push = time_s * body.stiffness * (body.rest - spring_position(node, time_s));
         self.dry_most = self.dry * time_s;
         self.armature + self.passive(body, time_s) + if self.folded { self.grip } else { 0.0 }
     }
@@ -148,7 +150,7 @@ impl Actor {
         time_s * (self.viscous + 0.25 * time_s * body.stiffness)
     }
 
-    /// The generalised impulse of all that needs no row, and of rows as they were in the step before.
+    /// The generalised impulse of all terms without a row, plus the impulses of the rows in the previous step.
     pub fn effort(&mut self, body: &Body, node: &Node, time_s: f64) -> f64 {
         self.dry_now = self.dry_now.clamp(-self.dry_most, self.dry_most);
         let passive = self.spring_push - self.passive(body, time_s) * node.speed;
@@ -177,9 +179,9 @@ impl Actor {
         }
         self.side = if distance > reach { 0.0 } else { side };
         self.wanted = softness.wanted_speed(distance);
-        // Hitting it is hard, leaning on it soft.
-        let leans = distance <= 0.0 && -side * node.speed < LEANING;
-        self.slack = if leans {
+        // A joint that hits its limit meets a rigid stop; a joint that rests on it meets a compliant one.
+        let rests = distance <= 0.0 && -side * node.speed < RESTING_SPEED;
+        self.slack = if rests {
             softness.slack * node.give
         } else {
             0.0
@@ -191,7 +193,7 @@ impl Actor {
         !self.folded || self.dry_most > 0.0 || self.side != 0.0
     }
 
-    /// One visit of a sweep to all rows of the joint at this speed; returns the generalised impulse to add.
+    /// Solves all rows of the joint once within a sweep, at this speed of the joint; returns the generalised impulse to add.
     pub fn solve(&mut self, speed: f64, give: f64) -> f64 {
         let mut more = 0.0;
         if !self.folded {
@@ -214,7 +216,7 @@ impl Actor {
         more
     }
 
-    /// A servo near its limit.
+    /// Solves the row of a servo near its limit.
     fn solve_motor(&mut self, speed: f64, give: f64) -> f64 {
         let law = self.push - self.grip * speed;
         let now = self.motor + (law - self.motor) / (1.0 + self.grip * give);
@@ -224,7 +226,7 @@ impl Actor {
         more
     }
 
-    /// Whether a servo that is part of the inertia gave more than it has; from now on it is a row.
+    /// Whether an implicit servo exceeded its torque limit; if so, it is treated as a row from now on.
     pub fn exceeds(&mut self, speed: f64) -> bool {
         let exceeds = self.folded
             && self.grip > 0.0
@@ -233,12 +235,12 @@ impl Actor {
         exceeds
     }
 
-    /// Makes a servo a row whatever it gives.
+    /// Treats the servo as a row, whatever its torque.
     pub fn unfold(&mut self) {
         self.saturated = true;
     }
 
-    /// After the last sweep: notes what was done at the speed that came of it.
+    /// After the last sweep: records the impulses at the resulting speed.
     pub fn finish(&mut self, body: &Body, speed: f64, time_s: f64) {
         if self.folded {
             self.motor = self.push - self.grip * speed;
@@ -253,19 +255,20 @@ impl Actor {
     }
 }
 
-/// The position that a spring feels in a step, but for a quarter of the coming speed: a mean of those before, now and after, with
-/// which it neither gains nor loses energy however stiff it is (Newmark 1959, average acceleration).
-fn felt(node: &Node, time_s: f64) -> f64 {
+/// The position at which the force of a spring is taken in a step, without the term of a quarter of the coming speed. The full
+/// position is a mean of those before and after the step, with which a spring neither gains nor loses energy, however stiff it is
+/// (Newmark 1959, average acceleration).
+fn spring_position(node: &Node, time_s: f64) -> f64 {
     node.position - 0.25 * time_s * node.speed
 }
 
-/// The speed of a joint, between two velocities that know of each other.
+/// The speed of a joint, from the velocities of child and parent, which must be consistent with each other.
 #[inline]
 pub(crate) fn speed_between(node: &Node, parent: &Spatial) -> f64 {
     node.reader.dot(&(node.velocity - *parent))
 }
 
-/// How far from a limit its row begins: what the joint may travel in a step, and a little.
+/// Distance from a limit at which its row becomes active: the travel of the joint in a step, and a margin.
 pub(crate) fn limit_reach(body: &Body, node: &Node, time_s: f64) -> f64 {
     let near = if body.freedom == Freedom::Turning {
         0.02

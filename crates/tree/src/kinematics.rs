@@ -1,11 +1,12 @@
-//! Where bodies are and how they move, from positions and speeds of joints (Featherstone 2008, section 4.1).
+//! Forward kinematics: poses and velocities of the bodies from positions and speeds of the joints (Featherstone 2008, section
+//! 4.1).
 
 use parry3d_f64::math::{Mat3, Pose, Rot3, Vec3};
 
 use crate::forest::{Body, Forest, Freedom, NONE};
 use crate::spatial::{Spatial, Symmetric};
 
-/// What changes about a body and the joint to its parent.
+/// Variable state of a body and of the joint to its parent.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Node {
     /// Position of the joint, rad or m.
@@ -14,47 +15,48 @@ pub(crate) struct Node {
     pub speed: f64,
     pub rotation: Rot3,
     pub origin_world_m: Vec3,
-    /// The point that the tree's spatial vectors are about.
+    /// Reference point of the tree's spatial vectors.
     pub reference_world_m: Vec3,
-    /// Centre of mass, from the reference.
+    /// Vector from the reference point to the centre of mass.
     pub arm_m: Vec3,
     /// Inertia about the centre of mass, world axes.
     pub inertia_world: Mat3,
     /// Motion per speed of the joint: Featherstone's S.
     pub axis: Spatial,
-    /// Reads the joint's speed off the difference of two velocities.
+    /// Its product with the difference of the velocities of child and parent is the joint's speed.
     pub reader: Spatial,
     pub velocity: Spatial,
-    /// Acceleration of the body by velocity products alone, seen from a frame that moves along with the root.
+    /// Acceleration of the body due to velocity products alone, in a frame that translates with the root.
     pub swing: Spatial,
-    /// Velocity that velocity products are taken at, relative to the root's translation.
+    /// Velocity at which velocity products are taken, relative to the root's translation.
     pub relative: Spatial,
-    /// Change of velocity by the axis' own motion over the step.
+    /// Change of velocity over the step due to the motion of the joint axis.
     pub drift: Spatial,
     /// Change of velocity over the step without contacts.
     pub change: Spatial,
     pub speed_change: f64,
-    /// What is foreseen to change over the step: angular velocity (of a root) and speed.
+    /// Expected change over the step: of the angular velocity (of a root) and of the joint's speed.
     pub coming_turn: Vec3,
     pub coming_speed: f64,
-    /// Impulse on the body during the step; gathers that of its subtree.
+    /// Impulse on the body during the step; accumulates the impulses of its subtree.
     pub impulse: Spatial,
-    /// What a joint gives besides: generalised impulse.
+    /// Generalised impulse along the joint.
     pub effort: f64,
-    /// What contacts did in the step before.
+    /// Contact impulses of the previous step (warm start).
     pub warm: Spatial,
-    /// Articulated inertia Iᴬ, what is free of it about the axis, U / D and 1 / D.
+    /// Articulated inertia Iᴬ. The next two fields are U / D and 1 / D, with Featherstone's U = Iᴬ S and D = Sᵀ U.
     pub articulated: Symmetric,
-    pub lean: Spatial,
+    pub u_over_d: Spatial,
     pub inverse_d: f64,
-    /// Change of the body's velocity per impulse on it, the whole tree following: J M⁻¹ Jᵀ.
+    /// Change of the body's velocity per impulse on it while the whole tree responds: J M⁻¹ Jᵀ.
     pub response: Symmetric,
-    /// The parent's motion, backwards, and the joint's speed per generalised impulse of the joint.
+    /// Motion of the parent, with reversed sign, per generalised impulse of the joint; `give` is the joint's speed per
+    /// generalised impulse.
     pub recoil: Spatial,
     pub give: f64,
-    /// The parent's velocity when this body last heard of it.
-    pub heard: Spatial,
-    /// Impulses in this subtree of which the parent has not heard.
+    /// The parent's velocity at the last update of this body.
+    pub known_parent_velocity: Spatial,
+    /// Impulses in this subtree that have not been passed to the parent yet.
     pub pending: Spatial,
 }
 
@@ -63,7 +65,7 @@ impl Node {
         self.reference_world_m + self.arm_m
     }
 
-    /// What velocity products do to a point at this arm: its acceleration if no speed changed.
+    /// Acceleration of a point at this arm due to velocity products, with all joint speeds constant.
     pub fn swing_at(&self, arm_m: Vec3, root: &Self) -> Vec3 {
         let w = self.velocity.angular();
         let v = self.velocity.linear() - root.velocity.linear();
@@ -75,7 +77,7 @@ impl Node {
     }
 }
 
-/// Puts every root where it starts and every joint at its start.
+/// Creates the state with every root and every joint at its start position.
 pub(crate) fn start(forest: &Forest) -> Vec<Node> {
     let mut nodes: Vec<Node> = Vec::with_capacity(forest.bodies.len());
     for body in &forest.bodies {
@@ -108,7 +110,8 @@ pub(crate) fn update(forest: &Forest, nodes: &mut [Node]) {
     }
 }
 
-/// A free tree's reference is its root's centre of mass: what moves freely then turns about the right point.
+/// The reference point of a free tree is its root's centre of mass, so that a freely moving body rotates about its centre of
+/// mass.
 fn place_root(body: &Body, node: &mut Node) {
     let centre_m = node.rotation * body.centre_body_m;
     if body.freedom == Freedom::Free {
@@ -146,7 +149,7 @@ fn place_child(body: &Body, parent: &Node, node: &mut Node) {
     node.velocity.add_scaled(&node.axis, node.speed);
 }
 
-/// Moves everything on for a time at the present speeds (a turn about a fixed axis is exact).
+/// Advances all positions by a time at the present speeds (exact for a rotation about a fixed axis).
 pub(crate) fn advance(forest: &Forest, nodes: &mut [Node], time_s: f64) {
     for (body, node) in forest.bodies.iter().zip(nodes.iter_mut()) {
         match body.freedom {
@@ -163,7 +166,7 @@ pub(crate) fn advance(forest: &Forest, nodes: &mut [Node], time_s: f64) {
     update(forest, nodes);
 }
 
-/// Fastest turn of any body relative to the world or its parent, rad/s.
+/// Largest angular speed of any body relative to the world or to its parent, rad/s.
 pub(crate) fn fastest_turn(forest: &Forest, nodes: &[Node]) -> f64 {
     let mut fastest = 0.0_f64;
     for (body, node) in forest.bodies.iter().zip(nodes) {

@@ -1,20 +1,20 @@
 //! A solver for trees of rigid links in reduced coordinates, with contact.
 //!
-//! A [`Model`] says what there is: links that hang on each other by joints, their shapes, fixtures, gravity. A [`World`] is built
-//! from it and steps.
+//! A [`Model`] describes the system: links that are connected by joints, their shapes, fixtures, and gravity. A [`World`] is
+//! built from a model and advances it step by step.
 //!
-//! One velocity solve per step, in these pieces:
+//! Each step solves for the velocities once. The modules are:
 //!
 //! - `spatial`, `forest`, `kinematics`: vectors of six, trees depth first, poses and velocities (Featherstone, *Rigid Body Dynamics
 //!   Algorithms*, 2008, chapters 2 to 4);
-//! - `articulated`: the articulated-body algorithm on the level of impulses (chapter 7), which yields what every body gives to an
-//!   impulse in a time proportional to the number of bodies;
-//! - `collision`: what is close, by Parry, and corners of boxes on half-spaces;
+//! - `articulated`: the articulated-body algorithm on the level of impulses (chapter 7), which yields the response of every body
+//!   to an impulse in a time proportional to the number of bodies;
+//! - `collision`, `touch`: collision detection by Parry, and contacts of box corners with half-spaces;
 //! - `contact`, `joint`: rows of contacts (soft normal, restitution, exact cone of friction) and of joints (servo, limit, dry
 //!   friction);
 //! - `sweep`: projected Gauss–Seidel over all rows, walking around each tree.
 //!
-//! Same model, same commands: same bits. After the first steps nothing is allocated but by Parry.
+//! The same model and the same commands give bit-identical results. After the first steps no memory is allocated except by Parry.
 
 mod articulated;
 mod collision;

@@ -1,4 +1,5 @@
-//! What a world is built from: links, joints, shapes and fixtures, in SI units and the frames of whoever describes them.
+//! The model of a world: links, joints, shapes, fixtures and solver settings, in SI units and in the frames that the caller
+//! defines.
 
 use std::fmt;
 
@@ -8,22 +9,22 @@ use parry3d_f64::shape::SharedShape;
 /// Everything that a [`World`](crate::World) is built from.
 #[derive(Clone, Default)]
 pub struct Model {
-    /// Acceleration of free fall, world frame, m/s².
+    /// Gravitational acceleration, world frame, m/s².
     pub gravity_world_m_s2: Vec3,
-    /// Links of all robots and free bodies; a parent stands before its children.
+    /// Links of all robots and free bodies; a parent precedes its children.
     pub links: Vec<Link>,
-    /// What nothing moves, or what is driven.
+    /// Shapes that are at rest or move at a prescribed velocity.
     pub fixtures: Vec<Fixture>,
-    /// Pairs of marks whose shapes never touch each other. Links joined directly never do.
-    pub apart: Vec<(u64, u64)>,
-    /// How time passes and how contacts give.
+    /// Pairs of marks between whose shapes no contacts are computed. Links that a joint connects are always excluded.
+    pub collision_exclude: Vec<(u64, u64)>,
+    /// Settings of time step, solver and contacts.
     pub settings: Settings,
 }
 
 /// A rigid body.
 #[derive(Clone)]
 pub struct Link {
-    /// What holds it.
+    /// How the link is attached.
     pub attachment: Attachment,
     /// Mass, kg.
     pub mass_kg: f64,
@@ -31,24 +32,24 @@ pub struct Link {
     pub centre_link_m: Vec3,
     /// Inertia about the centre of mass, along the link's axes, kg m².
     pub inertia_link_kg_m2: Mat3,
-    /// Where it touches others.
+    /// Collision shapes.
     pub colliders: Vec<Collider>,
 }
 
-/// What holds a link.
+/// How a link is attached.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Attachment {
-    /// Nothing: the root of a tree that moves freely, starting here.
+    /// Not attached: the root of a tree that moves freely, starting at this pose.
     Free {
         /// Pose at the start.
         world_from_link: Pose,
     },
-    /// The world: the root of a tree that is mounted.
+    /// Fixed to the world: the root of a mounted tree.
     Mounted {
-        /// Pose for good.
+        /// Constant pose.
         world_from_link: Pose,
     },
-    /// A joint to another link.
+    /// Connected to another link by a joint.
     Joint(Joint),
 }
 
@@ -61,23 +62,23 @@ pub struct Joint {
     pub kind: JointType,
     /// The joint's frame, in the parent's.
     pub parent_from_joint: Pose,
-    /// The joint's frame, in the link's. At position 0 both coincide.
+    /// The joint's frame, in the link's frame. At position 0 both joint frames coincide.
     pub link_from_joint: Pose,
     /// Axis of turning or sliding, in the joint's frame.
     pub axis_joint: Vec3,
-    /// Least and greatest position, rad or m; a continuous joint has none.
+    /// Smallest and largest position, rad or m; a continuous joint has no limits.
     pub limits: Option<(f64, f64)>,
     /// Position at the start, rad or m.
     pub start: f64,
     /// Torque against the motion per speed, N m s/rad or N s/m.
     pub viscous_friction: f64,
-    /// Most that dry (Coulomb) friction holds, N m or N.
+    /// Largest torque or force of dry (Coulomb) friction, N m or N.
     pub dry_friction: f64,
     /// Inertia of a rotor at the output, kg m² or kg.
     pub armature: f64,
-    /// Spring towards [`Self::rest`], N m/rad or N/m.
+    /// Stiffness of a spring towards [`Self::rest`], N m/rad or N/m.
     pub stiffness: f64,
-    /// Where the spring is slack, rad or m.
+    /// Position at which the spring exerts no force, rad or m.
     pub rest: f64,
 }
 
@@ -104,32 +105,32 @@ impl Joint {
 /// Which motions a joint allows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointType {
-    /// None: both links are one body.
+    /// No motion: both links are one body.
     Fixed,
-    /// Turning about the axis, within limits where there are any.
+    /// Rotation about the axis, with optional limits.
     Revolute,
-    /// Turning about the axis without end.
+    /// Rotation about the axis without limits.
     Continuous,
-    /// Sliding along the axis.
+    /// Translation along the axis.
     Prismatic,
 }
 
-/// A shape that touches others.
+/// A collision shape with its surface properties.
 #[derive(Clone)]
 pub struct Collider {
     /// The shape.
     pub shape: SharedShape,
     /// The shape's frame in its owner's (link or fixture).
     pub owner_from_shape: Pose,
-    /// Friction; that of a pair is the product of both.
+    /// Friction coefficient; that of a pair is the product of both.
     pub friction: f64,
-    /// Friction of any pair with this shape, in place of the product.
+    /// Friction coefficient of any pair with this shape, in place of the product.
     pub pair_friction: Option<f64>,
-    /// Restitution; that of a pair is the product of both.
+    /// Restitution coefficient; that of a pair is the product of both.
     pub restitution: f64,
-    /// Shapes of the same group never touch each other; 0 is no group.
+    /// No contacts are computed between shapes of the same group; 0 stands for no group.
     pub group: u32,
-    /// Whatever the caller wants to find again in a [`Contact`](crate::Contact).
+    /// A number that the caller chooses; it is returned in every [`Contact`](crate::Contact) of the shape.
     pub mark: u64,
 }
 
@@ -148,14 +149,14 @@ impl Collider {
     }
 }
 
-/// A shape that no contact moves: floor, wall, or something led along a path.
+/// A shape that contacts do not move: floor, wall, or an object on a prescribed path.
 #[derive(Clone)]
 pub struct Fixture {
     /// Shape and surface.
     pub collider: Collider,
     /// Pose at the start.
     pub world_from_fixture: Pose,
-    /// Velocity of its origin, world frame, m/s; it moves along unless the caller sets another pose.
+    /// Velocity of its origin, world frame, m/s; the fixture moves with this velocity until the caller sets another pose.
     pub velocity_world_m_s: Vec3,
     /// Angular velocity, world frame, rad/s.
     pub angular_velocity_world_rad_s: Vec3,
@@ -173,39 +174,40 @@ impl Fixture {
     }
 }
 
-/// How friction and what parts the surfaces go together.
+/// Coupling of friction and normal force: the friction cone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cone {
-    /// Coulomb's: surfaces that slide stay together.
+    /// Coulomb's cone: sliding surfaces stay in contact.
     Exact,
-    /// Relaxed to a convex problem (Anitescu 2006), as MuJoCo's is (Todorov 2014): what slides is pressed apart by the coefficient of
-    /// friction times its slip, so that it hops, and friction takes slip away as slowly as the spring and damper push. Nothing is done
-    /// before surfaces overlap, and nothing bounces.
+    /// Relaxed to a convex problem (Anitescu 2006), as MuJoCo's is (Todorov 2014): sliding surfaces are separated at a speed of
+    /// the friction coefficient times the slip, so that a sliding body hops, and friction reduces the slip as slowly as the
+    /// spring and damper act. Contacts act only when surfaces overlap, and there is no restitution.
     Relaxed,
 }
 
-/// How time passes and how contacts give.
+/// Settings of time step, solver and contacts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Length of a step, s.
     pub timestep_s: f64,
-    /// Most sweeps over all rows in a step.
+    /// Largest number of sweeps over all rows in a step.
     pub sweeps: usize,
-    /// Most sweeps in a step with an impact.
+    /// Largest number of sweeps in a step with an impact.
     pub impact_sweeps: usize,
     /// A sweep that changes no velocity by more than this times the step is the last, m/s².
     pub tolerance_m_s2: f64,
-    /// A contact is a spring of k = m ω² and a damper of 2 ζ m ω, with m the mass that the contact feels: ω / 2 π, Hz.
+    /// Natural frequency ω / 2 π of contacts, Hz: a contact is a spring of stiffness m ω² and a damper of 2 ζ m ω, where m is the
+    /// effective mass at the contact.
     pub contact_frequency_hz: f64,
-    /// ζ of the same.
+    /// Damping ratio ζ of contacts.
     pub contact_damping_ratio: f64,
-    /// Cone of friction.
+    /// Friction cone.
     pub cone: Cone,
-    /// Overlap is undone no faster than this, m/s; not with a relaxed cone.
+    /// Largest speed at which contacts reduce penetration, m/s; not used with a relaxed cone.
     pub most_recovery_m_s: f64,
-    /// Surfaces that come closer than this are watched, m; fast ones are from further away.
+    /// Contacts are computed for surfaces that are closer than this, m; for fast bodies at larger distances, too.
     pub prediction_m: f64,
-    /// A step in which a link would turn further is taken in parts, rad.
+    /// A step in which a link would turn by more than this is divided into parts, rad.
     pub max_turn_rad: f64,
 }
 
@@ -227,17 +229,17 @@ impl Default for Settings {
 }
 
 impl Collider {
-    /// Friction of a pair.
+    /// Friction coefficient of a pair.
     pub(crate) fn friction_with(&self, other: &Self) -> f64 {
         let stated = self.pair_friction.or(other.pair_friction);
         stated.unwrap_or(self.friction * other.friction)
     }
 }
 
-/// Why no world can be built from a model.
+/// The error of an invalid model.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ModelError {
-    /// Where, what was found, what is allowed.
+    /// The place in the model, the value found, and the allowed values.
     pub message: String,
 }
 
@@ -250,7 +252,7 @@ impl fmt::Display for ModelError {
 impl std::error::Error for ModelError {}
 
 impl Model {
-    /// Checks what a world relies on.
+    /// Checks the conditions that the solver relies on.
     pub(crate) fn check(&self) -> Result<(), ModelError> {
         let fail = |message: String| Err(ModelError { message });
         for (index, link) in self.links.iter().enumerate() {
@@ -276,7 +278,9 @@ impl Model {
                 ));
             }
             if joint.limits.is_some_and(|(low, high)| low > high) {
-                return fail(format!("link {index}: its limits are the wrong way around"));
+                return fail(format!(
+                    "link {index}: the lower limit is above the upper limit"
+                ));
             }
             let least = [
                 joint.viscous_friction,

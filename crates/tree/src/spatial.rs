@@ -1,7 +1,7 @@
 //! Spatial vectors: rotation and translation, or moment and force, in one column of six (Featherstone 2008, chapter 2).
 //!
-//! All spatial vectors of a tree are written in world axes about one point, the tree's reference. So what a parent and its child
-//! say of each other needs no transform, and a recursion along the tree is additions and dot products.
+//! All spatial vectors of a tree are written in world axes about one point, the tree's reference. So vectors of a parent and of
+//! its child can be combined without a transform, and a recursion along the tree consists of additions and dot products.
 
 use std::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
 
@@ -58,7 +58,7 @@ impl Spatial {
         }
     }
 
-    /// How a motion changes that moves along with this one: v × m (equation 2.31).
+    /// Rate of change of a motion vector that moves with this velocity: v × m (equation 2.31).
     #[inline]
     pub fn cross_motion(&self, motion: &Self) -> Self {
         let (w, v) = (self.angular(), self.linear());
@@ -194,9 +194,9 @@ impl Symmetric {
         }
     }
 
-    /// The inverse of a positive definite matrix, by Cholesky's factor; `None` for any other.
+    /// The inverse of a positive definite matrix, by Cholesky factorisation; `None` for any other matrix.
     pub fn inverse(&self) -> Option<Self> {
-        // L by rows, then its inverse in place, then L⁻ᵀ L⁻¹.
+        // First L by rows, then its inverse in place, then L⁻ᵀ L⁻¹.
         let mut l = self.0;
         for i in 0..6 {
             for j in 0..=i {

@@ -1,29 +1,31 @@
-//! One step: where things touch, velocities before rows, sweeps over all rows, positions.
+//! One time step: collision detection, velocities without constraints, sweeps over all constraint rows, and new positions.
 
 use parry3d_f64::math::Vec3;
 
 use crate::articulated::{factor, free_velocities, weight};
 use crate::contact::{Group, Point, Side, Softness, Step};
 use crate::forest::{Forest, NONE};
-use crate::joint::{Actor, JointImpulse, limit_reach};
+use crate::joint::{JointForces, JointImpulse, limit_reach};
 use crate::kinematics::{self, Node};
 use crate::model::Cone;
 use crate::spatial::Spatial;
-use crate::sweep::{close, open, respond, tops};
+use crate::sweep::{begin_sweeps, finish_sweeps, respond, tops};
 use crate::world::World;
 
-/// Most times that a step is solved because a servo turned out to be at its limit.
+/// Largest number of times that a step is solved again because a servo reached its limit.
 const MOST_ATTEMPTS: usize = 4;
-/// A step is solved again where velocity products would change a velocity by more than this otherwise, m/s.
-const SURPRISE_M_S: f64 = 1e-4;
-/// Work of contacts that counts as a failure: this share of the kinetic energy and what lifts everything by this much, m.
+/// A step is solved again if its velocity products were taken at velocities so different from the result that a velocity would
+/// change by more than this, m/s.
+const RESOLVE_THRESHOLD_M_S: f64 = 1e-4;
+/// Contacts that do more work than this fraction of the kinetic energy plus the work of lifting everything by `EXCESS_M` (m)
+/// count as a solver failure.
 const EXCESS: f64 = 0.02;
 const EXCESS_M: f64 = 1e-3;
-/// Most parts that one step is taken in.
+/// Largest number of parts into which one step is divided.
 const MOST_PARTS: usize = 64;
 
 impl World {
-    /// One timestep; in parts where something would turn too far for one.
+    /// Advances the world by one timestep, which is divided into parts if a body would turn too far in one.
     pub fn step(&mut self) {
         self.earlier.clear();
         for actor in &mut self.actors {
@@ -55,8 +57,9 @@ impl World {
         let ratio = time_s / self.last_time_s;
         self.solve_until_foreseen(time_s, ratio);
         if self.contacts_make_energy() {
-            // Coulomb friction may leave no bounded answer; without it every sweep takes energy, from any start.
-            self.gentle_steps += 1;
+            // With Coulomb friction a bounded solution may not exist. Without friction every sweep dissipates energy, from any
+            // start.
+            self.frictionless_steps += 1;
             self.restore();
             for touch in &mut self.touches {
                 (touch.impulse_world_n_s, touch.friction) = (Vec3::ZERO, 0.0);
@@ -78,8 +81,9 @@ impl World {
         self.fresh = false;
     }
 
-    /// Solves again where a servo turned out to be at its limit, which makes it a row, or where velocities came out other than
-    /// foreseen, as in impacts: rare, as most stays what it was.
+    /// Solves the step, and solves it again if a servo reached its limit (it then becomes a row) or if the resulting velocities
+    /// differ from those that were assumed for the velocity products, as in impacts. Both are rare, because most velocities
+    /// change little from step to step.
     fn solve_until_foreseen(&mut self, time_s: f64, ratio: f64) {
         self.solve(time_s, ratio, false);
         for attempt in 2..=MOST_ATTEMPTS {
@@ -87,11 +91,13 @@ impl World {
             for (actor, node) in self.actors.iter_mut().zip(&self.nodes) {
                 again |= actor.exceeds(node.speed);
             }
-            if !again && (attempt > 2 || self.acceleration_residual() * time_s < SURPRISE_M_S) {
+            if !again
+                && (attempt > 2 || self.acceleration_residual() * time_s < RESOLVE_THRESHOLD_M_S)
+            {
                 break;
             }
             if attempt == MOST_ATTEMPTS {
-                self.actors.iter_mut().for_each(Actor::unfold);
+                self.actors.iter_mut().for_each(JointForces::unfold);
             }
             for index in 0..self.rows.points.len() {
                 let point = &self.rows.points[index];
@@ -102,7 +108,7 @@ impl World {
         }
     }
 
-    /// How far velocities are from those at which velocity products were taken, as an acceleration, m/s².
+    /// Difference between the velocities and those at which the velocity products were taken, as an acceleration, m/s².
     fn acceleration_residual(&self) -> f64 {
         let (mut off, mut turn) = (0.0_f64, 0.0_f64);
         for (index, (body, node)) in self.forest.bodies.iter().zip(&self.nodes).enumerate() {
@@ -115,7 +121,7 @@ impl World {
         (off * turn).sqrt()
     }
 
-    /// Back to the velocities before the step; what became of them is foreseen.
+    /// Restores the velocities before the step, and keeps the computed changes as the expected changes.
     fn restore(&mut self) {
         for (node, (velocity, speed)) in self.nodes.iter_mut().zip(&self.before) {
             node.coming_turn = (node.velocity - *velocity).angular();
@@ -124,7 +130,8 @@ impl World {
         }
     }
 
-    /// Whether contacts did more work than undoing depth takes: an impulse does it at the mean of the speeds before and after.
+    /// Whether contacts did more work than the reduction of penetration requires. An impulse does its work at the mean of the
+    /// velocities before and after the step.
     fn contacts_make_energy(&self) -> bool {
         let mut work = 0.0;
         for point in &self.rows.points {
@@ -148,7 +155,8 @@ impl World {
             };
         }
         factor(&self.forest, &mut self.nodes, &self.stiff);
-        // What acts steadily over the first step has had half of it when velocities are those of its middle (leapfrog).
+        // In the first step the velocities go from the beginning of the step to its middle (leapfrog), so steady forces act only
+        // half of the step.
         let kick_s = if self.fresh { 0.5 * time_s } else { time_s };
         for (index, body) in bodies.iter().enumerate() {
             let node = &mut self.nodes[index];
@@ -183,7 +191,8 @@ impl World {
         self.sweep(impact, time_s);
     }
 
-    /// Contact rows, warm started: what they did in the step before is part of what acts now. True if something hits.
+    /// Builds the contact rows. They are warm started: their impulses of the previous step are part of the given impulses.
+    /// Returns true if there is an impact.
     fn build_rows(&mut self, step: &Step, ratio: f64) -> bool {
         let (forest, rows) = (&self.forest, &mut self.rows);
         rows.points.clear();
@@ -215,23 +224,23 @@ impl World {
             group.end = index + 1;
             if touch.b == NONE {
                 let response = &self.nodes[touch.a].response;
-                point.a.gives = point.a.reads.map(|read| response.times(&read));
+                point.a.response = point.a.jacobian.map(|row| response.times(&row));
                 point.weigh(None);
             } else {
                 let mut side = Side {
-                    reads: point.basis.map(|axis| -Spatial::at(point.arm_b, axis)),
+                    jacobian: point.basis.map(|axis| -Spatial::at(point.arm_b, axis)),
                     ..Side::default()
                 };
-                give(point, &mut side, group, forest, &mut self.nodes);
+                compute_responses(point, &mut side, group, forest, &mut self.nodes);
                 point.weigh(Some(&mut side));
                 point.b = rows.sides.len();
-                for (read, impulse) in side.reads.iter().zip(point.impulse) {
-                    self.nodes[touch.b].warm.add_scaled(read, impulse);
+                for (row, impulse) in side.jacobian.iter().zip(point.impulse) {
+                    self.nodes[touch.b].warm.add_scaled(row, impulse);
                 }
                 rows.sides.push(side);
             }
-            for (read, impulse) in point.a.reads.iter().zip(point.impulse) {
-                self.nodes[touch.a].warm.add_scaled(read, impulse);
+            for (row, impulse) in point.a.jacobian.iter().zip(point.impulse) {
+                self.nodes[touch.a].warm.add_scaled(row, impulse);
             }
         }
         rows.link(forest.bodies.len());
@@ -241,13 +250,13 @@ impl World {
     fn sweep(&mut self, impact: bool, time_s: f64) {
         let tolerance_m_s = self.settings.tolerance_m_s2 * time_s;
         let (forest, rows) = (&self.forest, &mut self.rows);
-        let no_rows = rows.points.is_empty() && !self.actors.iter().any(Actor::has_rows);
+        let no_rows = rows.points.is_empty() && !self.actors.iter().any(JointForces::has_rows);
         let most = match (no_rows, impact) {
             (true, _) => 0,
             (false, true) => self.settings.impact_sweeps.max(self.settings.sweeps),
             (false, false) => self.settings.sweeps,
         };
-        open(forest, &mut self.nodes);
+        begin_sweeps(forest, &mut self.nodes);
         for _ in 0..most {
             let mut worst = 0.0_f64;
             for tree in &forest.trees {
@@ -259,22 +268,28 @@ impl World {
                 break;
             }
         }
-        close(forest, &mut self.nodes);
+        finish_sweeps(forest, &mut self.nodes);
     }
 }
 
-/// What impulses of a contact between two bodies give to both.
-fn give(point: &mut Point, side: &mut Side, group: &Group, forest: &Forest, nodes: &mut [Node]) {
+/// Computes the responses of both bodies to impulses of a contact between them.
+fn compute_responses(
+    point: &mut Point,
+    side: &mut Side,
+    group: &Group,
+    forest: &Forest,
+    nodes: &mut [Node],
+) {
     let tops = tops(group, forest);
     for k in 0..3 {
         if group.meeting == NONE {
-            point.a.gives[k] = nodes[group.a].response.times(&point.a.reads[k]);
-            side.gives[k] = nodes[group.b].response.times(&side.reads[k]);
+            point.a.response[k] = nodes[group.a].response.times(&point.a.jacobian[k]);
+            side.response[k] = nodes[group.b].response.times(&side.jacobian[k]);
         } else {
-            let ends = [(group.a, point.a.reads[k]), (group.b, side.reads[k])];
+            let ends = [(group.a, point.a.jacobian[k]), (group.b, side.jacobian[k])];
             respond(forest, nodes, tops[0], ends);
-            point.a.gives[k] = nodes[group.a].change;
-            side.gives[k] = nodes[group.b].change;
+            point.a.response[k] = nodes[group.a].change;
+            side.response[k] = nodes[group.b].change;
         }
     }
 }

@@ -1,12 +1,13 @@
 //! Projected Gauss–Seidel over a tree in a time proportional to the number of bodies and contacts.
 //!
-//! A sweep walks around the tree (an Euler tour). A body's velocity is exact while the walk is there: going up, the parent hears of
-//! the impulses below; going down, the child hears of what its parent's velocity has changed by since. That is the articulated-body
-//! response (Featherstone 2008, section 7.3) taken in small pieces, so no row ever needs the other end of a chain.
+//! A sweep walks around the tree (an Euler tour). The velocity of a body is exact while the walk is at that body: on the way up,
+//! the impulses in a subtree are passed to the parent; on the way down, the change of the parent's velocity is passed to the
+//! child. This is the articulated-body response (Featherstone 2008, section 7.3) in small steps, so that no row has to update the
+//! whole chain.
 
 use crate::contact::{Group, Point, Side};
 use crate::forest::{Forest, Move, NONE, Tree};
-use crate::joint::{Actor, speed_between};
+use crate::joint::{JointForces, speed_between};
 use crate::kinematics::Node;
 use crate::spatial::Spatial;
 
@@ -14,48 +15,49 @@ use crate::spatial::Spatial;
 #[derive(Default)]
 pub(crate) struct Rows {
     pub points: Vec<Point>,
-    /// Second sides of contacts between bodies.
+    /// The sides of the second bodies of contacts between two bodies.
     pub sides: Vec<Side>,
     pub groups: Vec<Group>,
-    /// First group that meets at each body.
+    /// For each body the first group of contacts whose last common ancestor is that body.
     pub first_group: Vec<usize>,
-    /// First group between trees.
+    /// First group of contacts between different trees.
     pub first_between: usize,
 }
 
-/// A joint's row is in rad/s: the lever that makes it comparable with contacts, m.
+/// Lever that converts the angular speed of a joint's row into a speed comparable with that of contacts, m.
 const LEVER_M: f64 = 0.05;
 
-/// The child hears of its parent's velocity.
+/// Passes the change of the parent's velocity to the child.
 #[inline]
 fn down(forest: &Forest, nodes: &mut [Node], index: usize) {
     let (above, below) = nodes.split_at_mut(index);
     let (parent, node) = (&above[forest.bodies[index].parent], &mut below[0]);
-    let news = parent.velocity - node.heard;
+    let news = parent.velocity - node.known_parent_velocity;
     node.velocity += news;
-    let follows = -node.lean.dot(&news);
+    let follows = -node.u_over_d.dot(&news);
     node.velocity.add_scaled(&node.axis, follows);
-    node.heard = parent.velocity;
+    node.known_parent_velocity = parent.velocity;
 }
 
-/// The parent hears of impulses in the child's subtree.
+/// Passes the pending impulses of the child's subtree to the parent.
 #[inline]
 fn up(forest: &Forest, nodes: &mut [Node], index: usize) {
     let (above, below) = nodes.split_at_mut(index);
     let (parent, node) = (&mut above[forest.bodies[index].parent], &mut below[0]);
     if node.pending != Spatial::ZERO {
         let mut passed = node.pending;
-        passed.add_scaled(&node.lean, -node.axis.dot(&node.pending));
+        passed.add_scaled(&node.u_over_d, -node.axis.dot(&node.pending));
         parent.pending += passed;
         parent.velocity += parent.response.times(&passed);
         node.pending = Spatial::ZERO;
     }
-    node.heard = parent.velocity;
+    node.known_parent_velocity = parent.velocity;
 }
 
-/// Rows of the joint above a body of which both have heard; returns the largest change of speed.
+/// Solves the rows of the joint above a body, whose velocity and whose parent's velocity are up to date; returns the largest
+/// change of speed.
 #[inline]
-fn joint(forest: &Forest, nodes: &mut [Node], actor: &mut Actor, index: usize) -> f64 {
+fn joint(forest: &Forest, nodes: &mut [Node], actor: &mut JointForces, index: usize) -> f64 {
     let (above, below) = nodes.split_at_mut(index);
     let (parent, node) = (&mut above[forest.bodies[index].parent], &mut below[0]);
     let more = actor.solve(speed_between(node, &parent.velocity), node.give);
@@ -63,16 +65,18 @@ fn joint(forest: &Forest, nodes: &mut [Node], actor: &mut Actor, index: usize) -
         return 0.0;
     }
     parent.velocity.add_scaled(&node.recoil, -more);
-    parent.pending.add_scaled(&node.lean, -more);
+    parent.pending.add_scaled(&node.u_over_d, -more);
     node.velocity.add_scaled(&node.recoil, -more);
     node.velocity.add_scaled(&node.axis, more * node.give);
-    node.heard = parent.velocity;
+    node.known_parent_velocity = parent.velocity;
     (more * node.give).abs() * LEVER_M
 }
 
-/// The response of bodies along the paths from `a` and `b` up to `meeting` to an impulse on each; fills `change` of these.
+/// The response of bodies along the paths from both bodies of `ends` up to `meeting` to an impulse on each; stores it in `change`
+/// of these bodies.
 ///
-/// With different trees each path has its own root: then call it for one body at a time, `b` being [`NONE`].
+/// If the bodies belong to different trees, each path ends at its own root: then call the function for one body at a time, with
+/// [`NONE`] as the other.
 pub(crate) fn respond(
     forest: &Forest,
     nodes: &mut [Node],
@@ -86,7 +90,7 @@ pub(crate) fn respond(
             let node = &mut nodes[index];
             node.speed_change = node.axis.dot(&impulse);
             let left = node.speed_change;
-            impulse.add_scaled(&node.lean, -left);
+            impulse.add_scaled(&node.u_over_d, -left);
             index = forest.bodies[index].parent;
         }
         at_meeting += impulse;
@@ -109,31 +113,31 @@ fn descend(forest: &Forest, nodes: &mut [Node], meeting: usize, end: usize) {
     descend(forest, nodes, meeting, parent);
     let (above, below) = nodes.split_at_mut(end);
     let (parent, node) = (&above[parent], &mut below[0]);
-    let speed = node.speed_change * node.inverse_d - node.lean.dot(&parent.change);
+    let speed = node.speed_change * node.inverse_d - node.u_over_d.dot(&parent.change);
     node.change = parent.change;
     node.change.add_scaled(&node.axis, speed);
 }
 
-/// Lets all bodies from below `meeting` to `end` hear of it.
-fn hear(forest: &Forest, nodes: &mut [Node], meeting: usize, end: usize) {
+/// Updates the velocities of all bodies on the path from below `meeting` to `end`.
+fn update_path(forest: &Forest, nodes: &mut [Node], meeting: usize, end: usize) {
     if end != meeting {
-        hear(forest, nodes, meeting, forest.bodies[end].parent);
+        update_path(forest, nodes, meeting, forest.bodies[end].parent);
         down(forest, nodes, end);
     }
 }
 
-/// Takes over the changes that [`respond`] found.
-fn take(forest: &Forest, nodes: &mut [Node], meeting: usize, end: usize) {
+/// Applies the changes that [`respond`] computed.
+fn apply_changes(forest: &Forest, nodes: &mut [Node], meeting: usize, end: usize) {
     if end == meeting {
         return;
     }
     let parent = forest.bodies[end].parent;
-    take(forest, nodes, meeting, parent);
+    apply_changes(forest, nodes, meeting, parent);
     let change = nodes[end].change;
-    let heard = nodes[parent].velocity;
-    // Bodies that both paths share do not exist below their meeting.
+    let known_parent_velocity = nodes[parent].velocity;
+    // The two paths share no body below their common ancestor, so no change is applied twice.
     nodes[end].velocity += change;
-    nodes[end].heard = heard;
+    nodes[end].known_parent_velocity = known_parent_velocity;
 }
 
 impl Rows {
@@ -143,9 +147,9 @@ impl Rows {
         tree: &Tree,
         forest: &Forest,
         nodes: &mut [Node],
-        actors: &mut [Actor],
+        actors: &mut [JointForces],
     ) -> f64 {
-        let mut worst = self.meet(tree.root, forest, nodes);
+        let mut worst = self.solve_groups_of(tree.root, forest, nodes);
         for step in &forest.tour[tree.tour_start..tree.tour_end] {
             match *step {
                 Move::Down(index) => {
@@ -153,7 +157,7 @@ impl Rows {
                     if actors[index].has_rows() {
                         worst = worst.max(joint(forest, nodes, &mut actors[index], index));
                     }
-                    worst = worst.max(self.meet(index, forest, nodes));
+                    worst = worst.max(self.solve_groups_of(index, forest, nodes));
                 }
                 Move::Up(index) => up(forest, nodes, index),
             }
@@ -161,56 +165,56 @@ impl Rows {
         worst
     }
 
-    /// Contacts whose paths meet at a body.
-    fn meet(&mut self, body: usize, forest: &Forest, nodes: &mut [Node]) -> f64 {
+    /// Solves the contacts whose last common ancestor is this body.
+    fn solve_groups_of(&mut self, body: usize, forest: &Forest, nodes: &mut [Node]) -> f64 {
         let mut worst = 0.0_f64;
         let mut next = self.first_group[body];
         while next != NONE {
             let group = self.groups[next];
             worst = worst.max(if group.b == NONE {
-                self.alone(&group, nodes)
+                self.solve_with_fixture(&group, nodes)
             } else {
-                self.together(&group, forest, nodes)
+                self.solve_between_bodies(&group, forest, nodes)
             });
             next = group.next;
         }
         worst
     }
 
-    /// Contacts between trees.
+    /// Solves the contacts between different trees.
     pub fn between(&mut self, forest: &Forest, nodes: &mut [Node]) -> f64 {
         let mut worst = 0.0_f64;
         let mut next = self.first_between;
         while next != NONE {
             let group = self.groups[next];
-            worst = worst.max(self.together(&group, forest, nodes));
+            worst = worst.max(self.solve_between_bodies(&group, forest, nodes));
             next = group.next;
         }
         worst
     }
 
-    /// Contacts of one body with a fixture.
+    /// Solves the contacts of one body with a fixture.
     #[inline]
-    fn alone(&mut self, group: &Group, nodes: &mut [Node]) -> f64 {
+    fn solve_with_fixture(&mut self, group: &Group, nodes: &mut [Node]) -> f64 {
         let node = &mut nodes[group.a];
         let mut worst = 0.0_f64;
         for point in &mut self.points[group.first..group.end] {
             let more = point.solve(&mut node.velocity, None);
             if more != [0.0; 3] {
                 worst = worst.max(point.speed_of(&more));
-                for (read, change) in point.a.reads.iter().zip(more) {
-                    node.pending.add_scaled(read, change);
+                for (row, change) in point.a.jacobian.iter().zip(more) {
+                    node.pending.add_scaled(row, change);
                 }
             }
         }
         worst
     }
 
-    /// Contacts of two bodies.
-    fn together(&mut self, group: &Group, forest: &Forest, nodes: &mut [Node]) -> f64 {
+    /// Solves the contacts of two bodies.
+    fn solve_between_bodies(&mut self, group: &Group, forest: &Forest, nodes: &mut [Node]) -> f64 {
         let tops = tops(group, forest);
-        hear(forest, nodes, tops[0], group.a);
-        hear(forest, nodes, tops[1], group.b);
+        update_path(forest, nodes, tops[0], group.a);
+        update_path(forest, nodes, tops[1], group.b);
         let (mut a, mut b) = (nodes[group.a].velocity, nodes[group.b].velocity);
         let mut impulses = [Spatial::ZERO; 2];
         let mut worst = 0.0_f64;
@@ -219,8 +223,8 @@ impl Rows {
             let more = point.solve(&mut a, Some((side, &mut b)));
             worst = worst.max(point.speed_of(&more));
             for (k, change) in more.into_iter().enumerate() {
-                impulses[0].add_scaled(&point.a.reads[k], change);
-                impulses[1].add_scaled(&side.reads[k], change);
+                impulses[0].add_scaled(&point.a.jacobian[k], change);
+                impulses[1].add_scaled(&side.jacobian[k], change);
             }
         }
         if worst > 0.0 {
@@ -229,7 +233,7 @@ impl Rows {
         worst
     }
 
-    /// Links the groups to the bodies where their paths meet.
+    /// Sorts the groups into linked lists by the last common ancestor of their bodies.
     pub fn link(&mut self, bodies: usize) {
         self.first_group.clear();
         self.first_group.resize(bodies, NONE);
@@ -247,7 +251,7 @@ impl Rows {
     }
 }
 
-/// Where the paths of both bodies of a group end: where they meet, or at their roots.
+/// The ends of the paths of both bodies of a group: their last common ancestor, or their roots.
 pub(crate) fn tops(group: &Group, forest: &Forest) -> [usize; 2] {
     if group.meeting == NONE {
         [forest.bodies[group.a].root, forest.bodies[group.b].root]
@@ -256,7 +260,7 @@ pub(crate) fn tops(group: &Group, forest: &Forest) -> [usize; 2] {
     }
 }
 
-/// Gives an impulse to each body of a group and lets all on the way know.
+/// Applies an impulse to each body of a group and updates all bodies on the way to the ends of the paths.
 fn push(
     forest: &Forest,
     nodes: &mut [Node],
@@ -264,13 +268,13 @@ fn push(
     tops: [usize; 2],
     impulses: [Spatial; 2],
 ) {
-    let nobody = (NONE, Spatial::ZERO);
+    let no_body = (NONE, Spatial::ZERO);
     let (one, two) = ((group.a, impulses[0]), (group.b, impulses[1]));
     if group.meeting != NONE {
         at_meeting(forest, nodes, tops[0], [one, two]);
     } else {
-        at_meeting(forest, nodes, tops[0], [one, nobody]);
-        at_meeting(forest, nodes, tops[1], [two, nobody]);
+        at_meeting(forest, nodes, tops[0], [one, no_body]);
+        at_meeting(forest, nodes, tops[1], [two, no_body]);
     }
 }
 
@@ -281,23 +285,23 @@ fn at_meeting(forest: &Forest, nodes: &mut [Node], top: usize, ends: [(usize, Sp
     nodes[top].pending += passed;
     for (end, _) in ends {
         if end != NONE {
-            take(forest, nodes, top, end);
+            apply_changes(forest, nodes, top, end);
         }
     }
 }
 
-/// Before the first sweep: all have heard of all.
-pub(crate) fn open(forest: &Forest, nodes: &mut [Node]) {
+/// Before the first sweep: marks the velocities of all bodies as up to date.
+pub(crate) fn begin_sweeps(forest: &Forest, nodes: &mut [Node]) {
     for (index, body) in forest.bodies.iter().enumerate() {
         nodes[index].pending = Spatial::ZERO;
         if !body.is_root() {
-            nodes[index].heard = nodes[body.parent].velocity;
+            nodes[index].known_parent_velocity = nodes[body.parent].velocity;
         }
     }
 }
 
-/// After the last sweep: all hear of all, and joints have the speeds that came of it.
-pub(crate) fn close(forest: &Forest, nodes: &mut [Node]) {
+/// After the last sweep: updates the velocities of all bodies, and computes the speeds of the joints from them.
+pub(crate) fn finish_sweeps(forest: &Forest, nodes: &mut [Node]) {
     for (index, body) in forest.bodies.iter().enumerate() {
         if body.is_root() {
             continue;

@@ -1,18 +1,19 @@
-//! Where two shapes touch: corners of boxes and balls on half-spaces directly, all else by Parry.
+//! Narrow phase of collision detection: contact points of two shapes. Boxes and balls on half-spaces are computed directly, all
+//! other pairs by Parry.
 
 use parry3d_f64::math::{Pose, Vec3};
 use parry3d_f64::query::details::ContactManifoldsWorkspace;
 use parry3d_f64::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
 use parry3d_f64::shape::SharedShape;
 
-/// A contact point as collision detection finds it.
+/// A contact point that collision detection found.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Touch {
-    /// Body that the normal points to.
+    /// Body towards which the normal points.
     pub a: usize,
-    /// The other one; [`NONE`] for a fixture.
+    /// The other body; [`NONE`] for a fixture.
     pub b: usize,
-    /// Where the paths of both meet; `a` for a fixture.
+    /// Last common ancestor of both bodies; `a` for a fixture.
     pub meeting: usize,
     pub shape_a: usize,
     /// Shape of the other body, or fixture.
@@ -22,17 +23,17 @@ pub(crate) struct Touch {
     pub distance_m: f64,
     pub friction: f64,
     pub restitution: f64,
-    /// Velocity of the fixture there.
+    /// Velocity of the fixture at the contact point.
     pub led_world_m_s: Vec3,
-    /// What it did in the step before.
+    /// Impulse of the contact in the previous step.
     pub impulse_world_n_s: Vec3,
     pub memory: Memory,
 }
 
-/// Where the impulse of a contact is kept for the next step.
+/// Storage location of a contact's impulse for the next step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Memory {
-    /// Corner of a box, or a ball, on a half-space.
+    /// Corner of a box, or lowest point of a ball, on a half-space.
     Corner { pair: usize, corner: usize },
     /// Point of a manifold.
     Point {
@@ -42,7 +43,7 @@ pub(crate) enum Memory {
     },
 }
 
-/// Shapes that have a way of their own.
+/// Kind of a shape; contacts of the first three kinds with a half-space are computed directly.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Form {
     Box(Vec3),
@@ -65,7 +66,7 @@ impl Form {
     }
 }
 
-/// Two shapes that may touch, and what is known of their contact.
+/// Two shapes that may be in contact, and the stored data of their contact points.
 pub(crate) struct Pair {
     pub shape_a: usize,
     /// Shape, or fixture.
@@ -81,7 +82,7 @@ pub(crate) struct Pair {
     pub workspace: Option<ContactManifoldsWorkspace>,
 }
 
-/// A half-space, and how far above it to look.
+/// A half-space, and the height above it up to which contacts are reported.
 pub(crate) struct Plane {
     pub normal_world: Vec3,
     pub point_world_m: Vec3,
@@ -89,7 +90,7 @@ pub(crate) struct Plane {
 }
 
 impl Pair {
-    /// Forgets what was known of a contact that has been out of reach.
+    /// Discards the stored contact points of a pair that was out of reach in the previous step.
     pub fn recall(&mut self, now: u64) {
         if self.seen_at + 1 != now {
             self.corners.fill(Vec3::ZERO);
@@ -117,7 +118,7 @@ impl Pair {
         }
     }
 
-    /// Corners of a box and the lowest point of a ball are the contacts.
+    /// Adds contacts with a half-space: the corners of a box, or the lowest point of a ball.
     pub fn touch_plane(
         &mut self,
         index: usize,
@@ -162,7 +163,7 @@ impl Pair {
         }
     }
 
-    /// Any two shapes, by Parry.
+    /// Adds the contacts of any two shapes, computed by Parry.
     pub fn touch_shape(
         &mut self,
         index: usize,
@@ -189,9 +190,9 @@ impl Pair {
             let part_1 = manifold.subshape_pos1().copied().unwrap_or_default();
             let part_2 = manifold.subshape_pos2().copied().unwrap_or_default();
             let (world_from_1, world_from_2) = (*mine.0 * part_1, *other.0 * part_2);
-            // Parry's normal leaves the first shape.
+            // Parry's normal points away from the first shape.
             let normal = -(world_from_1.rotation * manifold.local_n1);
-            // Shapes in the same place have no direction.
+            // Shapes at the same position have no defined normal.
             let upright = (normal.length_squared() - 1.0).abs() < 1e-6 && normal.is_finite();
             for (point_number, point) in manifold.points.iter().enumerate() {
                 if point.dist > reach || !upright {

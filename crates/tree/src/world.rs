@@ -1,4 +1,4 @@
-//! A world that steps: the one way in and out of the crate.
+//! The public interface of the solver: building a world from a model, stepping it, and reading its state.
 
 use parry3d_f64::math::{Pose, Vec3};
 
@@ -6,18 +6,18 @@ use crate::articulated::factor;
 use crate::collision::Collision;
 use crate::contact::Point;
 use crate::forest::{Forest, Freedom, NONE};
-use crate::joint::{Actor, Command, JointImpulse};
+use crate::joint::{Command, JointForces, JointImpulse};
 use crate::kinematics::{self, Node};
 use crate::model::{Model, ModelError, Settings};
 use crate::spatial::Spatial;
 use crate::sweep::Rows;
 use crate::touch::Touch;
 
-/// Bodies, what acts on them, and time.
+/// The simulated system: bodies, joints, contacts and the present state.
 pub struct World {
     pub(crate) forest: Forest,
     pub(crate) nodes: Vec<Node>,
-    pub(crate) actors: Vec<Actor>,
+    pub(crate) actors: Vec<JointForces>,
     pub(crate) collision: Collision,
     pub(crate) rows: Rows,
     pub(crate) touches: Vec<Touch>,
@@ -30,28 +30,29 @@ pub struct World {
     pub(crate) earlier: Vec<Contact>,
     pub(crate) gravity_world_m_s2: Vec3,
     pub(crate) settings: Settings,
-    /// Whether velocities belong to the beginning of the step to come, as given, and not to the middle of the one before.
+    /// Whether the velocities belong to the beginning of the next step, as the caller set them, and not to the middle of the
+    /// previous step.
     pub(crate) fresh: bool,
     pub(crate) last_time_s: f64,
     pub(crate) sweeps_done: usize,
-    pub(crate) gentle_steps: usize,
+    pub(crate) frictionless_steps: usize,
     pub(crate) weight_n: f64,
 }
 
-/// Where a link is and how it moves.
+/// Pose and velocity of a link.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinkState {
-    /// Its frame.
+    /// Pose of the link's frame.
     pub world_from_link: Pose,
-    /// Its centre of mass, m.
+    /// Position of the link's centre of mass, m.
     pub centre_world_m: Vec3,
-    /// Velocity of its centre of mass, m/s.
+    /// Velocity of the link's centre of mass, m/s.
     pub velocity_world_m_s: Vec3,
     /// Angular velocity, rad/s.
     pub angular_velocity_world_rad_s: Vec3,
 }
 
-/// Whom a link touches.
+/// The other partner of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Partner {
     /// Another link.
@@ -63,21 +64,21 @@ pub enum Partner {
 /// A contact during the last step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
-    /// The link that the normal points to.
+    /// The link towards which the normal points.
     pub link: usize,
-    /// Mark of its shape.
+    /// Mark of the link's shape.
     pub mark: u64,
-    /// Whom it touches.
+    /// The other partner of the contact.
     pub partner: Partner,
     /// Mark of the partner's shape.
     pub partner_mark: u64,
-    /// Where.
+    /// Contact point.
     pub point_world_m: Vec3,
-    /// Away from the partner.
+    /// Normal, pointing from the partner to the link.
     pub normal_world: Vec3,
     /// Distance of the surfaces before the step, negative inside.
     pub distance_m: f64,
-    /// Impulse on the link, N s; that on the partner is opposite.
+    /// Impulse on the link, N s; the impulse on the partner is the opposite.
     pub impulse_world_n_s: Vec3,
 }
 
@@ -86,16 +87,15 @@ impl World {
     ///
     /// # Errors
     ///
-    /// A model that has no meaning, e.g. a moving link without mass.
+    /// An invalid model, e.g. one with a moving link without mass.
     pub fn new(model: &Model) -> Result<Self, ModelError> {
         let forest = Forest::new(model)?;
         let mut nodes = kinematics::start(&forest);
         let many = nodes.len();
-        let actors: Vec<Actor> = forest.bodies.iter().map(Actor::new).collect();
+        let actors: Vec<JointForces> = forest.bodies.iter().map(JointForces::new).collect();
         let stiff: Vec<f64> = actors.iter().map(|actor| actor.armature).collect();
         if !factor(&forest, &mut nodes, &stiff) {
-            let message =
-                "a joint or a root without inertia; give its link a mass that has an extent";
+            let message = "a joint or a root without inertia; give its link a mass and an inertia";
             return Err(ModelError {
                 message: message.into(),
             });
@@ -116,7 +116,7 @@ impl World {
             fresh: true,
             last_time_s: model.settings.timestep_s,
             sweeps_done: 0,
-            gentle_steps: 0,
+            frictionless_steps: 0,
             weight_n: model.gravity_world_m_s2.length()
                 * model.links.iter().map(|link| link.mass_kg).sum::<f64>(),
             forest,
@@ -146,13 +146,13 @@ impl World {
         }
     }
 
-    /// All contacts of the last step; those of a step in parts once for each part.
+    /// All contacts of the last step; if the step was divided, the contacts of each of its parts.
     pub fn contacts(&self) -> impl Iterator<Item = Contact> + '_ {
         let last = self.rows.points.iter().map(|point| self.contact(point));
         self.earlier.iter().copied().chain(last)
     }
 
-    /// Where a link is and how it moves: poses after the last step, velocities in its middle.
+    /// Pose and velocity of a link: the pose after the last step, the velocity in its middle.
     pub fn link(&self, link: usize) -> LinkState {
         let place = &self.forest.places[link];
         let node = &self.nodes[place.body];
@@ -178,7 +178,7 @@ impl World {
         }
     }
 
-    /// What acted along the joint above a link during the last step.
+    /// Impulses along the joint above a link during the last step.
     pub fn joint_impulse(&self, link: usize) -> JointImpulse {
         let place = &self.forest.places[link];
         if place.leads {
@@ -188,42 +188,43 @@ impl World {
         }
     }
 
-    /// What the motor of the joint above a link does from now on.
+    /// Sets the command of the motor of the joint above a link.
     pub fn command(&mut self, link: usize, command: Command) {
         if let Some(actor) = self.actor(link) {
             actor.command = command;
         }
     }
 
-    /// Dry friction (N m or N) and viscous friction (N m s/rad or N s/m) of the joint above a link from now on.
+    /// Sets dry friction (N m or N) and viscous friction (N m s/rad or N s/m) of the joint above a link.
     pub fn set_friction(&mut self, link: usize, dry: f64, viscous: f64) {
         if let Some(actor) = self.actor(link) {
             (actor.dry, actor.viscous) = (dry, viscous);
         }
     }
 
-    /// Inertia of the rotor of the joint above a link from now on, kg m² or kg.
+    /// Sets the inertia of the rotor of the joint above a link, kg m² or kg.
     pub fn set_armature(&mut self, link: usize, armature: f64) {
         if let Some(actor) = self.actor(link) {
             actor.armature = armature;
         }
     }
 
-    fn actor(&mut self, link: usize) -> Option<&mut Actor> {
+    fn actor(&mut self, link: usize) -> Option<&mut JointForces> {
         let place = &self.forest.places[link];
         place.leads.then(|| &mut self.actors[place.body])
     }
 
-    /// Adds a force at a point and a torque on a link during the next step, all in the world's frame.
+    /// Applies a force at a point and a torque to a link during the next step, all in the world's frame.
     pub fn push(&mut self, link: usize, force_n: Vec3, point_world_m: Vec3, torque_nm: Vec3) {
         let body = self.forest.places[link].body;
         let arm_m = point_world_m - self.nodes[body].reference_world_m;
         self.wrenches[body] += Spatial::at(arm_m, force_n) + Spatial::new(torque_nm, Vec3::ZERO);
     }
 
-    /// Puts the root of a tree elsewhere; the velocity is that of its centre of mass. Contacts start anew.
+    /// Sets pose and velocity of the root of a tree; the velocity is that of the link's centre of mass. The stored contact
+    /// impulses are discarded.
     ///
-    /// Any link that is fixed to the root will do.
+    /// `link` is the root or any link that is fixed to it.
     pub fn set_root(
         &mut self,
         link: usize,
@@ -238,7 +239,7 @@ impl World {
         node.rotation = world_from_body.rotation.normalize();
         node.origin_world_m = world_from_body.translation;
         if body.freedom == Freedom::Free {
-            // From the centre of the link to that of all that is fixed to it.
+            // Vector from the link's centre of mass to the centre of mass of the body that consists of all links fixed to it.
             let to_m = node.rotation * body.centre_body_m
                 - node.rotation * (place.body_from_link * self.centres_link_m[link]);
             let velocity = velocity_world_m_s + angular_velocity_world_rad_s.cross(to_m);
@@ -247,7 +248,7 @@ impl World {
         self.restart();
     }
 
-    /// Sets position and speed of the joint above a link. Contacts start anew.
+    /// Sets position and speed of the joint above a link. The stored contact impulses are discarded.
     pub fn set_joint(&mut self, link: usize, position: f64, speed: f64) {
         let place = self.forest.places[link];
         if place.leads && !self.forest.bodies[place.body].is_root() {
@@ -266,7 +267,7 @@ impl World {
         self.fresh = true;
     }
 
-    /// Puts a fixture elsewhere and says how it moves from there.
+    /// Sets pose and velocity of a fixture.
     pub fn lead(
         &mut self,
         fixture: usize,
@@ -280,7 +281,7 @@ impl World {
         placed.put(world_from_fixture);
     }
 
-    /// Where a fixture is.
+    /// Pose of a fixture.
     pub fn fixture(&self, fixture: usize) -> Pose {
         self.collision.fixtures[fixture].fixture.world_from_fixture
     }
@@ -292,22 +293,23 @@ impl World {
             .sum()
     }
 
-    /// Energy in gravity's field, J, 0 at the world's origin.
+    /// Potential energy in the gravitational field, J, 0 at the world's origin.
     pub fn potential_energy_j(&self) -> f64 {
         let each = self.forest.bodies.iter().zip(&self.nodes);
         each.map(|(body, node)| -body.mass_kg * self.gravity_world_m_s2.dot(node.centre_world_m()))
             .sum()
     }
 
-    /// Energy in the springs of joints, J.
+    /// Potential energy of the springs of the joints, J.
     pub fn spring_energy_j(&self) -> f64 {
         let each = self.forest.bodies.iter().zip(&self.nodes);
         each.map(|(body, node)| 0.5 * body.stiffness * (node.position - body.rest).powi(2))
             .sum()
     }
 
-    /// Change of velocity (linear, of the point, and angular) of a link by an impulse on it there, the whole tree following and
-    /// servos as stiff as in the last step: a column of J M⁻¹ Jᵀ.
+    /// Change of velocity (linear velocity of the point, and angular velocity) of a link due to an impulse on the link at that
+    /// point. All joints of the tree move freely, with the implicit stiffness of the servos of the last step: a column of J M⁻¹
+    /// Jᵀ.
     pub fn response(&self, link: usize, impulse_n_s: Vec3, point_world_m: Vec3) -> (Vec3, Vec3) {
         let node = &self.nodes[self.forest.places[link].body];
         let arm_m = point_world_m - node.reference_world_m;
@@ -315,23 +317,24 @@ impl World {
         (change.velocity_at(arm_m), change.angular())
     }
 
-    /// Whether all numbers are still numbers.
+    /// Whether all positions and velocities are finite.
     pub fn is_finite(&self) -> bool {
         let fine = |node: &Node| node.origin_world_m.is_finite() && node.velocity.0[0].is_finite();
         self.nodes.iter().all(fine)
     }
 
-    /// Sweeps since the beginning: what the solver had to do.
+    /// Number of solver sweeps since the world was built: a measure of the computing effort.
     pub fn sweeps_done(&self) -> usize {
         self.sweeps_done
     }
 
-    /// Steps in which contacts were solved without friction, as with it they would have made energy: none where all is well.
-    pub fn gentle_steps(&self) -> usize {
-        self.gentle_steps
+    /// Number of steps in which contacts were solved without friction, because with friction the solution would have created
+    /// energy; 0 in normal operation.
+    pub fn frictionless_steps(&self) -> usize {
+        self.frictionless_steps
     }
 
-    /// How time passes and how contacts give.
+    /// The settings of time step, solver and contacts.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }

@@ -1,4 +1,4 @@
-//! The relaxed cone against what Anitescu's and Todorov's problem says.
+//! Tests of the relaxed friction cone against the equations of Anitescu and Todorov.
 #![allow(clippy::unwrap_used)]
 
 use super::common::*;
@@ -9,7 +9,7 @@ const OMEGA_1_S: f64 = 500.0;
 const STEPS_1_S: f64 = 2000.0;
 const FRICTION: f64 = 0.4;
 
-/// A cube of 6 cm on the floor, this deep in it, at this speed.
+/// A cube of 6 cm that penetrates the floor by this depth, with this speed.
 fn slider(cone: Cone, depth_m: f64, speed_m_s: f64) -> World {
     let pose = at(0.0, 0.0, 0.03 - depth_m);
     let mut model = model(vec![cube(FRICTION, pose)], vec![floor()], STEPS_1_S);
@@ -21,17 +21,17 @@ fn slider(cone: Cone, depth_m: f64, speed_m_s: f64) -> World {
     world
 }
 
-/// Share of a velocity that an implicit step of the spring and damper takes.
+/// Fraction of a velocity that an implicit step of the spring and damper removes.
 fn taken() -> f64 {
     let turn = OMEGA_1_S / STEPS_1_S;
     1.0 - 1.0 / (1.0 + turn * (turn + 2.0))
 }
 
-/// Rows give this share of their inverse mass: an impedance of 0.97.
+/// Compliance of the rows as a fraction of their inverse mass: an impedance of 0.97.
 const GIVES: f64 = 0.03;
 
 #[test]
-fn what_rests_lies_as_deep_as_rows_that_give_need_to_carry_it() {
+fn a_resting_cube_penetrates_as_deep_as_compliant_rows_require() {
     let mut world = slider(Cone::Relaxed, 0.0, 0.0);
     run(&mut world, 1.0);
     let depth_m = 0.03 - world.link(0).centre_world_m.z;
@@ -43,14 +43,14 @@ fn what_rests_lies_as_deep_as_rows_that_give_need_to_carry_it() {
 }
 
 #[test]
-fn what_slides_is_pressed_apart_by_friction_times_the_slip_that_a_step_takes() {
+fn a_sliding_cube_is_lifted_by_friction_times_the_slip_that_a_step_removes() {
     let (depth_m, speed_m_s) = (1e-9, 1.0);
     let vertical = |cone| {
         let mut world = slider(cone, depth_m, speed_m_s);
         world.step();
         world.link(0).velocity_world_m_s.z
     };
-    // The normal row: v + GIVES (v + g h) = µ (taken · speed - µ (v + g h)); the first step falls for half of its time.
+    // The normal row: v + GIVES (v + g h) = µ (taken · speed - µ (v + g h)); in the first step gravity acts for half of the step.
     let fallen_m_s = 0.5 * G / STEPS_1_S;
     let give = FRICTION.powi(2) + GIVES;
     let right_m_s = (FRICTION * taken() * speed_m_s - give * fallen_m_s) / (1.0 + give);
@@ -63,7 +63,7 @@ fn what_slides_is_pressed_apart_by_friction_times_the_slip_that_a_step_takes() {
 }
 
 #[test]
-fn it_hops_and_still_comes_as_far_as_friction_says() {
+fn a_hopping_cube_slides_as_far_as_coulomb_friction_predicts() {
     let share = |cone| {
         let mut world = slider(cone, 0.0, 1.0);
         let (mut touching, mut steps) = (0, 0);

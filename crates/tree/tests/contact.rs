@@ -1,4 +1,4 @@
-//! Contact against closed forms.
+//! Tests of contacts against closed-form solutions.
 #![allow(clippy::unwrap_used)]
 
 use super::common::*;
@@ -19,7 +19,7 @@ fn slider(friction: f64, speed: f64) -> World {
 }
 
 #[test]
-fn a_slide_takes_v2_by_2_mu_g() {
+fn a_sliding_cube_stops_after_v2_over_2_mu_g() {
     let mut world = slider(0.4, 1.0);
     let start = world.link(0).centre_world_m.x;
     run(&mut world, 1.0);
@@ -136,7 +136,7 @@ fn flat_bounces_rise_to_e_squared() {
 }
 
 #[test]
-fn an_oblique_flat_bounce_loses_what_coulomb_says() {
+fn an_oblique_flat_bounce_loses_the_speed_that_coulomb_friction_predicts() {
     let (mu, e) = (0.3, 0.5);
     let mut link = cube(mu, Pose::identity());
     link.colliders[0].restitution = e;
@@ -151,7 +151,7 @@ fn an_oblique_flat_bounce_loses_what_coulomb_says() {
     let right = vx - mu * (1.0 + e) * vz;
     let speed = state.velocity_world_m_s.x / right - 1.0;
     let direction = |x: f64, z: f64| z.atan2(x).to_degrees();
-    // At the floor's height: the reading is from the middle of a step, and from a little above.
+    // The values are converted to the floor's height: the velocity belongs to the middle of a step, a little above the floor.
     let h = 0.5 / 960.0;
     let height = z(&world) - 0.03 - h * state.velocity_world_m_s.z;
     let leaving = (state.velocity_world_m_s.z.powi(2) + 2.0 * G * height).sqrt();
@@ -184,10 +184,12 @@ fn a_central_hit_face_to_face_hardly_turns() {
             .rotation
             .angle_between(Rot3::IDENTITY)
             .to_degrees();
-        let apart = two.velocity_world_m_s.x - one.velocity_world_m_s.x;
+        let separation = two.velocity_world_m_s.x - one.velocity_world_m_s.x;
         let total = two.velocity_world_m_s.x + one.velocity_world_m_s.x;
-        println!("central hit e {e}: apart {apart:.5}, total {total:.6}, turned {turn:.4} deg");
-        assert!((apart - e).abs() < 0.01 && (total - 1.0).abs() < 1e-6 && turn < 0.1);
+        println!(
+            "central hit e {e}: separation {separation:.5}, total {total:.6}, turned {turn:.4} deg"
+        );
+        assert!((separation - e).abs() < 0.01 && (total - 1.0).abs() < 1e-6 && turn < 0.1);
     }
 }
 
@@ -204,7 +206,7 @@ fn roll(shape: SharedShape, inertia: Mat3, share: f64) -> f64 {
 }
 
 #[test]
-fn balls_and_cylinders_roll_down_as_their_inertia_says() {
+fn balls_and_cylinders_roll_down_at_the_acceleration_of_their_inertia() {
     let (m, r) = (0.1, 0.03_f64);
     let ball = roll(
         SharedShape::ball(r),
@@ -225,7 +227,7 @@ fn balls_and_cylinders_roll_down_as_their_inertia_says() {
     assert!(ball.abs() < 0.005 && cylinder.abs() < 0.01);
 }
 
-/// Time that a cube on an edge, tipped by 0.02 rad, takes to lean by half a radian; relative to the closed form.
+/// Time that a cube on an edge, tipped by 0.02 rad, takes to lean by half a radian: relative error against the closed form.
 fn topple(rate: f64) -> f64 {
     let (side, tip, fallen) = (0.06_f64, 0.02_f64, 0.5);
     let mut world = World::new(&model(
@@ -262,7 +264,7 @@ fn topple(rate: f64) -> f64 {
 }
 
 #[test]
-fn a_cube_falls_over_its_edge_in_time_and_better_with_shorter_steps() {
+fn a_cube_topples_over_its_edge_in_the_expected_time_and_shorter_steps_are_more_exact() {
     let errors = [120.0, 240.0, 480.0, 960.0].map(topple);
     println!("edge: {:.4?} %", errors.map(|error| 100.0 * error));
     assert!(errors[3].abs() < 5e-4);
@@ -297,7 +299,7 @@ fn a_corner_bounces_with_spin() {
             last = world.link(0).world_from_link.rotation;
             world.step();
         }
-        // One impulse at the corner where it was when it hit, by hand.
+        // The expected single impulse at the corner, at its position when it hit.
         let arm = corner(last);
         let (mass, inertia) = (0.1, 0.1 * 0.06 * 0.06 / 6.0);
         let k = Mat3::from_diagonal(Vec3::splat(1.0 / mass + arm.length_squared() / inertia))
@@ -306,7 +308,7 @@ fn a_corner_bounces_with_spin() {
         let right = if mu > 1.0 {
             k.inverse() * (Vec3::new(0.0, 0.0, -e * at_corner.z) - at_corner)
         } else {
-            // Slides throughout in one direction where friction is small.
+            // With small friction the corner slides during the whole impact.
             let mut p = Vec3::ZERO;
             for _ in 0..1000 {
                 let slip = at_corner + k * p;

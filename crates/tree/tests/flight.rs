@@ -1,4 +1,4 @@
-//! Motion without contact against closed forms.
+//! Tests of motion without contacts against closed-form solutions.
 #![allow(clippy::unwrap_used)]
 
 use super::common::*;
@@ -48,7 +48,7 @@ fn tumbled(inertia: Vec3, start: Vec3, time_s: f64) -> (Rot3, Vec3) {
 }
 
 #[test]
-fn a_free_body_tumbles_as_euler_says() {
+fn a_free_body_tumbles_as_eulers_equations_predict() {
     let size = Vec3::new(0.06, 0.12, 0.02);
     let inertia = box_inertia(0.1, size);
     let start = Vec3::new(0.3, 8.0, 0.5);
@@ -100,7 +100,7 @@ fn a_mounted_double_pendulum_keeps_its_swing() {
     }
 }
 
-/// Momentum from where all centres go: velocities belong to the middle of a step, positions to its ends.
+/// Momentum from the displacement of all centres of mass: velocities belong to the middle of a step, positions to its ends.
 fn momentum_of_path(world: &mut World, links: usize) -> Vec3 {
     let sum =
         |world: &World| -> Vec3 { (0..links).map(|link| world.link(link).centre_world_m).sum() };
@@ -143,7 +143,7 @@ fn a_free_chain_keeps_momentum_and_energy() {
         assert!(gain.abs() < 0.02);
         errors.push(error);
     }
-    // Second order: half the step, a quarter of the error.
+    // The method is of second order: half the step gives a quarter of the error.
     assert!(errors[1] < 1e-3 && errors[2] < 0.35 * errors[1]);
 }
 
@@ -189,7 +189,8 @@ fn a_torque_turns_rotor_and_link() {
     assert!((done - 0.001 / 960.0).abs() < 1e-12);
 }
 
-/// Columns: motion of every link per speed of every degree of freedom, at each link's centre of mass.
+/// Response of the last link from the Jacobians of all links, whose columns are the motion of a link's centre of mass per unit
+/// speed of a degree of freedom.
 fn response_by_jacobian(
     world: &World,
     m: &realgap_tree::Model,
@@ -236,7 +237,7 @@ fn response_by_jacobian(
 }
 
 #[test]
-fn what_the_last_link_gives_is_the_inverse_of_the_jacobian_sum() {
+fn the_response_of_the_last_link_equals_that_from_the_mass_matrix() {
     let mut links = vec![cube(0.5, Pose::identity())];
     let axes = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::new(0.6, 0.8, 0.0)];
     for (k, axis) in axes.into_iter().enumerate() {

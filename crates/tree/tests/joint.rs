@@ -1,10 +1,10 @@
-//! Limits, friction, springs and motors of joints.
+//! Tests of limits, friction, springs and motors of joints.
 
 use super::common::*;
 use realgap_tree::parry::math::{Pose, Vec3};
 use realgap_tree::{Attachment, Command, Joint, JointType, Link, World};
 
-/// A cube of 0.1 kg on a joint to the mount; with an arm of 0.1 m where it turns about y.
+/// A cube of 0.1 kg on a joint to the mount, with an arm of 0.1 m unless the joint is prismatic.
 fn mounted(joint: Joint) -> Vec<Link> {
     let mut link = cube(0.5, Pose::identity());
     if joint.kind != JointType::Prismatic {
@@ -42,7 +42,7 @@ fn limits_stop_what_falls_into_them() {
             (position - lowest) * lowest.signum()
         );
         assert!(beyond < 1e-4 && speed.abs() < 1e-6);
-        // At rest it leans on a spring of m ω².
+        // At rest the joint is supported by a spring of stiffness m ω².
         let (load, inertia) = if lowest > 0.0 {
             (
                 LOAD * f64::cos(lowest),
@@ -64,7 +64,7 @@ fn limits_stop_what_falls_into_them() {
 }
 
 #[test]
-fn dry_friction_holds_what_it_may_and_brakes_the_rest() {
+fn dry_friction_holds_up_to_its_limit_and_brakes_beyond_it() {
     for share in [1.01, 0.99] {
         let joint = Joint {
             dry_friction: share * LOAD,
@@ -117,7 +117,7 @@ fn commanded(world: &mut World, command: Command, time_s: f64) -> (f64, f64) {
 }
 
 #[test]
-fn a_servo_holds_against_its_load_and_no_further_than_its_torque() {
+fn a_servo_holds_its_load_up_to_its_torque_limit() {
     let joint = Joint::new(0, JointType::Continuous, Vec3::Y);
     let servo = |max_torque| Command::Servo {
         target: 0.2,
@@ -159,7 +159,7 @@ fn a_servo_holds_against_its_load_and_no_further_than_its_torque() {
 }
 
 #[test]
-fn what_acts_along_a_joint_explains_its_energy() {
+fn the_work_of_all_joint_impulses_equals_the_change_of_energy() {
     let joint = Joint {
         dry_friction: 0.01,
         viscous_friction: 0.001,

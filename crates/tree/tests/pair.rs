@@ -1,4 +1,4 @@
-//! Contacts between links, of one tree and of several, all shapes, and fixtures that move.
+//! Tests of contacts between links of one or several trees, for all shapes, and of moving fixtures.
 #![allow(clippy::unwrap_used)]
 
 use super::common::*;
@@ -47,7 +47,7 @@ fn momenta(world: &World, m: &Model) -> (Vec3, Vec3) {
     sum
 }
 
-/// A body with two arms of two links, like a crab's claws; the claws meet in front of it.
+/// A body with two arms of two links, like the claws of a crab, which meet in front of the body.
 fn crab(x: f64) -> Vec<Link> {
     let mut links = vec![cube(0.5, at(x, 0.0, 0.0))];
     for side in [1.0, -1.0] {
@@ -252,7 +252,7 @@ fn a_stack_of_cubes_stands() {
 }
 
 #[test]
-fn a_belt_takes_along_what_lies_on_it_and_a_wall_pushes() {
+fn a_belt_carries_a_cube_along_and_a_moving_wall_pushes_it() {
     let mut belt = Fixture::at_rest(
         Collider::new(SharedShape::cuboid(2.0, 2.0, 0.5), 1.0),
         at(0.0, 0.0, -0.5),
@@ -261,7 +261,7 @@ fn a_belt_takes_along_what_lies_on_it_and_a_wall_pushes() {
     let mut m = model(vec![cube(0.5, at(0.0, 0.0, 0.03))], vec![belt], 960.0);
     let mut world = World::new(&m).unwrap();
     run(&mut world, 1.0);
-    // Slides v / µ g long, and then goes along.
+    // The cube slides for the time v / (µ g), and then moves with the belt.
     let right = 0.2 * (1.0 - 0.5 * 0.2 / (0.5 * G));
     let state = world.link(0);
     println!(
@@ -293,7 +293,7 @@ fn a_belt_takes_along_what_lies_on_it_and_a_wall_pushes() {
 }
 
 #[test]
-fn groups_and_pairs_that_are_kept_apart_never_touch() {
+fn excluded_groups_and_pairs_have_no_contacts() {
     let through = |change: &dyn Fn(&mut Model)| {
         let mut m = model(
             vec![cube(0.5, at(0.0, 0.0, 0.03)), cube(0.5, at(0.0, 0.0, 0.2))],
@@ -308,7 +308,7 @@ fn groups_and_pairs_that_are_kept_apart_never_touch() {
     assert!(through(&|_| ()) > 0.08);
     let stated = through(&|m| {
         (m.links[0].colliders[0].mark, m.links[1].colliders[0].mark) = (1, 2);
-        m.apart.push((2, 1));
+        m.collision_exclude.push((2, 1));
     });
     assert!(stated < 0.031);
     assert!(
@@ -318,7 +318,7 @@ fn groups_and_pairs_that_are_kept_apart_never_touch() {
     );
 }
 
-/// Where a neighbour at this face would be, seen from the first link with all joints at 0.
+/// Position of a neighbour at this face, in the frame of the first link with all joints at 0.
 fn at_face(links: &[Link], mut parent: usize, face: Vec3) -> Vec3 {
     let mut place = face * 0.06;
     while let Attachment::Joint(joint) = &links[parent].attachment {
@@ -333,7 +333,7 @@ fn creature(random: &mut Random) -> Vec<Link> {
     let many = 2 + random.below(5);
     let mut links = vec![cube(0.5, at(0.0, 0.0, 0.4))];
     let faces = [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
-    // No two at the same place: one neighbour a face, and the robot grows away from where it began.
+    // Positions are unique: one neighbour per face, and the robot grows away from its first link.
     let mut taken = Vec::new();
     for _ in 0..100 {
         if links.len() == many {
@@ -386,7 +386,7 @@ fn creature(random: &mut Random) -> Vec<Link> {
 #[test]
 fn no_random_robot_diverges() {
     let mut random = Random(7);
-    let (mut fastest, mut cost, mut gentle) = (0.0_f64, 0, 0);
+    let (mut fastest, mut cost, mut frictionless) = (0.0_f64, 0, 0);
     for number in 0..200 {
         let links = creature(&mut random);
         let laws: Vec<(f64, f64, usize)> = links
@@ -433,14 +433,14 @@ fn no_random_robot_diverges() {
             world.step();
             assert!(world.is_finite(), "robot {number} step {step}");
         }
-        gentle += world.gentle_steps();
+        frictionless += world.frictionless_steps();
         cost += world.sweeps_done();
         let speed = world.link(0).velocity_world_m_s.length();
         assert!(speed < 5.0, "robot {number} at {speed} m/s");
         fastest = fastest.max(speed);
     }
     println!(
-        "200 random robots: fastest at the end {fastest:.2} m/s, {cost} sweeps, {gentle} gentle steps"
+        "200 random robots: fastest at the end {fastest:.2} m/s, {cost} sweeps, {frictionless} frictionless steps"
     );
 }
 
@@ -451,7 +451,7 @@ fn a_world_may_move_to_another_thread() {
 }
 
 #[test]
-fn a_model_without_meaning_is_refused_with_a_reason() {
+fn an_invalid_model_is_refused_with_a_reason() {
     let mut weightless = cube(0.5, Pose::identity());
     weightless.mass_kg = 0.0;
     let mut orphan = cube(0.5, Pose::identity());

@@ -1,4 +1,4 @@
-//! Development: turn what is there, turn the new module, place it on top.
+//! Development: builds a robot from a genome, one module per gene.
 
 use super::development::Development;
 use super::development_error::DevelopmentError;
@@ -9,13 +9,14 @@ use crate::morphology::{Attachment, Blueprint, Face, Gait, Module, Morphology};
 use realgap_core::Error;
 
 impl Development {
-    /// Builds the robot of a genome, or says why it cannot be built. Same genome and settings, same robot.
+    /// Builds the robot of a genome, or returns the reason why it cannot be built. The same genome and settings give the same
+    /// robot.
     ///
     /// Module k of the robot is named `m<k>`; `m0` is the root and is tracked. All axes are those of the
     /// finished robot as it stands on the floor.
     ///
     /// # Errors
-    /// The first [`DevelopmentError`], in the order of building.
+    /// The first [`DevelopmentError`] that occurs while the modules are added in order.
     pub fn develop(&self, name: &str, genome: &Genome) -> Result<Morphology, DevelopmentError> {
         self.check().map_err(DevelopmentError::Refused)?;
         if genome.len() > self.max_modules {
@@ -29,13 +30,13 @@ impl Development {
             .blueprint(name, genome, &body, &parents)
             .ok_or_else(|| {
                 DevelopmentError::Refused(Error::invalid(
-                    "a module is not on top of its parent; this is a fault of realgap",
+                    "a module is not on top of its parent; this is a defect of realgap: please report it",
                 ))
             })?;
         Morphology::new(blueprint).map_err(DevelopmentError::Refused)
     }
 
-    /// Where every module stands, and what it stands on (nothing for the first).
+    /// The cell of every module, and the index of the module below it (`None` for the first).
     fn build(
         &self,
         genome: &Genome,
@@ -57,7 +58,7 @@ impl Development {
                     .is_active(gene)
                     .then(|| direction(Face::ALL[gene.choice(Locus::FaceModule, Face::ALL.len())])),
             };
-            check_room(&body, &new, module, below)?;
+            check_clearance(&body, &new, module, below)?;
             body.push(new);
             parents.push(below);
         }
@@ -123,8 +124,8 @@ impl Development {
 
 const UP: Cell = [0, 0, 1];
 
-/// A driven face needs a free cell in front of it, or a neighbour that is glued onto it.
-fn check_room(
+/// Checks that the cell in front of every driven face is free, or holds a neighbour that is attached to that face.
+fn check_clearance(
     body: &[Placed],
     new: &Placed,
     module: usize,
@@ -132,21 +133,21 @@ fn check_room(
 ) -> Result<(), DevelopmentError> {
     let faced = new.faced_cell();
     for (neighbour, placed) in body.iter().enumerate() {
-        let looks_at_it = faced == Some(placed.cell);
-        let is_looked_at = placed.faced_cell() == Some(new.cell);
+        let faces_neighbour = faced == Some(placed.cell);
+        let is_faced_by_neighbour = placed.faced_cell() == Some(new.cell);
         if Some(neighbour) == below {
-            if looks_at_it && is_looked_at {
+            if faces_neighbour && is_faced_by_neighbour {
                 return Err(DevelopmentError::ServoOnServo {
                     module,
                     below: neighbour,
                 });
             }
-        } else if looks_at_it {
+        } else if faces_neighbour {
             return Err(DevelopmentError::NoRoomForPlate { module, neighbour });
-        } else if is_looked_at {
+        } else if is_faced_by_neighbour {
             return Err(DevelopmentError::PlateInTheWay { module, neighbour });
         }
-        // Two plates in one cell touch each other at its edges, unless they are on opposite sides of it.
+        // Two plates in the same cell touch at the edges of the cell, unless they are on opposite sides of it.
         if let (Some(cell), Some(new), Some(old)) = (faced, new.driven, placed.driven)
             && placed.faced_cell() == Some(cell)
             && add(new, old) != [0; 3]

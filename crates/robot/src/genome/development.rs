@@ -1,4 +1,4 @@
-//! The settings by which genomes become robots.
+//! Settings of development: module sizes, masses, servo limits and gait ranges that a genome is translated into.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,25 +6,26 @@ use super::sequence::Genome;
 use crate::morphology::{Actuator, Drive, DriveAxis, Face, Gait, Plate, Servo, ServoLaw};
 use realgap_core::{Error, Result};
 
-/// What the numbers of a genome are translated into: sizes, masses, servo, and the ranges of the gait.
+/// Settings that translate the numbers of a genome into sizes, masses, a servo and the ranges of the gait.
 ///
-/// The papers give the side of the active module (about 58 mm) and up to five modules; everything else is
-/// assumed, with the masses and the servo of `morphologies/tripod.ron`.
+/// The papers give the side of the active module (about 58 mm) and up to five modules; all other values are assumptions; the
+/// masses and the servo are those of `morphologies/tripod.ron`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Development {
-    /// Most modules of a robot, 1 to [`Genome::MAX_MODULES`].
+    /// Largest number of modules of a robot, 1 to [`Genome::MAX_MODULES`].
     pub max_modules: usize,
-    /// Share of the range of `kind` that means passive, 0 to 1.
+    /// Share of the range of the gene's number `kind` that stands for a passive module, 0 to 1.
     pub passive_share: f64,
-    /// Side of every module, m. One side for both kinds keeps the robot on a lattice.
+    /// Edge length of every module, m. Active and passive modules have the same edge length, so that all of them lie on one
+    /// lattice.
     pub side_m: f64,
     /// Mass of a passive module, kg.
     pub passive_mass_kg: f64,
     /// Mass of an active module without its plate, kg.
     pub active_mass_kg: f64,
-    /// Side of the plate on the driven face, m.
+    /// Edge length of the plate on the driven face, m.
     pub plate_side_m: f64,
     /// Thickness of the plate, m.
     pub plate_thickness_m: f64,
@@ -36,13 +37,13 @@ pub struct Development {
     pub servo_max_torque_nm: f64,
     /// Largest speed of the servo, rad/s.
     pub servo_max_speed_rad_s: f64,
-    /// Amplitudes from a number 0 to a number 1, rad.
+    /// Range of the amplitude, rad: the first value for a gene number of 0, the second for 1.
     pub amplitude_rad: (f64, f64),
-    /// Frequencies, Hz. With the default amplitudes no gait asks for more speed than the servo has.
+    /// Range of the frequency, Hz. With the default amplitudes no gait commands a larger speed than the servo's limit.
     pub frequency_hz: (f64, f64),
-    /// Phases, rad.
+    /// Range of the phase, rad.
     pub phase_rad: (f64, f64),
-    /// Mean angles, rad. They matter: a square plate pushes with its corners.
+    /// Range of the mean angle, rad. The mean angle matters because a square plate pushes with its corners.
     pub offset_rad: (f64, f64),
 }
 

@@ -1,49 +1,50 @@
-//! Why a genome does not become a robot.
+//! Error type of development: the reasons why a genome cannot be built as a robot.
 
 use std::fmt;
 
 use realgap_core::Error;
 
-/// Why a genome does not develop. Modules are counted from 0, in the order of building.
+/// Reason why a genome cannot be built as a robot. Modules are counted from 0, in the order in which they are added.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum DevelopmentError {
-    /// More genes than the settings allow.
+    /// The genome has more genes than the settings allow.
     TooManyModules {
-        /// How many.
+        /// Number of genes.
         found: usize,
-        /// The most that are allowed.
+        /// Largest allowed number of genes.
         allowed: usize,
     },
-    /// The driven face of the new module looks at a neighbour that it would not be glued to: its plate has no room.
+    /// The driven face of the new module points at a neighbour to which it would not be attached: there is no space for its
+    /// plate.
     NoRoomForPlate {
         /// The new module.
         module: usize,
         /// The module in the way.
         neighbour: usize,
     },
-    /// The new module would stand where an older one has its plate.
+    /// The new module would occupy the cell that holds the plate of an older module.
     PlateInTheWay {
         /// The new module.
         module: usize,
         /// The module whose plate is in the way.
         neighbour: usize,
     },
-    /// The plates of the new module and of an older one would stick out into the same cell from two sides.
+    /// The plates of the new module and of an older module would extend into the same cell from two sides.
     PlateOnPlate {
         /// The new module.
         module: usize,
         /// The module with the other plate.
         neighbour: usize,
     },
-    /// The driven faces of the new module and of the one below would be glued onto each other.
+    /// The driven faces of the new module and of the module below it would be attached to each other.
     ServoOnServo {
         /// The new module.
         module: usize,
         /// The module below.
         below: usize,
     },
-    /// Everything stands in its place, but no robot of these sizes can be built so.
+    /// The modules fit together, but the robot is refused for another reason, for example its sizes.
     Refused(Error),
 }
 
@@ -69,11 +70,11 @@ impl fmt::Display for DevelopmentError {
             }
             Self::NoRoomForPlate { module, neighbour } => write!(
                 f,
-                "the driven face of module {module} looks at module {neighbour} and has no room for its plate"
+                "the driven face of module {module} points at module {neighbour}, which leaves no space for its plate"
             ),
             Self::PlateInTheWay { module, neighbour } => write!(
                 f,
-                "module {module} would stand where module {neighbour} has its plate"
+                "module {module} would be in the cell that holds the plate of module {neighbour}"
             ),
             Self::PlateOnPlate { module, neighbour } => write!(
                 f,
@@ -81,7 +82,7 @@ impl fmt::Display for DevelopmentError {
             ),
             Self::ServoOnServo { module, below } => write!(
                 f,
-                "module {module} would be glued with its driven face onto the driven face of module {below}"
+                "module {module} would be attached with its driven face to the driven face of module {below}"
             ),
             Self::Refused(error) => write!(f, "{error}"),
         }
@@ -91,8 +92,8 @@ impl fmt::Display for DevelopmentError {
 impl std::error::Error for DevelopmentError {}
 
 impl From<DevelopmentError> for Error {
-    fn from(misfit: DevelopmentError) -> Self {
-        match misfit {
+    fn from(error: DevelopmentError) -> Self {
+        match error {
             DevelopmentError::Refused(error) => error,
             other => Self::invalid("the genome does not develop into a robot")
                 .found(&other)

@@ -1,4 +1,4 @@
-//! Genome files: a genome with a name and the settings by which it develops.
+//! Reading and writing of genome files: a genome, a name, and the settings of its development.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -13,18 +13,18 @@ use crate::morphology::Morphology;
 use realgap_core::file::{Source, parse_ron, write_ron};
 use realgap_core::{Error, Result};
 
-/// What a genome file holds.
+/// The content of a genome file: a genome, a name and the settings of its development.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Individual {
     /// Name of the robot: letters, digits, `_` and `-`.
     pub name: String,
     /// The genes.
     pub genome: Genome,
-    /// The settings by which they develop.
+    /// The settings by which the genes are developed into a robot.
     pub development: Development,
 }
 
-/// A genome as its file states it.
+/// The RON form of a genome file.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Genome")]
@@ -36,7 +36,7 @@ pub struct IndividualFile {
     modules: usize,
     /// Ten numbers from 0 to 1 for each module.
     genes: Vec<Vec<f64>>,
-    /// How genes become a robot.
+    /// Settings of development: how the genes are translated into a robot.
     #[serde(default)]
     development: Development,
 }
@@ -66,8 +66,8 @@ impl Individual {
     /// Parses a RON text.
     ///
     /// # Errors
-    /// Text that is not RON of the form described in the [room](super); genes of the wrong length, numbers that are NaN or
-    /// out of bounds; settings out of range. Always with file, line and column.
+    /// Text that is not RON of the form described in the [module documentation](super); genes of the wrong length, numbers that
+    /// are NaN or out of bounds; settings out of range. Every error names file, line and column.
     pub fn parse(source: &Source) -> Result<Self> {
         let file = parse_ron::<IndividualFile>(source)?;
         let at = |path: &str, error: Error| source.at(path, error).field(path);
@@ -116,8 +116,8 @@ impl Individual {
         })
     }
 
-    /// The same as a RON text that [`Individual::parse`] reads back equal. Settings are written out only where they are not
-    /// the defaults.
+    /// The individual as a RON text; [`Individual::parse`] reads it back to an equal value. Settings are written out only where
+    /// they are not the defaults.
     ///
     /// # Errors
     /// None is known: every genome can be written.
@@ -145,7 +145,7 @@ impl Individual {
     /// The robot of this genome; see [`Development::develop`].
     ///
     /// # Errors
-    /// Why it cannot be built.
+    /// The reason why the robot cannot be built.
     pub fn develop(&self) -> std::result::Result<Morphology, DevelopmentError> {
         self.development.develop(&self.name, &self.genome)
     }

@@ -1,20 +1,21 @@
-//! A robot in the making: cubes in the cells of a lattice, turned by quarter turns. Whole numbers, so exact.
+//! Integer lattice on which a robot is developed: cubes in cells, turned by quarter turns. The arithmetic is exact because all
+//! coordinates are whole numbers.
 
 use crate::morphology::Face;
 
-/// A cell or a direction, whole cells along x, y and z.
+/// A cell or a direction, in whole cells along x, y and z.
 pub(super) type Cell = [i32; 3];
 
-/// One module where it stands.
+/// One module and its position on the lattice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Placed {
     pub(super) cell: Cell,
-    /// Where the driven face looks; `None` for a passive module.
+    /// Direction of the driven face; `None` for a passive module.
     pub(super) driven: Option<Cell>,
 }
 
 impl Placed {
-    /// The cell that the driven face looks at.
+    /// The cell in front of the driven face.
     pub(super) fn faced_cell(&self) -> Option<Cell> {
         self.driven.map(|direction| add(self.cell, direction))
     }
@@ -46,15 +47,15 @@ pub(super) fn direction(face: Face) -> Cell {
     direction
 }
 
-/// The face that looks along a unit direction.
+/// The face whose outward normal is a unit direction.
 pub(super) fn face(towards: Cell) -> Option<Face> {
     Face::ALL
         .into_iter()
         .find(|&face| direction(face) == towards)
 }
 
-/// Index of the highest module of the column that two shares choose: the first along x, the second along y among
-/// the columns at that x. There is always one, and above it is always room.
+/// Index of the highest module of a column. `choose_x` selects the column's x, and `choose_y` its y among the columns at that x.
+/// Every body has such a module, and the cell above it is always free.
 pub(super) fn top_of_column(
     body: &[Placed],
     choose_x: impl Fn(usize) -> usize,
@@ -82,7 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn quarter_turns_are_right_handed_and_four_make_a_whole() {
+    fn quarter_turns_are_right_handed_and_four_make_a_full_turn() {
         assert_eq!(turn([0, 1, 0], 1, 0), [0, 0, 1]);
         assert_eq!(turn([0, 0, 1], 0, 1), [1, 0, 0]);
         assert_eq!(turn([3, -2, 5], 4, 8), [3, -2, 5]);

@@ -1,22 +1,22 @@
-//! What each of the ten numbers of a gene means: the one table.
+//! Names and meanings of the ten numbers of a gene.
 
 use realgap_core::Result;
 use realgap_core::file::look_up;
 
-/// The meaning of one number of a gene. Every number is from 0 to 1, whatever it means.
+/// The meaning of one number of a gene. Every number is between 0 and 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Locus {
-    /// Passive below [`passive_share`](super::Development::passive_share), active from there on.
+    /// Kind of module: passive below [`passive_share`](super::Development::passive_share), active at and above it.
     Kind,
-    /// Quarter turns of the part built so far about x, before the new module comes.
+    /// Quarter turns of the already built part about x, before the new module is added.
     RollPart,
-    /// Quarter turns of the part built so far about y, after those about x.
+    /// Quarter turns of the already built part about y, after those about x.
     PitchPart,
-    /// Which way the driven face of the new module looks.
+    /// Direction of the driven face of the new module.
     FaceModule,
-    /// Which of the columns of cubes takes the new module on its top, counted along x.
+    /// The column of cubes on top of which the new module is placed, counted along x.
     PlaceX,
-    /// The same along y, among the columns at that x.
+    /// The column's position along y, among the columns at that x.
     PlaceY,
     /// Amplitude of the gait.
     Amplitude,
@@ -29,7 +29,7 @@ pub enum Locus {
 }
 
 impl Locus {
-    /// All ten, in the order of a gene.
+    /// All ten numbers, in the order of a gene.
     pub const ALL: [Self; 10] = [
         Self::Kind,
         Self::RollPart,
@@ -48,7 +48,7 @@ impl Locus {
         self as usize
     }
 
-    /// Name in files and tables.
+    /// Name of the number in files and tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Kind => "kind",
@@ -64,20 +64,20 @@ impl Locus {
         }
     }
 
-    /// The number of this name.
+    /// Finds a number by its name.
     ///
     /// # Errors
-    /// An unknown name, with the known ones.
+    /// An unknown name; the error lists the known names.
     pub fn named(name: &str) -> Result<Self> {
         look_up("number of a gene", name, Self::ALL, |locus| locus.name())
     }
 
-    /// True where 0 and 1 are neighbours: a mutation that leaves at one end comes back at the other.
+    /// True if the number is periodic: 0 and 1 mean the same, and a mutation beyond one end continues at the other end.
     pub fn is_periodic(self) -> bool {
         matches!(self, Self::RollPart | Self::PitchPart | Self::Phase)
     }
 
-    /// True where the number describes the body, false where it describes the gait.
+    /// True if the number describes the body, false if it describes the gait.
     pub fn is_body(self) -> bool {
         !matches!(
             self,

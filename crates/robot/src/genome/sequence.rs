@@ -1,4 +1,4 @@
-//! Genes and genomes: numbers from 0 to 1, as many genes as modules.
+//! Genes and genomes: lists of numbers from 0 to 1, one gene per module.
 
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
@@ -26,7 +26,7 @@ impl Gene {
         Ok(Self(values))
     }
 
-    /// A gene of whatever numbers: those outside 0 to 1 are moved to the nearer end, NaN to 0.
+    /// A gene of any numbers: numbers outside 0 to 1 are moved to the nearer end, and NaN becomes 0.
     pub fn clamped(values: [f64; Self::LEN]) -> Self {
         let inside = |value: f64| {
             if value.is_nan() {
@@ -39,7 +39,7 @@ impl Gene {
         Self(values.map(inside))
     }
 
-    /// A gene drawn evenly.
+    /// A gene whose numbers are drawn from the uniform distribution over 0 to 1.
     pub fn random(rng: &mut (impl Rng + ?Sized)) -> Self {
         Self(std::array::from_fn(|_| rng.random::<f64>()))
     }
@@ -63,7 +63,7 @@ impl Gene {
     /// The number at a locus as a value of a range.
     pub fn within(&self, locus: Locus, (low, high): (f64, f64)) -> f64 {
         let share = self.get(locus);
-        // Exact at both ends.
+        // This form is exact at both ends of the range.
         low * (1.0 - share) + high * share
     }
 }
@@ -75,7 +75,7 @@ pub(super) fn check_value(locus: Locus, value: f64) -> Result<()> {
     let problem = if value.is_finite() {
         "out of bounds"
     } else {
-        "not a number that can be used"
+        "not a finite number"
     };
     Err(Error::invalid(problem)
         .found(value)
@@ -97,7 +97,7 @@ pub(super) fn check_value(locus: Locus, value: f64) -> Result<()> {
 #[serde(try_from = "Vec<[f64; Gene::LEN]>", into = "Vec<[f64; Gene::LEN]>")]
 pub struct Genome(Vec<Gene>);
 
-/// As a list of lists of numbers, for stores and tables; checked like any other genome.
+/// Conversion from a list of lists of numbers, for stores and tables; the result is checked like any other genome.
 impl TryFrom<Vec<[f64; Gene::LEN]>> for Genome {
     type Error = Error;
 
@@ -114,19 +114,19 @@ impl From<Genome> for Vec<[f64; Gene::LEN]> {
 }
 
 impl Genome {
-    /// Most modules of any genome; [`Development::max_modules`](super::Development::max_modules) is usually smaller.
+    /// Largest number of modules of any genome; [`Development::max_modules`](super::Development::max_modules) is usually smaller.
     pub const MAX_MODULES: usize = Morphology::MAX_MODULES;
 
     /// A genome of these genes.
     ///
     /// # Errors
-    /// No gene, or more than [`Genome::MAX_MODULES`].
+    /// An empty list of genes, or more genes than [`Genome::MAX_MODULES`].
     pub fn new(genes: Vec<Gene>) -> Result<Self> {
         check_count(genes.len())?;
         Ok(Self(genes))
     }
 
-    /// A genome of `modules` genes drawn evenly.
+    /// A genome of `modules` genes whose numbers are drawn from the uniform distribution over 0 to 1.
     ///
     /// # Errors
     /// As [`Genome::new`].
@@ -143,7 +143,7 @@ impl Genome {
     /// Number of modules; never 0.
     #[allow(
         clippy::len_without_is_empty,
-        reason = "a genome is never empty, so that the question does not arise"
+        reason = "a genome is never empty, so `is_empty` would always return false"
     )]
     pub fn len(&self) -> usize {
         self.0.len()

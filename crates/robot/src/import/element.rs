@@ -1,4 +1,4 @@
-//! Reading attributes of XML elements, with errors that name line and column.
+//! Reads attributes of XML elements; errors name line and column.
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use roxmltree::Node;
@@ -6,21 +6,22 @@ use roxmltree::Node;
 use realgap_core::error::{Error, Result};
 use realgap_core::file::Source;
 
-/// A file's text, for where in it something stands.
+/// The text of a file and its line ends, to find the line and column of an element.
 #[derive(Clone, Copy)]
-pub(super) struct Place<'a> {
+pub(super) struct XmlSource<'a> {
     pub source: &'a Source,
-    /// Where lines end: asking the document reads it from the beginning, each time.
+    /// Byte positions of the line ends. They are stored because the XML document searches from the beginning of the text for
+    /// every query.
     pub ends: &'a [usize],
 }
 
-/// Where the lines of a text end.
+/// Byte positions of the line ends of a text.
 pub(super) fn line_ends(text: &str) -> Vec<usize> {
     text.match_indices('\n').map(|(at, _)| at).collect()
 }
 
-impl Place<'_> {
-    /// The error at an element.
+impl XmlSource<'_> {
+    /// Adds file, line, column and name of an element to an error.
     pub fn at(&self, node: Node<'_, '_>, error: Error) -> Error {
         let (line, column) = self.line_column(node);
         let name = node.tag_name().name();
@@ -30,7 +31,7 @@ impl Place<'_> {
             .field(name)
     }
 
-    /// The line of an element.
+    /// Line of an element, from 1.
     pub fn line(&self, node: Node<'_, '_>) -> Option<usize> {
         Some(self.line_column(node).0)
     }
@@ -44,7 +45,7 @@ impl Place<'_> {
         (before + 1, text.chars().count() + 1)
     }
 
-    /// An attribute that must be there.
+    /// A required attribute.
     pub fn text<'n>(&self, node: Node<'n, '_>, name: &str) -> Result<&'n str> {
         node.attribute(name).ok_or_else(|| {
             let what = format!("the attribute `{name}` is missing");
@@ -52,10 +53,10 @@ impl Place<'_> {
         })
     }
 
-    /// Numbers of an attribute, separated by blanks or commas; what follows them is not read.
+    /// The first `N` numbers of an attribute, separated by blanks or commas; text after them is ignored.
     pub fn numbers<const N: usize>(&self, node: Node<'_, '_>, name: &str) -> Result<[f64; N]> {
         let text = self.text(node, name)?;
-        // Half of 0,5 is no number.
+        // A single number must not contain a comma: `0,5` would otherwise be read as 0.
         let is_decimal_comma = N == 1 && text.contains(',');
         let numbers: Option<Vec<f64>> = words(text)
             .take(if is_decimal_comma { 0 } else { N })
@@ -64,7 +65,7 @@ impl Place<'_> {
         numbers
             .and_then(|numbers| numbers.try_into().ok())
             .ok_or_else(|| {
-                let error = Error::invalid(format!("`{name}` is not what it must be"))
+                let error = Error::invalid(format!("`{name}` has the wrong form"))
                     .found(text)
                     .allowed(format!("{N} finite numbers"));
                 let error = match text.contains("${") {
@@ -75,7 +76,7 @@ impl Place<'_> {
             })
     }
 
-    /// As [`Place::numbers`] of one number; `None` where the attribute is absent.
+    /// As [`XmlSource::numbers`] of one number; `None` where the attribute is absent.
     pub fn number(&self, node: Node<'_, '_>, name: &str) -> Result<Option<f64>> {
         match node.has_attribute(name) {
             true => self.numbers::<1>(node, name).map(|[number]| Some(number)),
@@ -83,8 +84,8 @@ impl Place<'_> {
         }
     }
 
-    /// The pose that the child `origin` of an element says: metres, fixed-axis roll, pitch and yaw in radians, or a quaternion with its
-    /// real part last; what is empty is 0.
+    /// The pose in the child element `origin`: metres, and fixed-axis roll, pitch and yaw in radians or a quaternion with its
+    /// real part last; empty attributes are read as 0.
     pub fn origin(&self, node: Node<'_, '_>) -> Result<Isometry3<f64>> {
         let Some(origin) = child(node, "origin") else {
             return Ok(Isometry3::identity());
@@ -99,14 +100,17 @@ impl Place<'_> {
             true => {
                 let [i, j, k, w] = self.numbers::<4>(origin, "quat_xyzw")?;
                 UnitQuaternion::try_new(Quaternion::new(w, i, j, k), 1e-9).ok_or_else(|| {
-                    self.at(origin, Error::invalid("a quaternion of 0 is no turn"))
+                    self.at(
+                        origin,
+                        Error::invalid("a quaternion of length 0 is not an orientation"),
+                    )
                 })?
             }
         };
         Ok(Isometry3::from_parts(Translation3::new(x, y, z), turn))
     }
 
-    /// A vector of an attribute.
+    /// The three numbers of an attribute as a vector.
     pub fn vector(&self, node: Node<'_, '_>, name: &str) -> Result<Vector3<f64>> {
         self.numbers::<3>(node, name).map(Vector3::from)
     }

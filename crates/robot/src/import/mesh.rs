@@ -1,4 +1,4 @@
-//! Meshes as convex hulls, one or several.
+//! Conversion of meshes into one or several convex hulls.
 
 use nalgebra::Vector3;
 
@@ -6,12 +6,12 @@ use super::note::Notes;
 use crate::morphology::body::{Form, Triple};
 use realgap_solid::{Mesh, Shape, bounds, simplified, uniform};
 
-/// A hull that is thinner than this is a plate of this thickness, metres.
+/// A hull that is thinner than this is replaced by a plate of this thickness, metres.
 const THIN_M: f64 = 1e-3;
-/// Corners are written to this many steps a metre.
+/// Corners are rounded to this many steps per metre.
 const STEPS_1_M: f64 = 1e6;
 
-/// Forms that fill a mesh together, at most `most`, and where the frame of each is.
+/// The shapes, at most `most`, that approximate a mesh together, and the position of each shape's frame, metres.
 pub(super) fn forms(
     mesh: &Mesh,
     most: usize,
@@ -28,7 +28,7 @@ pub(super) fn forms(
     }
 }
 
-/// The hull of corners as a form, in their frame, and where the form's frame is.
+/// The convex hull of points as a shape, and the position of the shape's frame, metres.
 fn hull(
     points: &[Vector3<f64>],
     name: &str,
@@ -42,12 +42,12 @@ fn hull(
         notes.changed(
             line,
             format!(
-                "the hull of the mesh {name} has {} corners of {}; the mesh reaches up to {:.1} mm beyond",
+                "the hull of the mesh {name} keeps {} of {} corners; the mesh extends up to {:.1} mm beyond the hull",
                 corners.len(),
                 points.len(),
                 1e3 * beyond_m
             ),
-            "give it a collision shape of its own where that matters",
+            "state a collision shape for this link if that distance matters",
         );
     }
     let round = |x: f64| (x * STEPS_1_M).round() / STEPS_1_M;
@@ -63,7 +63,7 @@ fn hull(
         notes.doubt(
             line,
             format!(
-                "the mesh {name} is flat: a plate of {} mm stands in",
+                "the mesh {name} is flat: it is replaced by a plate of {} mm",
                 1e3 * THIN_M
             ),
             "give it a thickness, or a box as collision shape",

@@ -1,4 +1,4 @@
-//! MJCF, the format of MuJoCo, as `mjcf-rs` resolves it.
+//! Import of MJCF, the format of MuJoCo, which the crate `mjcf-rs` parses and resolves.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,8 +9,8 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use roxmltree::Node;
 
 use super::Options;
-use super::element::Place;
-use super::mjcf_mass::{Weighing, isometry};
+use super::element::XmlSource;
+use super::mjcf_mass::{MassReader, isometry};
 use super::note::Notes;
 use super::urdf::file_name;
 use super::urdf_joint::{Bearing, chained};
@@ -18,12 +18,12 @@ use crate::morphology::body::{Body, Frame, Joint, JointKind, Piece, Pose, Struct
 use realgap_core::error::{Error, Result};
 use realgap_core::file::Source;
 
-/// What the model's root is called here where it is the world.
+/// Name of the root body when the root is MuJoCo's world.
 const WORLD: &str = "world";
 
 /// Reads the model of a file, and of the files that it includes.
 pub(super) fn read(
-    place: Place<'_>,
+    place: XmlSource<'_>,
     root: Node<'_, '_>,
     options: &Options,
     notes: &mut Notes,
@@ -40,7 +40,7 @@ pub(super) fn read(
     let mut robot = Robot {
         source,
         model: &model,
-        weighing: Weighing {
+        mass_reader: MassReader {
             model: &model,
             source,
             options,
@@ -69,11 +69,11 @@ pub(super) fn read(
     robot.masks();
     robot.actuators(notes);
     robot.others(root, &place, notes);
-    robot.weighing.finish(&mut robot.structure, notes);
+    robot.mass_reader.finish(&mut robot.structure, notes);
     Ok(robot.structure)
 }
 
-/// A name for every body, each once.
+/// A unique name for every body.
 fn names(model: &Model) -> Vec<String> {
     let mut taken = BTreeSet::new();
     let bodies = model.bodies.iter().enumerate();
@@ -92,14 +92,14 @@ fn names(model: &Model) -> Vec<String> {
         .collect()
 }
 
-/// A robot in the making.
+/// A robot while it is being built from the file.
 pub(super) struct Robot<'a> {
     source: &'a Source,
     pub model: &'a Model,
-    weighing: Weighing<'a>,
+    mass_reader: MassReader<'a>,
     names: Vec<String>,
     pub structure: Structure,
-    /// What the joints of the file are called here, and how their coordinate differs.
+    /// The name in this robot of each joint of the file.
     pub joint_names: BTreeMap<String, String>,
 }
 
@@ -126,7 +126,7 @@ impl Robot<'_> {
                 }
                 let turn = pose.rotation;
                 if turn.w.abs() < 1.0 - 1e-12 {
-                    // The robot frame stands upright: the root's own may lie.
+                    // The robot frame is upright, while the root body of the file may be rotated.
                     let name = format!("{}_start", self.names[root]);
                     self.structure.bodies.push(Body {
                         name: name.clone(),
@@ -149,7 +149,7 @@ impl Robot<'_> {
                 if statics > 0 {
                     notes.left_out(
                         None,
-                        format!("{statics} shapes of the world beside the robot"),
+                        format!("{statics} shapes of the world that are not part of the robot"),
                         "state them as the scene of an experiment",
                     );
                 }
@@ -184,9 +184,9 @@ impl Robot<'_> {
             name: self.names[id].clone(),
             ..Body::default()
         };
-        // The world weighs nothing.
+        // The world has no mass.
         if id > 0 {
-            self.weighing
+            self.mass_reader
                 .weigh(&mut body, given, notes)
                 .map_err(|error| error.at_file(self.source.path()))?;
         }
@@ -202,12 +202,12 @@ impl Robot<'_> {
                     notes.left_out(
                         None,
                         "a plane of the world that is not the floor at height 0",
-                        "set floor.height_m and floor.slope_rad",
+                        "set the parameters floor.height_m and floor.slope_rad",
                     );
                 }
                 continue;
             }
-            let posed = self.weighing.pieces(geom, &body.name, notes).into_iter();
+            let posed = self.mass_reader.pieces(geom, &body.name, notes).into_iter();
             body.shapes.extend(posed.map(|(form, pose)| Piece {
                 form,
                 pose: Pose::of(&pose),
@@ -216,7 +216,7 @@ impl Robot<'_> {
         Ok(body)
     }
 
-    /// Joins a body to its parent by the joints that it states.
+    /// Connects a body to its parent by the joints that the body states.
     fn hang(&mut self, id: usize, notes: &mut Notes) {
         let entry = &self.model.bodies[id];
         let name = self.names[id].clone();
@@ -240,7 +240,7 @@ impl Robot<'_> {
         if kinds.is_empty() {
             kinds.push((format!("{name}_fixed"), JointKind::Fixed));
         }
-        // One link of nothing after each joint but the last.
+        // A link without mass and shape is inserted after each joint but the last.
         let first = self.structure.joints.len();
         let chain = kinds
             .iter()
@@ -252,7 +252,7 @@ impl Robot<'_> {
         }
     }
 
-    /// What one joint of the file lets its body do.
+    /// Appends the degrees of freedom of one joint of the file to `kinds`.
     fn freedoms(
         &mut self,
         joint: &GivenJoint,
@@ -285,8 +285,11 @@ impl Robot<'_> {
         if joint.ref_ != 0.0 {
             notes.changed(
                 None,
-                format!("joint `{name}` counts from its reference {}", joint.ref_),
-                "add it to compare with MuJoCo's qpos",
+                format!(
+                    "the coordinate of joint `{name}` is measured from its reference {}",
+                    joint.ref_
+                ),
+                "add the reference before a comparison with MuJoCo's qpos",
             );
         }
         if joint.springdamper.is_some() {
@@ -311,8 +314,8 @@ impl Robot<'_> {
             JointType::Ball => {
                 notes.changed(
                     None,
-                    format!("the ball joint `{name}` is three hinges about x, y and z"),
-                    "at a pitch of 90 degrees it loses one freedom: keep away from there",
+                    format!("the ball joint `{name}` is replaced by three hinges about x, y and z"),
+                    "at a pitch of 90 degrees it loses one degree of freedom (gimbal lock): avoid that orientation",
                 );
                 if bearing.limits.is_some() || bearing.spring.is_some() {
                     notes.left_out(
@@ -326,7 +329,7 @@ impl Robot<'_> {
                 }
             }
             JointType::Free => {
-                notes.changed(None, format!("the free joint `{name}` of a body beside the root is three slides and three hinges"), "at a pitch of 90 degrees it loses one freedom: keep away from there");
+                notes.changed(None, format!("the free joint `{name}` of a body other than the root is replaced by three slides and three hinges"), "at a pitch of 90 degrees it loses one degree of freedom (gimbal lock): avoid that orientation");
                 for (end, axis) in [("px", x), ("py", y), ("pz", z)] {
                     kinds.push((format!("{name}_{end}"), single.slide(&axis)));
                 }
@@ -337,7 +340,8 @@ impl Robot<'_> {
         }
     }
 
-    /// Bodies whose shapes pass through each other by their bits, and those that the file excludes.
+    /// Collects the pairs of bodies that do not collide because of their contact bits (contype, conaffinity) or because the file
+    /// excludes them.
     fn masks(&mut self) {
         let touching = |id: usize| -> Vec<&Geom> {
             let geoms = self.model.bodies[id].body.geoms.iter();
@@ -372,12 +376,12 @@ impl Robot<'_> {
         self.structure.collision_exclude = pairs.into_iter().collect();
     }
 
-    /// Everything that is read by nobody, one note a kind.
-    fn others(&self, root: Node<'_, '_>, place: &Place<'_>, notes: &mut Notes) {
+    /// Adds one note for each kind of element that the import ignores.
+    fn others(&self, root: Node<'_, '_>, place: &XmlSource<'_>, notes: &mut Notes) {
         for equality in &self.model.equality {
             match equality {
                 Equality::Connect(_) | Equality::Weld(_) => {
-                    notes.doubt(None, "a closed loop (connect or weld) is open here", "the robot moves otherwise than MuJoCo's: leave the loop's branch out, or take another model");
+                    notes.doubt(None, "a closed loop (connect or weld) is left open", "the robot moves differently from MuJoCo's: remove one branch of the loop, or use another model");
                 }
                 Equality::Joint(_) | Equality::Tendon(_) => {
                     notes.left_out(
@@ -414,7 +418,7 @@ impl Robot<'_> {
                 notes.left_out(
                     place.line(node),
                     "the solver's settings (<option>)",
-                    "realgap has its own, and a study states them",
+                    "set realgap's own solver parameters in the study",
                 );
             }
         }
@@ -443,7 +447,7 @@ impl Robot<'_> {
             notes.left_out(
                 line,
                 format!("<{tag}> ({count})"),
-                "state what matters of it in the RON",
+                "add what you need of it to the RON file",
             );
         }
     }

@@ -1,4 +1,4 @@
-//! Actuators of an MJCF as servos.
+//! Conversion of MJCF actuators into servos.
 
 use mjcf_rs::extras::{Actuator, ActuatorKind};
 
@@ -7,7 +7,7 @@ use super::note::Notes;
 use crate::morphology::body::{Driver, JointKind};
 use crate::morphology::{Servo, ServoLaw};
 
-/// Largest torque of a motor that states none.
+/// Torque limit of a motor for which the file states none, N m.
 const MOST: f64 = 1e4;
 
 impl Robot<'_> {
@@ -26,7 +26,7 @@ impl Robot<'_> {
                 notes.left_out(
                     None,
                     format!("the actuator `{name}`, which drives no joint"),
-                    "tendons, sites and bodies are not driven here: give joints actuators",
+                    "actuators of tendons, sites and bodies are not supported: let an actuator drive a joint",
                 );
                 continue;
             };
@@ -38,8 +38,8 @@ impl Robot<'_> {
             {
                 notes.left_out(
                     None,
-                    format!("the actuator `{name}`: joint `{joint}` has one already"),
-                    "make one of the two",
+                    format!("the actuator `{name}`: joint `{joint}` already has an actuator"),
+                    "combine the two actuators into one",
                 );
                 continue;
             }
@@ -63,18 +63,18 @@ impl Robot<'_> {
                 None => notes.left_out(
                     None,
                     format!(
-                        "the actuator `{name}`: only motors, position and velocity servos are read"
+                        "the actuator `{name}`: only motors, position servos and velocity servos are supported"
                     ),
                     "state its servo in `actuators`",
                 ),
             }
         }
         if motors > 0 {
-            notes.assumed(None, format!("{motors} motors take torques as commands, and have none to follow: they exert nothing"), "give `actuators` gaits: their numbers are torques");
+            notes.assumed(None, format!("{motors} motors take torques as commands, but no command is stated: they exert no torque"), "state a gait in `actuators`; its offset and amplitude are then torques");
         }
     }
 
-    /// Damping that an actuator brings to its joint.
+    /// Adds the damping of an actuator to its joint.
     fn add_viscous(&mut self, joint: &str, more: f64) {
         let mut joints = self.structure.joints.iter_mut();
         let joint = joints.find(|known| known.name == joint);
@@ -94,7 +94,7 @@ impl Robot<'_> {
     }
 }
 
-/// Law, largest torque, and damping of an actuator; `None` for what is none of those here.
+/// Control law, torque limit and damping of an actuator; `None` for an actuator of an unsupported kind.
 fn law(actuator: &Actuator) -> Option<(ServoLaw, f64, f64)> {
     let gear = actuator.gear[0].abs();
     let gear = if gear == 0.0 { 1.0 } else { gear };

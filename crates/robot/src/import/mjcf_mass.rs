@@ -1,4 +1,4 @@
-//! Masses and shapes of MJCF bodies.
+//! Conversion of masses and shapes of MJCF bodies.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -23,18 +23,18 @@ use realgap_solid::Mesh;
 /// Density of a shape that states neither mass nor density, kg/m³.
 const DENSITY_KG_M3: f64 = 1000.0;
 
-/// What weighs bodies.
-pub(super) struct Weighing<'a> {
+/// Computes masses and shapes of the bodies of a model.
+pub(super) struct MassReader<'a> {
     pub model: &'a Model,
     pub source: &'a Source,
     pub options: &'a Options,
 }
 
-/// A shape with its place in the body.
+/// A shape and its pose in the body's frame.
 type Posed = (Form, Isometry3<f64>);
 
-impl Weighing<'_> {
-    /// Mass, centre and inertia: as stated, or those of the shapes.
+impl MassReader<'_> {
+    /// Sets mass, centre of mass and inertia of a body: as the file states them, or those of the shapes.
     pub fn weigh(&self, body: &mut Body, given: &Given, notes: &mut Notes) -> Result<()> {
         let from_geoms = self.model.compiler.inertia_from_geom == InertiaFromGeom::True;
         if let Some(inertial) = given.inertial.as_ref().filter(|_| !from_geoms) {
@@ -51,7 +51,7 @@ impl Weighing<'_> {
                 && (inertial.mass == 0.0 || least > 0.0);
             if !is_sound {
                 return Err(Error::invalid(format!(
-                    "no body has the mass and inertia of `{}`",
+                    "mass and inertia of `{}` are physically impossible",
                     body.name
                 ))
                 .found(format!(
@@ -81,7 +81,8 @@ impl Weighing<'_> {
         Ok(())
     }
 
-    /// A shape with its density, exact also where what touches is a hull of few points.
+    /// Mass properties of a shape at unit density, and its density, kg/m³. They are exact even if the collision shape is a hull
+    /// of few points.
     fn heavy(
         &self,
         geom: &Geom,
@@ -121,14 +122,14 @@ impl Weighing<'_> {
         };
         if !density.is_finite() || density < 0.0 {
             return Err(Error::invalid(format!(
-                "a shape of `{body}` has a mass or density that none has"
+                "a shape of `{body}` has a negative or non-finite mass or density"
             ))
             .found(density));
         }
         Ok(Some((mass.posed(&pose), density)))
     }
 
-    /// Shapes that can touch, several of a mesh in parts; none for what has no surface here.
+    /// Collision shapes of a geom: several for a mesh that is split into parts, none for an unsupported geom.
     pub fn pieces(&self, geom: &Geom, body: &str, notes: &mut Notes) -> Vec<Posed> {
         let (size, pose) = sized(geom);
         let (radius_m, length_m) = (size.x, 2.0 * size.y);
@@ -208,7 +209,7 @@ impl Weighing<'_> {
         Mesh::read(&path, &scale).map_err(doubt).ok()
     }
 
-    /// What the compiler does to masses at the end.
+    /// Applies the compiler's settings for masses (boundmass, boundinertia, settotalmass) to the finished robot.
     pub fn finish(&self, structure: &mut Structure, notes: &mut Notes) {
         let compiler = &self.model.compiler;
         let moves = |body: &Body| body.mass_kg > 0.0;
@@ -232,23 +233,23 @@ impl Weighing<'_> {
             notes.changed(
                 None,
                 format!(
-                    "all masses are scaled to {} kg in all (settotalmass)",
+                    "all masses are scaled to a total of {} kg (settotalmass)",
                     compiler.set_total_mass
                 ),
-                "nothing: MuJoCo does the same",
+                "no action is needed: MuJoCo does the same",
             );
         }
     }
 }
 
-/// Size and pose of a shape, that from one point to another included.
+/// Size and pose of a shape, including shapes that are given by two end points (fromto).
 fn sized(geom: &Geom) -> (Vector3<f64>, Isometry3<f64>) {
     let size = Vector3::from(geom.size);
     let Some([ax, ay, az, bx, by, bz]) = geom.fromto else {
         return (size, isometry(&geom.pose));
     };
     let (a, b) = (Vector3::new(ax, ay, az), Vector3::new(bx, by, bz));
-    // MuJoCo turns z onto the way from the second point to the first.
+    // MuJoCo aligns the z axis with the direction from the second point to the first.
     let along = a - b;
     let turn = UnitQuaternion::rotation_between(&Vector3::z(), &along).unwrap_or_else(|| {
         UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
@@ -261,7 +262,7 @@ fn sized(geom: &Geom) -> (Vector3<f64>, Isometry3<f64>) {
     (size, Isometry3::from_parts(((a + b) / 2.0).into(), turn))
 }
 
-/// A pose of the crate's as ours.
+/// Converts a pose of `mjcf-rs` into an isometry.
 pub(super) fn isometry(pose: &mjcf_rs::Pose) -> Isometry3<f64> {
     let (t, q) = (pose.translation, pose.rotation);
     Isometry3::from_parts(

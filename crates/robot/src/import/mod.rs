@@ -1,8 +1,9 @@
-//! Robots of other programs: URDF and MJCF.
+//! Import of robots from URDF and MJCF files.
 //!
-//! Nothing is dropped unsaid: what was left out, changed, assumed or looks wrong is a [`Note`] with its line and remedy. Values are
-//! read here rather than by `urdf-rs`: that crate names no lines, fills in what is missing, and refuses files that simulators take
-//! (docs/robots.md). MJCF is read by `mjcf-rs`, which resolves includes, defaults and angles.
+//! Everything that the import leaves out, changes or assumes, and everything that looks wrong, is reported as a [`Note`] with its
+//! line and a remedy. URDF values are read by this module and not by the crate `urdf-rs`, because that crate reports no line
+//! numbers, silently fills in missing values, and refuses files that simulators accept (docs/robots.md). MJCF is read by
+//! `mjcf-rs`, which resolves includes, defaults and angles.
 //!
 //! ```
 //! use realgap_core::file::Source;
@@ -39,25 +40,25 @@ use std::path::{Path, PathBuf};
 use roxmltree::Document;
 
 pub use assumption::AssumedLaw;
-pub use note::{Note, Sort};
+pub use note::{Note, NoteKind};
 
 use crate::morphology::body::Structure;
 use note::Notes;
 use realgap_core::error::{Error, Result};
 use realgap_core::file::Source;
 
-/// What a person says about a robot beside its file.
+/// Settings of an import, in addition to the robot's file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Options {
-    /// Folders of packages, by name: where `package://NAME/` is.
+    /// Folders of ROS packages by name: the places that `package://NAME/` refers to.
     pub packages: Vec<(String, PathBuf)>,
-    /// Whether the root is held where it is, whatever the file says.
+    /// Whether the root is fixed to the world, even if the file does not say so.
     pub mounted: bool,
-    /// Whether joints are left without the servos that URDF gives only the limits of.
+    /// Whether joints stay passive for which a URDF states only the limits of a servo.
     pub passive: bool,
-    /// What the servos are that URDF gives only the limits of.
+    /// The control law that is assumed for servos of which a URDF states only the limits.
     pub law: AssumedLaw,
-    /// Most convex hulls that a mesh becomes; with 0 or 1 it is its own hull.
+    /// Largest number of convex hulls into which a mesh is split; with 0 or 1 the mesh is replaced by its convex hull.
     pub hulls: usize,
 }
 
@@ -66,30 +67,32 @@ pub struct Options {
 pub struct Imported {
     /// The robot.
     pub structure: Structure,
-    /// What was left out, changed, assumed or looks wrong, by line.
+    /// Notes on everything that was left out, changed or assumed or that looks wrong, sorted by line.
     pub notes: Vec<Note>,
-    /// Lines of bodies and joints by their place here, e.g. `bodies[0]` and `joints[2]`; none where nobody knows them.
+    /// Lines in the file of bodies and joints, by their path in the structure, e.g. `bodies[0]` and `joints[2]`; empty if the
+    /// lines are unknown.
     pub lines: BTreeMap<String, usize>,
 }
 
-/// Whether a file's name says that it is a robot of another program.
+/// Whether the extension of a file is that of a URDF or MJCF file.
 pub fn is_foreign(path: &Path) -> bool {
     path.extension().is_some_and(|ending| {
         ["urdf", "xml", "mjcf"].contains(&ending.to_string_lossy().to_lowercase().as_str())
     })
 }
 
-/// Reads a URDF or an MJCF; meshes and included files are looked for around the source's path.
+/// Reads a URDF or an MJCF; meshes and included files are searched for relative to the path of the source.
 ///
 /// # Errors
-/// Text that is neither; trees that are none; numbers that no robot can have; always with file and, where it is known, line.
+/// Text that is neither URDF nor MJCF; links that do not form a tree; physically impossible values. Every error names the file
+/// and, if it is known, the line.
 pub fn import(source: &Source, options: &Options) -> Result<Imported> {
     let mut notes = Notes::default();
     let text = readable(source, &mut notes)?;
     let document = Document::parse(&text).map_err(|error| not_xml(source, &error))?;
     let root = document.root_element();
     let ends = element::line_ends(&text);
-    let place = element::Place {
+    let place = element::XmlSource {
         source,
         ends: &ends,
     };
@@ -113,7 +116,7 @@ pub fn import(source: &Source, options: &Options) -> Result<Imported> {
     })
 }
 
-/// The text with blanks in place of comments: many hold `--`, which XML forbids and other readers forgive.
+/// The text with its comments replaced by blanks: many comments contain `--`, which XML forbids and other readers accept.
 fn without_comments(text: &str) -> String {
     let (mut bare, mut rest) = (String::with_capacity(text.len()), text);
     while let Some(start) = rest.find("<!--") {
@@ -131,7 +134,7 @@ fn without_comments(text: &str) -> String {
     bare + rest
 }
 
-/// The text as strict XML: what other readers of URDF forgive is mended, without moving anything to another line.
+/// The text as strict XML: errors that other readers of URDF accept are repaired without moving any element to another line.
 fn readable(source: &Source, notes: &mut Notes) -> Result<String> {
     let mut text = without_comments(source.text());
     if let Some(at) = text.find("<!DOCTYPE")
@@ -144,11 +147,11 @@ fn readable(source: &Source, notes: &mut Notes) -> Result<String> {
     if let Some(at) = text.find("<?xml").filter(|at| *at > 0)
         && let Some(length) = text[at..].find("?>")
     {
-        // A declaration that does not stand at the very beginning is no XML.
+        // XML allows a declaration only at the very beginning of the text.
         text.replace_range(at..at + length + 2, &" ".repeat(length + 2));
         notes.changed(
             None,
-            "the XML declaration does not stand first",
+            "the XML declaration is not at the beginning of the file",
             "move it to the first line",
         );
     }
@@ -157,16 +160,16 @@ fn readable(source: &Source, notes: &mut Notes) -> Result<String> {
         && !text[end..].trim().is_empty()
     {
         text.truncate(end);
-        notes.changed(None, "what stands behind </robot> is no XML", "remove it");
+        notes.changed(None, "the text after </robot> is not XML", "remove it");
     }
-    // Each round mends one prefix that nobody declares.
+    // Each iteration repairs one undeclared namespace prefix.
     for _ in 0..32 {
         match Document::parse(&text) {
             Err(roxmltree::Error::UnknownNamespace(prefix, place)) if !prefix.is_empty() => {
                 let line = place.row as usize;
                 notes.changed(
                     Some(line),
-                    format!("the prefix `{prefix}:` is declared nowhere"),
+                    format!("the namespace prefix `{prefix}:` is not declared"),
                     "declare it with xmlns, or leave these elements out",
                 );
                 for (old, new) in [("<", "<"), ("</", "</"), (" ", " ")] {
@@ -189,7 +192,7 @@ fn not_xml(source: &Source, error: &roxmltree::Error) -> Error {
         _ if source.text().starts_with("version https://git-lfs") => {
             "this is a pointer of Git LFS: `git lfs pull` fetches the file itself"
         }
-        _ => "xmllint FILE says more",
+        _ => "run `xmllint FILE` for details",
     };
     Error::invalid(format!("not XML: {error}"))
         .at_file(source.path())

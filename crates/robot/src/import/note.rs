@@ -1,26 +1,26 @@
-//! What an import has to say.
+//! Notes: remarks of an import about values that were left out, changed or assumed.
 
 use std::fmt;
 
 use serde::Serialize;
 
-/// What kind of remark it is.
+/// Kind of a note.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum Sort {
-    /// Something that the file says is not in the robot.
+#[serde(rename = "Sort", rename_all = "snake_case")]
+pub enum NoteKind {
+    /// Something that the file states is not in the robot.
     LeftOut,
-    /// Something is in the robot otherwise than the file says it.
+    /// Something in the robot differs from what the file states.
     Changed,
-    /// Something that the file does not say was made up.
+    /// A value that the file does not state was assumed.
     Assumed,
     /// Something looks wrong.
     Doubt,
 }
 
-impl Sort {
-    /// As people read it.
+impl NoteKind {
+    /// Name for messages.
     pub const fn name(self) -> &'static str {
         match self {
             Self::LeftOut => "left out",
@@ -31,23 +31,24 @@ impl Sort {
     }
 }
 
-/// One remark of an import.
+/// One note of an import.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Note {
-    /// What kind of remark it is.
-    pub sort: Sort,
-    /// Line in the file, from 1, where that is known.
+    /// Kind of a note.
+    #[serde(rename = "sort")]
+    pub kind: NoteKind,
+    /// Line in the file, from 1, if it is known.
     pub line: Option<usize>,
-    /// What was left out, changed or assumed, or looks wrong.
+    /// Description of what was left out, changed or assumed, or looks wrong.
     pub what: String,
-    /// What to do about it.
+    /// Advice for the user.
     pub remedy: String,
 }
 
 impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: ", self.sort.name())?;
+        write!(f, "{}: ", self.kind.name())?;
         if let Some(line) = self.line {
             write!(f, "line {line}: ")?;
         }
@@ -55,14 +56,14 @@ impl fmt::Display for Note {
     }
 }
 
-/// Remarks in the making.
+/// The notes that are collected during an import.
 #[derive(Debug, Default)]
 pub(super) struct Notes(Vec<Note>);
 
 impl Notes {
-    fn add(&mut self, sort: Sort, line: Option<usize>, what: impl Into<String>, remedy: &str) {
+    fn add(&mut self, kind: NoteKind, line: Option<usize>, what: impl Into<String>, remedy: &str) {
         self.0.push(Note {
-            sort,
+            kind,
             line,
             what: what.into(),
             remedy: remedy.to_owned(),
@@ -70,28 +71,28 @@ impl Notes {
     }
 
     pub fn left_out(&mut self, line: Option<usize>, what: impl Into<String>, remedy: &str) {
-        self.add(Sort::LeftOut, line, what, remedy);
+        self.add(NoteKind::LeftOut, line, what, remedy);
     }
 
     pub fn changed(&mut self, line: Option<usize>, what: impl Into<String>, remedy: &str) {
-        self.add(Sort::Changed, line, what, remedy);
+        self.add(NoteKind::Changed, line, what, remedy);
     }
 
     pub fn assumed(&mut self, line: Option<usize>, what: impl Into<String>, remedy: &str) {
-        self.add(Sort::Assumed, line, what, remedy);
+        self.add(NoteKind::Assumed, line, what, remedy);
     }
 
     pub fn doubt(&mut self, line: Option<usize>, what: impl Into<String>, remedy: &str) {
-        self.add(Sort::Doubt, line, what, remedy);
+        self.add(NoteKind::Doubt, line, what, remedy);
     }
 
-    /// All of them: doubts first, then by line.
+    /// All notes: doubts first, then sorted by line.
     pub fn sorted(mut self) -> Vec<Note> {
         self.0.sort_by_key(|note| {
             (
-                std::cmp::Reverse(note.sort == Sort::Doubt),
+                std::cmp::Reverse(note.kind == NoteKind::Doubt),
                 note.line,
-                note.sort,
+                note.kind,
             )
         });
         self.0

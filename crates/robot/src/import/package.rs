@@ -1,17 +1,17 @@
-//! Where the files are that a robot names.
+//! Search for the mesh files that a robot's file refers to.
 
 use std::path::{Path, PathBuf};
 
 use super::Options;
 
-/// Folders above the robot's file that are looked through.
+/// Number of parent folders of the robot's file that are searched.
 const UPWARDS: usize = 8;
 
-/// The file that a robot calls `name`; `None` where there is none.
+/// Path of the file that a robot's file refers to as `name`; `None` if no such file exists.
 ///
-/// `package://NAME/rest` and `model://NAME/rest` are `rest` in the folder that the options give NAME, else in a folder of that name
-/// beside or above the robot's file, or in one above it that holds `rest`. Anything else is a path from the robot's folder, or
-/// from one above it.
+/// `package://NAME/rest` and `model://NAME/rest` stand for `rest` in the folder that the options state for the package NAME;
+/// otherwise in a folder NAME beside the robot's file or in one of its parent folders; otherwise `rest` in one of the parent
+/// folders. Any other name is a path relative to the robot's folder or to one of its parent folders.
 pub(super) fn locate(name: &str, robot: &Path, options: &Options) -> Option<PathBuf> {
     let name = name.trim();
     let is_there = |path: PathBuf| path.is_file().then_some(path);

@@ -1,4 +1,4 @@
-//! What every imported robot goes through: names, links that weigh nothing, shapes inside each other, and doubts about size.
+//! Clean-up of every imported robot: valid names, links without mass, overlapping shapes, and warnings about implausible sizes.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,15 +10,15 @@ use super::note::Notes;
 use crate::morphology::body::{JointKind, MAX_BODIES, Pose, Structure, solid_surface};
 use crate::morphology::{Assembly, Module, Morphology, Solid};
 
-/// Shapes of bodies that no joint joins may be this deep in each other at the start, metres.
+/// Largest allowed overlap at the start between shapes of bodies that no joint connects, metres.
 const DEEPEST_M: f64 = 1e-4;
-/// A robot longer than this is doubted, metres.
+/// The import adds a doubt about a robot that is longer than this, metres.
 const LARGEST_M: f64 = 50.0;
 
-/// Tidies a robot up.
+/// Cleans up an imported robot.
 pub(super) fn tidy(structure: &mut Structure, options: &Options, notes: &mut Notes) {
     if structure.bodies.len() > MAX_BODIES {
-        // Whoever makes a robot of it refuses it.
+        // `Morphology::of_bodies` refuses such a robot with an error.
         return;
     }
     rename(structure, notes);
@@ -37,7 +37,7 @@ pub(super) fn tidy(structure: &mut Structure, options: &Options, notes: &mut Not
         .actuators
         .retain(|driver| moving.contains(driver.joint.as_str()));
     let Ok(robot) = Morphology::of_bodies(structure.clone()) else {
-        // Whoever makes a robot of it learns why it is none.
+        // The caller's own call of `Morphology::of_bodies` returns the error.
         return;
     };
     let assembly = robot.assemble();
@@ -47,7 +47,7 @@ pub(super) fn tidy(structure: &mut Structure, options: &Options, notes: &mut Not
         notes.doubt(
             None,
             what,
-            "are its meshes in millimetres? then they need scale=\"0.001 0.001 0.001\"",
+            "if its meshes are in millimetres, they need scale=\"0.001 0.001 0.001\"",
         );
     }
     let pairs = overlapping(&assembly);
@@ -63,20 +63,20 @@ pub(super) fn tidy(structure: &mut Structure, options: &Options, notes: &mut Not
             ""
         };
         let what = format!(
-            "{} pairs of bodies are inside each other at the start, and never touch here: {}{more}",
+            "{} pairs of bodies overlap at the start, and no contacts are computed between them: {}{more}",
             pairs.len(),
             shown.join(", ")
         );
         notes.changed(
             None,
             what,
-            "mend their collision shapes, and remove the pairs from `never_touch`",
+            "correct their collision shapes, and remove the pairs from `never_touch`",
         );
         structure.collision_exclude.extend(pairs);
     }
 }
 
-/// Gives everything names that it can have here.
+/// Renames everything whose name is not valid in realgap.
 fn rename(structure: &mut Structure, notes: &mut Notes) {
     let mut one = vec![std::mem::take(&mut structure.name)];
     let mut changed = usable(one.iter_mut());
@@ -109,11 +109,11 @@ fn rename(structure: &mut Structure, notes: &mut Notes) {
         }
     }
     for (old, new) in changed.into_iter().chain(bodies).chain(joints) {
-        let what = format!("the name {old:?}: here it is `{new}`");
+        let what = format!("the name {old:?} is changed to `{new}`");
         notes.changed(
             None,
             what,
-            "names are letters, digits, `_` and `-`, each once",
+            "names consist of letters, digits, `_` and `-`, and every name is unique",
         );
     }
     let mut cases: BTreeMap<String, &str> = BTreeMap::new();
@@ -126,13 +126,13 @@ fn rename(structure: &mut Structure, notes: &mut Notes) {
             notes.doubt(
                 None,
                 what,
-                "two bodies are meant? give them names that differ more",
+                "if these are two bodies, give them names that differ by more than case",
             );
         }
     }
 }
 
-/// Turns names into letters, digits, `_` and `-`, each another one; old and new of those that changed.
+/// Turns names into unique names of letters, digits, `_` and `-`; returns old and new of those that changed.
 fn usable<'a>(names: impl Iterator<Item = &'a mut String>) -> Vec<(String, String)> {
     let mut taken = BTreeSet::new();
     let mut changed = Vec::new();
@@ -161,14 +161,14 @@ fn usable<'a>(names: impl Iterator<Item = &'a mut String>) -> Vec<(String, Strin
     changed
 }
 
-/// Mass of each body and of all that hangs on it.
+/// Mass of each body together with all its descendants, kg.
 fn subtrees_kg(structure: &Structure) -> BTreeMap<String, f64> {
     let mut beyond: BTreeMap<String, f64> = structure
         .bodies
         .iter()
         .map(|body| (body.name.clone(), body.mass_kg))
         .collect();
-    // Joints are in no order: as many rounds as the tree may be deep, fewer where nothing changes.
+    // Joints are not sorted. Each iteration propagates masses by one level of the tree, and the loop ends when nothing changes.
     let own = beyond.clone();
     for _ in 0..structure.bodies.len() {
         let mut next = own.clone();
@@ -186,7 +186,8 @@ fn subtrees_kg(structure: &Structure) -> BTreeMap<String, f64> {
     beyond
 }
 
-/// Nothing can hold a joint back behind which nothing weighs: it becomes part of its parent.
+/// Fixes every joint whose child and descendants have no mass, because nothing would resist its motion: the child becomes part of
+/// its parent.
 fn weld_weightless(structure: &mut Structure, notes: &mut Notes) {
     let beyond = subtrees_kg(structure);
     for joint in &mut structure.joints {
@@ -194,7 +195,7 @@ fn weld_weightless(structure: &mut Structure, notes: &mut Notes) {
         if joint.kind != JointKind::Fixed && !weighs {
             joint.kind = JointKind::Fixed;
             let what = format!(
-                "nothing behind joint `{}` weighs anything: `{}` is part of `{}`",
+                "the links beyond joint `{}` have no mass: `{}` is fixed to `{}`",
                 joint.name, joint.child, joint.parent
             );
             notes.changed(None, what, "give it an <inertial>");
@@ -202,7 +203,7 @@ fn weld_weightless(structure: &mut Structure, notes: &mut Notes) {
     }
 }
 
-/// A root that weighs nothing and carries joints that move is what a robot is screwed to.
+/// Mounts a robot whose root has no mass but carries moving joints: such a root stands for the place to which the robot is fixed.
 fn hold_weightless_root(structure: &mut Structure, notes: &mut Notes) {
     if structure.mount.is_some() {
         return;
@@ -215,7 +216,7 @@ fn hold_weightless_root(structure: &mut Structure, notes: &mut Notes) {
     let Some(root) = root.map(|body| body.name.clone()) else {
         return;
     };
-    // All that is fixed to the root.
+    // All bodies that are fixed to the root.
     let mut rigid: BTreeSet<String> = BTreeSet::from([root.clone()]);
     for _ in 0..structure.bodies.len() {
         let before = rigid.len();
@@ -240,7 +241,7 @@ fn hold_weightless_root(structure: &mut Structure, notes: &mut Notes) {
         .any(|joint| joint.kind != JointKind::Fixed);
     if moves && structure.bodies.iter().find(weighs).is_none() {
         structure.mount = Some(Pose::default());
-        let what = format!("the root `{root}` weighs nothing: the robot is mounted");
+        let what = format!("the root `{root}` has no mass: the robot is mounted");
         notes.assumed(
             None,
             what,
@@ -249,7 +250,7 @@ fn hold_weightless_root(structure: &mut Structure, notes: &mut Notes) {
     }
 }
 
-/// Pairs of bodies that are inside each other at the start although no joint joins them.
+/// Pairs of bodies that overlap at the start although no joint connects them.
 fn overlapping(assembly: &Assembly) -> Vec<(String, String)> {
     let start: Vec<f64> = assembly
         .hinges
@@ -288,13 +289,13 @@ fn overlapping(assembly: &Assembly) -> Vec<(String, String)> {
             for (second, (b, other, there)) in all.iter().enumerate().skip(first + 1) {
                 let pair = (one.module.min(other.module), one.module.max(other.module));
                 let is_joined = joined.contains(&(*a.min(b), *a.max(b)));
-                let apart_m = (here.translation.vector - there.translation.vector).norm();
+                let distance_m = (here.translation.vector - there.translation.vector).norm();
                 let reach_m = one.half_extents_m().norm() + other.half_extents_m().norm();
                 if a == b
                     || is_joined
-                    || apart_m > reach_m
+                    || distance_m > reach_m
                     || pairs.contains(&pair)
-                    || assembly.are_apart(pair.0, pair.1)
+                    || assembly.is_collision_excluded(pair.0, pair.1)
                 {
                     continue;
                 }

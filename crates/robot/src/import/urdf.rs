@@ -1,4 +1,4 @@
-//! The Unified Robot Description Format of ROS.
+//! Import of URDF, the Unified Robot Description Format of ROS.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,19 +6,19 @@ use nalgebra::Isometry3;
 use roxmltree::Node;
 
 use super::Options;
-use super::element::{Place, child, children, words};
+use super::element::{XmlSource, child, children, words};
 use super::note::Notes;
 use super::urdf_link::{DENSITY_KG_M3, Reader, ball};
 use crate::morphology::body::{Body, Pose, Structure};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::Source;
 
-/// What each link of a robot weighs that has neither masses nor shapes, kg.
+/// Mass of each link of a robot that states neither masses nor shapes, kg.
 const BALL_KG: f64 = 1.0;
 
 /// Reads the robot under the root element.
 pub(super) fn read(
-    place: Place<'_>,
+    place: XmlSource<'_>,
     root: Node<'_, '_>,
     options: &Options,
     notes: &mut Notes,
@@ -31,7 +31,7 @@ pub(super) fn read(
             let stem = source.path().file_stem().unwrap_or_default();
             notes.assumed(
                 place.line(root),
-                "the robot has no name: the file's is taken",
+                "the robot has no name: the name of the file is used",
                 "add name=\"...\" to <robot>",
             );
             stem.to_string_lossy().into_owned()
@@ -41,7 +41,7 @@ pub(super) fn read(
     let collides = has("collision");
     if !collides {
         let found = match has("visual") {
-            true => "no link has collision shapes: the visual ones are taken",
+            true => "no link has collision shapes: the visual shapes are used",
             false => "no link has shapes, neither collision nor visual ones",
         };
         notes.assumed(None, found, "add <collision> elements");
@@ -82,16 +82,16 @@ pub(super) fn file_name(source: &Source) -> String {
     name.to_string_lossy().into_owned()
 }
 
-/// A robot in the making.
+/// A robot while it is being built from the file.
 pub(super) struct Robot<'a> {
     pub reader: Reader<'a>,
     pub structure: Structure,
-    /// Where links stand, by name.
+    /// Lines of the links in the file, by name.
     pub lines: BTreeMap<String, usize>,
-    /// Where joints stand, in their order here.
+    /// Lines of the joints in the file, in the order of the structure's joints.
     joint_lines: Vec<usize>,
     pub servos: usize,
-    /// Joints that move and have no servo, though the file's could have had one.
+    /// Number of moving joints that get no servo because the file states no effort above 0.
     pub passive: usize,
 }
 
@@ -130,10 +130,10 @@ impl Robot<'_> {
             notes.left_out(
                 None,
                 format!(
-                    "servos of {} joints that state no effort above 0: they move freely",
+                    "servos of {} joints that state no effort above 0: these joints move freely",
                     self.passive
                 ),
-                "give their limits an effort, or state `actuators`",
+                "state an effort in their limits, or state `actuators`",
             );
         }
         if self.servos > 0 {
@@ -141,16 +141,16 @@ impl Robot<'_> {
             notes.assumed(
                 None,
                 format!(
-                    "the servos of {} joints: URDF has their limits only; {law} and holds 0 where nothing else is said",
+                    "the servos of {} joints: URDF states only their limits; {law} and holds 0 unless another command is stated",
                     self.servos
                 ),
-                "state laws and gaits in `actuators`, or import its joints passive",
+                "state control laws and gaits in `actuators`, or import the joints as passive",
             );
         }
         Ok(())
     }
 
-    /// Gives a robot masses of which no link states any.
+    /// Assumes masses for a robot if none of its links states a mass.
     fn weigh(&mut self, notes: &mut Notes) {
         let bodies = &mut self.structure.bodies;
         if bodies.is_empty() || bodies.iter().any(|body| body.mass_kg > 0.0) {
@@ -160,24 +160,26 @@ impl Robot<'_> {
             for body in bodies {
                 body.mass_kg = DENSITY_KG_M3 * body.volume_m3();
             }
-            format!("no link has a mass: each weighs what its shapes do at {DENSITY_KG_M3} kg/m3")
+            format!(
+                "no link has a mass: the masses are those of the shapes at {DENSITY_KG_M3} kg/m3"
+            )
         } else {
             for body in bodies {
                 body.mass_kg = BALL_KG;
                 body.inertia_kg_m2 = Some(ball(BALL_KG));
             }
             format!(
-                "no link has a mass, or a shape that could be read: each is a ball of {BALL_KG} kg and {DENSITY_KG_M3} kg/m3"
+                "no link has a mass, or a shape that could be read: each link is a ball of {BALL_KG} kg and {DENSITY_KG_M3} kg/m3"
             )
         };
         notes.assumed(
             None,
             what,
-            "weigh the links, and state <inertial>: how it moves depends on them",
+            "measure the links and state <inertial>: the motion depends on the masses",
         );
     }
 
-    /// Leaves out joints that mimic what nothing drives, or each other.
+    /// Removes the mimic relation of joints that mimic a joint without a servo, and of joints that mimic each other.
     fn leaders(&mut self, notes: &mut Notes) {
         let structure = &mut self.structure;
         let driven: BTreeSet<String> = structure
@@ -191,10 +193,10 @@ impl Robot<'_> {
                 .take_if(|follow| !driven.contains(&follow.joint))
             {
                 let what = format!(
-                    "that joint `{}` mimics `{}`, which has no servo",
+                    "the mimic relation of joint `{}` to `{}`, which has no servo",
                     driver.joint, follow.joint
                 );
-                notes.left_out(None, what, "give the limit of that joint an effort");
+                notes.left_out(None, what, "state an effort in the limit of that joint");
             }
         }
         let leaders: BTreeMap<String, String> = (structure.actuators.iter())
@@ -206,14 +208,17 @@ impl Robot<'_> {
                 leader = leader.and_then(|joint| leaders.get(joint));
             }
             if leader.is_some() {
-                let what = format!("that joint `{}` mimics one that mimics it", driver.joint);
-                notes.left_out(None, what, "let one of them lead");
+                let what = format!(
+                    "the mimic relation of joint `{}`, which mimics a joint that mimics it",
+                    driver.joint
+                );
+                notes.left_out(None, what, "remove the mimic element of one of the joints");
                 driver.follows = None;
             }
         }
     }
 
-    /// The tree's root, and whether it is held.
+    /// Finds the root of the tree, and decides whether the robot is mounted.
     fn roots(&mut self, root: Node<'_, '_>, notes: &mut Notes) -> Result<()> {
         self.leaders(notes);
         let only = self.one_root(root)?;
@@ -224,7 +229,7 @@ impl Robot<'_> {
         Ok(())
     }
 
-    /// The one body that hangs on nothing.
+    /// The one body that is not the child of any joint.
     fn one_root(&self, root: Node<'_, '_>) -> Result<&Body> {
         let structure = &self.structure;
         if structure.bodies.is_empty() {
@@ -239,13 +244,13 @@ impl Robot<'_> {
             if let Some(first) = parents.insert(joint.child.as_str(), &joint.name) {
                 let line = self.lines.get(&joint.child).copied().unwrap_or(1);
                 return Err(Error::invalid(format!(
-                    "link `{}` hangs on two joints: a closed loop",
+                    "link `{}` is the child of two joints: a closed loop",
                     joint.child
                 ))
                 .at_file(self.reader.place.source.path())
                 .at_line(line, 1)
                 .found(format!("`{first}` and `{}`", joint.name))
-                .allowed("one joint above every link")
+                .allowed("every link is the child of at most one joint")
                 .hint("open the loop: remove one of the two joints"));
             }
         }
@@ -264,18 +269,19 @@ impl Robot<'_> {
                 })
                 .collect();
             let error = match roots.is_empty() {
-                true => Error::invalid("the joints go round in a circle")
-                    .found("no link that hangs on nothing"),
-                false => Error::invalid("a robot has one link that hangs on nothing: its root")
-                    .found(format!("{}: {}", roots.len(), names.join(", ")))
-                    .hint("join the others to it, or put them into a file of their own"),
+                true => Error::invalid("the joints form a cycle").found("no link without a parent"),
+                false => Error::invalid(
+                    "a robot needs exactly one root: a link that is not a child",
+                )
+                .found(format!("{}: {}", roots.len(), names.join(", ")))
+                .hint("connect the other links to it by joints, or put them into a separate file"),
             };
             return Err(self.reader.place.at(root, error));
         };
         Ok(only)
     }
 
-    /// Refuses joints that the root does not lead to.
+    /// Refuses joints that cannot be reached from the root.
     fn all_reached(&self, only: &Body) -> Result<()> {
         let structure = &self.structure;
         let mut reached = BTreeSet::from([only.name.as_str()]);
@@ -293,11 +299,11 @@ impl Robot<'_> {
         if let Some((joint, line)) =
             joints.find(|(joint, _)| !reached.contains(joint.child.as_str()))
         {
-            return Err(Error::invalid("the joints go round in a circle")
+            return Err(Error::invalid("the joints form a cycle")
                 .at_file(self.reader.place.source.path())
                 .at_line(*line, 1)
                 .found(format!(
-                    "joint `{}` leads to `{}`, which the root `{}` does not reach",
+                    "joint `{}` has the child `{}`, which is not connected to the root `{}`",
                     joint.name, joint.child, only.name
                 ))
                 .allowed("a tree: one root, and every other link a child of one parent"));
@@ -305,7 +311,7 @@ impl Robot<'_> {
         Ok(())
     }
 
-    /// Everything that is neither link nor joint, and what is unknown in them, one note a kind.
+    /// Adds one note for each kind of element or attribute that the import ignores.
     fn others(&self, root: Node<'_, '_>, notes: &mut Notes) {
         let mut seen: BTreeMap<String, (usize, Option<usize>)> = BTreeMap::new();
         let known = |parent: &str, tag: &str| match parent {
@@ -336,7 +342,7 @@ impl Robot<'_> {
         for (node, text) in lists {
             let count = words(text).count();
             let what = match count {
-                0 => "an empty list is three zeros".to_owned(),
+                0 => "an empty list is read as three zeros".to_owned(),
                 _ if text.contains(',') || count > 3 => {
                     format!("the list {text:?} has commas or more than three numbers")
                 }
@@ -362,13 +368,13 @@ impl Robot<'_> {
             notes.left_out(
                 line,
                 format!("{what} ({count})"),
-                "state what matters of it in the RON",
+                "add what you need of it to the RON file",
             );
         }
     }
 }
 
-/// What is read of an element; `None` of one that is not looked into.
+/// Names of the attributes that the import reads of an element; `None` if it does not check the element's attributes.
 fn attributes(tag: &str) -> Option<&'static [&'static str]> {
     Some(match tag {
         "origin" => &["xyz", "rpy", "quat_xyzw"],

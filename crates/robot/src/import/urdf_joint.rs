@@ -1,4 +1,4 @@
-//! Joints of a URDF, and chains of joints in place of what has several freedoms.
+//! Conversion of URDF joints; a joint with several degrees of freedom becomes a chain of joints with one each.
 
 use nalgebra::Vector3;
 use roxmltree::Node;
@@ -12,9 +12,9 @@ use crate::morphology::body::{
 };
 use realgap_core::error::{Error, Result};
 
-/// Limits farther away than this are none, radians or metres.
+/// Limits beyond this value count as no limits, radians or metres.
 const FAR: f64 = 1e3;
-/// Largest torque and speed that a servo may have.
+/// Largest allowed torque (N m) and speed (rad/s) of a servo.
 const MOST: f64 = 1e4;
 
 impl Robot<'_> {
@@ -71,7 +71,7 @@ impl Robot<'_> {
                 self.many(&joint(JointKind::Fixed), kind, line, notes);
             }
             other => {
-                let error = Error::invalid("no such type of joint")
+                let error = Error::invalid("unknown type of joint")
                     .found(format!("{other} of `{name}`"))
                     .allowed("fixed, revolute, continuous, prismatic, floating, planar, spherical");
                 return Err(place.at(node, error));
@@ -97,11 +97,11 @@ impl Robot<'_> {
             let mut read = |attribute: &str| -> Result<f64> {
                 let value = place.number(dynamics, attribute)?.unwrap_or(0.0);
                 if value < 0.0 {
-                    let what = format!("the {attribute} of joint `{name}` is {value}: 0 is taken");
+                    let what = format!("the {attribute} of joint `{name}` is {value}: 0 is used");
                     notes.changed(
                         place.line(dynamics),
                         what,
-                        "friction takes energy: state 0 or more",
+                        "friction dissipates energy: state a value of 0 or more",
                     );
                 }
                 Ok(value.max(0.0))
@@ -125,7 +125,7 @@ impl Robot<'_> {
             return Ok(bearing);
         };
         let end = |name: &str| -> Result<f64> {
-            // Some say inf for no limit.
+            // Some files write `inf` for an absent limit.
             match limit
                 .attribute(name)
                 .and_then(|text| text.trim().parse().ok())
@@ -137,19 +137,24 @@ impl Robot<'_> {
         (bearing.effort, bearing.velocity) = (end("effort")?, end("velocity")?);
         let (lower, upper) = (end("lower")?, end("upper")?);
         let is_limited = kind == "revolute" || kind == "prismatic";
-        // Beyond any robot: somebody's way to say that there are none.
+        // Such limits exceed those of any robot; some files write them instead of leaving the limits out.
         let are_far = lower <= -FAR && upper >= FAR;
         bearing.limits = (is_limited && lower < upper && !are_far).then_some((lower, upper));
         if is_limited && lower >= upper {
             let what = format!(
-                "the limits {lower} to {upper} of joint `{name}` leave nothing: it has none here"
+                "the limits {lower} to {upper} of joint `{name}` leave no range: they are ignored"
             );
-            notes.changed(place.line(limit), what, "state the range, or make it fixed");
+            notes.changed(
+                place.line(limit),
+                what,
+                "state the range, or make the joint fixed",
+            );
         }
         Ok(bearing)
     }
 
-    /// A joint with several freedoms as a chain of single ones, with links of nothing between them.
+    /// Converts a joint with several degrees of freedom into a chain of joints with one each, connected by links without mass and
+    /// shape.
     fn many(&mut self, joint: &Joint, kind: &str, line: Option<usize>, notes: &mut Notes) {
         let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
         let free = Bearing::default();
@@ -174,14 +179,14 @@ impl Robot<'_> {
             ],
         };
         let what = format!(
-            "the {kind} joint `{}` is a chain of {} joints with one freedom each",
+            "the {kind} joint `{}` is replaced by a chain of {} joints with one degree of freedom each",
             joint.name,
             chain.len()
         );
         notes.changed(
             line,
             what,
-            "at a pitch of 90 degrees it loses one freedom: keep away from there",
+            "at a pitch of 90 degrees it loses one degree of freedom (gimbal lock): avoid that orientation",
         );
         chained(&mut self.structure, joint, chain);
     }
@@ -200,16 +205,16 @@ impl Robot<'_> {
             self.passive += 1;
             if let Some(mimic) = mimic {
                 let what =
-                    format!("that joint `{name}` mimics another: it has no effort to do it with");
-                notes.left_out(place.line(mimic), what, "give its limit an effort");
+                    format!("the mimic relation of joint `{name}`, which states no effort above 0");
+                notes.left_out(place.line(mimic), what, "state an effort in its limit");
             }
             return Ok(());
         }
         if effort > MOST || velocity > MOST {
             let what = format!(
-                "the effort {effort} or velocity {velocity} of joint `{name}`: at most {MOST} here"
+                "the effort {effort} or velocity {velocity} of joint `{name}`: reduced to at most {MOST}"
             );
-            notes.changed(place.line(node), what, "state what its motor can do");
+            notes.changed(place.line(node), what, "state the limits of its motor");
         }
         let follows = match mimic {
             None => None,
@@ -221,13 +226,13 @@ impl Robot<'_> {
         };
         if let (Some(follow), Some(mimic)) = (&follows, mimic) {
             let what = format!(
-                "joint `{name}` is not geared to `{}`: a servo of its own copies that one's command",
-                follow.joint
+                "joint `{name}` is not coupled to `{}`: it has its own servo, which copies the command of `{}`",
+                follow.joint, follow.joint
             );
             notes.changed(
                 place.line(mimic),
                 what,
-                "the two part where a load parts them",
+                "their angles differ where a load deflects one of them",
             );
         }
         let max_torque_nm = effort.min(MOST);
@@ -252,7 +257,7 @@ impl Robot<'_> {
     }
 }
 
-/// Friction, limits and motor of a joint, in radians or metres.
+/// Friction, limits and servo limits of a joint, in radians or metres.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Bearing {
     pub viscous: f64,
@@ -265,7 +270,7 @@ pub(super) struct Bearing {
 }
 
 impl Bearing {
-    /// A joint that turns.
+    /// The kind of joint for a rotation about an axis.
     pub fn turn(&self, axis: &Vector3<f64>) -> JointKind {
         JointKind::Turn {
             axis: (axis.x, axis.y, axis.z),
@@ -281,7 +286,7 @@ impl Bearing {
         }
     }
 
-    /// A joint that slides.
+    /// The kind of joint for a translation along an axis.
     pub fn slide(&self, axis: &Vector3<f64>) -> JointKind {
         JointKind::Slide {
             axis: (axis.x, axis.y, axis.z),
@@ -297,7 +302,7 @@ impl Bearing {
     }
 }
 
-/// Adds a chain of joints in place of one, with bodies of nothing between them; the pose is that of the first.
+/// Adds a chain of joints in place of one, with bodies without mass and shape between them; the first joint gets the pose.
 pub(super) fn chained(structure: &mut Structure, joint: &Joint, chain: Vec<(&str, JointKind)>) {
     let count = chain.len();
     let mut parent = joint.parent.clone();

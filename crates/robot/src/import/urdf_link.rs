@@ -1,4 +1,4 @@
-//! A link of a URDF as a body.
+//! Conversion of URDF links into bodies.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Matrix3, SymmetricEigen, Translation3, Vector3};
 use roxmltree::Node;
 
 use super::Options;
-use super::element::{Place, child, children};
+use super::element::{XmlSource, child, children};
 use super::mesh::forms;
 use super::note::Notes;
 use super::package::locate;
@@ -14,14 +14,15 @@ use crate::morphology::body::{Body, Form, Piece, Pose, Tensor, Triple};
 use realgap_core::error::{Error, Result};
 use realgap_solid::Mesh;
 
-/// Density of what has no mass, and of a ball that stands in for what has no shape, kg/m³: that of water, as MuJoCo assumes.
+/// Density for links without a stated mass, and of the ball that replaces a link without shapes, kg/m³: that of water, as MuJoCo
+/// assumes.
 pub(super) const DENSITY_KG_M3: f64 = 1000.0;
 
-/// What reads links.
+/// Reads the links of a URDF.
 pub(super) struct Reader<'a> {
-    pub place: Place<'a>,
+    pub place: XmlSource<'a>,
     pub options: &'a Options,
-    /// Whether visual shapes stand in where no link has any for collisions.
+    /// Whether visual shapes are used for collisions because no link has collision shapes.
     pub visuals_collide: bool,
 }
 
@@ -34,10 +35,10 @@ impl Reader<'_> {
         self.place.source.path()
     }
 
-    /// The link of an element.
+    /// Reads the link of an element.
     ///
     /// # Errors
-    /// Numbers that are none, masses and moments that no body has.
+    /// Malformed numbers; masses and moments of inertia that are physically impossible.
     pub fn body(&self, link: Node<'_, '_>, notes: &mut Notes) -> Result<Body> {
         let name = self.place.text(link, "name")?.to_owned();
         let mut body = Body {
@@ -62,10 +63,13 @@ impl Reader<'_> {
         if is_standing_in && body.shapes.is_empty() {
             let stand_in = box_of_equal_inertia(&body);
             let what = match stand_in {
-                Some(_) => format!("link `{}` touches with a box of equal inertia", body.name),
-                None => format!("link `{}` touches nothing", body.name),
+                Some(_) => format!(
+                    "the collision shape of link `{}` is replaced by a box of equal inertia",
+                    body.name
+                ),
+                None => format!("link `{}` has no collision shape", body.name),
             };
-            let remedy = "find its meshes, or say in which folder their package lies";
+            let remedy = "supply its mesh files, or state the folder of their package";
             notes.assumed(self.place.line(link), what, remedy);
             body.shapes.extend(stand_in);
         }
@@ -112,34 +116,37 @@ impl Reader<'_> {
             notes.doubt(
                 place.line(inertia),
                 what,
-                "weigh it, or remove its <inertial>",
+                "state its mass, or remove its <inertial>",
             );
         }
         let moments = SymmetricEigen::new(own).eigenvalues;
         if moments.min() < -1e-9 * moments.amax() {
-            let error = Error::invalid(format!("no body has the inertia of link `{}`", body.name))
-                .found(format!(
-                    "principal moments {:.6e}, {:.6e}, {:.6e} kg m^2",
-                    moments.x, moments.y, moments.z
-                ))
-                .allowed("moments of 0 or more")
-                .hint("correct <inertia>, or remove it for that of a uniform shape");
+            let error = Error::invalid(format!(
+                "the inertia of link `{}` is physically impossible",
+                body.name
+            ))
+            .found(format!(
+                "principal moments {:.6e}, {:.6e}, {:.6e} kg m^2",
+                moments.x, moments.y, moments.z
+            ))
+            .allowed("moments of 0 or more")
+            .hint("correct <inertia>, or remove it to get the inertia of a uniform shape");
             return Err(place.at(inertia, error));
         }
         if moments.min() <= 1e-9 * moments.amax() {
             notes.doubt(
                 place.line(inertia),
                 format!(
-                    "link `{}` has a principal moment of 0: kept, for it is fixed to others",
+                    "link `{}` has a principal moment of 0: kept, because other links may be fixed to it",
                     body.name
                 ),
-                "compute its inertia again",
+                "recompute its inertia",
             );
         } else if 2.0 * moments.max() > moments.sum() * (1.0 + 1e-6) {
             notes.doubt(
                 place.line(inertia),
-                format!("link `{}` has a moment of inertia larger than the two others together, which no body has: kept", body.name),
-                "weigh or compute it again",
+                format!("link `{}` has a moment of inertia larger than the sum of the two others, which is physically impossible: kept", body.name),
+                "measure or recompute its inertia",
             );
         }
         let turn = pose.rotation.to_rotation_matrix();
@@ -151,7 +158,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Says what becomes of a mass without moments.
+    /// Chooses an inertia for a link that states a mass but no inertia, and adds a note about the choice.
     fn guess_inertia(&self, body: &mut Body, link: Node<'_, '_>, notes: &mut Notes) -> Result<()> {
         if body.mass_kg == 0.0 || body.inertia_kg_m2.is_some() {
             return Ok(());
@@ -160,7 +167,7 @@ impl Reader<'_> {
         let remedy = "add <inertia> with its six values";
         if body.mass().is_some() {
             let what = format!(
-                "the inertia of link `{}` is that of its shapes with its mass",
+                "the inertia of link `{}` is computed from its shapes and its mass",
                 body.name
             );
             notes.assumed(line, what, remedy);
@@ -176,7 +183,7 @@ impl Reader<'_> {
         let inertia = match seen.mass() {
             Some((_, _, inertia)) => {
                 let what = format!(
-                    "the inertia of link `{}` is that of its visual shapes with its mass",
+                    "the inertia of link `{}` is computed from its visual shapes and its mass",
                     body.name
                 );
                 notes.assumed(line, what, remedy);
@@ -184,7 +191,7 @@ impl Reader<'_> {
             }
             None => {
                 let what = format!(
-                    "the inertia of link `{}` is that of a ball of its mass and {DENSITY_KG_M3} kg/m3",
+                    "the inertia of link `{}` is that of a ball with its mass and a density of {DENSITY_KG_M3} kg/m3",
                     body.name
                 );
                 notes.assumed(line, what, remedy);
@@ -195,7 +202,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// The shapes of a collision or visual element, several of a mesh in parts; none where its mesh cannot be had.
+    /// The shapes of a collision or visual element: several for a mesh that is split into parts, none if its mesh cannot be read.
     fn pieces(&self, shape: Node<'_, '_>, link: &str, notes: &mut Notes) -> Result<Vec<Piece>> {
         let place = &self.place;
         let line = place.line(shape);
@@ -212,14 +219,15 @@ impl Reader<'_> {
             notes.left_out(
                 line,
                 format!("a shape of link `{link}` has an empty geometry"),
-                "name a shape in it",
+                "add a shape element to it",
             );
             return Ok(Vec::new());
         };
         let mut size = |found: Vector3<f64>| {
             if found.min() < 0.0 {
-                let what =
-                    format!("a size of a shape of link `{link}` is negative: taken as positive");
+                let what = format!(
+                    "a size of a shape of link `{link}` is negative: its absolute value is used"
+                );
                 notes.changed(line, what, "state sizes above 0");
             }
             found.abs()
@@ -255,7 +263,7 @@ impl Reader<'_> {
                 return Ok(posed.collect());
             }
             other => {
-                let what = format!("a shape of link `{link}` is <{other}>, which is no shape here");
+                let what = format!("a shape of link `{link}` is <{other}>, which is not supported");
                 notes.left_out(line, what, "use box, sphere, cylinder, capsule or mesh");
                 return Ok(Vec::new());
             }
@@ -295,7 +303,7 @@ impl Reader<'_> {
         };
         let Some(path) = locate(name, self.robot(), self.options) else {
             let what = format!("the mesh {name} of link `{link}` cannot be found");
-            notes.doubt(line, what, "say in which folder its package lies");
+            notes.doubt(line, what, "state the folder of its package");
             return Ok(Vec::new());
         };
         match Mesh::read(&path, &scale) {
@@ -312,7 +320,7 @@ impl Reader<'_> {
     }
 }
 
-/// The inertia of a ball of this mass, as dense as water.
+/// The inertia of a ball of this mass with the density of water.
 pub(super) fn ball(mass_kg: f64) -> Tensor {
     let radius_m = (0.75 * mass_kg / (std::f64::consts::PI * DENSITY_KG_M3)).cbrt();
     Tensor::of(&Matrix3::from_diagonal_element(
@@ -325,7 +333,7 @@ fn form_is_nothing(form: &Form) -> bool {
     shape.half_extents_m().min() <= 0.0
 }
 
-/// The box that has a body's mass and moments, at its centre of mass.
+/// The uniform box that has a body's mass and moments of inertia, at the body's centre of mass.
 fn box_of_equal_inertia(body: &Body) -> Option<Piece> {
     let tensor = body.inertia_kg_m2.filter(|_| body.mass_kg > 0.0)?.matrix();
     let eigen = SymmetricEigen::new(tensor);

@@ -1,13 +1,13 @@
-//! What files leave out: limits that there are not, and what is zero.
+//! Serde defaults and `skip_serializing_if` predicates for optional fields: absent limits and values of zero.
 
 use serde::{Deserialize, Deserializer};
 
-/// The value of what has no limit.
+/// Default of a limit that is left out: infinity.
 pub(super) fn unlimited() -> f64 {
     f64::INFINITY
 }
 
-/// A limit, or `None` in so many words.
+/// Reads a limit; an explicit `None` means no limit.
 pub(super) fn limit<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
     Ok(Option::deserialize(from)?.unwrap_or_else(unlimited))
 }

@@ -1,4 +1,4 @@
-//! From modules and glue to rigid parts and hinges.
+//! Assembly of a modular robot: combines attached modules into rigid parts that hinges connect.
 
 use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
 
@@ -6,11 +6,11 @@ use super::Morphology;
 use super::assembly::{Assembly, Bearing, Freedom, Hinge, Part, Role, Solid};
 use super::layout::{Placement, plate_box};
 use super::module::{Drive, DriveAxis, Module};
-use super::tree::{Edge, is_glued};
+use super::tree::{Edge, is_attached};
 use realgap_solid::Shape;
 
-/// Parts in the making: where the cube and the driven face of every module went.
-struct Workshop<'a> {
+/// The assembly while it is being built, and the part that each module's cube belongs to.
+struct AssemblyBuilder<'a> {
     morphology: &'a Morphology,
     parts: Vec<Part>,
     hinges: Vec<Hinge>,
@@ -19,35 +19,35 @@ struct Workshop<'a> {
 
 pub(super) fn assemble(morphology: &Morphology) -> Assembly {
     let modules = morphology.modules();
-    let mut workshop = Workshop {
+    let mut builder = AssemblyBuilder {
         morphology,
         parts: vec![Part { solids: Vec::new() }],
         hinges: Vec::new(),
         cube_part: vec![0; modules.len()],
     };
     for &module in &morphology.tree.order {
-        workshop.add(module);
+        builder.add(module);
     }
     let track = morphology.track();
     Assembly {
         name: morphology.name().to_owned(),
         module_names: modules.iter().map(|module| module.name.clone()).collect(),
-        parts: workshop.parts,
-        hinges: workshop.hinges,
+        parts: builder.parts,
+        hinges: builder.hinges,
         is_modular: true,
-        apart: morphology.collision_exclude.clone(),
+        collision_exclude: morphology.collision_exclude.clone(),
         world_from_mount: morphology
             .mount_world_m
             .map(|mount_m| Isometry3::from_parts(mount_m.into(), UnitQuaternion::identity())),
         marks: Vec::new(),
-        track_part: workshop.cube_part[track],
+        track_part: builder.cube_part[track],
         robot_from_track: morphology.placements[track].pose_of(Vector3::zeros()),
         body_length_m: modules[track].sides_m.max(),
     }
 }
 
-impl Workshop<'_> {
-    /// Adds a module whose part exists, and opens the parts of its children.
+impl AssemblyBuilder<'_> {
+    /// Adds a module to its existing part, and creates the parts of its children.
     fn add(&mut self, index: usize) {
         let morphology = self.morphology;
         let module = &morphology.modules()[index];
@@ -57,40 +57,46 @@ impl Workshop<'_> {
             .solids
             .extend(boxes(index, module, placement));
         if let Some(drive) = &module.drive
-            && !is_glued(morphology.attachments(), index, drive.face)
+            && !is_attached(morphology.attachments(), index, drive.face)
         {
-            let free = self.open_part(index, part, drive, 1.0);
+            let free = self.create_part(index, part, drive, 1.0);
             self.add_plate(index, free, true);
         }
         for &edge in &morphology.tree.children[index] {
-            let joint = match edge {
-                Edge::Attachment(attachments) => &morphology.attachments()[attachments],
+            let attachment = match edge {
+                Edge::Attachment(attachment) => &morphology.attachments()[attachment],
                 Edge::Pivot(pivot) => {
-                    self.open_pivot(pivot, part);
+                    self.create_pivot_part(pivot, part);
                     continue;
                 }
             };
-            let child = &morphology.modules()[joint.child];
-            self.cube_part[joint.child] = match (&module.drive, &child.drive) {
-                (Some(drive), _) if drive.face == joint.face => {
-                    let moved = self.open_part(index, part, drive, 1.0);
+            let child = &morphology.modules()[attachment.child];
+            self.cube_part[attachment.child] = match (&module.drive, &child.drive) {
+                (Some(drive), _) if drive.face == attachment.face => {
+                    let moved = self.create_part(index, part, drive, 1.0);
                     self.add_plate(index, moved, false);
                     moved
                 }
-                (_, Some(drive)) if drive.face == joint.child_face => {
-                    // The child holds on with its driven face: its plate stays with the parent, and its
-                    // cube turns the other way round.
-                    self.add_plate(joint.child, part, false);
-                    self.open_part(joint.child, part, drive, -1.0)
+                (_, Some(drive)) if drive.face == attachment.child_face => {
+                    // The child is attached by its driven face: its plate belongs to the parent's part, and its cube turns in the
+                    // opposite direction.
+                    self.add_plate(attachment.child, part, false);
+                    self.create_part(attachment.child, part, drive, -1.0)
                 }
                 _ => part,
             };
         }
     }
 
-    /// Opens a new part that the servo of `module` moves against `parent_part`. `sign` is −1 where the
-    /// servo's cube is on the far side of the hinge.
-    fn open_part(&mut self, module: usize, parent_part: usize, drive: &Drive, sign: f64) -> usize {
+    /// Creates a new part that the servo of `module` moves relative to `parent_part`. `sign` is −1 if the servo's cube belongs to
+    /// the child part of the hinge.
+    fn create_part(
+        &mut self,
+        module: usize,
+        parent_part: usize,
+        drive: &Drive,
+        sign: f64,
+    ) -> usize {
         let placement = &self.morphology.placements[module];
         let normal = drive.face.normal();
         let axis_module = match drive.axis {
@@ -115,8 +121,8 @@ impl Workshop<'_> {
         child_part
     }
 
-    /// Opens the part of the child of a stated hinge.
-    fn open_pivot(&mut self, index: usize, parent_part: usize) {
+    /// Creates the part that holds the child of a stated hinge.
+    fn create_pivot_part(&mut self, index: usize, parent_part: usize) {
         let pivot = &self.morphology.pivots()[index];
         let placement = &self.morphology.placements[pivot.parent];
         let child_part = self.parts.len();
@@ -177,7 +183,7 @@ fn plate_solid(
     collides: bool,
 ) -> Solid {
     let square = half_extents_m.component_mul(&half_extents_m);
-    // A uniform box: m/3 times the sum of the squared half extents across the axis.
+    // Moment of a uniform box: m/3 times the sum of the squared half extents across the axis.
     let moments = Vector3::repeat(square.sum()) - square;
     Solid {
         module,

@@ -1,7 +1,7 @@
-//! What is simulated: rigid parts of any shape, joined by hinges and slides.
+//! The assembly of a robot: rigid parts of any shape, connected by revolute joints (hinges) and prismatic joints (slides).
 //!
-//! Everything is given in the robot frame at zero joint coordinates: of cubes the frame of the root module (origin at its centre,
-//! x, y, z along its faces), of bodies the frame of the root body.
+//! All quantities are given in the robot frame with all joint coordinates at zero. For a modular robot this is the frame of the
+//! root module (origin at its centre, x, y, z along its faces), for a robot of bodies the frame of the root body.
 
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
@@ -10,26 +10,26 @@ use super::absent::{is_unlimited, is_zero, limit, unlimited};
 use super::law::ServoLaw;
 use realgap_solid::Shape;
 
-/// What a solid stands for.
+/// The role of a solid in its module or body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// What a module or body itself consists of: mostly its one cube.
+    /// A solid of the module or body itself: in most cases its only cube.
     Cube,
-    /// The face plate of an active module: it moves with the driven face.
+    /// The face plate of an active module, which moves with the driven face.
     Plate,
 }
 
-/// One shape of uniform density (unless its module or body says otherwise), part of a rigid cluster. A body with a stated mass
-/// has a solid without a surface that carries it, and shapes that weigh nothing.
+/// One shape, part of a rigid cluster. Its density is uniform unless its module or body states otherwise. A body with a stated
+/// mass has one solid without a surface that carries the mass, and shapes without mass.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solid {
-    /// Index of the module or body it belongs to.
+    /// Index of the module or body that the solid belongs to.
     pub module: usize,
-    /// Cube or plate.
+    /// Whether the solid is a cube or a plate.
     pub role: Role,
-    /// Which shape of its module or body, from 0.
+    /// Number of the shape in its module or body, from 0.
     pub number: usize,
-    /// Its surface, in its own frame.
+    /// The shape, in the solid's own frame.
     pub shape: Shape,
     /// Pose in the robot frame at zero servo angles, metres.
     pub robot_from_solid: Isometry3<f64>,
@@ -39,17 +39,17 @@ pub struct Solid {
     pub centre_of_mass_solid_m: Vector3<f64>,
     /// Inertia about the solid's own centre of mass, along its own axes, kg m².
     pub inertia_kg_m2: Matrix3<f64>,
-    /// False where it has mass but must not touch anything (a plate with a module glued on it).
+    /// False if the solid has mass but takes part in no contacts (a plate with a module attached to it).
     pub collides: bool,
 }
 
 impl Solid {
-    /// Half extents of the box around it, along its own axes, metres.
+    /// Half extents of the bounding box along the solid's own axes, metres.
     pub fn half_extents_m(&self) -> Vector3<f64> {
         self.shape.half_extents_m()
     }
 
-    /// Lower and upper corner of the box around it along the robot's axes, metres.
+    /// Lower and upper corner of the bounding box along the robot's axes, metres.
     pub fn bounds_robot_m(&self) -> (Vector3<f64>, Vector3<f64>) {
         let turn = self.robot_from_solid.rotation.to_rotation_matrix();
         let half_m = turn.matrix().abs() * self.half_extents_m();
@@ -57,7 +57,7 @@ impl Solid {
         (centre_m - half_m, centre_m + half_m)
     }
 
-    /// Whether anything can touch it.
+    /// Whether the solid can be in contact with anything.
     pub fn has_surface(&self) -> bool {
         self.collides && self.shape != Shape::Nothing
     }
@@ -66,7 +66,8 @@ impl Solid {
 /// A rigid cluster of solids: one body of the simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
-    /// What is glued together, at least one. The part's own frame is at the first one's origin, along the robot's axes.
+    /// The solids of the part, at least one. The origin of the part's frame is that of the first solid, its axes are those of the
+    /// robot.
     pub solids: Vec<Solid>,
 }
 
@@ -99,7 +100,7 @@ impl Part {
             .iter()
             .map(|solid| centre_of(solid) * solid.mass_kg)
             .sum();
-        // A link between two joints of one body weighs nothing.
+        // An intermediate link between two joints of one body has no mass.
         let centre_m = match self.solids.first() {
             Some(first) if mass_kg == 0.0 => centre_of(first),
             _ => moment / mass_kg,
@@ -164,19 +165,19 @@ pub struct Servo {
     pub law: ServoLaw,
     /// Largest torque, N m.
     pub max_torque_nm: f64,
-    /// Largest commanded speed, rad/s; without it there is no limit.
+    /// Largest commanded speed, rad/s; without this field there is no limit.
     #[serde(
         default = "unlimited",
         deserialize_with = "limit",
         skip_serializing_if = "is_unlimited"
     )]
     pub max_speed_rad_s: f64,
-    /// Age of the command that it acts on, seconds.
+    /// Delay between a command and the servo's reaction to it, seconds.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub delay_s: f64,
 }
 
-/// What moves a hinge.
+/// The actuator of a hinge: a servo and its open-loop command.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Actuator {
     /// Control law and limits.
@@ -185,28 +186,29 @@ pub struct Actuator {
     pub gait: Gait,
 }
 
-/// What a hinge does by itself, with or without a servo. Of a slide read metres for radians and newtons for newton metres.
+/// Passive properties of a hinge. For a slide, read metres for radians and newtons for newton metres.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Bearing {
     /// Torque against the motion per speed, N m s/rad.
     pub viscous_nm_s_rad: f64,
     /// Largest torque of dry (Coulomb) friction, N m.
     pub dry_nm: f64,
-    /// Smallest and largest angle, radians; `None` where the hinge turns all round.
+    /// Smallest and largest angle, radians; `None` for a hinge without limits.
     pub limits_rad: Option<(f64, f64)>,
-    /// Inertia that only this joint's motion feels, e.g. of a geared rotor, kg m². That of a [`Motor`](super::Motor) comes on top.
+    /// Inertia that resists only the motion of this joint, e.g. of a geared rotor, kg m². The armature of a
+    /// [`Motor`](super::Motor) is added to it.
     pub armature_kg_m2: f64,
-    /// A spring beside whatever drives the joint.
+    /// A spring that acts in addition to the actuator.
     pub spring: Option<Spring>,
-    /// How it gives way where it should hold.
+    /// Compliance in the directions that the joint should constrain.
     pub compliance: Compliance,
 }
 
-/// How a bearing gives way in the directions that it holds: by a spring and a damper each, so stiff that its two parts by themselves
-/// would swing with this frequency.
+/// Compliance of a bearing in the directions that it constrains: one spring and one damper per direction. The spring is so stiff
+/// that the two connected parts alone would oscillate at this frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Compliance {
-    /// Natural frequency, Hz; 0 where the bearing is rigid.
+    /// Natural frequency, Hz; 0 for a rigid bearing.
     pub frequency_hz: f64,
     /// Damping ratio, dimensionless.
     pub damping_ratio: f64,
@@ -226,60 +228,62 @@ impl Default for Compliance {
 pub struct Spring {
     /// Torque per angle, N m/rad.
     pub stiffness_nm_rad: f64,
-    /// Where it is slack, radians.
+    /// Angle at which the spring exerts no torque, radians.
     pub rest_rad: f64,
 }
 
-/// What a joint lets its child do. What is fixed is one part and needs no joint.
+/// The degree of freedom of a joint. Bodies that are fixed to each other form one part and need no joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Freedom {
-    /// Turn about the axis, with or without limits.
+    /// Rotation about the axis, with or without limits.
     #[default]
     Turn,
-    /// Slide along the axis. Every angle of such a joint is a distance in metres, every torque a force in newtons.
+    /// Translation along the axis. For such a joint every angle is a distance in metres, and every torque is a force in newtons.
     Slide,
 }
 
 impl Bearing {
-    /// Whether it holds the hinge back at all, limits apart.
+    /// Whether the bearing has friction, viscous or dry.
     pub fn has_friction(&self) -> bool {
         self.viscous_nm_s_rad > 0.0 || self.dry_nm > 0.0
     }
 
-    /// Whether it gives way where it should hold.
+    /// Whether the bearing is compliant.
     pub fn is_compliant(&self) -> bool {
         self.compliance.frequency_hz > 0.0
     }
 }
 
-/// A joint between two parts; the child turns by +angle about the axis relative to the parent (right-handed), or slides along it.
+/// A joint between two parts; with a positive coordinate the child turns right-handed about the axis relative to the parent, or
+/// slides along it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hinge {
-    /// Name: that of the active module, or the hinge's own.
+    /// Name of the active module that drives the hinge, or the name that the file states for the hinge.
     pub name: String,
-    /// Index of the active module that owns the servo; of a stated hinge: of the module that it moves.
+    /// Index of the active module that contains the servo; for a hinge that the file states, index of the module that the hinge
+    /// moves.
     pub module: usize,
-    /// Index of the part nearer to the root. It carries the servo's cube, unless the module holds on to its
-    /// parent by its driven face; the axis is reversed then, so that the sentence above holds for both.
+    /// Index of the part nearer to the root. It contains the servo's cube, unless the module is attached to its parent by its
+    /// driven face; in that case the axis is reversed, so that the sign convention above holds in both cases.
     pub parent_part: usize,
-    /// Index of the part further from the root: what the driven face carries, or else the servo's cube.
+    /// Index of the part further from the root: the part that the driven face carries, or the part with the servo's cube.
     pub child_part: usize,
     /// A point on the axis (the centre of a driven face), robot frame at zero angles, metres.
     pub anchor_robot_m: Vector3<f64>,
     /// The axis, robot frame at zero angles.
     pub axis_robot: Unit<Vector3<f64>>,
-    /// Whether it turns or slides.
+    /// Whether the joint turns or slides.
     pub freedom: Freedom,
-    /// What moves it; `None` for a passive hinge.
+    /// The actuator; `None` for a passive hinge.
     pub actuator: Option<Actuator>,
-    /// Friction and limits.
+    /// Passive properties: friction, limits, spring, armature and compliance.
     pub bearing: Bearing,
     /// Whether the robot's file states this hinge by anchor and axis.
     pub is_stated: bool,
 }
 
 impl Hinge {
-    /// Turn about the axis, or slide along it, in the robot frame.
+    /// The rigid motion of the child relative to the parent at a joint coordinate, in the robot frame.
     pub fn motion(&self, coordinate: f64) -> Isometry3<f64> {
         if self.freedom == Freedom::Slide {
             return Translation3::from(self.axis_robot.into_inner() * coordinate).into();
@@ -290,19 +294,19 @@ impl Hinge {
     }
 }
 
-/// A frame that is fixed to a part, by name: what is tracked, or carries a sensor.
+/// A named frame that is fixed to a part: it can be tracked or carry a sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
-    /// Its name.
+    /// Name of the frame.
     pub name: String,
-    /// The part that carries it.
+    /// Index of the part to which the frame is fixed.
     pub part: usize,
-    /// Its pose in the robot frame at zero angles.
+    /// Pose in the robot frame at zero angles.
     pub robot_from_mark: Isometry3<f64>,
 }
 
-/// Rigid parts and hinges of one robot. Part 0 contains the root module; hinges form a tree in which
-/// every parent part comes before its children.
+/// Rigid parts and hinges of one robot. Part 0 contains the root module; the hinges form a tree in which every parent part
+/// precedes its children.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Assembly {
     /// The robot's name.
@@ -313,11 +317,11 @@ pub struct Assembly {
     pub parts: Vec<Part>,
     /// Joints, exactly one per part other than part 0.
     pub hinges: Vec<Hinge>,
-    /// Whether it is built of modules; else of bodies that its file states.
+    /// Whether the robot is built of modules; otherwise it is built of bodies that its file states.
     pub is_modular: bool,
-    /// Pairs of modules or bodies that never touch each other.
-    pub apart: Vec<(usize, usize)>,
-    /// Where the robot frame is held in the world; `None` for a robot that moves freely.
+    /// Pairs of modules or bodies between which no contacts are computed.
+    pub collision_exclude: Vec<(usize, usize)>,
+    /// Pose in the world at which the robot frame is fixed; `None` for a robot that moves freely.
     pub world_from_mount: Option<Isometry3<f64>>,
     /// Named frames.
     pub marks: Vec<Mark>,
@@ -330,7 +334,7 @@ pub struct Assembly {
 }
 
 impl Assembly {
-    /// No robot at all: for what an experiment is without one.
+    /// An assembly without parts: for experiments and default values that need no robot.
     pub fn empty() -> Self {
         Self {
             name: String::new(),
@@ -338,7 +342,7 @@ impl Assembly {
             parts: Vec::new(),
             hinges: Vec::new(),
             is_modular: true,
-            apart: Vec::new(),
+            collision_exclude: Vec::new(),
             world_from_mount: None,
             marks: Vec::new(),
             track_part: 0,
@@ -347,7 +351,8 @@ impl Assembly {
         }
     }
 
-    /// How each part has moved from its place at zero, robot frame, when the joints are at these coordinates; part 0 has not.
+    /// Displacement of each part from its pose at zero joint coordinates, robot frame, for the given joint coordinates; that of
+    /// part 0 is the identity.
     pub fn moved(&self, coordinates: &[f64]) -> Vec<Isometry3<f64>> {
         let mut moved = vec![Isometry3::identity(); self.parts.len()];
         for (hinge, &coordinate) in self.hinges.iter().zip(coordinates) {
@@ -356,19 +361,19 @@ impl Assembly {
         moved
     }
 
-    /// Whether a part of a robot of bodies hangs on a joint that is driven.
+    /// Whether an actuated joint moves this part of a robot of bodies; always false for a modular robot.
     pub fn drives(&self, part: usize) -> bool {
         let mut hinges = self.hinges.iter();
         !self.is_modular && hinges.any(|hinge| hinge.child_part == part && hinge.actuator.is_some())
     }
 
-    /// Whether any hinge gives way where it should hold.
+    /// Whether any hinge has a compliant bearing.
     pub fn is_compliant(&self) -> bool {
         self.hinges.iter().any(|hinge| hinge.bearing.is_compliant())
     }
 
-    /// Whether two modules are stated never to touch.
-    pub fn are_apart(&self, a: usize, b: usize) -> bool {
-        self.apart.contains(&(a, b)) || self.apart.contains(&(b, a))
+    /// Whether the robot's file excludes contacts between two modules.
+    pub fn is_collision_excluded(&self, a: usize, b: usize) -> bool {
+        self.collision_exclude.contains(&(a, b)) || self.collision_exclude.contains(&(b, a))
     }
 }

@@ -1,15 +1,15 @@
-//! Glue: which module sits on which face of which other, and how it is turned.
+//! Attachments: rigid connections between the faces of two modules.
 
 use nalgebra::Vector3;
 
 use super::face::{CubeRotation, Face};
 
-/// One glued pair. The child sits centre to centre on the parent's face, without a gap.
+/// A rigid connection of two modules. The child's face lies on the parent's face without a gap, and their centres coincide.
 ///
-/// The child is turned so that its `child_face` looks at the parent: not at all when `child_face` is opposite
-/// to `face` (the default), the shorter way round when the two are at right angles, and by a half turn about
-/// the parent's z axis (x axis for the faces ±z) when the two have the same name. Then it is turned by
-/// `quarter_turns` × 90° about the outward normal of the parent's face, right-handed.
+/// The child is rotated so that its `child_face` points at the parent: by no rotation if `child_face` is opposite to `face` (the
+/// default), by a quarter turn if the two are at right angles, and by a half turn about the parent's z axis (x axis for the faces
+/// ±z) if the two have the same name. Then it is turned by `quarter_turns` × 90° about the outward normal of the parent's face,
+/// right-handed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Attachment {
     /// Index of the parent module.
@@ -20,7 +20,7 @@ pub struct Attachment {
     pub child: usize,
     /// Face of the child, in the child's frame.
     pub child_face: Face,
-    /// 0 to 3.
+    /// Number of quarter turns about the outward normal of the parent's face, 0 to 3.
     pub quarter_turns: u8,
 }
 

@@ -1,4 +1,4 @@
-//! A robot of modules as somebody wants it, and what is checked before it is one.
+//! The unchecked description of a modular robot, and the checks that turn it into a [`Morphology`].
 
 use std::collections::HashMap;
 
@@ -9,7 +9,7 @@ use super::tree::{Links, Tree};
 use super::{Attachment, Module, Morphology, Pivot, layout, module, pivot};
 use realgap_core::Error;
 
-/// A robot as somebody wants it, not yet checked; [`Morphology::new`] checks it.
+/// An unchecked description of a modular robot; [`Morphology::new`] checks it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Blueprint {
     /// Name of the robot: letters, digits, `_` and `-`.
@@ -18,13 +18,13 @@ pub struct Blueprint {
     pub description: String,
     /// The modules.
     pub modules: Vec<Module>,
-    /// The glue, by index of module.
+    /// The attachments between modules, by index of module.
     pub attachments: Vec<Attachment>,
     /// Hinges stated by anchor and axis, by index of module.
     pub pivots: Vec<Pivot>,
-    /// Pairs of modules that never touch each other.
+    /// Pairs of modules between which no contacts are computed.
     pub collision_exclude: Vec<(usize, usize)>,
-    /// Where the root module is held, world frame, upright, m; `None` for a robot that moves freely.
+    /// Position at which the root module is fixed, world frame, upright, m; `None` for a robot that moves freely.
     pub mount_world_m: Option<Vector3<f64>>,
     /// Index of the module whose motion is recorded; the root when `None`.
     pub track: Option<usize>,
@@ -60,14 +60,14 @@ impl Morphology {
         if track >= modules.len() {
             return Err(Flaw::new(
                 "track",
-                Error::invalid("there is no such module")
+                Error::invalid("there is no module with this number")
                     .found(format!("module number {track}"))
                     .allowed(format!("0 to {}", modules.len() - 1)),
             ));
         }
         let placements = layout::place(&modules, links, &tree);
         let blocks = layout::blocks(&modules, &attachments, &placements);
-        let are_apart = |a: usize, b: usize| {
+        let is_excluded = |a: usize, b: usize| {
             collision_exclude.contains(&(a, b))
                 || collision_exclude.contains(&(b, a))
                 || pivots.iter().any(|pivot| {
@@ -75,7 +75,7 @@ impl Morphology {
                     ends == (a, b) || ends == (b, a)
                 })
         };
-        layout::check_overlap(&modules, &tree, &blocks, are_apart)?;
+        layout::check_overlap(&modules, &tree, &blocks, is_excluded)?;
         Ok(Self {
             name,
             description,
@@ -130,7 +130,7 @@ fn check_count(modules: usize) -> Checked<()> {
     ))
 }
 
-/// The modules by name; refuses a name that is given twice.
+/// Index of each module by name; refuses duplicate names.
 pub(super) fn names(modules: &[Module]) -> Checked<HashMap<&str, usize>> {
     let mut names: HashMap<&str, usize> = HashMap::new();
     for (index, module) in modules.iter().enumerate() {
@@ -139,7 +139,7 @@ pub(super) fn names(modules: &[Module]) -> Checked<HashMap<&str, usize>> {
                 format!("modules[{index}].name"),
                 Error::invalid("two modules have the same name")
                     .found(format!("`{}` is also modules[{first}]", module.name))
-                    .allowed("a name of its own for every module"),
+                    .allowed("a unique name for every module"),
             ));
         }
     }

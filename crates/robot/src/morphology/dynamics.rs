@@ -1,11 +1,12 @@
-//! What other programs can be asked, too: masses, poses, and the mass matrix of the joints at any coordinates.
+//! Masses, poses and the mass matrix of the joints at given coordinates: quantities that other programs compute, too, for
+//! comparison.
 
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Point3, Vector3};
 use serde::Serialize;
 
 use super::assembly::{Assembly, Freedom};
 
-/// A robot whose root is held, at rest at some coordinates of its joints; robot frame.
+/// Dynamic quantities of a robot with a fixed root, at rest at given joint coordinates; robot frame.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Dynamics {
@@ -15,11 +16,11 @@ pub struct Dynamics {
     pub mass_kg: f64,
     /// Centre of mass, metres.
     pub centre_m: [f64; 3],
-    /// Poses of the bodies: place, then orientation with its real part first.
+    /// Poses of the bodies: position (metres), then orientation as a quaternion with its real part first.
     pub bodies: Vec<[f64; 7]>,
     /// The mass matrix of the joints, row by row, kg m² (kg where both slide).
     pub mass_matrix: Vec<Vec<f64>>,
-    /// What gravity along −z makes of the joints from rest, rad/s² or m/s².
+    /// Accelerations of the joints from rest under gravity along −z, rad/s² or m/s².
     pub accelerations: Vec<f64>,
 }
 
@@ -31,7 +32,7 @@ struct Composite {
     inertia_kg_m2: Matrix3<f64>,
 }
 
-/// What a joint moves: angular velocity, and velocity of the point at the robot's origin, per unit of its speed.
+/// Motion of the child per unit speed of its joint: angular velocity, and velocity of the point at the robot's origin.
 struct Screw {
     angular: Vector3<f64>,
     linear: Vector3<f64>,
@@ -41,8 +42,8 @@ struct Screw {
 const GRAVITY_M_S2: f64 = 9.81;
 
 impl Assembly {
-    /// Masses, poses and the mass matrix at these coordinates of the joints (composite rigid bodies: Featherstone 2008, table 6.2).
-    /// Rotors count at their own joint.
+    /// Masses, poses and the mass matrix at these coordinates of the joints (composite rigid bodies: Featherstone 2008, table
+    /// 6.2). The inertia of a rotor counts at its own joint only.
     pub fn dynamics(&self, coordinates: &[f64]) -> Dynamics {
         let moved = self.moved(coordinates);
         let mut composites: Vec<Composite> = self
@@ -60,7 +61,7 @@ impl Assembly {
                 }
             })
             .collect();
-        // Parents come before their children.
+        // Parents precede their children, so the reverse order visits children first.
         for hinge in self.hinges.iter().rev() {
             let child = composites[hinge.child_part];
             let parent = &mut composites[hinge.parent_part];
@@ -106,7 +107,7 @@ impl Assembly {
         }
     }
 
-    /// The mass matrix, and what weight exerts on every joint.
+    /// The mass matrix, and the generalised force of gravity at every joint.
     fn mass_matrix(
         &self,
         composites: &[Composite],
@@ -123,7 +124,7 @@ impl Assembly {
         for (index, hinge) in self.hinges.iter().enumerate() {
             let moving = &composites[hinge.child_part];
             let own = &screws[index];
-            // Momentum of all that the joint moves.
+            // Momentum of all parts that the joint moves, at unit speed of the joint.
             let force = own.linear * moving.mass_kg + own.angular.cross(&moving.moment_kg_m);
             let turn = moving.inertia_kg_m2 * own.angular + moving.moment_kg_m.cross(&own.linear);
             let mut next = Some(index);

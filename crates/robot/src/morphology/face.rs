@@ -1,4 +1,4 @@
-//! The six faces of a cube, and the 24 ways to turn one.
+//! The six faces of a cube, and the 24 rotations that map a cube onto itself.
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
@@ -55,7 +55,7 @@ impl Face {
         }
     }
 
-    /// 0, 1 or 2: the axis its normal lies on.
+    /// Index of the axis of the face's normal: 0 for x, 1 for y, 2 for z.
     pub fn axis_index(self) -> usize {
         match self {
             Self::PosX | Self::NegX => 0,
@@ -87,8 +87,8 @@ impl Face {
     }
 }
 
-/// One of the 24 orientations of a cube. The matrix holds only 0, 1 and −1, so that products and
-/// positions are exact and a lattice stays a lattice.
+/// One of the 24 orientations of a cube. The matrix holds only 0, 1 and −1, so that products are exact and positions stay exactly
+/// on the lattice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct CubeRotation(Matrix3<f64>);
 
@@ -105,9 +105,8 @@ impl CubeRotation {
         (0..count % 4).fold(Self::identity(), |turned, _| turned.then(Self(quarter)))
     }
 
-    /// The canonical rotation that brings the outward normal of `from` onto that of `to`: none where they
-    /// agree, the shorter way round where they are at right angles, and a half turn about z (about x
-    /// for the faces ±z) where they are opposite.
+    /// The canonical rotation that maps the outward normal of `from` onto that of `to`: the identity if they agree, a quarter
+    /// turn if they are at right angles, and a half turn about z (about x for the faces ±z) if they are opposite.
     pub(super) fn between(from: Face, to: Face) -> Self {
         if from == to {
             return Self::identity();
@@ -127,13 +126,13 @@ impl CubeRotation {
             .map_or(Self::identity(), |about| Self::quarter_turns(about, 1))
     }
 
-    /// First this one, then `next`, both about fixed axes.
+    /// This rotation followed by `next`, both about fixed axes.
     pub(super) fn then(self, next: Self) -> Self {
         Self(next.0 * self.0)
     }
 
     pub(super) fn apply(self, vector: Vector3<f64>) -> Vector3<f64> {
-        // Adding zero turns −0 into 0, which reads better in results.
+        // Adding zero turns −0 into 0, which is easier to read in results.
         (self.0 * vector).add_scalar(0.0)
     }
 
@@ -163,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn quarter_turns_are_right_handed_and_four_make_a_whole() {
+    fn quarter_turns_are_right_handed_and_four_make_a_full_turn() {
         let turn = CubeRotation::quarter_turns(Face::PosZ, 1);
         assert_eq!(turn.apply(Vector3::x()), Vector3::y());
         for face in Face::ALL {

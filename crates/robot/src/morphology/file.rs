@@ -1,4 +1,4 @@
-//! The RON form of a robot. Only this file knows it; everything else sees validated types.
+//! The RON form of a modular robot. Only this file depends on the form; all other code uses the validated types.
 
 use nalgebra::Unit;
 use serde::{Deserialize, Serialize};
@@ -21,21 +21,21 @@ use realgap_core::file::unknown_name;
 pub struct MorphologyFile {
     /// Name of the robot: letters, digits, `_` and `-`.
     name: String,
-    /// What it is, for people.
+    /// Free text that describes the robot.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     description: String,
-    /// What modules have that say nothing else.
+    /// Default values for modules that do not state them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     defaults: Option<DefaultsFile>,
     /// The modules.
     modules: Vec<ModuleFile>,
-    /// Which module is glued on which face of which other.
+    /// The attachments: rigid connections between faces of modules.
     #[serde(rename = "glue", alias = "attachments", default)]
     attachments: Vec<AttachmentFile>,
     /// Hinges between modules, stated by anchor and axis.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     hinges: Vec<PivotFile>,
-    /// Pairs of modules that never touch each other.
+    /// Pairs of modules between which no contacts are computed.
     #[serde(
         rename = "never_touch",
         alias = "collision_exclude",
@@ -43,10 +43,10 @@ pub struct MorphologyFile {
         skip_serializing_if = "Vec::is_empty"
     )]
     collision_exclude: Vec<(String, String)>,
-    /// Where the first module is held in the world, metres; without it the robot moves freely.
+    /// Position at which the first module is fixed in the world, metres; without it the robot moves freely.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     mount_m: Option<Triple>,
-    /// The module that recordings follow; else the first.
+    /// The module whose motion is recorded; the first by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     track: Option<String>,
 }
@@ -57,9 +57,9 @@ pub struct MorphologyFile {
 struct PivotFile {
     /// Unique name; joint columns of recordings have it.
     name: String,
-    /// The module that holds the hinge.
+    /// The parent module, nearer to the root.
     parent: String,
-    /// The module that turns by the angle about the axis, right-handed.
+    /// The child module, which turns right-handed by the angle about the axis.
     child: String,
     /// A point on the axis, in the parent's frame, metres.
     anchor_m: Triple,
@@ -74,13 +74,13 @@ struct PivotFile {
     /// Largest torque of dry friction, N m.
     #[serde(default)]
     dry_nm: f64,
-    /// Smallest and largest angle, radians; without it the hinge turns all round.
+    /// Smallest and largest angle, radians; without this field the hinge has no limits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     limits_rad: Option<(f64, f64)>,
     /// Control law and limits; without servo and gait the hinge is passive.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     servo: Option<Servo>,
-    /// The command that the servo follows; without it it holds 0 rad.
+    /// The command that the servo follows; without a gait the servo holds 0 rad.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     gait: Option<Gait>,
 }
@@ -89,13 +89,13 @@ struct PivotFile {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "glue")]
 struct AttachmentFile {
-    /// The module that is there already.
+    /// The parent module, nearer to the root.
     parent: String,
-    /// Its face.
+    /// The parent's face.
     face: Face,
-    /// The module that is glued onto it.
+    /// The child module, which is attached to that face.
     child: String,
-    /// The child's face; else the opposite one, so that both frames are parallel.
+    /// The child's face; by default the opposite of the parent's face, so that both frames are parallel.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     child_face: Option<Face>,
     /// Turns of the child by 90 degrees about the outward normal of the parent's face, right-handed, 0 to 3.
@@ -103,7 +103,7 @@ struct AttachmentFile {
     quarter_turns: i64,
 }
 
-// serde hands fields over by reference.
+// serde passes fields by reference.
 #[allow(clippy::trivially_copy_pass_by_ref)]
 fn is_zero(turns: &i64) -> bool {
     *turns == 0
@@ -119,7 +119,8 @@ impl MorphologyFile {
             .enumerate()
             .map(|(index, module)| module.into_module(&format!("modules[{index}].kind"), &defaults))
             .collect::<Checked<Vec<Module>>>()?;
-        // Before glue: a name that is missing there may be the one that was overwritten by a copy.
+        // Names are checked before the attachments: a name that an attachment refers to may be missing because a copied module
+        // repeats another name.
         let by_name = names(&modules)?;
         let lookup = |name: &str, path: String| {
             by_name
@@ -184,7 +185,7 @@ impl MorphologyFile {
         })
     }
 
-    /// Everything written out, without defaults.
+    /// The file form of a morphology, with all values written out and no `defaults`.
     pub(super) fn from_morphology(morphology: &Morphology) -> Self {
         let name = |index: usize| morphology.modules()[index].name.clone();
         Self {

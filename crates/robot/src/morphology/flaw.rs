@@ -1,20 +1,20 @@
-//! An error together with the place in the file that it belongs to.
+//! An error together with the path of the value in the file that causes it.
 
 use realgap_core::file::Source;
 use realgap_core::{Error, range};
 
-/// A value, or what is wrong with it.
+/// A checked value, or the error with its path.
 pub(super) type Checked<T> = Result<T, Flaw>;
 
-/// Where the value of a module's field stands, if the module leaves it to the `defaults`.
+/// Path of the value in `defaults` if a module's field is left out and the default is used.
 fn default_of(path: &str, source: &Source) -> Option<String> {
     let (_, field) = path.split_once("].kind.")?;
     let default = format!("defaults.{field}");
     Some(default).filter(|default| !source.has(path) && source.has(default))
 }
 
-/// What is wrong with a blueprint, and where: `path` is the way to the value in a RON file
-/// (`modules[2].kind.mass_kg`), from which line and column follow when there is a file.
+/// An error in a blueprint and the path of the value in a RON file (`modules[2].kind.mass_kg`), from which line and column are
+/// found if there is a file.
 #[derive(Debug)]
 pub(super) struct Flaw {
     path: String,
@@ -37,13 +37,13 @@ impl Flaw {
         }
     }
 
-    /// The list entry that it is in: `bodies[2]` for `bodies[2].mass_kg`.
+    /// The list entry that contains the value: `bodies[2]` for `bodies[2].mass_kg`.
     pub(super) fn entry(&self) -> &str {
         let end = self.path.find(']').map_or(0, |end| end + 1);
         &self.path[..end]
     }
 
-    /// For blueprints that came from no file.
+    /// The error for a blueprint that was not read from a file.
     pub(super) fn without_file(self) -> Error {
         self.error.field(self.path)
     }
@@ -55,7 +55,7 @@ impl Flaw {
     }
 }
 
-/// What a quantity may be; a refusal names the place in the file.
+/// The allowed range of a quantity; an error names the path of the value in the file.
 pub(super) struct Range(range::Range);
 
 impl Range {

@@ -1,11 +1,11 @@
-//! The gaits of a robot, whatever it is made of.
+//! Reading and replacing the gaits of a robot, for modular robots and robots of bodies.
 
 use super::{Blueprint, Gait, Morphology};
 use realgap_core::Result;
 
 impl Morphology {
-    /// The gait of every module, in their order: of its servo, or of the joint that moves it; `None` for what nothing
-    /// drives, or follows another joint.
+    /// The gait of every module, in the order of the modules: the gait of its servo, or of the joint that moves it; `None` for a
+    /// module without a servo, or whose joint copies the command of another joint.
     pub fn gaits(&self) -> Vec<Option<Gait>> {
         let mut gaits = vec![None; self.modules.len()];
         for hinge in self.assemble().hinges {
@@ -20,10 +20,11 @@ impl Morphology {
         gaits
     }
 
-    /// The same robot under another name and description with other gaits, in the order of the modules; what nothing drives has none.
+    /// The same robot with another name, description and gaits, which are in the order of the modules; `None` stands for a module
+    /// without a servo.
     ///
     /// # Errors
-    /// Gaits that no servo may have.
+    /// A gait whose values are out of range.
     pub fn with_gaits(
         &self,
         name: &str,

@@ -1,11 +1,11 @@
-//! How a servo answers an error of its angle, and how files say it.
+//! Control laws of servos: how a servo reacts to an angle error, and their RON form.
 
 use serde::{Deserialize, Serialize};
 
 use super::absent::{is_unlimited, limit, unlimited};
 use super::motor::{GearFriction, Motor};
 
-/// How a servo turns its angle error into motion.
+/// The control law of a servo: how it reacts to an angle error.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(from = "LawFile", into = "LawFile", rename = "law")]
@@ -22,14 +22,14 @@ pub enum ServoLaw {
         /// Damping, N m s/rad.
         damping_nm_s_rad: f64,
     },
-    /// A motor behind a gear: what a servo is made of.
+    /// A position loop, a direct-current motor and a gear: the components of a real servo.
     Motor(Motor),
     /// The command is the torque itself, N m.
     Direct,
 }
 
 impl ServoLaw {
-    /// Multiplies how strongly an angle error is answered: the gain of the velocity law and of a motor's position loop, the
+    /// Multiplies the reaction to an angle error by a factor: the gain of the velocity law and of a motor's position loop, or the
     /// stiffness of the torque law.
     pub fn scale_gain(&mut self, factor: f64) {
         match self {
@@ -38,12 +38,12 @@ impl ServoLaw {
                 stiffness_nm_rad, ..
             } => *stiffness_nm_rad *= factor,
             Self::Motor(motor) => motor.position_gain *= factor,
-            // A command that is a torque is answered by as much.
+            // The direct law has no gain: the command is the torque itself.
             Self::Direct => {}
         }
     }
 
-    /// The motor, where this is one.
+    /// The motor, if the law is a motor's.
     pub fn motor(&self) -> Option<&Motor> {
         match self {
             Self::Motor(motor) => Some(motor),
@@ -51,7 +51,7 @@ impl ServoLaw {
         }
     }
 
-    /// The motor, where this is one.
+    /// The motor, if the law is a motor's.
     pub fn motor_mut(&mut self) -> Option<&mut Motor> {
         match self {
             Self::Motor(motor) => Some(motor),
@@ -78,7 +78,7 @@ enum LawFile {
         /// Damping, N m s/rad.
         damping_nm_s_rad: f64,
     },
-    /// A motor behind a gear: what a servo is made of.
+    /// A position loop, a direct-current motor and a gear: the components of a real servo.
     Motor {
         /// Gain of the position loop, in the units of the servo's firmware.
         position_gain: f64,
@@ -90,20 +90,20 @@ enum LawFile {
         torque_constant_nm_a: f64,
         /// Resistance of winding and driver, ohm.
         resistance_ohm: f64,
-        /// How much the supply gives way while the driver chops, ohm.
+        /// Resistance that models the voltage drop of the supply while the driver switches (pulse-width modulation), ohm.
         #[serde(default)]
         ripple_ohm: f64,
-        /// Inertia of the rotor as the output shaft feels it, kg m2.
+        /// Inertia of the rotor, reflected to the output shaft, kg m2.
         #[serde(default)]
         armature_kg_m2: f64,
-        /// Largest change of the duty per second, 1/s; without it the duty may jump.
+        /// Largest change of the duty per second, 1/s; without this field the duty may jump.
         #[serde(
             default = "unlimited",
             deserialize_with = "limit",
             skip_serializing_if = "is_unlimited"
         )]
         slew_1_s: f64,
-        /// What the gear takes.
+        /// Friction of the gear.
         #[serde(default)]
         friction: GearFriction,
     },

@@ -1,4 +1,4 @@
-//! Where every cube and plate is at zero servo angles, and whether two are in the same place.
+//! Positions of all cubes and plates at zero servo angles, and the check that none of them overlap.
 
 use nalgebra::{Isometry3, Translation3, Vector3};
 
@@ -7,10 +7,10 @@ use super::attachment::Attachment;
 use super::face::CubeRotation;
 use super::flaw::{Checked, Flaw};
 use super::module::Module;
-use super::tree::{Edge, Links, Tree, is_glued};
+use super::tree::{Edge, Links, Tree, is_attached};
 use realgap_core::Error;
 
-/// Boxes may share this much depth, m: rounding, not design.
+/// Boxes may overlap by this depth, m: a tolerance for rounding errors.
 pub(super) const OVERLAP_TOLERANCE_M: f64 = 1e-6;
 
 /// Pose of a module's cube in the robot frame.
@@ -46,10 +46,12 @@ pub(super) fn place(modules: &[Module], links: Links<'_>, tree: &Tree) -> Vec<Pl
         };
         let (parent, turn, centre_m) = match edge {
             Edge::Attachment(index) => {
-                let joint = &links.attachments[index];
-                let centre_m =
-                    joint.child_centre_m(&modules[joint.parent].sides_m, &modules[module].sides_m);
-                (joint.parent, joint.parent_from_child(), centre_m)
+                let attachment = &links.attachments[index];
+                let centre_m = attachment.child_centre_m(
+                    &modules[attachment.parent].sides_m,
+                    &modules[module].sides_m,
+                );
+                (attachment.parent, attachment.parent_from_child(), centre_m)
             }
             Edge::Pivot(index) => {
                 let pivot = &links.pivots[index];
@@ -94,7 +96,7 @@ impl Block {
     }
 }
 
-/// Every box that can touch something: those of all modules, and the plates with nothing glued on them.
+/// All boxes that take part in contacts: those of all modules, and the plates without an attached module.
 pub(super) fn blocks(
     modules: &[Module],
     attachments: &[Attachment],
@@ -115,7 +117,7 @@ pub(super) fn blocks(
         if let Some((centre, half)) = plate_box(module)
             && module
                 .driven_face()
-                .is_some_and(|face| !is_glued(attachments, index, face))
+                .is_some_and(|face| !is_attached(attachments, index, face))
         {
             blocks.push(Block {
                 module: index,
@@ -140,26 +142,26 @@ pub(super) fn plate_box(module: &Module) -> Option<(Vector3<f64>, Vector3<f64>)>
     ))
 }
 
-/// Refuses robots in which two boxes are in the same place at zero angles. Touching is fine, and so is what never
-/// touches, by `are_apart`.
+/// Refuses robots in which two boxes overlap at zero angles. Boxes may touch, and pairs for which `is_excluded` is true may
+/// overlap.
 pub(super) fn check_overlap(
     modules: &[Module],
     tree: &Tree,
     blocks: &[Block],
-    are_apart: impl Fn(usize, usize) -> bool,
+    is_excluded: impl Fn(usize, usize) -> bool,
 ) -> Checked<()> {
     for (index, block) in blocks.iter().enumerate() {
         let collides = |other: &&Block| {
             let is_own = other.module == block.module
                 && other.role == Role::Cube
                 && block.role == Role::Cube;
-            other.overlaps(block) && !is_own && !are_apart(other.module, block.module)
+            other.overlaps(block) && !is_own && !is_excluded(other.module, block.module)
         };
         let Some(other) = blocks[..index].iter().find(collides) else {
             continue;
         };
         let rank = |module: usize| tree.order.iter().position(|&m| m == module);
-        // The one further from the root is the likelier slip.
+        // The error names the module further from the root, because that module is more likely to be misplaced.
         let (first, second) = if rank(other.module) <= rank(block.module) {
             (other, block)
         } else {
@@ -181,7 +183,7 @@ pub(super) fn check_overlap(
                 "{} centred at ({x:.4}, {y:.4}, {z:.4}) m in the frame of the root",
                 second.describe(modules)
             ))
-            .allowed("boxes that touch, or lie apart, when all servos are at 0 rad"),
+            .allowed("boxes that touch or are separate when all servos are at 0 rad"),
         ));
     }
     Ok(())

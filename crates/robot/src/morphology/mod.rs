@@ -1,4 +1,5 @@
-//! Robots: modules glued face to face or joined by hinges, parsed from RON into validated types, assembled into rigid parts and hinges.
+//! Robot morphologies: modules that are attached face to face or connected by hinges, or bodies connected by joints; parsed from
+//! RON into validated types and assembled into rigid parts and hinges.
 //!
 //! # The file
 //!
@@ -35,43 +36,44 @@
 //! |---|---|
 //! | `name` | letters, digits, `_`, `-`; at most 64 |
 //! | `description` | optional, free text |
-//! | `defaults` | optional `side_m`, `mass_kg`, `servo` for modules that do not say otherwise |
+//! | `defaults` | optional `side_m`, `mass_kg`, `servo` for modules that do not state them |
 //! | `modules` | 1 to [`Morphology::MAX_MODULES`] of `(name, kind)`; names are unique |
-//! | `glue` | which module sits on which face of which other; glue and hinges are one tree, see [`Attachment`] |
-//! | `hinges` | optional list of hinges between modules that are not glued, see below |
-//! | `never_touch` | optional list of pairs of names: modules that pass through each other |
-//! | `mount_m` | optional `(x, y, z)`: the root is held there in the world, upright; else the robot moves freely |
+//! | `glue` | the attachments: rigid connections between faces of modules; attachments and hinges form one tree, see [`Attachment`] |
+//! | `hinges` | optional list of hinges between modules that are not attached to each other, see below |
+//! | `never_touch` | optional list of pairs of names: modules between which no contacts are computed |
+//! | `mount_m` | optional `(x, y, z)`: the root is fixed at this position in the world, upright; without it the robot moves freely |
 //! | `track` | optional name of the module whose motion is recorded; the root by default |
 //!
-//! The **root** is the one module that is nobody's child; its frame at zero servo angles is the robot frame.
+//! The **root** is the one module that is not the child of another module; its frame at zero servo angles is the robot frame.
 //!
 //! `kind` is `Passive(...)` or `Active(...)`. Both take
 //!
 //! | field | meaning | range |
 //! |---|---|---|
 //! | `side_m` | edge length of the cube; or `sides_m: (x, y, z)` for a box | 0.001 to 10 m |
-//! | `boxes` | optional list of `(sides_m, centre_m)`: what the module consists of within that box; else the whole of it | |
+//! | `boxes` | optional list of `(sides_m, centre_m)`: the solid boxes of the module within that outer box; by default the module fills it | |
 //! | `mass_kg` | mass of the cube, without plate | 1e-6 to 1000 kg |
-//! | `inertia_kg_m2` | optional `(ixx, iyy, izz)` about the centre of mass; else of uniform boxes (a cube: m s²/6) | 0 to 1e5 kg m², none larger than the two others together |
-//! | `centre_of_mass_m` | optional `(x, y, z)` in the module's frame; else that of uniform boxes | inside the module |
+//! | `inertia_kg_m2` | optional `(ixx, iyy, izz)` about the centre of mass; by default that of uniform boxes (a cube: m s²/6) | 0 to 1e5 kg m², none larger than the two others together |
+//! | `centre_of_mass_m` | optional `(x, y, z)` in the module's frame; by default that of uniform boxes | inside the module |
 //!
 //! and `Active` also
 //!
 //! | field | meaning | range |
 //! |---|---|---|
-//! | `face` | the driven face; whatever is glued onto it moves with it | |
+//! | `face` | the driven face; modules attached to it move with it | |
 //! | `axis` | `Normal(plate: (side_m, thickness_m, mass_kg))`: spins about its outward normal; or `Tangent(axis: PosY)`: bends about an axis through the centre of the face, at right angles to its normal | plate sides and masses as for cubes, thickness up to 10 m |
-//! | `servo` | `(law, max_torque_nm, max_speed_rad_s)`; law `Velocity(gain_1_s)`, `Torque(stiffness_nm_rad, damping_nm_s_rad)` or `Motor(...)`, see [`Motor`] and [`GearFriction`] for its fields | torque above 0 to 1e4 N m; gain up to 1e5 1/s, stiffness and damping up to 1e6; speed above 0 to 1e4 rad/s, left out: no limit |
-//! | `gait` | `(offset_rad, amplitude_rad, frequency_hz, phase_rad)`; offset and phase default to 0, no gait holds 0 rad | angles −1000 to 1000 rad, 0 to 100 Hz |
+//! | `servo` | `(law, max_torque_nm, max_speed_rad_s)`; law `Velocity(gain_1_s)`, `Torque(stiffness_nm_rad, damping_nm_s_rad)` or `Motor(...)`, see [`Motor`] and [`GearFriction`] for its fields | torque above 0 to 1e4 N m; gain up to 1e5 1/s, stiffness and damping up to 1e6; speed above 0 to 1e4 rad/s; without it there is no limit |
+//! | `gait` | `(offset_rad, amplitude_rad, frequency_hz, phase_rad)`; offset and phase default to 0; without a gait the servo holds 0 rad | angles −1000 to 1000 rad, 0 to 100 Hz |
 //!
-//! The **plate** is a square slab on the outside of the driven face. Where a module is glued onto that face, the module
-//! still sits without a gap, the plate moves and weighs but touches nothing, and it may be left out
-//! (`Normal()`). A servo that moves nothing at all (bending, or without plate, and nothing glued on) is refused:
-//! it would be a joint without a body.
+//! The **plate** is a square slab on the outside of the driven face. If a module is attached to that face, it is still attached
+//! without a gap: the plate then moves and has mass but takes part in no contacts, and it may be left out (`Normal()`). A servo
+//! that moves nothing (a bending face, or a face without a plate, with no attached module) is refused because its joint would
+//! have no child.
 //!
 //! # Hinges
 //!
-//! A servo drives a face. Any other hinge is stated: between two modules that are not glued, with an axis anywhere.
+//! A servo of an active module drives a face. All other hinges are stated in `hinges`: each connects two modules that are not
+//! attached to each other, with an axis at any position.
 //!
 //! ```
 //! use realgap_core::file::Source;
@@ -94,19 +96,18 @@
 //!
 //! | field | meaning | range |
 //! |---|---|---|
-//! | `name`, `parent`, `child` | its own name, and those of the two modules | |
+//! | `name`, `parent`, `child` | name of the hinge, and names of the two modules | |
 //! | `anchor_m`, `child_anchor_m` | a point on the axis in the parent's frame, and the same point in the child's; the second defaults to the child's centre | ±10 m |
 //! | `axis` | direction in the parent's frame, of any length; the child turns by +angle about it. At angle 0 both frames are parallel | not zero |
 //! | `viscous_nm_s_rad`, `dry_nm` | optional friction: torque per speed, and largest torque of dry friction | 0 to 1e4 |
-//! | `limits_rad` | optional `(smallest, largest)` angle; else it turns all round | 0 between them |
+//! | `limits_rad` | optional `(smallest, largest)` angle; by default no limits | 0 between them |
 //! | `servo`, `gait` | optional, as for active modules; without a servo the hinge is passive | |
 //!
-//! A module may also hold on to its parent with its own driven face: then its cube moves, and the plate stays with
-//! the parent.
+//! A module may also be attached to its parent by its own driven face: then its cube moves, and the plate stays with the parent.
 //!
-//! Refused as well: cycles, a child glued twice, modules that are not connected, two modules on one face, two driven
-//! faces on each other, and boxes (of modules and free plates) that overlap by more than 1 µm at zero angles, unless a stated hinge
-//! joins the two or `never_touch` names them.
+//! Also refused are cycles, a child that is attached twice, modules that are not connected, two modules on one face, two driven
+//! faces attached to each other, and boxes (of modules and free plates) that overlap by more than 1 µm at zero angles, unless a
+//! stated hinge connects the two or `never_touch` names them.
 
 mod absent;
 mod assemble;
@@ -160,7 +161,7 @@ use realgap_core::Result;
 use realgap_core::file::{Source, parse_ron, write_ron};
 use tree::Tree;
 
-/// A robot that can be built: one tree of modules, nothing overlapping, every number in range.
+/// A valid robot: its modules form one tree, nothing overlaps, and every number is in range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Morphology {
     name: String,
@@ -176,7 +177,7 @@ pub struct Morphology {
     built: Option<Arc<Built>>,
 }
 
-/// A robot that was stated as bodies.
+/// The structure and the assembly of a robot of bodies.
 #[derive(Debug, PartialEq)]
 struct Built {
     structure: Structure,
@@ -184,18 +185,19 @@ struct Built {
 }
 
 impl Morphology {
-    /// Most modules of one robot.
+    /// Largest number of modules of one robot.
     pub const MAX_MODULES: usize = 200;
 
     /// Checks a blueprint.
     ///
     /// # Errors
-    /// Whatever the [module page](self) says is refused; the error names the place as in a file, e.g. `modules[2].kind.mass_kg`.
+    /// A robot that the [module documentation](self) lists as refused; the error names the path of the value as in a file, e.g.
+    /// `modules[2].kind.mass_kg`.
     pub fn new(blueprint: Blueprint) -> Result<Self> {
         Self::check(blueprint).map_err(Flaw::without_file)
     }
 
-    /// Reads a RON file; or a URDF or MJCF, by its ending.
+    /// Reads a robot from a RON file, or from a URDF or MJCF file, by the extension of the file.
     ///
     /// # Errors
     /// As [`Source::read`] and [`Morphology::parse`].
@@ -206,8 +208,8 @@ impl Morphology {
     /// Parses a RON text.
     ///
     /// # Errors
-    /// Text that is not RON of the form described on the [module page](self), or a robot that cannot be
-    /// built; always with file, line and column.
+    /// Text that is not RON of the form described in the [module documentation](self), or a robot that cannot be built; every
+    /// error names file, line and column.
     pub fn parse(source: &Source) -> Result<Self> {
         if is_foreign(source.path()) {
             return Ok(Self::import(source, &Options::default())?.0);
@@ -233,10 +235,10 @@ impl Morphology {
         write_ron(&MorphologyFile::from_morphology(self))
     }
 
-    /// A robot of another program, URDF or MJCF, and what there is to say about it.
+    /// Imports a robot from URDF or MJCF, with notes on everything that was left out, changed or assumed.
     ///
     /// # Errors
-    /// As [`import`], and of what is no robot here.
+    /// As [`import`]; an imported robot that realgap cannot simulate.
     pub fn import(source: &Source, options: &Options) -> Result<(Self, Vec<Note>)> {
         let imported = import(source, options)?;
         let robot = Self::check_structure(imported.structure).map_err(|flaw| {
@@ -246,7 +248,7 @@ impl Morphology {
                 Some(line) => error.at_line(*line, 1),
                 None => error,
             };
-            error.or_hint("this is said of the robot as it was read: bodies[0] is its first link")
+            error.or_hint("the error refers to the imported robot: bodies[0] is its first link")
         })?;
         Ok((robot, imported.notes))
     }
@@ -254,7 +256,8 @@ impl Morphology {
     /// A robot of bodies.
     ///
     /// # Errors
-    /// Whatever the [page of bodies](body) says is refused; the error names the place as in a file, e.g. `joints[2].child`.
+    /// A robot that the [module of bodies](body) cannot represent; the error names the path of the value as in a file, e.g.
+    /// `joints[2].child`.
     pub fn of_bodies(structure: Structure) -> Result<Self> {
         Self::check_structure(structure).map_err(Flaw::without_file)
     }
@@ -268,7 +271,7 @@ impl Morphology {
             modules: body::modules(&structure, &assembly),
             attachments: Vec::new(),
             pivots: Vec::new(),
-            collision_exclude: assembly.apart.clone(),
+            collision_exclude: assembly.collision_exclude.clone(),
             mount_world_m: assembly
                 .world_from_mount
                 .map(|pose| pose.translation.vector),
@@ -282,15 +285,16 @@ impl Morphology {
         })
     }
 
-    /// The robot as bodies and joints, where its file states it so.
+    /// The robot as bodies and joints, if its file states it in this form.
     pub fn structure(&self) -> Option<&Structure> {
         self.built.as_deref().map(|built| &built.structure)
     }
 
-    /// Checks what a robot would be called.
+    /// Checks a name for a robot.
     ///
     /// # Errors
-    /// Anything but letters, digits, `_` and `-`, the last not in front; over [`Module::MAX_NAME`] characters.
+    /// A name with characters other than letters, digits, `_` and `-`, a name that begins with `-`, or one with more than
+    /// [`Module::MAX_NAME`] characters.
     pub fn check_name(name: &str) -> Result<()> {
         module::check_name(name, "a robot", "name").map_err(Flaw::without_file)
     }
@@ -305,12 +309,12 @@ impl Morphology {
         &self.description
     }
 
-    /// The modules, in the order of the file; of a robot of bodies the box around each body.
+    /// The modules, in the order of the file; for a robot of bodies the bounding box of each body.
     pub fn modules(&self) -> &[Module] {
         &self.modules
     }
 
-    /// The glue, in the order of the file.
+    /// The attachments, in the order of the file.
     pub fn attachments(&self) -> &[Attachment] {
         &self.attachments
     }
@@ -320,22 +324,22 @@ impl Morphology {
         &self.pivots
     }
 
-    /// Pairs of modules that never touch, in the order of the file.
+    /// Pairs of modules between which no contacts are computed, in the order of the file.
     pub fn collision_exclude(&self) -> &[(usize, usize)] {
         &self.collision_exclude
     }
 
-    /// Whether two modules are stated never to touch.
-    pub fn are_apart(&self, a: usize, b: usize) -> bool {
+    /// Whether the robot's file excludes contacts between two modules.
+    pub fn is_collision_excluded(&self, a: usize, b: usize) -> bool {
         self.collision_exclude.contains(&(a, b)) || self.collision_exclude.contains(&(b, a))
     }
 
-    /// Where the root module is held, world frame, upright, m; `None` for a robot that moves freely.
+    /// Position at which the root module is fixed, world frame, upright, m; `None` for a robot that moves freely.
     pub fn mount_world_m(&self) -> Option<Vector3<f64>> {
         self.mount_world_m
     }
 
-    /// Index of the module that is nobody's child.
+    /// Index of the root: the module that is not the child of another module.
     pub fn root(&self) -> usize {
         match &self.built {
             Some(built) => built.assembly.parts[0].solids[0].module,
@@ -348,10 +352,10 @@ impl Morphology {
         self.track
     }
 
-    /// Lets the glue set: rigid parts joined by hinges, in the robot frame at zero servo angles.
+    /// Assembles the robot: rigid parts connected by hinges, in the robot frame at zero servo angles.
     ///
-    /// Part 0 contains the root. Parts are numbered from the root outwards, at each module first its free
-    /// plate, then its children in the order of the glue, then those of stated hinges; hinge *k* moves part *k* + 1.
+    /// Part 0 contains the root. Parts are numbered from the root outwards, at each module first its free plate, then its
+    /// children in the order of the attachments, then those of stated hinges; hinge *k* moves part *k* + 1.
     pub fn assemble(&self) -> Assembly {
         match &self.built {
             Some(built) => built.assembly.clone(),
@@ -359,13 +363,14 @@ impl Morphology {
         }
     }
 
-    /// The robot in a few numbers.
+    /// Summary of the robot: counts, masses and sizes.
     pub fn summary(&self) -> Summary {
         summary::summarise(self)
     }
 
-    /// Free plates that overlap another module at some angle of their gait, all other servos at zero: pairs of the module with
-    /// the plate and the module that it hits. Such a servo is blocked, or a run starts with bodies inside each other.
+    /// Free plates that overlap another module at some angle of their gait while all other servos are at zero: pairs of the
+    /// module with the plate and the module that the plate hits. The servo of such a plate is blocked, or a run starts with
+    /// overlapping bodies.
     pub fn blocked_plates(&self) -> Vec<(usize, usize)> {
         if self.built.is_some() {
             return Vec::new();

@@ -1,4 +1,4 @@
-//! Modules: boxes (mostly cubes), and boxes that drive one of their faces.
+//! Modules of a robot: boxes (in most cases cubes), and boxes with a servo that drives one of their faces.
 
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -16,9 +16,9 @@ use realgap_core::{Error, range};
 pub struct Module {
     /// Unique name: letters, digits, `_` and `-`, at most [`Module::MAX_NAME`] characters.
     pub name: String,
-    /// Edge lengths along x, y and z, m; all equal for a cube. Glue and servos sit on the faces of this box.
+    /// Edge lengths along x, y and z, m; all equal for a cube. Attachments and servos are on the faces of this box.
     pub sides_m: Vector3<f64>,
-    /// What the module consists of within that box; empty: the whole of it.
+    /// The solid boxes of the module within that outer box; if empty, the module fills the outer box.
     pub boxes: Vec<ModuleBox>,
     /// Mass without the face plate, kg.
     pub mass_kg: f64,
@@ -39,14 +39,14 @@ pub struct ModuleBox {
     pub centre_m: Vector3<f64>,
 }
 
-/// What makes a module active: a servo that drives one of its faces.
+/// The servo of an active module, which drives one of its faces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive {
     /// The driven face.
     pub face: Face,
     /// How the face moves.
     pub axis: DriveAxis,
-    /// What moves it.
+    /// Servo and gait.
     pub actuator: Actuator,
 }
 
@@ -57,7 +57,7 @@ pub struct Drive {
 pub enum DriveAxis {
     /// The face spins about its own outward normal, right-handed.
     Normal {
-        /// The slab on the face. Needed where no module is glued onto the face.
+        /// The slab on the face. It is required if no module is attached to the face.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         plate: Option<Plate>,
     },
@@ -109,7 +109,7 @@ impl Module {
         }
     }
 
-    /// The slab on the driven face, if there is one.
+    /// The slab on the driven face, if any.
     pub fn plate(&self) -> Option<Plate> {
         match self.drive?.axis {
             DriveAxis::Normal { plate } => plate,
@@ -133,13 +133,14 @@ impl Module {
         self.boxes.clone()
     }
 
-    /// Whether all its sides are equal.
+    /// Whether all edge lengths are equal.
     pub fn is_cube(&self) -> bool {
         self.sides_m == Vector3::repeat(self.sides_m.x)
     }
 
-    /// Mass (kg), centre of mass (m) and inertia about it (kg m²) of each box, in the module's frame. Given values are
-    /// the first box's, and the others weigh nothing; else the density is the same everywhere.
+    /// Mass (kg), centre of mass (m) and inertia about it (kg m²) of each box, in the module's frame. If the file states an
+    /// inertia or a centre of mass, the first box carries all of the mass and the others have none; otherwise the density is
+    /// uniform.
     pub(super) fn box_masses(&self) -> Vec<(f64, Vector3<f64>, Matrix3<f64>)> {
         let boxes = self.solid_boxes();
         let volumes_m3: Vec<f64> = boxes.iter().map(|b| b.sides_m.product()).collect();
@@ -188,7 +189,7 @@ impl Module {
         std::iter::once(first).chain(rest).collect()
     }
 
-    /// Checks every value by itself. `at` is the path of this module in a file, e.g. `modules[2]`.
+    /// Checks the range of every value. `at` is the path of this module in a file, e.g. `modules[2]`.
     pub(super) fn check(&self, at: &str) -> Checked<()> {
         check_name(&self.name, "a module", &format!("{at}.name"))?;
         let at = format!("{at}.kind");
@@ -227,10 +228,10 @@ impl Module {
             if reach_m.is_nan() || reach_m > half_m + 1e-9 {
                 return Err(Flaw::new(
                     format!("{at}.centre_m[{index}]"),
-                    Error::invalid("a box sticks out of its module")
-                        .found(format!("it reaches {} m from the middle", range::number(reach_m)))
+                    Error::invalid("a box extends beyond its module")
+                        .found(format!("it extends {} m from the module's centre", range::number(reach_m)))
                         .allowed(format!("at most {half_m} m, half of the module's side"))
-                        .hint("enlarge sides_m (or side_m): the module's faces are those of the box around all its boxes"),
+                        .hint("enlarge sides_m (or side_m): the faces of the module are those of the bounding box of all its boxes"),
                 ));
             }
         }
@@ -268,7 +269,7 @@ impl Drive {
     }
 }
 
-/// Checks a servo and its gait; `at` is the path of what holds both.
+/// Checks a servo and its gait; `at` is the path of the value that contains both.
 pub(super) fn check_actuator(actuator: &Actuator, at: &str) -> Checked<()> {
     check_servo(&actuator.servo, &format!("{at}.servo"))?;
     let at = format!("{at}.gait");
@@ -305,7 +306,7 @@ fn check_servo(servo: &Servo, at: &str) -> Checked<()> {
         ServoLaw::Direct => {}
     }
     Range::above(0.0, 1e4, "N m").check(max_torque_nm, &format!("{at}.max_torque_nm"))?;
-    // Infinity is the documented way to say "no limit"; files say it by leaving the field out.
+    // Infinity is the documented value for "no limit"; in files the field is left out.
     if max_speed_rad_s == f64::INFINITY {
         return Ok(());
     }
@@ -314,7 +315,8 @@ fn check_servo(servo: &Servo, at: &str) -> Checked<()> {
         .map_err(|flaw| flaw.hint("leave it out for a servo without a speed limit"))
 }
 
-/// A uniform box: m/12 times the sum of the squared sides across the axis; of a cube as m s²/6, to the last bit as ever.
+/// A uniform box: m/12 times the sum of the squared sides across the axis; for a cube m s²/6, a formula of its own that keeps the
+/// bits of earlier results.
 fn uniform_inertia_kg_m2(mass_kg: f64, sides_m: &Vector3<f64>) -> Matrix3<f64> {
     let side_m = sides_m.x;
     if *sides_m == Vector3::repeat(side_m) {
@@ -324,7 +326,8 @@ fn uniform_inertia_kg_m2(mass_kg: f64, sides_m: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::from_diagonal(&((Vector3::repeat(squares.sum()) - squares) * (mass_kg / 12.0)))
 }
 
-/// Letters, digits, `_` and `-`, the last not in front: names become column names, file names and parameter names.
+/// Checks that a name consists of letters, digits, `_` and `-` and does not begin with `-`: names become column names, file names
+/// and parameter names.
 pub(super) fn check_name(name: &str, whose: &str, at: &str) -> Checked<()> {
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     let count = name.chars().count();
@@ -352,7 +355,7 @@ fn check_mass(mass_kg: f64, at: &str) -> Checked<()> {
     Range::within(1e-6, 1000.0, "kg").check(mass_kg, at)
 }
 
-/// Moments that no body can have (one larger than the sum of the others) make a simulation explode.
+/// Refuses physically impossible moments (one larger than the sum of the others), because they make a simulation diverge.
 fn check_inertia(moments: [f64; 3], at: &str) -> Checked<()> {
     for (index, &moment) in moments.iter().enumerate() {
         Range::above(0.0, 1e5, "kg m^2").check(moment, &format!("{at}[{index}]"))?;
@@ -360,7 +363,7 @@ fn check_inertia(moments: [f64; 3], at: &str) -> Checked<()> {
         if moment > others * (1.0 + 1e-9) {
             return Err(Flaw::new(
                 at,
-                Error::invalid("no solid has such moments of inertia")
+                Error::invalid("these moments of inertia are physically impossible")
                     .found(format!(
                         "{moment} kg m^2, but the two others sum to {others}"
                     ))

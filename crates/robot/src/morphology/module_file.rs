@@ -30,7 +30,7 @@ pub(super) struct DefaultsFile {
 pub(super) struct ModuleFile {
     /// Unique name: letters, digits, `_` and `-`.
     name: String,
-    /// It is with or without a servo.
+    /// Passive, or active with a servo.
     kind: KindFile,
 }
 
@@ -41,53 +41,53 @@ pub(super) struct ModuleFile {
 enum KindFile {
     /// A cube without a servo.
     Passive {
-        /// Edge of a cube, metres; else that of `defaults`.
+        /// Edge of a cube, metres; by default that of `defaults`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         side_m: Option<f64>,
         /// Edge lengths along x, y and z in place of `side_m`, metres.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         sides_m: Option<Triple>,
-        /// What it consists of within that box; none: the whole of it.
+        /// The solid boxes of the module within that outer box; without them the module fills the outer box.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         boxes: Vec<BoxFile>,
-        /// Mass without the plate, kg; else that of `defaults`.
+        /// Mass without the plate, kg; by default that of `defaults`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         mass_kg: Option<f64>,
-        /// Principal moments about the centre of mass, along the module's axes, kg m2; else those of uniform boxes.
+        /// Principal moments about the centre of mass, along the module's axes, kg m2; by default those of uniform boxes.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         inertia_kg_m2: Option<Triple>,
-        /// Centre of mass in the module's frame, metres; else that of uniform boxes.
+        /// Centre of mass in the module's frame, metres; by default that of uniform boxes.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         centre_of_mass_m: Option<Triple>,
     },
-    /// With a servo that moves one face.
+    /// A module with a servo that moves one face.
     Active {
-        /// Edge of a cube, metres; else that of `defaults`.
+        /// Edge of a cube, metres; by default that of `defaults`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         side_m: Option<f64>,
         /// Edge lengths along x, y and z in place of `side_m`, metres.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         sides_m: Option<Triple>,
-        /// What it consists of within that box; none: the whole of it.
+        /// The solid boxes of the module within that outer box; without them the module fills the outer box.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         boxes: Vec<BoxFile>,
-        /// Mass without the plate, kg; else that of `defaults`.
+        /// Mass without the plate, kg; by default that of `defaults`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         mass_kg: Option<f64>,
-        /// Principal moments about the centre of mass, along the module's axes, kg m2; else those of uniform boxes.
+        /// Principal moments about the centre of mass, along the module's axes, kg m2; by default those of uniform boxes.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         inertia_kg_m2: Option<Triple>,
-        /// Centre of mass in the module's frame, metres; else that of uniform boxes.
+        /// Centre of mass in the module's frame, metres; by default that of uniform boxes.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         centre_of_mass_m: Option<Triple>,
         /// The driven face.
         face: Face,
         /// How the face moves.
         axis: DriveAxis,
-        /// Control law and limits; else those of `defaults`.
+        /// Control law and limits; by default those of `defaults`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         servo: Option<Servo>,
-        /// The command that the servo follows; without it it holds 0 rad.
+        /// The command that the servo follows; without a gait the servo holds 0 rad.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         gait: Option<Gait>,
     },

@@ -1,14 +1,14 @@
-//! A servo as it is built: a position loop, a direct-current motor on a supply, and a gear that rubs.
+//! Model of a real servo: a position loop, a direct-current motor on a supply, and a gear with friction.
 
 use serde::{Deserialize, Serialize};
 
 use super::absent::is_zero;
 use super::flaw::{Checked, Range};
 
-/// A position loop that sets the duty of a direct-current motor behind a gear. Everything is seen from the output shaft.
+/// A position loop that sets the duty of a direct-current motor behind a gear. All quantities are referred to the output shaft.
 ///
-/// duty = clamp(gain · duty per gain · error, ±1), torque = kt / R · (duty · supply − kt · speed); what the gear leaves of it
-/// says [`GearFriction`]. Switched off, the motor exerts nothing.
+/// duty = clamp(gain · duty per gain · error, ±1), torque = kt / R · (duty · supply − kt · speed). [`GearFriction`] describes the
+/// loss of torque in the gear. A motor that is switched off exerts no torque.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motor {
     /// Gain of the position loop, in the units of the servo's firmware.
@@ -21,49 +21,50 @@ pub struct Motor {
     pub torque_constant_nm_a: f64,
     /// Resistance of winding and driver, ohm.
     pub resistance_ohm: f64,
-    /// How much the supply gives way while the driver chops: voltage missing during the on-time is this times current times
-    /// duty · (1 − duty), as the ripple on a capacitor is, ohm; 0 for a stiff supply.
+    /// Resistance that models the voltage drop of the supply while the driver switches (pulse-width modulation): the voltage
+    /// during the on-time is lower by this value times current times duty · (1 − duty), as for the ripple of a capacitor, ohm; 0
+    /// for a stiff supply.
     pub ripple_ohm: f64,
-    /// Inertia of the rotor as the output shaft feels it: times the square of the gear ratio, kg m².
+    /// Inertia of the rotor, reflected to the output shaft (times the square of the gear ratio), kg m².
     pub armature_kg_m2: f64,
-    /// Largest change of the duty per second, 1/s; infinite where it may jump.
+    /// Largest change of the duty per second, 1/s; infinite if the duty may jump.
     pub slew_1_s: f64,
-    /// What the gear takes.
+    /// Friction of the gear.
     pub friction: GearFriction,
 }
 
 impl Motor {
-    /// Torque that the motor loses per speed of the output: back-EMF, N m s/rad.
+    /// Loss of motor torque per speed of the output, due to the back-EMF, N m s/rad.
     pub fn damping_nm_s_rad(&self) -> f64 {
         self.torque_constant_nm_a.powi(2) / self.resistance_ohm
     }
 
-    /// Resistance at a duty, with what the supply gives way: duty · (supply − ripple · current · duty (1 − duty)) drives the
-    /// current, so the ripple acts as a resistance, ohm.
+    /// Effective resistance at a duty, including the voltage drop of the supply: duty · (supply − ripple · current · duty (1 −
+    /// duty)) drives the current, so the ripple acts as a resistance, ohm.
     pub fn resistance_at_ohm(&self, duty: f64) -> f64 {
         let duty = duty.abs();
         self.resistance_ohm + self.ripple_ohm * duty * duty * (1.0 - duty)
     }
 
-    /// Torque per error while the duty is not at its limit, N m/rad.
+    /// Torque per angle error while the duty is below its limit, N m/rad.
     pub fn stiffness_nm_rad(&self) -> f64 {
         self.position_gain * self.duty_1_rad * self.stall_nm()
     }
 
-    /// Torque at full duty and standstill, before the gear takes its part, N m.
+    /// Torque at full duty and standstill, before gear friction, N m.
     pub fn stall_nm(&self) -> f64 {
         self.torque_constant_nm_a * self.supply_v / self.resistance_ohm
     }
 }
 
-/// Friction of a gear as a budget: at most this much torque against the motion, or against what would cause one.
+/// Friction of a gear as a budget: the largest torque with which the gear opposes a motion, or the torque that would cause a
+/// motion.
 ///
-/// budget = dry + viscous · |speed| + motor load · |motor| + output load · |output| + quadratic · motor², dry part and load
-/// shares with a Stribeck part that only acts near standstill, by exp(−(|speed| / Stribeck speed)^shape). All zero: a gear
-/// without friction.
-/// The terms are those of Duclusaud, Passault et al. ("Extended friction models for the physics simulation of servo
-/// actuators", 2024), but for the output torque, which is here what the gear itself passes on (motor minus friction), so that
-/// the budget needs no torque of the step before.
+/// budget = dry + viscous · |speed| + motor load · |motor| + output load · |output| + quadratic · motor², The dry part and the
+/// load shares have an additional Stribeck part that acts only near standstill, scaled by exp(−(|speed| / Stribeck speed)^shape).
+/// If all values are zero, the gear has no friction. The terms are those of Duclusaud, Passault et al. ("Extended friction models
+/// for the physics simulation of servo actuators", 2024), except for the output torque: here it is the torque that the gear
+/// itself passes on (motor minus friction), so that the budget does not depend on torques of the previous step.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default, rename = "friction")]
@@ -72,22 +73,22 @@ pub struct GearFriction {
     pub dry_nm: f64,
     /// Viscous friction, N m s/rad.
     pub viscous_nm_s_rad: f64,
-    /// Further dry friction at standstill, N m.
+    /// Additional dry friction at standstill, N m.
     #[serde(skip_serializing_if = "is_zero")]
     pub stribeck_nm: f64,
     /// Speed at which the Stribeck parts have fallen to 1/e, rad/s.
     #[serde(skip_serializing_if = "is_usual_speed")]
     pub stribeck_speed_rad_s: f64,
-    /// How sharply they fall: 1 exponentially, 2 as a bell.
+    /// Exponent of the decay of the Stribeck parts: 1 is exponential, 2 is Gaussian.
     #[serde(skip_serializing_if = "is_usual_shape")]
     pub stribeck_shape: f64,
-    /// Share of the motor's torque that is lost.
+    /// Fraction of the motor's torque that is lost to friction.
     #[serde(skip_serializing_if = "is_zero")]
     pub motor_load: f64,
-    /// Share of the output's torque that is lost, below 1.
+    /// Fraction of the output torque that is lost to friction, below 1.
     #[serde(skip_serializing_if = "is_zero")]
     pub output_load: f64,
-    /// Further share of both at standstill.
+    /// Additional fraction of both torques that is lost at standstill.
     #[serde(skip_serializing_if = "is_zero")]
     pub stribeck_load: f64,
     /// Loss that grows with the square of the motor's torque, 1/(N m).
@@ -141,7 +142,7 @@ pub(super) fn check_motor(motor: &Motor, at: &str) -> Checked<()> {
     Range::above(0.0, 1e6, "ohm").check(resistance_ohm, &path("resistance_ohm"))?;
     Range::within(0.0, 1e6, "ohm").check(ripple_ohm, &path("ripple_ohm"))?;
     Range::within(0.0, 1000.0, "kg m^2").check(armature_kg_m2, &path("armature_kg_m2"))?;
-    // Infinity is the way to say "no limit"; files say it by leaving the field out.
+    // Infinity is the value for "no limit"; in files the field is left out.
     if slew_1_s.is_nan() || slew_1_s < f64::INFINITY {
         Range::above(0.0, 1e6, "1/s").check(slew_1_s, &path("slew_1_s"))?;
     }
@@ -163,7 +164,7 @@ pub(super) fn check_motor(motor: &Motor, at: &str) -> Checked<()> {
     Range::above(0.0, 1000.0, "rad/s")
         .check(stribeck_speed_rad_s, &path("stribeck_speed_rad_s"))?;
     Range::within(0.1, 10.0, "").check(stribeck_shape, &path("stribeck_shape"))?;
-    // With an output share of 1 the gear would lock itself at any load.
+    // With an output share of 1 the gear would be self-locking at any load.
     for (field, value) in [
         ("motor_load", motor_load),
         ("output_load", output_load),
@@ -175,5 +176,5 @@ pub(super) fn check_motor(motor: &Motor, at: &str) -> Checked<()> {
     Ok(())
 }
 
-/// Largest share of a load that a gear may take.
+/// Largest allowed fraction of a load that a gear loses to friction.
 pub const MOST_LOAD: f64 = 0.95;

@@ -1,4 +1,4 @@
-//! Hinges stated by anchor and axis, with friction and limits, passive or driven.
+//! Hinges that a file states by anchor and axis, with friction and limits, passive or actuated.
 
 use std::f64::consts::TAU;
 
@@ -9,10 +9,10 @@ use super::flaw::{Checked, Flaw, Range};
 use super::module::{Module, check_actuator, check_name};
 use realgap_core::Error;
 
-/// A hinge between two modules that are not glued. At angle 0 the axes of both frames are parallel.
+/// A hinge between two modules that are not attached to each other. At angle 0 the axes of both frames are parallel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pivot {
-    /// Unique name, in the way of names of modules; joint columns of recordings have it.
+    /// Unique name, with the same characters as names of modules; joint columns of recordings have this name.
     pub name: String,
     /// Index of the parent module.
     pub parent: usize,
@@ -26,12 +26,12 @@ pub struct Pivot {
     pub axis_parent: Unit<Vector3<f64>>,
     /// Friction and limits.
     pub bearing: Bearing,
-    /// What moves it; `None` for a passive hinge.
+    /// Servo and gait; `None` for a passive hinge.
     pub actuator: Option<Actuator>,
 }
 
 impl Pivot {
-    /// Checks every value by itself. `at` is the path of this hinge in a file, e.g. `hinges[0]`.
+    /// Checks the range of every value. `at` is the path of this hinge in a file, e.g. `hinges[0]`.
     pub(super) fn check(&self, at: &str) -> Checked<()> {
         check_name(&self.name, "a hinge", &format!("{at}.name"))?;
         let length = Range::within(-10.0, 10.0, "m");
@@ -66,8 +66,10 @@ impl Pivot {
                     format!("{at}.limits_rad"),
                     Error::invalid("not the limits of a hinge")
                         .found(format!("{low_rad} to {high_rad} rad"))
-                        .allowed("the smaller first, 0 between them, a full turn apart at most")
-                        .hint("leave limits_rad out for a hinge that turns all round"),
+                        .allowed(
+                            "the smaller first, 0 between them, and a range of at most a full turn",
+                        )
+                        .hint("leave limits_rad out for a hinge without limits"),
                 ));
             }
         }
@@ -83,7 +85,7 @@ impl Pivot {
     }
 }
 
-/// Every name once, among hinges and modules: both name joints.
+/// Checks that names are unique among hinges and active modules, because both are names of joints.
 pub(super) fn check_names(pivots: &[Pivot], modules: &[Module]) -> Checked<()> {
     for (index, pivot) in pivots.iter().enumerate() {
         pivot.check(&format!("hinges[{index}]"))?;
@@ -95,7 +97,7 @@ pub(super) fn check_names(pivots: &[Pivot], modules: &[Module]) -> Checked<()> {
                 format!("hinges[{index}].name"),
                 Error::invalid("two joints have the same name")
                     .found(format!("`{}`", pivot.name))
-                    .allowed("a name of its own for every hinge and active module"),
+                    .allowed("a unique name for every hinge and active module"),
             ));
         }
     }

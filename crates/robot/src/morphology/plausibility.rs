@@ -1,4 +1,4 @@
-//! What is allowed but probably not meant.
+//! Warnings about valid but implausible robots.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -10,19 +10,19 @@ use realgap_core::Warning;
 use realgap_core::unit::number;
 use realgap_core::warning::Code;
 
-/// Largest ratio of masses on the two sides of a joint that a solver holds together well.
+/// Largest ratio of the masses of two jointed parts for which solvers keep the joint closed well.
 const MASS_RATIO: f64 = 1000.0;
-/// From air to more than the densest metal, kg/m³.
+/// Plausible densities, from that of air to more than that of the densest metal, kg/m³.
 const DENSITIES_KG_M3: std::ops::RangeInclusive<f64> = 1.2..=25_000.0;
 
-/// Share of a robot of bodies below which nobody doubts what a body weighs.
+/// In a robot of bodies, densities are checked only for bodies with at least this fraction of the robot's mass.
 const SHARE: f64 = 0.01;
 
 impl Morphology {
-    /// What is allowed but probably not meant: a gait that asks for more speed than its servo has (`servo-too-slow`) or bends a
-    /// face beyond a right angle (`bent-too-far`), a plate as large as its cube (`tied-plate`), a joint between a very light and a
-    /// very heavy part (`mass-ratio`), a module of a density that nothing has (`unlikely-mass`), a gait beyond a joint's limits
-    /// (`beyond-limits`).
+    /// Warnings about values that are valid but probably wrong: a gait that commands a larger speed than its servo's limit
+    /// (`servo-too-slow`) or bends a face beyond a right angle (`bent-too-far`), a plate as large as its cube (`tied-plate`), a
+    /// joint between a very light and a very heavy part (`mass-ratio`), a module with an implausible density (`unlikely-mass`), a
+    /// gait beyond a joint's limits (`beyond-limits`).
     pub fn warnings(&self) -> Vec<Warning> {
         let modules = self.modules().iter();
         let mut warnings: Vec<Warning> = modules
@@ -48,19 +48,19 @@ impl Morphology {
 
     fn densities(&self) -> Vec<Warning> {
         let modules = self.modules();
-        // Links of other formats often stand for frames and sensors, without the mass or the size that counts.
+        // Links of imported robots often represent only frames or sensors, and state no realistic mass or size.
         let least_kg = match self.built.is_some() {
             true => SHARE * modules.iter().map(|module| module.mass_kg).sum::<f64>(),
             false => 0.0,
         };
         let doubts = modules.iter().filter_map(|module| {
             let density_kg_m3 = module.mass_kg / module.sides_m.product();
-            // A body without shapes has no density.
+            // The density of a body without shapes is not finite.
             let counts = density_kg_m3.is_finite() && module.mass_kg >= least_kg;
             (counts && !DENSITIES_KG_M3.contains(&density_kg_m3)).then(|| {
                 let [x, y, z] = [0, 1, 2].map(|axis| number(module.sides_m[axis]));
                 Code::UnlikelyMass.warning(format!(
-                    "`{}` of {x} x {y} x {z} m weighs {} kg, which is {density_kg_m3:.3} kg/m³, where air has 1.2 and water 1000: \
+                    "`{}` of {x} x {y} x {z} m weighs {} kg, a density of {density_kg_m3:.3} kg/m³ (air has 1.2, water 1000): \
                          is the mass in kilograms, and are the lengths in metres?",
                     module.name,
                     module.mass_kg
@@ -79,7 +79,7 @@ impl Morphology {
             let slack = 1e-9 + 0.05 * (high - low);
             (ends[0] < low - slack || ends[1] > high + slack).then(|| {
                 Code::BeyondLimits.warning(format!(
-                    "the gait of `{}` goes from {} to {}, its limits are {low} and {high}: lower offset_rad or amplitude_rad",
+                    "the gait of `{}` goes from {} to {}, but its limits are {low} and {high}: lower offset_rad or amplitude_rad",
                     hinge.name,
                     ends[0],
                     ends[1]
@@ -96,7 +96,7 @@ impl Morphology {
             let bends = matches!(drive.axis, DriveAxis::Tangent { .. });
             (bends && farthest_rad > FRAC_PI_2 * (1.0 + 1e-9)).then(|| {
                 Code::BentTooFar.warning(format!(
-                    "the gait of `{}` bends its face by up to {:.0} degrees, into its own cube: a right angle is the most; \
+                    "the gait of `{}` bends its face by up to {:.0} degrees, so that it overlaps its own cube: at most 90 degrees are possible; \
                          lower offset_rad or amplitude_rad",
                     module.name,
                     farthest_rad.to_degrees()
@@ -110,7 +110,7 @@ impl Morphology {
             let plate = module.plate()?;
             (module.is_cube() && plate.side_m == module.sides_m.x).then(|| {
                 Code::TiedPlate.warning(format!(
-                    "the plate of `{}` is as large as its cube: both carry the robot, and only a difference of their frictions (friction_plate_relative of the noise) decides which of them slips",
+                    "the plate of `{}` is as large as its cube: both carry the robot, and which of them slips depends only on the difference of their friction coefficients (friction_plate_relative of the noise)",
                     module.name
                 ))
             })
@@ -132,13 +132,13 @@ impl Morphology {
         hinges
             .filter(|hinge| {
                 let (light_kg, heavy_kg) = of(hinge);
-                // A link without mass is meant to have none.
+                // Links without mass are intended.
                 light_kg > 0.0 && heavy_kg > MASS_RATIO * light_kg
             })
             .map(|hinge| {
                 let (light_kg, heavy_kg) = of(hinge);
                 Code::MassRatio.warning(format!(
-                    "the joint `{}` has {light_kg} kg and {heavy_kg} kg on its sides: beyond a ratio of {MASS_RATIO} joints come apart \
+                    "the joint `{}` has {light_kg} kg and {heavy_kg} kg on its sides: beyond a ratio of {MASS_RATIO} joints separate \
                          in any simulation; check the masses",
                     hinge.name
                 ))
@@ -152,7 +152,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_gait_beyond_the_limits_of_its_joint_is_said_whatever_turns_there() {
+    fn a_gait_beyond_the_limits_of_its_joint_gives_a_warning() {
         let file = concat!(
             env!("CARGO_MANIFEST_DIR"),
             "/../../morphologies/unitree_a1.ron"

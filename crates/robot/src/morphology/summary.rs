@@ -1,4 +1,4 @@
-//! A robot in a few numbers.
+//! Summary of a robot: counts, masses and sizes.
 
 use nalgebra::Vector3;
 
@@ -6,7 +6,7 @@ use super::Morphology;
 use super::assembly::Solid;
 use super::layout::blocks;
 
-/// What `check` prints about a robot. Robot frame: origin at the centre of the root module, zero servo angles.
+/// The summary that the command `check` prints. Robot frame: origin at the centre of the root module, zero servo angles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Summary {
     /// Number of modules.
@@ -15,7 +15,7 @@ pub struct Summary {
     pub parts: usize,
     /// Number of joints.
     pub hinges: usize,
-    /// Those of them that a servo drives.
+    /// Number of joints that a servo drives.
     pub servos: usize,
     /// Mass of cubes and plates, kg.
     pub mass_kg: f64,
@@ -75,7 +75,7 @@ pub(super) fn summarise(morphology: &Morphology) -> Summary {
     }
 }
 
-/// The box around everything of modules that can touch.
+/// The bounding box of all boxes of modules that take part in contacts.
 fn box_of_modules(
     morphology: &Morphology,
     nothing: (Vector3<f64>, Vector3<f64>),

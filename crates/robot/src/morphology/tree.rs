@@ -1,4 +1,4 @@
-//! Do glue and hinges make one tree?
+//! Checks that attachments and hinges connect all modules into one tree.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -10,12 +10,12 @@ use super::module::{DriveAxis, Module};
 use super::pivot::Pivot;
 use realgap_core::Error;
 
-/// What joins two modules, by its place in the file.
+/// A connection of two modules, by its index in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Edge {
-    /// Index of the glue.
+    /// Index of an attachment.
     Attachment(usize),
-    /// Index of the stated hinge.
+    /// Index of a stated hinge.
     Pivot(usize),
 }
 
@@ -29,7 +29,7 @@ impl Edge {
     }
 }
 
-/// Everything that joins modules.
+/// All connections of modules.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Links<'a> {
     pub(super) attachments: &'a [Attachment],
@@ -54,21 +54,21 @@ impl Links<'_> {
     }
 }
 
-/// How the modules hang together.
+/// The tree of modules.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tree {
-    /// The module that is nobody's child.
+    /// The root: the module that is not the child of another module.
     pub(super) root: usize,
-    /// Every module once, parents before children, level by level, siblings in the order of the glue, then of the hinges.
+    /// Every module once, parents before children, level by level, siblings in the order of the attachments, then of the hinges.
     pub(super) order: Vec<usize>,
-    /// Per module what makes it a child.
+    /// For each module the connection to its parent; `None` for the root.
     pub(super) parent: Vec<Option<Edge>>,
-    /// Per module what gives it children.
+    /// For each module the connections to its children.
     pub(super) children: Vec<Vec<Edge>>,
 }
 
 impl Tree {
-    /// That of no modules.
+    /// A tree without modules.
     pub(super) const fn nothing() -> Self {
         Self {
             root: 0,
@@ -88,14 +88,14 @@ impl Tree {
             if let Some(earlier) = parent[child].replace(edge) {
                 return Err(Flaw::new(
                     format!("{}.child", edge.path()),
-                    Error::invalid(format!("`{}` is glued twice as a child", name(child)))
+                    Error::invalid(format!("`{}` is attached twice as a child", name(child)))
                         .found(format!(
-                            "onto `{}` and onto `{}`",
+                            "to `{}` and to `{}`",
                             name(links.ends(earlier).0),
                             name(onto)
                         ))
                         .allowed("every module is a child at most once")
-                        .hint("the robot is a tree: remove one of the two; modules that touch need no glue"),
+                        .hint("the robot is a tree: remove one of the two attachments; modules that touch need no attachment"),
                 ));
             }
             children[onto].push(edge);
@@ -107,7 +107,7 @@ impl Tree {
             order.extend(children[module].iter().map(|&edge| links.ends(edge).1));
             next += 1;
         }
-        // With one root and one parent for everyone else, whoever was not reached hangs on a cycle.
+        // There is one root, and every other module has one parent, so a module that was not reached belongs to a cycle.
         if let Some(lost) = (0..modules.len()).find(|module| !order.contains(module)) {
             return Err(cycle(lost, modules, links, &parent));
         }
@@ -137,7 +137,7 @@ fn check_indices(edge: Edge, links: Links<'_>, modules: &[Module]) -> Checked<()
     if parent == child {
         return Err(Flaw::new(
             format!("{}.child", edge.path()),
-            Error::invalid(format!("`{}` is glued onto itself", modules[child].name)),
+            Error::invalid(format!("`{}` is attached to itself", modules[child].name)),
         ));
     }
     if let Edge::Attachment(index) = edge
@@ -176,15 +176,15 @@ fn find_root(modules: &[Module], links: Links<'_>, parent: &[Option<Edge>]) -> C
             }
             Err(Flaw::new(
                 format!("modules[{second}].name"),
-                Error::invalid("the modules are not all glued together")
+                Error::invalid("the modules are not all connected")
                     .found(format!(
-                        "{} modules that are nobody's child: {}",
+                        "{} modules without a parent: {}",
                         roots.len(),
                         names.join(", ")
                     ))
                     .allowed("exactly one, the root")
                     .hint(format!(
-                        "glue `{}` onto a neighbour, or remove it",
+                        "attach `{}` to a neighbour, or remove it",
                         modules[*second].name
                     )),
             ))
@@ -192,41 +192,47 @@ fn find_root(modules: &[Module], links: Links<'_>, parent: &[Option<Edge>]) -> C
     }
 }
 
-/// Climbs from a module that the root does not reach until a module comes up again.
+/// Finds the cycle that contains or leads to a module which is not connected to the root, by following parents until a module
+/// repeats.
 fn cycle(start: usize, modules: &[Module], links: Links<'_>, parent: &[Option<Edge>]) -> Flaw {
-    let mut climbed = vec![start];
+    let mut visited = vec![start];
     let mut last = Edge::Attachment(0);
     let mut module = start;
     while let Some(edge) = parent[module] {
         last = edge;
         module = links.ends(edge).0;
-        if let Some(first) = climbed.iter().position(|&m| m == module) {
-            climbed.drain(..first);
+        if let Some(first) = visited.iter().position(|&m| m == module) {
+            visited.drain(..first);
             break;
         }
-        climbed.push(module);
+        visited.push(module);
     }
-    climbed.push(module);
-    let names: Vec<String> = climbed
+    visited.push(module);
+    let names: Vec<String> = visited
         .iter()
         .rev()
         .map(|&m| format!("`{}`", modules[m].name))
         .collect();
     Flaw::new(
         last.path(),
-        Error::invalid("the glue runs in a circle")
+        Error::invalid("the attachments form a cycle")
             .found(names.join(" > "))
             .allowed("a tree: one root, and every other module a child of one parent")
-            .hint("remove one glue of the circle; modules that touch need no glue"),
+            .hint("remove one attachment of the cycle; modules that touch need no attachment"),
     )
 }
 
 fn check_faces(modules: &[Module], attachments: &[Attachment]) -> Checked<()> {
     let mut taken: HashMap<(usize, Face), usize> = HashMap::new();
-    for (index, joint) in attachments.iter().enumerate() {
+    for (index, attachment) in attachments.iter().enumerate() {
         for (field, module, face, other) in [
-            ("face", joint.parent, joint.face, joint.child),
-            ("child_face", joint.child, joint.child_face, joint.parent),
+            ("face", attachment.parent, attachment.face, attachment.child),
+            (
+                "child_face",
+                attachment.child,
+                attachment.child_face,
+                attachment.parent,
+            ),
         ] {
             match taken.entry((module, face)) {
                 Entry::Vacant(free) => {
@@ -236,7 +242,7 @@ fn check_faces(modules: &[Module], attachments: &[Attachment]) -> Checked<()> {
                     return Err(Flaw::new(
                         format!("glue[{index}].{field}"),
                         Error::invalid(format!(
-                            "two modules on face {} of `{}`",
+                            "two modules are attached to face {} of `{}`",
                             face.name(),
                             modules[module].name
                         ))
@@ -254,53 +260,56 @@ fn check_faces(modules: &[Module], attachments: &[Attachment]) -> Checked<()> {
     Ok(())
 }
 
-/// Every servo must move something, and each by itself.
+/// Checks that every servo moves at least one part, and that no two servos drive the same connection.
 fn check_drives(modules: &[Module], attachments: &[Attachment]) -> Checked<()> {
-    for (index, joint) in attachments.iter().enumerate() {
-        if modules[joint.parent].driven_face() == Some(joint.face)
-            && modules[joint.child].driven_face() == Some(joint.child_face)
+    for (index, attachment) in attachments.iter().enumerate() {
+        if modules[attachment.parent].driven_face() == Some(attachment.face)
+            && modules[attachment.child].driven_face() == Some(attachment.child_face)
         {
             return Err(Flaw::new(
                 format!("glue[{index}]"),
-                Error::invalid("two driven faces are glued onto each other")
+                Error::invalid("two driven faces are attached to each other")
                     .found(format!(
                         "face {} of `{}` on face {} of `{}`",
-                        joint.child_face.name(),
-                        modules[joint.child].name,
-                        joint.face.name(),
-                        modules[joint.parent].name
+                        attachment.child_face.name(),
+                        modules[attachment.child].name,
+                        attachment.face.name(),
+                        modules[attachment.parent].name
                     ))
                     .hint(
-                        "two servos would drive one glue joint: put a passive module between them",
+                        "two servos would drive one attachment: put a passive module between them",
                     ),
             ));
         }
     }
     for (index, module) in modules.iter().enumerate() {
         let Some(drive) = module.drive else { continue };
-        if module.plate().is_some() || is_glued(attachments, index, drive.face) {
+        if module.plate().is_some() || is_attached(attachments, index, drive.face) {
             continue;
         }
         let hint = match drive.axis {
             DriveAxis::Normal { .. } => {
-                "give it a plate, glue a module onto that face, or make it Passive"
+                "add a plate, attach a module to that face, or make it Passive"
             }
-            DriveAxis::Tangent { .. } => "glue a module onto that face, or make it Passive",
+            DriveAxis::Tangent { .. } => "attach a module to that face, or make it Passive",
         };
         return Err(Flaw::new(
             format!("modules[{index}].kind.axis"),
             Error::invalid(format!("the servo of `{}` moves nothing", module.name))
-                .found(format!("nothing on its driven face {}", drive.face.name()))
+                .found(format!(
+                    "no plate and no module on its driven face {}",
+                    drive.face.name()
+                ))
                 .hint(hint),
         ));
     }
     Ok(())
 }
 
-/// True if another module sits on this face.
-pub(super) fn is_glued(attachments: &[Attachment], module: usize, face: Face) -> bool {
-    attachments.iter().any(|joint| {
-        (joint.parent, joint.face) == (module, face)
-            || (joint.child, joint.child_face) == (module, face)
+/// Whether another module is attached to this face.
+pub(super) fn is_attached(attachments: &[Attachment], module: usize, face: Face) -> bool {
+    attachments.iter().any(|attachment| {
+        (attachment.parent, attachment.face) == (module, face)
+            || (attachment.child, attachment.child_face) == (module, face)
     })
 }

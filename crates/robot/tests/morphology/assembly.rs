@@ -1,4 +1,4 @@
-//! What moves with what, and which way round.
+//! Tests of the assembly: which modules move together, and in which direction hinges turn.
 
 use nalgebra::{Point3, Unit, UnitQuaternion, Vector3};
 use realgap_core::file::Source;
@@ -22,7 +22,7 @@ fn close(a: Vector3<f64>, b: Vector3<f64>) {
 }
 
 #[test]
-fn a_module_on_the_driven_face_moves_with_it_and_the_plate_only_weighs() {
+fn a_module_on_the_driven_face_moves_with_it_and_the_plate_has_mass_but_no_contacts() {
     let assembly = assemble(
         &format!(
             "(name: \"a\", kind: Active(face: PosX, axis: Normal({PLATE}))),
@@ -44,7 +44,7 @@ fn a_module_on_the_driven_face_moves_with_it_and_the_plate_only_weighs() {
             (2, Role::Cube, true)
         ]
     );
-    // No gap for the plate.
+    // There is no gap for the plate.
     close(
         assembly.parts[1].solids[1]
             .robot_from_solid
@@ -55,7 +55,7 @@ fn a_module_on_the_driven_face_moves_with_it_and_the_plate_only_weighs() {
 }
 
 #[test]
-fn a_plate_weighs_like_a_uniform_slab() {
+fn a_plate_has_the_inertia_of_a_uniform_slab() {
     let assembly = assemble(
         &format!("(name: \"a\", kind: Active(face: PosZ, axis: Normal({PLATE})))"),
         "",
@@ -66,8 +66,8 @@ fn a_plate_weighs_like_a_uniform_slab() {
 }
 
 #[test]
-fn holding_on_by_the_driven_face_turns_the_cube_the_other_way_round() {
-    // The same two bodies, described from either end: b drives the face between them.
+fn a_cube_attached_by_its_driven_face_turns_in_the_opposite_direction() {
+    // The same two bodies, once with a and once with b as the root; b drives the face between them.
     let drive = format!("Active(face: NegX, axis: Normal({PLATE}))");
     let modules = format!("(name: \"a\", kind: Passive()), (name: \"b\", kind: {drive})");
     let from_a = assemble(&modules, "(parent: \"a\", face: PosX, child: \"b\")");
@@ -92,7 +92,7 @@ fn holding_on_by_the_driven_face_turns_the_cube_the_other_way_round() {
     let b_from_a_described_from_a = turned(&from_a).inverse();
     let b_from_a_described_from_b = turned(&from_b);
     assert!(b_from_a_described_from_a.angle_to(&b_from_a_described_from_b) < 1e-12);
-    // The plate goes with a in both.
+    // The plate belongs to the part of module a in both cases.
     let plate_part = |assembly: &Assembly| {
         assembly
             .parts
@@ -106,7 +106,7 @@ fn holding_on_by_the_driven_face_turns_the_cube_the_other_way_round() {
 }
 
 #[test]
-fn a_child_looks_at_its_parent_with_its_child_face_and_turns_right_handed() {
+fn the_child_face_points_at_the_parent_and_quarter_turns_are_right_handed() {
     let child = |extra: &str| {
         let assembly = assemble(
             "(name: \"a\", kind: Passive()), (name: \"b\", kind: Passive(centre_of_mass_m: (0.01, 0.02, 0.03)))",
@@ -121,7 +121,7 @@ fn a_child_looks_at_its_parent_with_its_child_face_and_turns_right_handed() {
         child(", quarter_turns: 1").rotation * Vector3::y(),
         Vector3::z(),
     );
-    // The same face on both sides: half a turn about z, so up stays up.
+    // The same face on both sides: half a turn about z, so the z axis keeps its direction.
     close(
         child(", child_face: PosX").rotation * Vector3::x(),
         -Vector3::x(),
@@ -130,7 +130,7 @@ fn a_child_looks_at_its_parent_with_its_child_face_and_turns_right_handed() {
         child(", child_face: PosX").rotation * Vector3::z(),
         Vector3::z(),
     );
-    // The child's top looks at the parent, the shorter way round: about y.
+    // The child's top points at the parent: a quarter turn about y.
     close(
         child(", child_face: PosZ").rotation * Vector3::z(),
         -Vector3::x(),

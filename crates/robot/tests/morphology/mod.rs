@@ -1,4 +1,4 @@
-//! Stories about robots: the shipped ones, the refused ones, and random ones.
+//! Tests of morphologies: shipped robots, refused files, random robots, and assembly.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod assembly;

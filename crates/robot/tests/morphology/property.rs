@@ -1,4 +1,4 @@
-//! What must hold for every robot, and for every text that is none.
+//! Property tests of random robots, and of parsing arbitrary text.
 
 use std::collections::HashSet;
 
@@ -10,7 +10,7 @@ use realgap_robot::morphology::{
     Plate, Role, Servo, ServoLaw,
 };
 
-/// One step of growing a robot: numbers from which module, faces and drive are taken.
+/// Random numbers for one step of growing a robot: they select module, faces and drive.
 type Seed = (prop::sample::Index, u8, u8, u8, u8, f64, f64);
 
 fn seeds() -> impl Strategy<Value = Vec<Seed>> {
@@ -76,7 +76,7 @@ fn module(index: usize, seed: &Seed) -> Module {
     module
 }
 
-/// Grows a valid robot: a step that the crate refuses is left out, a servo that moves nothing taken away.
+/// Grows a valid robot: a step that the crate refuses is skipped, and a servo that moves nothing is removed.
 fn grow(seeds: &[Seed]) -> Morphology {
     let mut blueprint = Blueprint {
         name: "random".to_owned(),
@@ -108,7 +108,7 @@ fn grow(seeds: &[Seed]) -> Morphology {
             quarter_turns: seed.3,
         });
         bigger.track = Some(seed.0.index(child + 1));
-        // A bending module needs something on its driven face: that may come with the next steps.
+        // A bending module needs a module on its driven face, which a later step may add.
         let passive = |blueprint: &Blueprint| {
             let mut relaxed = blueprint.clone();
             for (index, module) in relaxed.modules.iter_mut().enumerate() {
@@ -150,7 +150,7 @@ proptest! {
         let morphology = grow(&seeds);
         let assembly = morphology.assemble();
 
-        // Every part but the first hangs on exactly one hinge, whose parent comes before it.
+        // Every part but the first is the child of exactly one hinge, whose parent precedes it.
         prop_assert_eq!(assembly.hinges.len() + 1, assembly.parts.len());
         for (index, hinge) in assembly.hinges.iter().enumerate() {
             prop_assert_eq!(hinge.child_part, index + 1);
@@ -160,7 +160,7 @@ proptest! {
         let drives = morphology.modules().iter().filter(|module| module.drive.is_some()).count();
         prop_assert_eq!(assembly.hinges.len(), drives);
 
-        // Every module and every plate is in exactly one part; nothing is lost and nothing is made.
+        // Every module and every plate is in exactly one part.
         prop_assert!(assembly.parts.iter().all(|part| !part.solids.is_empty()));
         let mut seen = HashSet::new();
         for solid in assembly.parts.iter().flat_map(|part| &part.solids) {
@@ -202,7 +202,7 @@ proptest! {
     }
 
     #[test]
-    fn no_soup_of_ron_makes_the_parser_panic(text in "([(){}\\[\\],:\"'/*\\\\#rb \n-]|name|modules|kind|Passive|r#\"|0x1|1e9|é|\u{feff}){0,80}") {
+    fn no_random_ron_tokens_make_the_parser_panic(text in "([(){}\\[\\],:\"'/*\\\\#rb \n-]|name|modules|kind|Passive|r#\"|0x1|1e9|é|\u{feff}){0,80}") {
         let source = Source::new("x.ron", text);
         let _ = Morphology::parse(&source).map_err(|error| error.to_string());
         let _ = source.locate("modules[3].kind.side_m");

@@ -1,4 +1,4 @@
-//! Every robot that cannot be built is refused with file, line, column and reason.
+//! Tests that robots which cannot be built are refused with file, line, column and reason.
 
 use realgap_core::file::Source;
 use realgap_robot::morphology::Morphology;
@@ -10,7 +10,7 @@ fn refusal(text: &str) -> String {
     }
 }
 
-/// A robot of plain cubes `a`, `b`, `c` of 0.1 m and 1 kg; the glue starts on line 8.
+/// A robot of plain cubes `a`, `b`, `c` of 0.1 m and 1 kg; its attachments start on line 8.
 fn cubes(glue: &str) -> String {
     format!(
         "(
@@ -25,12 +25,12 @@ fn cubes(glue: &str) -> String {
     )
 }
 
-/// A robot of one module; its kind stands on line 3.
+/// A robot of one module, whose kind is on line 3.
 fn alone(kind: &str) -> String {
     format!("(\n    name: \"alone\",\n    modules: [(name: \"a\", kind: {kind})],\n)")
 }
 
-/// An active module with everything right but what is said.
+/// A robot of one active module; `rest` states the fields after the face.
 fn active(rest: &str) -> String {
     let kind = format!(
         "Active(side_m: 0.1, mass_kg: 1, face: PosX,
@@ -95,7 +95,7 @@ fn a_missing_field_is_named() {
 }
 
 #[test]
-fn a_value_of_the_wrong_kind_is_refused() {
+fn a_value_of_the_wrong_type_is_refused() {
     insta::assert_snapshot!(refusal(&alone("Passive(side_m: \"0.1\", mass_kg: 1)")), @r#"
     robot.ron:3:49: modules[0].kind.side_m: a value of the wrong kind
       found:   "0.1"
@@ -136,7 +136,7 @@ fn a_value_of_the_wrong_kind_is_refused() {
 }
 
 #[test]
-fn a_slip_of_the_pen_is_located() {
+fn a_syntax_error_is_located() {
     insta::assert_snapshot!(refusal("(\n    name: \"x\"\n    modules: [],\n)"), @r"
     robot.ron:3:5: a comma or a closing bracket is missing
       hint:    entries are separated by commas
@@ -206,7 +206,7 @@ fn sizes_and_masses_must_be_those_of_a_real_module() {
     ");
     insta::assert_snapshot!(
         refusal(&alone("Passive(side_m: 0.1, mass_kg: 1, inertia_kg_m2: (1, 1, 3))")), @r"
-    robot.ron:3:81: modules[0].kind.inertia_kg_m2: no solid has such moments of inertia
+    robot.ron:3:81: modules[0].kind.inertia_kg_m2: these moments of inertia are physically impossible
       found:   3 kg m^2, but the two others sum to 2
       allowed: no moment larger than the sum of the two others
     ");
@@ -281,13 +281,13 @@ fn a_servo_must_move_something() {
     ");
     insta::assert_snapshot!(refusal(&active(&format!("axis: Tangent(axis: PosY), {SERVO}"))), @r"
     robot.ron:4:15: modules[0].kind.axis: the servo of `a` moves nothing
-      found:   nothing on its driven face PosX
-      hint:    glue a module onto that face, or make it Passive
+      found:   no plate and no module on its driven face PosX
+      hint:    attach a module to that face, or make it Passive
     ");
     insta::assert_snapshot!(refusal(&active(&format!("axis: Normal(), {SERVO}"))), @r"
     robot.ron:4:15: modules[0].kind.axis: the servo of `a` moves nothing
-      found:   nothing on its driven face PosX
-      hint:    give it a plate, glue a module onto that face, or make it Passive
+      found:   no plate and no module on its driven face PosX
+      hint:    add a plate, attach a module to that face, or make it Passive
     ");
 }
 
@@ -304,18 +304,18 @@ fn two_driven_faces_on_each_other_are_refused() {
         driver("b")
     );
     insta::assert_snapshot!(refusal(&text), @r"
-    robot.ron:4:8: glue[0]: two driven faces are glued onto each other
+    robot.ron:4:8: glue[0]: two driven faces are attached to each other
       found:   face PosX of `b` on face PosX of `a`
-      hint:    two servos would drive one glue joint: put a passive module between them
+      hint:    two servos would drive one attachment: put a passive module between them
     ");
 }
 
 #[test]
-fn names_must_be_unique_and_plain() {
+fn names_must_be_unique_and_of_allowed_characters() {
     insta::assert_snapshot!(refusal(&cubes("").replace("\"b\"", "\"a\"")), @r"
     robot.ron:5:16: modules[1].name: two modules have the same name
       found:   `a` is also modules[0]
-      allowed: a name of its own for every module
+      allowed: a unique name for every module
     ");
     insta::assert_snapshot!(refusal(&cubes("").replace("\"b\"", "\"\"")), @r#"
     robot.ron:5:16: modules[1].name: not a usable name for a module
@@ -335,7 +335,7 @@ fn names_must_be_unique_and_plain() {
 }
 
 #[test]
-fn glue_must_name_modules() {
+fn attachments_must_name_modules() {
     insta::assert_snapshot!(refusal(&cubes("(parent: \"a\", face: PosX, child: \"d\")")), @r#"
     robot.ron:8:45: glue[0].child: unknown module
       found:   d
@@ -343,7 +343,7 @@ fn glue_must_name_modules() {
     "#);
     insta::assert_snapshot!(
         refusal(&cubes("(parent: \"a\", face: PosX, child: \"a\")")), @r"
-    robot.ron:8:45: glue[0].child: `a` is glued onto itself
+    robot.ron:8:45: glue[0].child: `a` is attached to itself
     ");
     insta::assert_snapshot!(
         refusal(&cubes("(parent: \"a\", face: PosX, child: \"b\", quarter_turns: 4)")), @r"
@@ -367,18 +367,18 @@ fn glue_must_name_modules() {
 }
 
 #[test]
-fn the_glue_must_make_one_tree() {
+fn attachments_must_form_one_tree() {
     insta::assert_snapshot!(refusal(&cubes("")), @r"
-    robot.ron:5:16: modules[1].name: the modules are not all glued together
-      found:   3 modules that are nobody's child: `a`, `b`, `c`
+    robot.ron:5:16: modules[1].name: the modules are not all connected
+      found:   3 modules without a parent: `a`, `b`, `c`
       allowed: exactly one, the root
-      hint:    glue `b` onto a neighbour, or remove it
+      hint:    attach `b` to a neighbour, or remove it
     ");
     insta::assert_snapshot!(refusal(&cubes("(parent: \"a\", face: PosX, child: \"b\")")), @r"
-    robot.ron:6:16: modules[2].name: the modules are not all glued together
-      found:   2 modules that are nobody's child: `a`, `c`
+    robot.ron:6:16: modules[2].name: the modules are not all connected
+      found:   2 modules without a parent: `a`, `c`
       allowed: exactly one, the root
-      hint:    glue `c` onto a neighbour, or remove it
+      hint:    attach `c` to a neighbour, or remove it
     ");
     insta::assert_snapshot!(refusal(&cubes(
         "
@@ -387,10 +387,10 @@ fn the_glue_must_make_one_tree() {
         (parent: \"c\", face: PosX, child: \"a\"),
     "
     )), @r"
-    robot.ron:9:9: glue[0]: the glue runs in a circle
+    robot.ron:9:9: glue[0]: the attachments form a cycle
       found:   `a` > `b` > `c` > `a`
       allowed: a tree: one root, and every other module a child of one parent
-      hint:    remove one glue of the circle; modules that touch need no glue
+      hint:    remove one attachment of the cycle; modules that touch need no attachment
     ");
     insta::assert_snapshot!(refusal(&cubes(
         "
@@ -398,10 +398,10 @@ fn the_glue_must_make_one_tree() {
         (parent: \"c\", face: PosX, child: \"b\"),
     "
     )), @r"
-    robot.ron:9:9: glue[0]: the glue runs in a circle
+    robot.ron:9:9: glue[0]: the attachments form a cycle
       found:   `b` > `c` > `b`
       allowed: a tree: one root, and every other module a child of one parent
-      hint:    remove one glue of the circle; modules that touch need no glue
+      hint:    remove one attachment of the cycle; modules that touch need no attachment
     ");
     insta::assert_snapshot!(refusal(&cubes(
         "
@@ -410,10 +410,10 @@ fn the_glue_must_make_one_tree() {
         (parent: \"b\", face: PosY, child: \"c\"),
     "
     )), @r"
-    robot.ron:11:42: glue[2].child: `c` is glued twice as a child
-      found:   onto `a` and onto `b`
+    robot.ron:11:42: glue[2].child: `c` is attached twice as a child
+      found:   to `a` and to `b`
       allowed: every module is a child at most once
-      hint:    the robot is a tree: remove one of the two; modules that touch need no glue
+      hint:    the robot is a tree: remove one of the two attachments; modules that touch need no attachment
     ");
 }
 
@@ -425,7 +425,7 @@ fn a_face_holds_one_module() {
         (parent: \"a\", face: PosX, child: \"c\"),
     "
     )), @r"
-    robot.ron:10:29: glue[1].face: two modules on face PosX of `a`
+    robot.ron:10:29: glue[1].face: two modules are attached to face PosX of `a`
       found:   `b` and `c`
       allowed: one module on a face
     ");
@@ -435,7 +435,7 @@ fn a_face_holds_one_module() {
         (parent: \"b\", face: NegX, child: \"c\"),
     "
     )), @r"
-    robot.ron:10:29: glue[1].face: two modules on face NegX of `b`
+    robot.ron:10:29: glue[1].face: two modules are attached to face NegX of `b`
       found:   `a` and `c`
       allowed: one module on a face
     ");
@@ -457,7 +457,7 @@ fn boxes_must_not_be_in_the_same_place() {
     insta::assert_snapshot!(refusal(&text), @r"
     robot.ron:13:9: glue[2]: `e` and `d` are in the same place
       found:   `d` centred at (0.0000, 0.1000, 0.0000) m in the frame of the root
-      allowed: boxes that touch, or lie apart, when all servos are at 0 rad
+      allowed: boxes that touch or are separate when all servos are at 0 rad
     ");
     let text = format!(
         "(name: \"spike\", modules: [
@@ -474,7 +474,7 @@ fn boxes_must_not_be_in_the_same_place() {
     insta::assert_snapshot!(refusal(&text), @r"
     robot.ron:4:5: modules[2]: `d` and the face plate of `c` are in the same place
       found:   the face plate of `c` centred at (0.0450, 0.1000, 0.0000) m in the frame of the root
-      allowed: boxes that touch, or lie apart, when all servos are at 0 rad
+      allowed: boxes that touch or are separate when all servos are at 0 rad
     ");
 }
 

@@ -1,4 +1,4 @@
-//! The robots in `morphologies/` are the ones they claim to be.
+//! Tests that the robots in `morphologies/` have the masses, parts and hinges of their sources.
 
 use nalgebra::Vector3;
 use realgap_robot::morphology::{Assembly, Morphology, Role, ServoLaw};
@@ -41,7 +41,7 @@ fn every_shipped_robot_is_valid_and_named_like_its_file() {
 }
 
 #[test]
-fn the_benchmark_robots_are_those_of_the_other_engines() {
+fn the_benchmark_robots_equal_those_of_the_other_engines() {
     let golden: serde_json::Value =
         serde_json::from_str(include_str!("../golden/benchmark_robots.json")).unwrap();
     for name in ["chain3", "spider8", "chain30"] {
@@ -160,7 +160,7 @@ fn the_toss_cube_has_the_inertia_of_its_authors() {
 }
 
 #[test]
-fn a_robot_is_written_for_people() {
+fn a_written_robot_is_readable() {
     insta::assert_snapshot!(shipped("two_module").to_ron().unwrap(), @r#"
     (
         name: "two_module",

@@ -1,4 +1,4 @@
-//! Files that cannot be read at all are refused with one clear error.
+//! Tests that unreadable files and malformed text are refused with one clear error.
 
 use realgap_core::ErrorKind;
 use realgap_core::file::{MAX_FILE_BYTES, Source};
@@ -17,7 +17,7 @@ fn a_missing_file_is_named() {
 }
 
 #[test]
-fn a_folder_is_no_file() {
+fn a_folder_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let error = Morphology::read(folder.path()).unwrap_err();
     assert!(error.message().contains("this is a folder"), "{error}");
@@ -57,7 +57,7 @@ fn text_that_is_not_utf8_is_located() {
 }
 
 #[test]
-fn values_are_found_again_behind_comments_and_strings() {
+fn values_are_located_behind_comments_and_strings() {
     let text = "// glue: [(1)]\n#![enable(implicit_some)]\n(\n  name: \"a, (b: \\\" [\", /* list: [ /* ) */ */\n  \
                 raw: r#\"\"(\"#,\n  list: [Some((x: 'c', y: 1)), (y: -2.5e-3)],\n  map: {\"k\": [0, 1]},\n)";
     let source = Source::new("x.ron", text);
@@ -65,13 +65,13 @@ fn values_are_found_again_behind_comments_and_strings() {
     assert_eq!(source.locate("list[0][0].y"), Some((6, 27)));
     assert_eq!(source.locate("list[1].y"), Some((6, 36)));
     assert_eq!(source.locate("map.k[1]"), Some((7, 18)));
-    // What is left out is shown at what should hold it.
+    // A field that is left out is located at the value that should contain it.
     assert_eq!(source.locate("list[1].z.deeper"), Some((6, 32)));
     assert_eq!(source.locate("lis"), None);
 }
 
 #[test]
-fn the_hash_is_that_of_the_text() {
+fn the_hash_is_the_sha256_of_the_text() {
     assert_eq!(
         Source::new("x", "abc").sha256(),
         "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
@@ -79,7 +79,7 @@ fn the_hash_is_that_of_the_text() {
 }
 
 #[test]
-fn a_byte_order_mark_is_no_part_of_the_text() {
+fn a_byte_order_mark_is_not_part_of_the_text() {
     let source = Source::from_bytes("x.ron", b"\xef\xbb\xbf(a: 1)".to_vec(), "study").unwrap();
     assert_eq!(source.locate("a"), Some((1, 5)));
 }
@@ -90,7 +90,7 @@ fn refusal(text: &str) -> String {
 }
 
 #[test]
-fn deep_nesting_is_refused_before_it_hurts() {
+fn deep_nesting_is_refused_before_the_stack_overflows() {
     for open in ["(", "[", "{", "(a:", "Some(", "[(", "{1:"] {
         let text = open.repeat(100_000);
         assert!(refusal(&text).contains("nested too deeply"), "{open}");

@@ -1,4 +1,4 @@
-//! How deep a cube sinks with the light plate that it is jointed to.
+//! Defect of Rapier: a cube on a light plate sinks deeper into the floor if the two are connected by a joint.
 
 use rapier3d_f64::prelude::*;
 

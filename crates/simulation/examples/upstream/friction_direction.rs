@@ -1,8 +1,8 @@
-//! Where sliding boxes stop.
+//! Defect of Rapier: sliding boxes stop at wrong positions, because friction is not opposite to the slip.
 
 use rapier3d_f64::prelude::*;
 
-/// Where a box that slides at 0.6 m/s along +x at friction 0.5 stops.
+/// Position at which a box stops that slides at 0.6 m/s along +x with friction 0.5.
 fn stop(half: Vector, yaw: f64) -> Vector {
     let mut world = PhysicsWorld::default();
     world.gravity = Vector::new(0.0, 0.0, -9.81);

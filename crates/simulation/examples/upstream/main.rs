@@ -1,12 +1,12 @@
-//! Defects of Rapier, a program each: `cargo run --release -p realgap-simulation --example upstream NAME`.
+//! Programs that each demonstrate one defect of Rapier: `cargo run --release -p realgap-simulation --example upstream NAME`.
 //!
-//! Every file stands alone but for its `pub`, so that it can be sent to the engine's authors as it is; docs/upstream says what it
-//! shows and why it matters.
+//! Every file is independent of the others except for its `pub`, so that it can be sent to Rapier's authors unchanged; the files
+//! in docs/upstream explain each defect and its consequences.
 #![allow(
     clippy::field_reassign_with_default,
     clippy::print_stdout,
     clippy::unwrap_used,
-    reason = "programs that are sent to others as they are"
+    reason = "the programs are sent to Rapier's authors unchanged"
 )]
 
 mod contact_stiffness;

@@ -1,4 +1,4 @@
-//! Drift of two hinged bodies that tumble freely.
+//! Defect of Rapier: the centre of mass of two hinged bodies drifts while they tumble freely.
 
 use rapier3d_f64::prelude::*;
 

@@ -1,4 +1,4 @@
-//! Bounces of a cube that falls flat.
+//! Defect of Rapier: the height and the rotation of the bounce of a cube that falls flat are wrong.
 
 use rapier3d_f64::prelude::*;
 

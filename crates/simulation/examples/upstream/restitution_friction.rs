@@ -1,8 +1,9 @@
-//! Speed along the floor after an oblique bounce.
+//! Defect of Rapier: the speed along the floor after an oblique bounce differs from Coulomb's law.
 
 use rapier3d_f64::prelude::*;
 
-/// Speed along the floor after a cube came down flat at 3 m/s along it, from 0.3 m, friction 0.3.
+/// Speed along the floor after the bounce of a cube that falls flat from 0.3 m while it moves at 3 m/s along the floor, with
+/// friction 0.3.
 fn after(e: f64, hertz: f64, substeps: usize) -> f64 {
     let mut world = PhysicsWorld::default();
     world.gravity = Vector::new(0.0, 0.0, -9.81);

@@ -1,10 +1,10 @@
-//! Moments of light bodies, given and made.
+//! Defect of Parry: the moments of inertia of light bodies differ from the given ones.
 
 use rapier3d_f64::prelude::*;
 
 pub fn main() {
     for scale in [1.0, 1e-3, 1e-5, 1e-6] {
-        // Moments 3, 2 and 1 times the scale; the first two about axes turned by 30 degrees about z.
+        // Moments of 3, 2 and 1 times the scale; the axes of the first two are turned by 30 degrees about z.
         let (s, c) = (0.5_f64, 0.75_f64.sqrt());
         let (xx, yy, xy) = (3.0 * c * c + 2.0 * s * s, 3.0 * s * s + 2.0 * c * c, s * c);
         let columns = [xx, xy, 0.0, xy, yy, 0.0, 0.0, 0.0, 1.0].map(|m| m * scale);

@@ -1,4 +1,4 @@
-//! What a controller has to be, alone and for the robot that it steers.
+//! Validation of a controller: by itself, and together with the robot that it controls.
 
 use nalgebra::Isometry3;
 
@@ -6,18 +6,18 @@ use super::super::arena::world_from_robot;
 use super::super::experiment::Experiment;
 use super::super::kinematics::robot_from_part_at_zero;
 use super::super::scene::SceneBody;
-use super::mount::{plan, seat};
+use super::mount::{mounting_pose, outline};
 use super::{Controller, Steer, arena_from_start};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::look_up;
 use realgap_core::range::Range;
 use realgap_sensing::arena::{Arena, Boundary, Object};
 
-/// Most sensors, and most robots beside the first.
+/// Largest number of sensors, and of robots in addition to the first.
 const MOST: usize = 255;
 
 impl Controller {
-    /// Checks what no robot is needed for.
+    /// Checks the properties that do not depend on the robot.
     ///
     /// # Errors
     /// A rate or time that is not positive, two sensors or robots of one name, a start that is not finite, outside, or in a wall.
@@ -38,7 +38,7 @@ impl Controller {
             Range::within(0.0, 3600.0, "s").check(rule.for_s, &format!("rules[{index}].for_s"))?;
         }
         if self.arena.start.is_none() {
-            return Err(Error::invalid("nobody says where the robot starts")
+            return Err(Error::invalid("the start of the robot is missing")
                 .field("start")
                 .hint("add e.g. start: (x_m: 1.0, y_m: 1.0), here or in the arena's file"));
         }
@@ -55,11 +55,11 @@ impl Controller {
         Ok(())
     }
 
-    /// Checks that it fits the robot of an experiment.
+    /// Checks that the controller fits the robot of an experiment.
     ///
     /// # Errors
-    /// What is wrong with it alone; more than a decision a timestep, sensors on what the robot does not have, rules about hinges
-    /// without a servo, a robot that starts in a wall or in another robot.
+    /// An error of the controller by itself; more than one decision per timestep, sensors on modules that the robot does not
+    /// have, rules about hinges without a servo, a robot that starts in a wall or in another robot.
     pub(in super::super) fn check(&self, experiment: &Experiment) -> Result<()> {
         self.check_alone()?;
         let most_hz = 1.0 / experiment.solver.timestep_s;
@@ -67,13 +67,13 @@ impl Controller {
             .check(self.rate_hz, "rate_hz")
             .map_err(|e| e.hint("at most once a timestep"))?;
         for mounted in &self.sensors {
-            seat(&experiment.assembly, mounted)?;
+            mounting_pose(&experiment.assembly, mounted)?;
         }
         self.by_hinge(experiment)?;
-        self.check_room(experiment)
+        self.check_starts(experiment)
     }
 
-    /// What the servos do by each rule, by number of the hinge.
+    /// The servo actions of each rule, by index of the hinge.
     ///
     /// # Errors
     /// A rule about a hinge without a servo.
@@ -94,7 +94,7 @@ impl Controller {
             .collect()
     }
 
-    /// The start of every robot, its own first: the field that states it, and x, y and heading.
+    /// The start of every robot, the controller's own robot first: the name of the field that states it, and x, y and heading.
     fn starts(&self) -> Vec<(String, [f64; 3])> {
         let own = self.arena.start.map(|start| ("start".to_owned(), start));
         let others = self.others.iter().enumerate();
@@ -102,7 +102,8 @@ impl Controller {
         own.into_iter().chain(others).collect()
     }
 
-    /// What all robots look like from above where they start, joints at zero, in the arena: the experiment's own first.
+    /// Outlines of all robots from above at their starts, with joints at zero, in arena coordinates; the experiment's own robot
+    /// is the first.
     pub fn plans(&self, experiment: &Experiment) -> Vec<Vec<Object>> {
         let assembly = &experiment.assembly;
         let at_start = |(_, start): (String, [f64; 3])| {
@@ -111,13 +112,13 @@ impl Controller {
             let poses: Vec<Isometry3<f64>> = parts
                 .map(|part| arena_from_robot * robot_from_part_at_zero(assembly, part))
                 .collect();
-            plan(assembly, &poses)
+            outline(assembly, &poses)
         };
         self.starts().into_iter().map(at_start).collect()
     }
 
     /// Checks that no robot starts in a wall or in another robot.
-    fn check_room(&self, experiment: &Experiment) -> Result<()> {
+    fn check_starts(&self, experiment: &Experiment) -> Result<()> {
         let plans = self.plans(experiment);
         for (robot, (field, start)) in self.starts().into_iter().enumerate() {
             let before = plans[..robot].concat();
@@ -146,7 +147,7 @@ fn unique<'a>(field: &str, names: impl Iterator<Item = &'a str>) -> Result<()> {
     let mut known: Vec<&str> = Vec::new();
     for name in names {
         if name.is_empty() || known.contains(&name) {
-            return Err(Error::invalid("every one needs a name of its own")
+            return Err(Error::invalid("names must be unique and not empty")
                 .field(field)
                 .found(format!("`{name}`")));
         }

@@ -16,61 +16,61 @@ use realgap_sensing::graph::Sensorgraph;
 use realgap_sensing::radio::{RadioModel, ServiceOptions};
 use realgap_sensing::range::find_sensor;
 
-/// What a robot reads, hears and does about it, as its file states it.
+/// A controller as its file states it: sensors, rules, radio messages and other robots.
 #[derive(Debug, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Controller")]
 pub struct ControllerFile {
     /// The arena's file, relative to this one.
     arena: PathBuf,
-    /// Where the robot starts in it; where the arena says that robots start, if nothing stands here.
+    /// Start of the robot in the arena; by default the start that the arena's file states.
     #[serde(default)]
     start: Option<StartFile>,
-    /// How often the robot reads and decides, Hz.
+    /// Rate at which the robot reads its sensors and decides, Hz.
     rate_hz: f64,
-    /// Its name for the others.
-    #[serde(default = "me")]
+    /// Name of the robot, by which other robots refer to it.
+    #[serde(default = "default_name")]
     name: String,
-    /// Its sensors.
+    /// The sensors of the robot.
     #[serde(default)]
     sensors: Vec<SensorFile>,
-    /// What it does about them: the first rule whose condition holds; its own gait where none does.
+    /// The rules of the robot: the first rule whose condition holds is followed; if none holds, the robot follows its own gait.
     #[serde(default)]
     rules: Vec<RuleFile>,
-    /// Others of its kind, each with the same sensors and rules.
+    /// Other robots of the same kind, each with the same sensors and rules.
     #[serde(default)]
     others: Vec<OtherFile>,
-    /// What they tell each other with where they are.
+    /// The radio by which the robots send each other their positions.
     #[serde(default)]
     radio: Option<RadioFile>,
 }
 
-fn me() -> String {
+fn default_name() -> String {
     super::OWN.to_owned()
 }
 
-/// A sensor on a robot. It looks along its x axis.
+/// A sensor on a robot. It measures along its x axis.
 #[derive(Debug, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Sensor")]
 struct SensorFile {
-    /// Its name.
+    /// Unique name.
     name: String,
-    /// The mark, module or body that carries it.
+    /// The mark, module or body to which the sensor is fixed.
     on: String,
-    /// Its place from the carrier's centre, along the carrier's axes, metres.
+    /// Position relative to the carrier's centre, along the carrier's axes, metres.
     #[serde(default)]
     at_m: (f64, f64, f64),
-    /// How it is turned about the carrier's z axis, degrees.
+    /// Rotation about the carrier's z axis, degrees.
     #[serde(default)]
     turn_deg: f64,
-    /// A range sensor: a model's file, relative to this one, or the name of one that comes with the program.
+    /// A range sensor: the file of a model, relative to this file, or the name of a built-in model.
     #[serde(default)]
     model: Option<String>,
-    /// A scanner in its place: a fitted sensorgraph's file, relative to this one.
+    /// A scanner instead of a range sensor: the file of a fitted sensorgraph, relative to this file.
     #[serde(default)]
     graph: Option<PathBuf>,
-    /// Which segment of the scan, from 0.
+    /// Index of the segment of the scan, from 0.
     #[serde(default)]
     segment: usize,
 }
@@ -80,16 +80,16 @@ struct SensorFile {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Rule")]
 struct RuleFile {
-    /// When it is followed.
+    /// Condition of the rule.
     when: WhenFile,
-    /// For how long once its condition holds, seconds; until the next decision where it is 0.
+    /// Time for which the rule is followed once its condition holds, seconds; 0 means until the next decision.
     #[serde(default)]
     for_s: f64,
-    /// What servos do then; those that are not named go on with their gaits.
+    /// Actions of the servos; servos that are not named continue with their gaits.
     then: Vec<ThenFile>,
 }
 
-/// A condition: a sensor with one of `below_m`, `above_m` and `silent`, or another robot that was heard.
+/// A condition: a sensor with one of `below_m`, `above_m` and `silent`, or a message from another robot.
 #[derive(Debug, Default, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "When")]
@@ -97,34 +97,34 @@ struct WhenFile {
     /// The sensor's name.
     #[serde(default)]
     sensor: Option<String>,
-    /// It reads nearer than this, metres.
+    /// The sensor measures a distance below this, metres.
     #[serde(default)]
     below_m: Option<f64>,
-    /// It reads farther than this, metres.
+    /// The sensor measures a distance above this, metres.
     #[serde(default)]
     above_m: Option<f64>,
-    /// Nothing came of it.
+    /// The sensor returns no reading.
     #[serde(default)]
     silent: bool,
-    /// The robot whose last message counts, or `any`.
+    /// The robot whose last message is evaluated, or `any`.
     #[serde(default)]
     heard: Option<String>,
-    /// It said that it is nearer than this, metres.
+    /// The position in the message is nearer than this, metres.
     #[serde(default)]
     within_m: Option<f64>,
 }
 
-/// What one servo does: one of `gait` and `hold`.
+/// Action of one servo: one of `gait` and `hold`.
 #[derive(Debug, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Then")]
 struct ThenFile {
-    /// The joint that is driven, by name.
+    /// Name of the actuated joint.
     actuator: String,
-    /// Another gait, whose time is the run's.
+    /// Another gait; its time is that of the run.
     #[serde(default)]
     gait: Option<Gait>,
-    /// A constant: an angle in radians, for the law `Direct` a torque in N m.
+    /// A constant command: an angle in radians, or a torque in N m for the law `Direct`.
     #[serde(default)]
     hold: Option<f64>,
 }
@@ -134,23 +134,23 @@ struct ThenFile {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Other")]
 struct OtherFile {
-    /// Its name.
+    /// Unique name.
     name: String,
-    /// Place to the right in the arena, metres.
+    /// Start position along the arena's x axis, metres.
     x_m: f64,
-    /// Place up, metres.
+    /// Start position along the arena's y axis, metres.
     y_m: f64,
-    /// Heading from the x axis to the left, degrees.
+    /// Start heading, measured counter-clockwise from the x axis, degrees.
     #[serde(default)]
     heading_deg: f64,
 }
 
-/// How robots tell each other where they are.
+/// The radio by which robots send each other their positions.
 #[derive(Debug, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Messages")]
 struct RadioFile {
-    /// The radio model's file, relative to this one; its sensitivity is what decides.
+    /// The radio model's file, relative to this file; messages weaker than its sensitivity do not arrive.
     model: PathBuf,
     /// Time from one message to the next, seconds.
     every_s: f64,
@@ -160,10 +160,10 @@ struct RadioFile {
     /// Standard deviation of that time, seconds.
     #[serde(default)]
     latency_sd_s: f64,
-    /// Strength above the sensitivity at which half of the messages are lost, dB.
+    /// Received strength above the sensitivity at which half of the messages are lost, dB.
     #[serde(default)]
     loss_half_db: f64,
-    /// Decibels over which the loss falls from 73 % to 27 %; 0 for a sharp edge.
+    /// Range of strength over which the loss falls from 73 % to 27 %, dB; 0 for a sharp threshold.
     #[serde(default)]
     loss_width_db: f64,
 }
@@ -182,10 +182,10 @@ impl Controller {
         Ok(controller)
     }
 
-    /// The controller in a text, whatever robot it is for, with its arena and models.
+    /// Parses a controller with its arena and models; whether it fits a robot is not checked.
     ///
     /// # Errors
-    /// Any of the files missing or malformed; two of one name, rules about sensors or robots that are not there, a start in a wall.
+    /// Missing or malformed files; duplicate names, rules about unknown sensors or robots, a start in a wall.
     pub fn parse(source: &Source) -> Result<Self> {
         let file: ControllerFile = parse_ron(source)?;
         let folder = source.path().parent().unwrap_or(Path::new(""));
@@ -301,7 +301,7 @@ impl RuleFile {
     }
 }
 
-/// Where a name stands among those there are.
+/// Index of a name in a list; an unknown name is an error.
 fn index(what: &str, name: &str, names: &[&str]) -> Result<usize> {
     look_up(what, name, names.iter().enumerate(), |(_, known)| *known).map(|(index, _)| index)
 }
@@ -335,7 +335,7 @@ impl WhenFile {
                         distance_m: distance("above_m", d)?,
                     }),
                     (None, None, true) => Ok(Condition::Silent { sensor }),
-                    _ => Err(Error::invalid("a sensor is asked one thing")
+                    _ => Err(Error::invalid("a condition on a sensor has exactly one test")
                         .allowed("one of below_m, above_m and silent: true")),
                 }
             }

@@ -1,8 +1,9 @@
-//! Sensors, rules and radio of a robot in an engine's hands, and others of its kind around it.
+//! Feedback control of simulated robots: sensors, rules, radio messages, and groups of robots.
 //!
-//! An [`Experiment`](super::Experiment) with a [`Controller`] runs with feedback: at a fixed rate every robot reads its sensors at
-//! the poses of that moment, hears what was sent to it, and changes what its servos do until the next time. Each robot is simulated in a world of
-//! its own, in step with the others: they see and hear one another, and do not touch.
+//! An [`Experiment`](super::Experiment) with a [`Controller`] runs with feedback: at a fixed rate every robot reads its sensors
+//! at the present poses, receives the messages that were sent to it, and changes the commands of its servos until the next
+//! decision. Each robot is simulated in its own world, synchronously with the others: the robots detect each other with their
+//! sensors and exchange messages, but there are no contacts between them.
 
 mod check;
 mod file;
@@ -29,53 +30,53 @@ pub use file::ControllerFile;
 pub(super) use robot_group::steered;
 pub use rule::{Condition, Rule};
 
-/// What a robot is called that has no name.
+/// Default name of a robot.
 const OWN: &str = "robot";
 
-/// What a robot reads, hears and does about it.
+/// A controller: sensors, rules and radio of a robot, and other robots in its arena.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Controller {
-    /// Where it is.
+    /// The arena that the robot is in.
     pub arena: Arc<Arena>,
-    /// How often it reads and decides, Hz.
+    /// Rate at which the robot reads its sensors and decides, Hz.
     pub rate_hz: f64,
-    /// Its sensors.
+    /// The sensors of the robot.
     pub sensors: Vec<Mounted>,
-    /// What it does about them: the first rule whose condition holds.
+    /// The rules of the robot: the first rule whose condition holds is followed.
     pub rules: Vec<Rule>,
-    /// Its name for the others.
+    /// Name of the robot, by which other robots refer to it.
     pub name: String,
-    /// Others of its kind, each with the same controller.
+    /// Other robots of the same kind, each with the same controller.
     pub others: Vec<Other>,
-    /// What they tell each other with.
+    /// The radio by which the robots exchange messages.
     pub radio: Option<Radio>,
 }
 
 /// A sensor on a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mounted {
-    /// Its name.
+    /// Unique name.
     pub name: String,
-    /// The mark, module or body that carries it.
+    /// The mark, module or body to which the sensor is fixed.
     pub on: String,
-    /// Its place from there, metres, and how it is turned about the carrier's z axis, radians. It looks along its x axis.
+    /// Position relative to the carrier's centre, along the carrier's axes, metres.
     pub at_m: Vector3<f64>,
-    /// Turn about the carrier's z axis, radians.
+    /// Rotation about the carrier's z axis, radians; the sensor measures along its own x axis.
     pub turn_rad: f64,
-    /// What it reads.
+    /// The kind of the sensor.
     pub reads: Reads,
 }
 
-/// What a sensor reads.
+/// The kind of a sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Reads {
-    /// The distance to what is ahead.
+    /// A range sensor: the distance to the nearest object ahead.
     Range(Arc<RangeModel>),
-    /// What a scanner's segment reads at its place, by a fitted sensorgraph in the arena's coordinates.
+    /// A segment of a scanner, whose reading follows from a fitted sensorgraph in the arena's coordinates.
     Scan {
         /// The sensorgraph.
         graph: Arc<Sensorgraph>,
-        /// Which segment, from 0.
+        /// Index of the segment, from 0.
         segment: usize,
     },
 }
@@ -83,88 +84,88 @@ pub enum Reads {
 /// Another robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Other {
-    /// Its name.
+    /// Unique name.
     pub name: String,
-    /// Where it begins: x and y in the arena, metres, and the heading, radians.
+    /// Start: x and y in the arena, metres, and the heading, radians.
     pub start: [f64; 3],
 }
 
-/// Messages: every robot says where it is.
+/// Radio messages: every robot sends its position.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Radio {
-    /// How strength falls.
+    /// Model of the received strength.
     pub model: Arc<RadioModel>,
     /// Time from one message to the next, seconds.
     pub every_s: f64,
-    /// How messages travel; seed and noise are those of the run.
+    /// Delay and loss of messages; seed and noise are those of the run.
     pub service: ServiceOptions,
 }
 
 /// A message that arrived.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Heard {
-    /// Who sent it, by its number in the group.
+    /// Index of the sender in the group.
     pub from: usize,
-    /// Where it was then, in the arena, metres.
+    /// Position of the sender when it sent the message, in the arena, metres.
     pub position_m: [f64; 3],
-    /// When it was sent, seconds.
+    /// Time at which the message was sent, seconds.
     pub sent_s: f64,
-    /// When it arrived.
+    /// Time at which the message arrived, seconds.
     pub arrived_s: f64,
-    /// How strong, dBm.
+    /// Received strength, dBm.
     pub strength_dbm: f64,
 }
 
-/// What one robot knows when it decides.
+/// The information that one robot has when it decides.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensed {
-    /// Which robot of the group: 0 is the experiment's own.
+    /// Index of the robot in the group: 0 is the experiment's own robot.
     pub robot: usize,
     /// Time, seconds.
     pub time_s: f64,
-    /// Where its tracked module is, in the arena: x, y and height, metres.
+    /// Position of its tracked module in the arena: x, y and height, metres.
     pub position_m: [f64; 3],
-    /// What each sensor read, in its own unit; `None` where nothing came.
+    /// Reading of each sensor, in its own unit; `None` for a sensor without a reading.
     pub readings: Vec<Option<f64>>,
     /// Angle of each hinge now, by its encoder, radians.
     pub angles_rad: Vec<f64>,
-    /// The last message of every robot that it heard, by number.
+    /// The last message of every other robot that has arrived, by index of the sender.
     pub heard: Vec<Heard>,
 }
 
-/// What one servo does until the next decision.
+/// Command of one servo until the next decision.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Steer {
-    /// Its own gait or commands.
+    /// The servo's own gait or recorded commands.
     #[default]
     Own,
-    /// Another gait, whose time is the run's.
+    /// Another gait; its time is that of the run.
     Gait(Gait),
-    /// A constant: an angle in radians, for the law `Direct` a torque in N m.
+    /// A constant command: an angle in radians, or a torque in N m for the law `Direct`.
     Hold(f64),
 }
 
-/// What was decided, once a decision of one robot.
+/// One decision of one robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Decision {
-    /// What it knew.
+    /// The information on which the decision is based.
     pub sensed: Sensed,
-    /// The rule that it followed, from 0.
+    /// Index of the rule that was followed, from 0; `None` if no condition held.
     pub rule: Option<usize>,
 }
 
-/// What a run with feedback left beside the path of its robot.
+/// Records of a run with feedback, in addition to the path of the experiment's own robot.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Log {
     /// The other robots' tracked modules, in the frame of the experiment's own run, by name.
     pub others: Vec<(String, Trajectory)>,
-    /// Every decision, in order of time and of the robots.
+    /// All decisions, in order of time and, for the same time, of the robots.
     pub decisions: Vec<Decision>,
 }
 
 impl Log {
-    /// A table with a row a decision: time, robot, place, every sensor's reading (empty where nothing came), the rule that was followed
-    /// (from 1, 0 for none), and for every robot that was heard where it was and how strong.
+    /// A table with one row per decision: time, robot, position, the reading of every sensor (empty without a reading), the rule
+    /// that was followed (from 1, 0 for none), and for every received message the sender's position and the strength.
     pub fn to_csv(&self, controller: &Controller) -> String {
         let mut text = "t_s,robot,x_m,y_m,z_m".to_owned();
         for sensor in &controller.sensors {
@@ -205,9 +206,10 @@ impl Log {
     }
 }
 
-/// Decides in place of rules: gets what one robot knows and what its servos would do by its rules, by hinge, and may change that.
+/// A callback that decides in place of rules: it gets the information of one robot and the servo commands that follow from its
+/// rules, by hinge, and may change these commands.
 ///
-/// It is called for robot after robot at the controller's rate, always in the same order.
+/// It is called at the controller's rate for one robot after the other, always in the same order.
 pub type Feedback<'a> = &'a mut dyn FnMut(&Sensed, &mut [Steer]) -> Result<()>;
 
 /// The pose of a start in the arena.
@@ -219,7 +221,8 @@ fn arena_from_start([x, y, heading]: [f64; 3]) -> Isometry3<f64> {
 }
 
 impl Controller {
-    /// One for a function alone: nothing stands around the robot, and places are those of the run itself.
+    /// A controller without sensors, rules and obstacles, for use with a [`Feedback`] callback alone; positions are those of the
+    /// run itself.
     pub fn bare(rate_hz: f64) -> Self {
         let arena = Arena {
             name: String::new(),
@@ -242,10 +245,11 @@ impl Controller {
 }
 
 impl Experiment {
-    /// Puts the robot where the controller's arena says that robots start, among its walls, with this controller.
+    /// Returns this experiment with a controller: the robot starts at the arena's start pose, and the arena's walls are added to
+    /// the scene.
     ///
     /// # Errors
-    /// Sensors, rules or others that do not fit robot and arena.
+    /// Sensors, rules or other robots that do not fit the robot and the arena.
     pub fn with_controller(&self, controller: Controller) -> Result<Self> {
         controller.check(self)?;
         let mut experiment = self.clone();

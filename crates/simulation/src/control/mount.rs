@@ -1,4 +1,4 @@
-//! Where a sensor is, and what it reads there.
+//! Mounted sensors: their poses on the robot, and their readings.
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
@@ -10,13 +10,13 @@ use realgap_robot::morphology::{Assembly, Role};
 use realgap_sensing::arena::{Arena, Object, Shape};
 use realgap_sensing::range::{Beam, InSession, RangeSensor as _};
 
-/// A beam steeper than this does not say what is around a robot: the cosine of its angle to the floor.
+/// A sensor whose beam is steeper than this returns no reading: the cosine of the beam's angle to the floor.
 const STEEP: f64 = 0.1;
-/// What stands in an arena is so high, metres: higher beams pass over it.
+/// Height of the objects of an arena, metres: beams above it pass over the objects.
 const HEIGHT_M: f64 = 0.5;
 
-/// One sensor at work.
-pub(super) struct Eye<'a> {
+/// One mounted sensor during a run.
+pub(super) struct MountedSensor<'a> {
     mounted: &'a Mounted,
     part: usize,
     part_from_sensor: Isometry3<f64>,
@@ -25,7 +25,10 @@ pub(super) struct Eye<'a> {
 }
 
 /// The part that carries a sensor, and the sensor's pose in that part's frame.
-pub(super) fn seat(assembly: &Assembly, mounted: &Mounted) -> Result<(usize, Isometry3<f64>)> {
+pub(super) fn mounting_pose(
+    assembly: &Assembly,
+    mounted: &Mounted,
+) -> Result<(usize, Isometry3<f64>)> {
     let mark = assembly.marks.iter().find(|mark| mark.name == mounted.on);
     let (part, robot_from_carrier) = match mark {
         Some(mark) => (mark.part, mark.robot_from_mark),
@@ -61,8 +64,8 @@ fn module(assembly: &Assembly, name: &str) -> Option<(usize, Isometry3<f64>)> {
     })
 }
 
-impl<'a> Eye<'a> {
-    /// The sensors of one robot of the group; what is random of each has a stream of its own.
+impl<'a> MountedSensor<'a> {
+    /// The sensors of one robot of the group; each sensor has its own random stream.
     pub fn all(
         controller: &'a Controller,
         assembly: &Assembly,
@@ -74,8 +77,9 @@ impl<'a> Eye<'a> {
             .iter()
             .enumerate()
             .map(|(index, mounted)| {
-                let (part, part_from_sensor) = seat(assembly, mounted)?;
-                // Repeats, robots and sensors never share numbers: fewer than 256 of each of the latter.
+                let (part, part_from_sensor) = mounting_pose(assembly, mounted)?;
+                // The stream numbers of repeats, robots and sensors never coincide, because there are fewer than 256 robots and
+                // fewer than 256 sensors.
                 let number = |repeat: u64| (repeat << 16) | ((robot as u64) << 8) | index as u64;
                 let session = match (&mounted.reads, draw) {
                     (Reads::Range(model), Some((seed, repeat))) => {
@@ -97,7 +101,7 @@ impl<'a> Eye<'a> {
             .collect()
     }
 
-    /// What it reads now; `None` where nothing comes.
+    /// The present reading; `None` if there is none.
     pub fn read(&mut self, arena: &Arena, arena_from_parts: &[Isometry3<f64>]) -> Option<f64> {
         let pose = arena_from_parts[self.part] * self.part_from_sensor;
         let at_m = pose.translation.vector;
@@ -113,9 +117,9 @@ impl<'a> Eye<'a> {
             }
             Reads::Range(model) => {
                 let (near_m, far_m) = model.range_m();
-                let mut beam = meets(arena, at_m, along, heading_rad, level)
+                let mut beam = cast_beam(arena, at_m, along, heading_rad, level)
                     .filter(|beam| beam.distance_m <= far_m)?;
-                // Nearer than its range it reads as at the near end.
+                // At distances below its range the sensor reads as at the near end of its range.
                 beam.distance_m = beam.distance_m.max(near_m);
                 match (&self.session, &mut self.rng) {
                     (Some(session), Some(rng)) => session.draw(&beam, rng),
@@ -126,8 +130,8 @@ impl<'a> Eye<'a> {
     }
 }
 
-/// What a beam in space meets first: something upright that stands in the arena, or the floor.
-fn meets(
+/// The first object that a beam in space cast_beam: an upright object of the arena, or the floor.
+fn cast_beam(
     arena: &Arena,
     at_m: Vector3<f64>,
     along: Vector3<f64>,
@@ -150,8 +154,9 @@ fn meets(
         .min_by(|a, b| a.distance_m.total_cmp(&b.distance_m))
 }
 
-/// What others see of a robot: the plan of every solid, the box around it along the axis that is most upright.
-pub(super) fn plan(assembly: &Assembly, arena_from_parts: &[Isometry3<f64>]) -> Vec<Object> {
+/// Outline of a robot as other robots detect it: for every solid the rectangle of its bounding box, seen along the box axis that
+/// is closest to vertical.
+pub(super) fn outline(assembly: &Assembly, arena_from_parts: &[Isometry3<f64>]) -> Vec<Object> {
     let mut objects = Vec::new();
     for (part, own) in assembly.parts.iter().enumerate() {
         let part_from_robot = robot_from_part_at_zero(assembly, part).inverse();

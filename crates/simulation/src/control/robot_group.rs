@@ -1,14 +1,15 @@
-//! Robots in step: what each senses, hears and decides at the same moment, and then one step of all.
+//! Synchronous simulation of a group of robots: all robots sense, receive messages and decide at the same moment, and then all of
+//! them advance by one step.
 
 use nalgebra::Isometry3;
 
 use super::super::experiment::Experiment;
 use super::super::outcome::Outcome;
-use super::super::run::{Course, Rollout, Run};
+use super::super::run::{Rollout, Run, RunProgress};
 use super::super::scene::SceneBody;
 use super::super::watch::RunHooks;
-use super::mount::{Eye, plan};
-use super::rule::Mind;
+use super::mount::{MountedSensor, outline};
+use super::rule::RuleSelector;
 use super::{Controller, Decision, Feedback, Heard, Log, Sensed, Steer, arena_from_start};
 use realgap_core::error::{Error, Result};
 use realgap_path::trajectory::Trajectory;
@@ -16,19 +17,20 @@ use realgap_robot::morphology::Assembly;
 use realgap_sensing::arena::Arena;
 use realgap_sensing::radio::{Delivery, Message, Service, ServiceOptions};
 
-/// One robot among the others.
-struct Member<'a> {
+/// One robot of the group during a run.
+struct GroupRobot<'a> {
     name: &'a str,
     rollout: Rollout<'a>,
-    course: Course,
-    eyes: Vec<Eye<'a>>,
-    mind: Mind,
+    progress: RunProgress,
+    sensors: Vec<MountedSensor<'a>>,
+    rule_selector: RuleSelector,
     arena_from_world: Isometry3<f64>,
-    /// What was sent to it, in the order of sending.
+    /// Messages that were sent to this robot, in the order of sending.
     inbox: Vec<Heard>,
 }
 
-/// Simulates an experiment with its controller. The feedback decides after the rules; the observer sees the experiment's own robot.
+/// Simulates an experiment with its controller. The feedback is called after the rules and may override them; the observer is
+/// called for the experiment's own robot.
 pub(in super::super) fn steered(
     experiment: &Experiment,
     controller: &Controller,
@@ -41,7 +43,7 @@ pub(in super::super) fn steered(
     let experiments = starts
         .iter()
         .enumerate()
-        .map(|(robot, (_, start))| among_walls(experiment, controller, robot, *start))
+        .map(|(robot, (_, start))| experiment_of(experiment, controller, robot, *start))
         .collect::<Result<Vec<Experiment>>>()?;
     let assemblies: Vec<Assembly> = experiments
         .iter()
@@ -50,48 +52,51 @@ pub(in super::super) fn steered(
     let mut group = Vec::with_capacity(starts.len());
     for (robot, (name, start)) in starts.iter().enumerate() {
         let mut rollout = Rollout::new(&experiments[robot], &assemblies[robot])?;
-        let mut nobody = None;
-        let watched = if robot == 0 {
+        let mut no_observer = None;
+        let observer = if robot == 0 {
             &mut hooks.observer
         } else {
-            &mut nobody
+            &mut no_observer
         };
-        let course = match rollout.begin(&experiments[robot], watched)? {
-            Ok(course) => course,
+        let progress = match rollout.begin(&experiments[robot], observer)? {
+            Ok(progress) => progress,
             Err(divergence) => {
                 let outcome = Outcome::Diverged(divergence);
-                return Ok((rollout.told(outcome), Log::default()));
+                return Ok((rollout.take_run(outcome), Log::default()));
             }
         };
-        group.push(Member {
+        group.push(GroupRobot {
             name,
             rollout,
-            course,
-            eyes: Eye::all(
+            progress,
+            sensors: MountedSensor::all(
                 controller,
                 &assemblies[robot],
                 robot,
                 experiment.perturbation.draw,
             )?,
-            mind: Mind::default(),
+            rule_selector: RuleSelector::default(),
             arena_from_world: arena_from_start(*start),
             inbox: Vec::new(),
         });
     }
     let by_rule = controller.by_hinge(experiment)?;
-    let air = Air::new(controller, experiment.perturbation.draw)?;
+    let channel = RadioChannel::new(controller, experiment.perturbation.draw)?;
     let mut log = Log::default();
     let timestep_s = experiment.solver.timestep_s;
     let (mut decisions, mut sendings) = (0_u64, 0_u64);
-    for step in 1..=group[0].course.steps {
-        hooks.tell(step - 1, group[0].course.steps)?;
+    for step in 1..=group[0].progress.steps {
+        hooks.report_progress(step - 1, group[0].progress.steps)?;
         let now_s = (step - 1) as f64 * timestep_s;
-        // Times of decisions are whole multiples of the period, so that rounding does not add up.
+        // Times of decisions are whole multiples of the period, so that rounding errors do not accumulate.
         if now_s + 1e-9 >= decisions as f64 / controller.rate_hz {
             decisions += 1;
-            let poses: Vec<Vec<Isometry3<f64>>> = group.iter().map(Member::poses).collect();
-            if let Some(air) = air.as_ref().filter(|air| air.is_due(now_s, sendings)) {
-                air.send(&mut group, now_s, sendings);
+            let poses: Vec<Vec<Isometry3<f64>>> = group.iter().map(GroupRobot::poses).collect();
+            if let Some(channel) = channel
+                .as_ref()
+                .filter(|channel| channel.is_due(now_s, sendings))
+            {
+                channel.send(&mut group, now_s, sendings);
                 sendings += 1;
             }
             decide(
@@ -105,13 +110,13 @@ pub(in super::super) fn steered(
             )?;
         }
         for (robot, member) in group.iter_mut().enumerate() {
-            let mut nobody = None;
-            let watched = if robot == 0 {
+            let mut no_observer = None;
+            let observer = if robot == 0 {
                 &mut hooks.observer
             } else {
-                &mut nobody
+                &mut no_observer
             };
-            let Some(mut divergence) = member.rollout.advance(&mut member.course, step, watched)
+            let Some(mut divergence) = member.rollout.advance(&mut member.progress, step, observer)
             else {
                 continue;
             };
@@ -119,23 +124,23 @@ pub(in super::super) fn steered(
                 divergence.why = format!("robot {}: {}", member.name, divergence.why);
             }
             let outcome = Outcome::Diverged(divergence);
-            return Ok((group[0].rollout.told(outcome), log));
+            return Ok((group[0].rollout.take_run(outcome), log));
         }
     }
-    arrived(group, &arena_from_start(start).inverse(), log)
+    collect(group, &arena_from_start(start).inverse(), log)
 }
 
-/// What the robot did, and the others in its frame.
-fn arrived(
-    group: Vec<Member<'_>>,
+/// The run of the experiment's own robot, and the log with the paths of the other robots in its frame.
+fn collect(
+    group: Vec<GroupRobot<'_>>,
     own_from_arena: &Isometry3<f64>,
     mut log: Log,
 ) -> Result<(Run, Log)> {
     let mut own = None;
     for mut member in group {
-        let path = member.course.finish()?;
+        let path = member.progress.finish()?;
         if own.is_none() {
-            own = Some(member.rollout.told(Outcome::Completed(path)));
+            own = Some(member.rollout.take_run(Outcome::Completed(path)));
         } else {
             let path = moved(&path, &(own_from_arena * member.arena_from_world))?;
             log.others.push((member.name.to_owned(), path));
@@ -145,8 +150,8 @@ fn arrived(
     Ok((own, log))
 }
 
-/// The experiment of one robot: the same, where it begins in the arena.
-fn among_walls(
+/// The experiment of one robot of the group: the same experiment, with the walls of the arena relative to the robot's own start.
+fn experiment_of(
     experiment: &Experiment,
     controller: &Controller,
     robot: usize,
@@ -181,57 +186,57 @@ fn moved(path: &Trajectory, by: &Isometry3<f64>) -> Result<Trajectory> {
     }
 }
 
-impl Member<'_> {
-    /// Poses of its parts in the arena.
+impl GroupRobot<'_> {
+    /// Poses of the robot's parts in the arena.
     fn poses(&self) -> Vec<Isometry3<f64>> {
         let parts = self.rollout.poses().into_iter();
         parts.map(|pose| self.arena_from_world * pose).collect()
     }
 
-    /// Where its tracked module is in the arena, metres.
+    /// Position of the robot's tracked module in the arena, metres.
     fn place_m(&self) -> [f64; 3] {
         let at = nalgebra::Point3::from(self.rollout.track().position_world_m);
         (self.arena_from_world * at).coords.into()
     }
 }
 
-/// Every robot senses where all are now, and decides.
+/// Every robot reads its sensors at the present poses of all robots, and decides.
 fn decide(
     (controller, by_rule): (&Controller, &[Vec<(usize, Steer)>]),
     assemblies: &[Assembly],
     poses: &[Vec<Isometry3<f64>>],
-    group: &mut [Member<'_>],
+    group: &mut [GroupRobot<'_>],
     now_s: f64,
     feedback: &mut Option<Feedback<'_>>,
     log: &mut Log,
 ) -> Result<()> {
-    let plans: Vec<_> = assemblies
+    let outlines: Vec<_> = assemblies
         .iter()
         .zip(poses)
-        .map(|(a, poses)| plan(a, poses))
+        .map(|(a, poses)| outline(a, poses))
         .collect();
     for (robot, member) in group.iter_mut().enumerate() {
-        let mut seen = Arena::clone(&controller.arena);
-        for (_, plan) in plans
+        let mut surroundings = Arena::clone(&controller.arena);
+        for (_, outline) in outlines
             .iter()
             .enumerate()
             .filter(|(other, _)| *other != robot)
         {
-            seen.objects.extend(plan.iter().cloned());
+            surroundings.objects.extend(outline.iter().cloned());
         }
         let sensed = Sensed {
             robot,
             time_s: now_s,
             position_m: member.place_m(),
             readings: member
-                .eyes
+                .sensors
                 .iter_mut()
-                .map(|eye| eye.read(&seen, &poses[robot]))
+                .map(|sensor| sensor.read(&surroundings, &poses[robot]))
                 .collect(),
             angles_rad: member.rollout.angles_rad(),
             heard: last_heard(&member.inbox, now_s),
         };
-        let rule = member.mind.decide(controller, &sensed);
+        let rule = member.rule_selector.decide(controller, &sensed);
         let steering = member.rollout.steering();
         steering.fill(Steer::Own);
         for (hinge, steer) in rule.iter().flat_map(|rule| &by_rule[*rule]) {
@@ -245,7 +250,7 @@ fn decide(
     Ok(())
 }
 
-/// Of every sender the message that was sent last of those that have arrived.
+/// For every sender the latest message among those that have collect.
 fn last_heard(inbox: &[Heard], now_s: f64) -> Vec<Heard> {
     let mut last: Vec<Heard> = Vec::new();
     for heard in inbox.iter().filter(|heard| heard.arrived_s <= now_s + 1e-9) {
@@ -258,20 +263,20 @@ fn last_heard(inbox: &[Heard], now_s: f64) -> Vec<Heard> {
     last
 }
 
-/// What messages go through.
-struct Air<'a> {
+/// The radio channel that carries the messages.
+struct RadioChannel<'a> {
     service: Service<'a>,
     every_s: f64,
 }
 
-impl<'a> Air<'a> {
+impl<'a> RadioChannel<'a> {
     fn new(controller: &'a Controller, draw: Option<(u64, u64)>) -> Result<Option<Self>> {
         let Some(radio) = &controller.radio else {
             return Ok(None);
         };
         let (seed, repeat) = draw.unwrap_or_default();
         let options = ServiceOptions {
-            // Repeats have places and messages of their own.
+            // Each repeat has its own random shadowing and message losses.
             seed: seed ^ (repeat << 32),
             noise: draw.is_some(),
             ..radio.service
@@ -286,9 +291,9 @@ impl<'a> Air<'a> {
         now_s + 1e-9 >= sendings as f64 * self.every_s
     }
 
-    /// Every robot tells every other where it is now.
-    fn send(&self, group: &mut [Member<'_>], at_s: f64, sending: u64) {
-        let places: Vec<[f64; 3]> = group.iter().map(Member::place_m).collect();
+    /// Every robot sends its present position to every other robot.
+    fn send(&self, group: &mut [GroupRobot<'_>], at_s: f64, sending: u64) {
+        let places: Vec<[f64; 3]> = group.iter().map(GroupRobot::place_m).collect();
         let count = places.len() as u64;
         for (to, member) in group.iter_mut().enumerate() {
             for (from, from_m) in places.iter().enumerate().filter(|(from, _)| *from != to) {

@@ -1,53 +1,54 @@
-//! Threshold rules: when something is near, another gait for a while.
+//! Threshold rules: a condition on a sensor or message, and servo actions for a time.
 
 use super::{Controller, Heard, Reads, Sensed, Steer};
 use realgap_sensing::range::{Beam, RangeSensor as _, ReadingUnit};
 
-/// What has to hold for a rule.
+/// The condition of a rule.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Condition {
-    /// A sensor reads a distance nearer than this, metres.
+    /// A sensor measures a distance below this, metres.
     Below {
         /// Index of the sensor.
         sensor: usize,
         /// Distance, metres.
         distance_m: f64,
     },
-    /// A sensor reads a distance farther than this, metres.
+    /// A sensor measures a distance above this, metres.
     Above {
         /// Index of the sensor.
         sensor: usize,
         /// Distance, metres.
         distance_m: f64,
     },
-    /// No reading came of this sensor.
+    /// A sensor returns no reading.
     Silent {
         /// Index of the sensor.
         sensor: usize,
     },
-    /// Another robot said that it is nearer than this, metres; any robot where none is named.
+    /// The position in another robot's last message is nearer than this, metres; any robot's if none is named.
     Heard {
-        /// Number of the robot.
+        /// Index of the robot.
         from: Option<usize>,
-        /// Distance from here to where it was when it sent, metres.
+        /// Distance between this robot and the position in the message, metres.
         within_m: f64,
     },
-    /// Always: what is done where nothing else is.
+    /// Always true: for a default rule.
     Always,
 }
 
 /// One rule.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rule {
-    /// When.
+    /// Condition of the rule.
     pub when: Condition,
-    /// For how long it is followed once it holds, seconds; 0 until the next decision.
+    /// Time for which the rule is followed once its condition holds, seconds; 0 means until the next decision.
     pub for_s: f64,
-    /// What servos do then, by the name of their hinge; those that are not named go on by themselves.
+    /// Servo actions, by the name of the hinge; servos that are not named continue with their own commands.
     pub then: Vec<(String, Steer)>,
 }
 
-/// What a sensor would read at a distance is above its threshold, or below it where readings fall with the distance.
+/// Whether a reading means a distance below `distance_m`. The readings of a sensor may rise or fall with the distance, so the
+/// reading is compared with the mean readings at this distance and at a smaller one.
 fn is_nearer(reads: &Reads, reading: f64, distance_m: f64) -> bool {
     let Reads::Range(sensor) = reads else {
         return reading < distance_m;
@@ -77,8 +78,8 @@ impl Condition {
             Self::Silent { sensor } => of(*sensor).is_none(),
             Self::Heard { from, within_m } => {
                 let is_near = |heard: &Heard| {
-                    let apart = [0, 1, 2].map(|k| heard.position_m[k] - sensed.position_m[k]);
-                    apart[0].hypot(apart[1]).hypot(apart[2]) < *within_m
+                    let offset_m = [0, 1, 2].map(|k| heard.position_m[k] - sensed.position_m[k]);
+                    offset_m[0].hypot(offset_m[1]).hypot(offset_m[2]) < *within_m
                 };
                 let mut heard = sensed.heard.iter();
                 heard.any(|heard| from.is_none_or(|from| from == heard.from) && is_near(heard))
@@ -88,14 +89,14 @@ impl Condition {
     }
 }
 
-/// Which rule one robot follows, and until when.
+/// The rule that one robot follows, and the time until which it follows it.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Mind {
+pub(super) struct RuleSelector {
     followed: Option<(usize, f64)>,
 }
 
-impl Mind {
-    /// The rule that is followed from now on; one that has its time is kept until that is over.
+impl RuleSelector {
+    /// Selects the rule to follow from now on; a rule whose time is not over is kept.
     pub fn decide(&mut self, controller: &Controller, sensed: &Sensed) -> Option<usize> {
         if let Some((rule, until_s)) = self.followed
             && sensed.time_s < until_s - 1e-9

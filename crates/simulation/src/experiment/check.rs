@@ -1,11 +1,11 @@
-//! What an experiment must be to be simulated.
+//! Validation of an experiment before it is simulated.
 
 use super::{EngineChoice, Experiment, FrictionModel, JointFormulation, Sampling};
 use realgap_core::error::{Error, Result};
 use realgap_robot::morphology::{Hinge, Role};
 
-/// A part whose bearing gives way has at least this share of the mass of the other part there: as stiff as both swing, it would
-/// hold nothing else.
+/// A part with a compliant bearing needs at least this fraction of the mass of the other part at the hinge: the stiffness follows
+/// from the reduced mass of both parts, so the bearing of a much lighter part could not support anything else.
 const LEAST_BESIDE: f64 = 0.01;
 
 impl Experiment {
@@ -71,14 +71,14 @@ impl Experiment {
         Ok(())
     }
 
-    /// Energy is counted where the engine says what contacts did.
+    /// Checks that the energy balance can be computed: it needs the impulses of contacts from the engine.
     fn check_energy(&self) -> Result<()> {
         let Some(from_s) = self.energy_from_s else {
             return Ok(());
         };
         if !(0.0..self.duration_s).contains(&from_s) {
             return Err(
-                Error::invalid("energy is counted from a time within the run")
+                Error::invalid("the start of the energy balance is outside of the run")
                     .field("energy_from_s")
                     .found(format!("{from_s} s"))
                     .allowed(format!("0 to less than {} s", self.duration_s)),
@@ -86,12 +86,12 @@ impl Experiment {
         }
         if self.vehicle.is_some() {
             return Err(Error::invalid(
-                "a vehicle has no servos whose work could be counted",
+                "a vehicle has no servos, so there is no energy balance",
             ));
         }
         if self.assembly.is_compliant() {
             return Err(
-                Error::invalid("energy in bearings that give way is not counted")
+                Error::invalid("the energy balance does not support compliant bearings")
                     .field("hinge.bearing_hz")
                     .allowed("0"),
             );
@@ -99,7 +99,7 @@ impl Experiment {
         let is_pyramid = self.contact.friction_model == FrictionModel::Simplified;
         if is_pyramid && self.joint_kind() == JointFormulation::Impulse {
             return Err(
-                Error::invalid("this friction model does not say what friction did")
+                Error::invalid("the energy balance needs friction impulses, which this friction model does not report")
                     .field("contact.friction_model")
                     .found("Simplified")
                     .allowed("Coulomb"),
@@ -108,8 +108,8 @@ impl Experiment {
         Ok(())
     }
 
-    /// Bearings give way only where hinges are constraints between bodies that weigh something, and Rapier would soften their
-    /// stops, too, and take the springs out again in passes without bias.
+    /// Checks that bearings can be compliant. This needs impulse joints between parts with mass. Rapier would also soften limits
+    /// of a compliant hinge, and passes without bias would remove the springs.
     fn check_compliance(&self) -> Result<()> {
         let hinges = self.assembly.hinges.iter();
         let compliant = || hinges.clone().filter(|hinge| hinge.bearing.is_compliant());
@@ -123,22 +123,22 @@ impl Experiment {
         };
         let (why, allowed) = if self.joint_kind() != JointFormulation::Impulse {
             (
-                "multibody joints cannot give way",
+                "multibody joints cannot be compliant",
                 "0, or impulse joints (solver.joint 0)",
             )
         } else if self.solver.relaxations > 0 {
             (
-                "passes without bias undo what gives way",
+                "passes without bias (relaxations) remove the compliance",
                 "0, or solver.relaxations 0",
             )
         } else if compliant().any(|hinge| hinge.bearing.limits_rad.is_some()) {
             (
-                "a hinge with limits cannot give way",
+                "a hinge with limits cannot be compliant",
                 "0, or a hinge without limits",
             )
         } else if compliant().any(is_light) {
             (
-                "a bearing of a part that weighs next to nothing cannot give way",
+                "the bearing of a part with almost no mass cannot be compliant",
                 "0",
             )
         } else {
@@ -149,22 +149,20 @@ impl Experiment {
             .allowed(allowed))
     }
 
-    /// Rapier's cones are exact.
+    /// Checks that the engine supports the friction model: Rapier has no relaxed cone.
     fn check_friction(&self) -> Result<()> {
         let is_relaxed = self.contact.friction_model == FrictionModel::Relaxed;
         if !is_relaxed || EngineChoice::new(self.engine()) != EngineChoice::default() {
             return Ok(());
         }
-        Err(
-            Error::invalid("this engine has no relaxed cone of friction")
-                .field("contact.friction_model")
-                .found(format!("Relaxed (2), in {}", self.engine_version()))
-                .allowed("Simplified (0) and Coulomb (1)")
-                .hint("choose the engine `tree`, whose number in `solver.engine` is 1"),
-        )
+        Err(Error::invalid("this engine has no relaxed friction cone")
+            .field("contact.friction_model")
+            .found(format!("Relaxed (2), in {}", self.engine_version()))
+            .allowed("Simplified (0) and Coulomb (1)")
+            .hint("choose the engine `tree`, whose number in `solver.engine` is 1"))
     }
 
-    /// A cube cannot be rounder than a ball.
+    /// Checks that the edge radius is smaller than half of the narrowest cube.
     fn check_edges(&self) -> Result<()> {
         let radius_m = self.adjustment.edge_radius_m;
         let smallest_m = self
@@ -178,11 +176,9 @@ impl Experiment {
         if radius_m == 0.0 || (0.0..smallest_m).contains(&radius_m) {
             return Ok(());
         }
-        Err(
-            Error::invalid("the edges are rounder than the cube is wide")
-                .field("body.edge_radius_m")
-                .found(format!("{radius_m} m"))
-                .allowed(format!("less than half the narrowest cube, {smallest_m} m")),
-        )
+        Err(Error::invalid("the edge radius is too large for the cube")
+            .field("body.edge_radius_m")
+            .found(format!("{radius_m} m"))
+            .allowed(format!("less than half the narrowest cube, {smallest_m} m")))
     }
 }

@@ -1,29 +1,29 @@
-//! What an export format is.
+//! The trait of export formats, and the type of an exported robot.
 
 use super::robot::Robot;
 use realgap_core::warning::Warning;
 
-/// A robot as text.
+/// An exported robot: the text of its file, warnings, and additional files.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Exported {
     /// The whole file.
     pub text: String,
-    /// What the format cannot carry.
+    /// Warnings about everything that the format cannot represent.
     pub warnings: Vec<Warning>,
-    /// Files that it names, which belong beside it: name and contents.
+    /// Files that the text refers to and that belong beside it: name and contents.
     pub files: Vec<(String, Vec<u8>)>,
 }
 
-/// A file format of robots that other programs read.
+/// A file format for robots that other programs can read.
 ///
-/// Contract: every morphology can be rendered; the text is well formed; masses are complete; every
-/// warning is also a comment in the text.
+/// Contract: every morphology can be exported; the text is well formed; the masses are complete; every warning is also a comment
+/// in the text.
 pub trait Format: Sync {
     /// Name, e.g. `mjcf`.
     fn name(&self) -> &'static str;
-    /// One line for people.
+    /// Description of the format in one line.
     fn doc(&self) -> &'static str;
-    /// Writes the robot.
+    /// Converts the robot into the format.
     fn render(&self, robot: &Robot<'_>) -> Exported;
 }
 

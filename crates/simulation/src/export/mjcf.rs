@@ -1,4 +1,4 @@
-//! MJCF, the format of MuJoCo: the whole experiment but restitution and contact softness.
+//! Export to MJCF, the format of MuJoCo: the whole experiment except restitution and contact softness.
 
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 
@@ -14,8 +14,8 @@ pub(super) struct Mjcf;
 
 /// Time per step, s. Light parts behind saturated servos need it this short (docs/fidelity.md).
 const TIMESTEP_S: f64 = 1.0 / 8000.0;
-/// Contacts twenty times shorter than MuJoCo's default time constant, whose softness alone can turn the direction
-/// of a walking robot (docs/fidelity.md).
+/// Contact parameters with a time constant twenty times shorter than MuJoCo's default, whose softness alone can reverse the
+/// direction in which a robot walks (docs/fidelity.md).
 const SOLREF: &str = "0.002 1";
 const SOLIMP: &str = "0.95 0.99 0.001";
 /// Height above the floor at the start, m.
@@ -45,7 +45,8 @@ impl Format for Mjcf {
                 Element::new("option")
                     .with("timestep", numbers([TIMESTEP_S]))
                     .with("gravity", numbers([0.0, 0.0, -robot.gravity_m_s2]))
-                    // Euler takes servo damping explicitly, so that light joints rattle; a pyramid favours its axes.
+                    // MuJoCo's Euler integrator treats servo damping explicitly, so that light joints oscillate; a friction
+                    // pyramid favours the directions of its axes.
                     .with("integrator", "implicitfast")
                     .with("cone", "elliptic"),
             )
@@ -65,7 +66,7 @@ impl Format for Mjcf {
         }
         let mut world = Element::new("worldbody");
         world.comment(
-            "The floor's priority makes its friction that of every pair with it; two modules rub with its square, as in realgap.",
+            "Because of the floor's priority, its friction is that of every pair with the floor; the friction of two modules is its square, as in realgap.",
         );
         world.push(floor(robot));
         world.push(body(robot, 0, &[]));
@@ -77,9 +78,10 @@ impl Format for Mjcf {
             let joined = hinges
                 .iter()
                 .map(|hinge| (hinge.parent_part, hinge.child_part));
-            // A part of nothing is a joint of the next one: their neighbours are those of the whole chain.
+            // A part without mass and shape becomes an additional joint of the next part, so the neighbours to exclude are those
+            // of the whole chain.
             let is_body = |part: usize| part == 0 || !is_joint_of_next(robot, part);
-            let pairs = joined.chain(robot.parts_apart());
+            let pairs = joined.chain(robot.excluded_part_pairs());
             for (a, b) in pairs.filter(|(a, b)| is_body(*a) && is_body(*b)) {
                 contact.push(
                     Element::new("exclude")
@@ -106,15 +108,16 @@ impl Format for Mjcf {
 fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
     let mut warnings = vec![
         Code::RestitutionNotExported.warning(format!(
-            "restitution {} (MuJoCo has no such coefficient; its contacts hardly bounce)",
+            "restitution {} (MuJoCo has no restitution coefficient; its contacts hardly bounce)",
             robot.floor.restitution
         )),
         Code::SolverNotExported.warning(
-            "realgap's timestep, substeps and contact settings (the file has hardened MuJoCo settings of its own)",
+            "realgap's timestep, substeps and contact settings (the file has its own, stiffer MuJoCo settings)",
         ),
     ];
     if robot.assembly.is_compliant() {
-        warnings.push(Code::SpringNotExported.warning("how bearings give way (hinge.bearing_hz)"));
+        warnings
+            .push(Code::SpringNotExported.warning("the compliance of bearings (hinge.bearing_hz)"));
     }
     if robot.has_servos() {
         warnings.push(Code::GaitNeedsProgram.warning(
@@ -124,7 +127,7 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
     warnings
 }
 
-/// Gait and servo law, for programs.
+/// Gait and servo law as custom elements, which programs can read.
 fn custom(robot: &Robot<'_>) -> Element {
     let mut custom = Element::new("custom");
     custom.comment("gait_*: offset rad, amplitude rad, frequency Hz, phase rad. Command: offset + amplitude sin(2 pi frequency t + phase).");
@@ -194,7 +197,7 @@ fn custom(robot: &Robot<'_>) -> Element {
     custom
 }
 
-/// The module whose cube is at the tracked pose.
+/// The module whose cube is nearest to the tracked position.
 fn track_module(robot: &Robot<'_>) -> usize {
     let track_m = robot.assembly.robot_from_track.translation.vector;
     robot.assembly.parts[robot.assembly.track_part]
@@ -220,12 +223,12 @@ fn floor(robot: &Robot<'_>) -> Element {
         .with("priority", "1")
 }
 
-/// Whether MuJoCo has a part as one more joint of the next: a link of nothing with one joint on it.
+/// Whether a part is exported as an additional joint of the next part: a link without mass and shape that carries one joint.
 fn is_joint_of_next(robot: &Robot<'_>, part: usize) -> bool {
-    part > 0 && robot.is_nothing(part) && robot.hinges_on(part).count() == 1
+    part > 0 && robot.is_empty_link(part) && robot.hinges_on(part).count() == 1
 }
 
-/// Name of a part; `world` is MuJoCo's own.
+/// Name of a part; the name `world` is reserved by MuJoCo.
 fn name_of(robot: &Robot<'_>, part: usize) -> String {
     match robot.part_name(part) {
         name if name == "world" => "world.held".to_owned(),
@@ -233,7 +236,7 @@ fn name_of(robot: &Robot<'_>, part: usize) -> String {
     }
 }
 
-/// A hull as an asset: MuJoCo makes it convex by itself.
+/// A hull as a mesh asset; MuJoCo computes the convex hull of the vertices.
 fn mesh_of<'a>(robot: &'a Robot<'_>) -> impl Fn((&'a Solid, &'a [Vector3<f64>])) -> Element + 'a {
     |(solid, points_m)| {
         Element::new("mesh")
@@ -242,7 +245,8 @@ fn mesh_of<'a>(robot: &'a Robot<'_>) -> impl Fn((&'a Solid, &'a [Vector3<f64>]))
     }
 }
 
-/// A part with the joints that move it: one, or several with links of nothing between them, which MuJoCo has as joints of one body.
+/// A part with the joints that move it. Several joints with links without mass and shape between them are joints of one body in
+/// MuJoCo.
 fn body(robot: &Robot<'_>, part: usize, hinges: &[&Hinge]) -> Element {
     let cluster = &robot.assembly.parts[part];
     let on_it: Vec<&Hinge> = robot.hinges_on(part).collect();
@@ -296,7 +300,7 @@ fn body(robot: &Robot<'_>, part: usize, hinges: &[&Hinge]) -> Element {
                 ]),
             )
     };
-    // What is held may weigh nothing.
+    // A fixed part may have no mass.
     if mass.mass_kg > 0.0 {
         element.push(inertial());
     }
@@ -340,7 +344,7 @@ fn joint(hinge: &Hinge, origin_m: &Vector3<f64>) -> Element {
         .with("axis", vector(&hinge.axis_robot))
         .with("pos", vector(&(hinge.anchor_robot_m - origin_m)));
     let bearing = &hinge.bearing;
-    // MuJoCo's friction does not depend on load or speed: a gear's dry and viscous parts are what it can be told.
+    // MuJoCo's joint friction does not depend on load, so only the dry and viscous parts of a gear's friction are exported.
     let motor = hinge.actuator.as_ref().and_then(|a| a.servo.law.motor());
     let gear = motor.map(|motor| motor.friction).unwrap_or_default();
     let viscous_nm_s_rad = bearing.viscous_nm_s_rad + gear.viscous_nm_s_rad;
@@ -440,7 +444,7 @@ fn motor(name: &str, servo: &Servo) -> Element {
             stiffness_nm_rad,
             damping_nm_s_rad,
         } => spring(motor, stiffness_nm_rad, damping_nm_s_rad),
-        // The duty's limit is lost, but for the torque at standstill.
+        // The limit of the duty is not exported, except for the torque at standstill.
         ServoLaw::Motor(law) => spring(motor, law.stiffness_nm_rad(), law.damping_nm_s_rad()),
         ServoLaw::Direct => motor.with("gainprm", "1").with("biasprm", "0 0 0"),
     }

@@ -1,7 +1,7 @@
-//! Robots for other simulators: one trait, one registry, one file per format.
+//! Export of robots for other simulators: one trait, one registry, one file per format.
 //!
-//! What is exported is the robot of an [`Experiment`](crate::Experiment), so calibrated parameters travel with it. What
-//! a format cannot carry is said twice: as warnings, and as comments in the file.
+//! The exported robot is that of an [`Experiment`](crate::Experiment), so it includes calibrated parameters. Properties that a
+//! format cannot represent are reported both as warnings and as comments in the file.
 //!
 //! ```
 //! use realgap_simulation::export::{Robot, format_named};

@@ -1,4 +1,4 @@
-//! The robot as export formats see it: parts with mass, names and frames.
+//! The robot in the form that export formats use: parts with mass, names and frames.
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
@@ -6,7 +6,7 @@ use crate::{Experiment, Floor};
 use realgap_core::warning::Warning;
 use realgap_robot::morphology::{Actuator, Assembly, Hinge, Morphology, Part, Role, Shape, Solid};
 
-/// A robot to be exported, with the world it stands in.
+/// A robot to be exported, with floor and gravity.
 #[derive(Debug, Clone)]
 pub struct Robot<'a> {
     /// Name of the morphology.
@@ -33,7 +33,7 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// What the head of an exported file says: where it comes from, what `remark` adds, what is not in it.
+    /// Comments at the head of an exported file: its origin, the text `remark`, and everything that the format cannot represent.
     pub(super) fn comments(&self, remark: &str, not_carried: &[Warning]) -> Vec<String> {
         let mut comments = vec![format!(
             "Robot {} exported by realgap {}. SI units, radians, z up.{remark}",
@@ -59,7 +59,7 @@ impl<'a> Robot<'a> {
             .filter(move |hinge| hinge.parent_part == part)
     }
 
-    /// The hinges that a servo drives, each with what drives it.
+    /// The hinges that a servo drives, each with its actuator.
     pub(super) fn driven_hinges(&self) -> impl Iterator<Item = (&Hinge, &Actuator)> {
         let hinges = self.assembly.hinges.iter();
         hinges.filter_map(|hinge| Some((hinge, hinge.actuator.as_ref()?)))
@@ -74,8 +74,8 @@ impl<'a> Robot<'a> {
         })
     }
 
-    /// Whether a part has neither mass nor surface: what stands between two joints of one body.
-    pub(super) fn is_nothing(&self, part: usize) -> bool {
+    /// Whether a part has neither mass nor shape: a link between two joints of one body.
+    pub(super) fn is_empty_link(&self, part: usize) -> bool {
         let mut solids = self.assembly.parts[part].solids.iter();
         solids.all(|solid| solid.mass_kg == 0.0 && solid.shape == Shape::Nothing)
     }
@@ -85,8 +85,8 @@ impl<'a> Robot<'a> {
         self.driven_hinges().next().is_some()
     }
 
-    /// Pairs of different parts that hold modules which never touch.
-    pub(super) fn parts_apart(&self) -> Vec<(usize, usize)> {
+    /// Pairs of different parts that contain modules between which no contacts are computed.
+    pub(super) fn excluded_part_pairs(&self) -> Vec<(usize, usize)> {
         let part_of = |module: usize| {
             let mut parts = self.assembly.parts.iter();
             parts.position(|part| {
@@ -95,7 +95,7 @@ impl<'a> Robot<'a> {
             })
         };
         let mut pairs = Vec::new();
-        for &(a, b) in &self.assembly.apart {
+        for &(a, b) in &self.assembly.collision_exclude {
             if let (Some(a), Some(b)) = (part_of(a), part_of(b))
                 && a != b
                 && !pairs.contains(&(a, b))
@@ -116,7 +116,8 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// Name of a part: its first module where that is a cube, else the plate it begins with. No two parts share a box.
+    /// Name of a part: that of its first module if its first solid is a cube, otherwise that of its first plate. No two parts
+    /// share a solid, so names are unique.
     pub(super) fn part_name(&self, part: usize) -> String {
         match self.assembly.parts[part].solids.first() {
             Some(solid) if solid.role == Role::Cube => {

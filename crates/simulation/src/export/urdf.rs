@@ -1,4 +1,4 @@
-//! URDF, the format of ROS and PyBullet: bodies, hinges and servo limits only.
+//! Export to URDF, the format of ROS and PyBullet: bodies, hinges and servo limits only.
 
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 
@@ -12,9 +12,9 @@ use realgap_robot::morphology::{Bearing, Freedom, Hinge, Shape, Solid};
 /// The Unified Robot Description Format.
 pub(super) struct Urdf;
 
-/// Limits of a slide that has none, metres.
+/// Limits that are written for a slide without limits, metres.
 const UNLIMITED_M: f64 = 1e3;
-/// Speed limit of a servo that has none: URDF wants a number, rad/s.
+/// Speed limit that is written for a servo without one, because URDF requires a number, rad/s.
 const UNLIMITED_RAD_S: f64 = 1e4;
 
 impl Format for Urdf {
@@ -33,14 +33,14 @@ impl Format for Urdf {
             &warnings,
         );
         let mut root = Element::new("robot").with("name", robot.name);
-        // A root called world is held by its name.
+        // In URDF a root link named `world` is fixed to the world.
         let mount = robot.assembly.world_from_mount.as_ref();
         if let Some(mount) = mount.filter(|_| robot.part_name(0) != MOUNT) {
             root.push(Element::new("link").with("name", MOUNT));
             root.push(held(robot, mount));
         }
         root.push(link(robot, 0, &origin_robot_m(&robot.assembly.parts[0])));
-        // Parents come before their children in the assembly, as URDF readers like it.
+        // Parents precede their children in the assembly, as readers of URDF expect.
         for hinge in &robot.assembly.hinges {
             root.push(link(robot, hinge.child_part, &hinge.anchor_robot_m));
             root.push(joint(robot, hinge));
@@ -88,21 +88,21 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
     }
     if !robot.assembly.hinges.is_empty() {
         warnings.push(Code::ExclusionNotExported.warning(
-            "that parts joined by a hinge do not collide (most readers assume it, URDF cannot say it)",
+            "the exclusion of collisions between parts joined by a hinge (most readers assume it, URDF cannot state it)",
         ));
         if robot
             .driven_hinges()
             .any(|(_, driven)| driven.servo.max_speed_rad_s.is_infinite())
         {
             warnings.push(Code::SpeedLimitInvented.warning(format!(
-                "servos without speed limit (URDF demands one: {UNLIMITED_RAD_S} rad/s stands in)"
+                "servos without a speed limit (URDF requires one: {UNLIMITED_RAD_S} rad/s is written)"
             )));
         }
     }
     warnings
 }
 
-/// Origin of a link's frame: the anchor of the hinge that moves it, as URDF demands.
+/// Origin of a link's frame: the anchor of the hinge that moves it, as URDF requires.
 fn link_origin_robot_m(robot: &Robot<'_>, part: usize) -> Vector3<f64> {
     robot
         .assembly
@@ -190,12 +190,13 @@ fn geometry(robot: &Robot<'_>, solid: &Solid) -> Element {
     }
 }
 
-/// The file of a hull.
+/// Name of the mesh file of a hull.
 fn mesh_name(robot: &Robot<'_>, solid: &Solid) -> String {
     format!("{}.{}.stl", robot.name, robot.solid_name(solid))
 }
 
-/// A hull as binary STL: a head of 80 bytes, the number of triangles, and of each its normal, corners and two bytes of nothing.
+/// A hull as binary STL: a header of 80 bytes, the number of triangles, and for each triangle its normal, its corners and two
+/// unused bytes.
 fn stl(points_m: &[Vector3<f64>]) -> Vec<u8> {
     let (corners_m, triangles) = convex_hull(points_m).unwrap_or_default();
     let mut bytes = vec![b' '; 80];
@@ -243,14 +244,14 @@ fn joint(robot: &Robot<'_>, hinge: &Hinge) -> Element {
         );
     }
     let mut limit = Element::new("limit");
-    // A slide of URDF must have limits.
+    // URDF requires limits for a slide.
     let unlimited = (hinge.freedom == Freedom::Slide).then_some((-UNLIMITED_M, UNLIMITED_M));
     if let Some((low_rad, high_rad)) = limits_rad.or(unlimited) {
         limit = limit
             .with("lower", numbers([low_rad]))
             .with("upper", numbers([high_rad]));
     }
-    // A passive hinge has no torque of its own.
+    // A passive hinge has no actuator, so its effort is 0.
     let (effort_nm, speed_rad_s) = hinge.actuator.map_or((0.0, UNLIMITED_RAD_S), |driven| {
         let top_rad_s = driven.servo.max_speed_rad_s.min(UNLIMITED_RAD_S);
         (driven.servo.max_torque_nm, top_rad_s)
@@ -263,7 +264,7 @@ fn joint(robot: &Robot<'_>, hinge: &Hinge) -> Element {
     joint
 }
 
-/// What holds a robot that is mounted.
+/// Name of the link to which a mounted robot is fixed.
 const MOUNT: &str = "world";
 
 fn held(robot: &Robot<'_>, mount: &Isometry3<f64>) -> Element {

@@ -1,4 +1,4 @@
-//! As much XML as robot files need: elements, attributes and comments, escaped and indented.
+//! A minimal XML writer for robot files: elements, attributes and comments, escaped and indented.
 
 use std::fmt::Write as _;
 
@@ -47,7 +47,7 @@ impl Element {
         self.children.push(Node::Comment(text.into()));
     }
 
-    /// The whole document with this root, after comments about it.
+    /// The whole document: the comments, followed by this root element.
     pub fn document(&self, comments: &[String]) -> String {
         let mut text = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
         for comment in comments {
@@ -80,7 +80,7 @@ impl Element {
 }
 
 fn write_comment(text: &mut String, comment: &str, depth: usize) {
-    // A comment may contain neither "--" nor end with "-".
+    // An XML comment must not contain "--" or end with "-".
     let mut safe = allowed(comment);
     while safe.contains("--") {
         safe = safe.replace("--", "- -");
@@ -88,7 +88,7 @@ fn write_comment(text: &mut String, comment: &str, depth: usize) {
     let _ = writeln!(text, "{}<!-- {safe} -->", "  ".repeat(depth));
 }
 
-/// XML 1.0 has no way at all to write most control characters.
+/// Replaces control characters that XML 1.0 cannot represent.
 fn allowed(text: &str) -> String {
     text.chars()
         .map(|c| match c {
@@ -116,13 +116,13 @@ fn escape(value: &str) -> String {
     escaped
 }
 
-/// Numbers separated by spaces, each so that it reads back bit for bit; rounding dust becomes 0.
+/// Numbers separated by spaces, in a form that is read back bit for bit; values of rounding errors are written as 0.
 pub(super) fn numbers(values: impl IntoIterator<Item = f64>) -> String {
-    const DUST: f64 = 1e-15;
+    const ROUNDING: f64 = 1e-15;
     let words: Vec<String> = values
         .into_iter()
         .map(|value| match value.abs() {
-            size if size < DUST => "0".to_owned(),
+            size if size < ROUNDING => "0".to_owned(),
             size if size < 1e-5 => format!("{value:e}"),
             _ => value.to_string(),
         })
@@ -140,7 +140,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn hostile_texts_come_back_whole() {
+    fn special_characters_are_escaped_in_attributes_and_comments() {
         let value = "a<b>&\"c\"\n--\u{1}'";
         let mut root = Element::new("r").with("a", value);
         root.comment("x --- y-");
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_exact_and_dust_is_nothing() {
+    fn numbers_are_exact_and_rounding_errors_become_zero() {
         assert_eq!(
             numbers([0.1, -0.0, 1e-17, 8.7e-6, -2.0]),
             "0.1 0 0 8.7e-6 -2"

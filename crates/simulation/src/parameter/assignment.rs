@@ -1,4 +1,4 @@
-//! Values given to parameters: from `--set name=value`, from a file, from a grid.
+//! Assignments of values to parameters: from `--set name=value`, from a file, or from a grid.
 
 use std::fmt;
 
@@ -65,7 +65,7 @@ impl fmt::Display for Assignment {
 pub struct ParameterSet(Vec<Assignment>);
 
 impl ParameterSet {
-    /// An empty set: changes nothing.
+    /// An empty set, which changes nothing.
     pub fn new() -> Self {
         Self::default()
     }
@@ -98,7 +98,7 @@ impl ParameterSet {
         self.0.iter()
     }
 
-    /// The value of a parameter, where the set has one.
+    /// The value of a parameter, if the set contains one.
     pub fn value(&self, name: &str) -> Option<f64> {
         self.0
             .iter()
@@ -106,12 +106,12 @@ impl ParameterSet {
             .map(|a| a.value)
     }
 
-    /// True where nothing is set.
+    /// Whether the set is empty.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// What this set says about parts that the robot does not have: said, not silently ignored.
+    /// Warnings about assignments that have no effect, because the robot has no such part.
     pub fn without_effect(&self, experiment: &Experiment) -> Vec<Warning> {
         let robot = &experiment.assembly;
         let has_servos = robot.hinges.iter().any(|hinge| hinge.actuator.is_some());
@@ -149,14 +149,14 @@ impl ParameterSet {
                 }
                 "hinge" if !has_stated => Some("the robot's file states no hinges".to_owned()),
                 "vehicle" if experiment.vehicle.is_none() => {
-                    Some("the robot is no vehicle".to_owned())
+                    Some("the robot is not a vehicle".to_owned())
                 }
                 "vehicle" if a.parameter.value(experiment).is_none() => {
-                    Some("the sensor's model has no such number".to_owned())
+                    Some("the sensor's model has no such quantity".to_owned())
                 }
                 "pusher" if !has_pusher => Some("the scene has no driven body".to_owned()),
-                "servo" | "hinge" if !a.parameter.is_felt_by(experiment) => {
-                    Some("no such joint of the robot has this number".to_owned())
+                "servo" | "hinge" if !a.parameter.has_effect_on(experiment) => {
+                    Some("none of these joints has this quantity".to_owned())
                 }
                 "module" if !robot.module_names.iter().any(|name| name == subject) => {
                     Some(format!("the robot has no module `{subject}`"))
@@ -171,14 +171,15 @@ impl ParameterSet {
         .collect()
     }
 
-    /// The assignments that are about chosen joints only.
+    /// The assignments that refer to selected joints only.
     #[must_use]
     pub fn precise(&self) -> Self {
         let precise = self.0.iter().filter(|a| a.parameter.is_precise());
         Self(precise.copied().collect())
     }
 
-    /// A new experiment with every assignment applied: of two about one joint the more precise holds, else the later.
+    /// A new experiment with every assignment applied. If two assignments refer to one joint, the more specific one holds,
+    /// otherwise the later one.
     pub fn apply(&self, experiment: &Experiment) -> Experiment {
         let mut changed = experiment.clone();
         let mut assignments = self.0.clone();

@@ -1,4 +1,4 @@
-//! Masses and where they sit.
+//! Parameters of masses, inertias and centres of mass.
 
 use super::{Nudge, Parameter, field};
 

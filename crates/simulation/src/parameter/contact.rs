@@ -1,4 +1,4 @@
-//! The contact model of the solver.
+//! Parameters of the contact model.
 
 use super::{Nudge, Parameter, choice, field};
 use crate::FrictionModel;
@@ -8,7 +8,7 @@ pub(super) static PARAMETERS: &[Parameter] = &[
     field!("contact.prediction_m", Metre, (0.0, 0.1), Linear, Nudge::Share(0.5),
         "Distance at which contacts are predicted.", contact.prediction_m),
     field!("contact.natural_frequency_hz", Hertz, (0.1, 1e6), Log, Nudge::Share(0.25),
-        "Stiffness of contact with the floor, as a natural frequency; among modules half of it.", contact.natural_frequency_hz),
+        "Stiffness of contacts with the floor, as a natural frequency; contacts between modules have half of it.", contact.natural_frequency_hz),
     field!("contact.damping_ratio", One, (0.0, 1000.0), Log, Nudge::Share(0.25),
         "Damping ratio of contacts; with the natural frequency it decides how fast penetration is pushed out.", contact.damping_ratio),
     choice!("contact.friction_model", MODELS,
@@ -16,7 +16,7 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         contact.friction_model),
 ];
 
-/// By their numbers.
+/// Friction models in the order of their numbers.
 const MODELS: [FrictionModel; 3] = [
     FrictionModel::Simplified,
     FrictionModel::Coulomb,

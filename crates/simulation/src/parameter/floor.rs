@@ -1,4 +1,4 @@
-//! The ground and gravity.
+//! Parameters of the floor and of gravity.
 
 use super::{Nudge, Parameter, field};
 

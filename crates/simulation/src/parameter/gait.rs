@@ -1,4 +1,4 @@
-//! The open-loop command.
+//! Parameters of the gait, the open-loop command.
 
 use super::{Nudge, Parameter, field};
 

@@ -1,4 +1,4 @@
-//! Stated hinges, and bodies of the scene that are driven.
+//! Parameters of stated hinges and of driven bodies of the scene.
 
 use super::member::{change, shared};
 use super::{Nudge, Parameter, entry, field};
@@ -9,14 +9,14 @@ fn same(mut values: impl Iterator<Item = f64>) -> Option<f64> {
     values.all(|value| value == first).then_some(first)
 }
 
-/// The friction that the study gives every driven body; `None` where they differ or there are none.
+/// The friction of the driven bodies in the study; `None` if the values differ or there are no driven bodies.
 fn pusher_friction(experiment: &Experiment) -> Option<f64> {
     let bodies = experiment.scene.iter();
     let driven = bodies.filter(|body| matches!(body.motion, SceneMotion::Driven { .. }));
     same(driven.map(|body| body.friction))
 }
 
-/// A number of the bearing of stated hinges.
+/// Defines a parameter for a property of stated hinges.
 macro_rules! bearing {
     ($name:literal, $unit:ident, $doc:literal, $($field:ident).+) => {
         entry!(
@@ -45,11 +45,11 @@ pub(super) static PARAMETERS: &[Parameter] = &[
     bearing!("hinge.dry_nm", NewtonMetre,
         "Dry friction of every stated hinge, in place of the robot file's. Also called hinge.dry_friction_nm.", dry_nm),
     bearing!("hinge.armature_kg_m2", KilogramSquareMetre,
-        "Inertia of every stated hinge that only its own motion feels, in place of the robot file's.", armature_kg_m2),
+        "Inertia that resists only the motion of the hinge itself (armature), for every stated hinge, in place of the robot file's.", armature_kg_m2),
     bearing!("hinge.bearing_hz", Hertz,
-        "How stiff the bearing of every stated hinge is where it holds, as the natural frequency of its two parts by themselves; 0: rigid. In Rapier's impulse joints only.", compliance.frequency_hz),
+        "Stiffness of the bearing of every stated hinge in the directions that it constrains, as the natural frequency of its two parts alone; 0: rigid. In Rapier's impulse joints only.", compliance.frequency_hz),
     bearing!("hinge.bearing_ratio", One,
-        "Damping ratio of a bearing that gives way; it needs hinge.bearing_hz.", compliance.damping_ratio),
+        "Damping ratio of a compliant bearing; it needs hinge.bearing_hz.", compliance.damping_ratio),
     field!("pusher.offset_x_m", Metre, (-1.0, 1.0), Linear, Nudge::Absolute(0.001),
         "Shift of the boxes of every driven body of the scene along the body's own x axis.", adjustment.pusher_offset_m.x),
     field!("pusher.offset_y_m", Metre, (-1.0, 1.0), Linear, Nudge::Absolute(0.001),

@@ -1,15 +1,15 @@
-//! Parameters of one thing or of a group: `module.NAME.quantity`, and every parameter of servos, hinges and joints as
+//! Parameters of single modules and joints: `module.NAME.quantity`, and every parameter of servos, hinges and joints as
 //! `servo.NAME.quantity`, where `*` in the name stands for any letters.
 
 use crate::{Experiment, HingeAdjustment};
 use realgap_robot::morphology::Hinge;
 
-/// In place of the name of a module or joint, in lists.
+/// Placeholder for the name of a module or joint in lists.
 pub(super) const ANY: &str = "NAME";
-/// Groups that have members by the name of a joint.
+/// Groups whose parameters may name a joint.
 pub(super) const OF_JOINTS: [&str; 3] = ["servo", "hinge", "joint"];
 
-/// Whether a name has this form; nothing stands for every name.
+/// Whether a name matches this pattern; an empty pattern matches every name.
 pub(super) fn matches(form: &str, name: &str) -> bool {
     if form.is_empty() {
         return true;
@@ -30,7 +30,7 @@ pub(super) fn matches(form: &str, name: &str) -> bool {
     rest.ends_with(last)
 }
 
-/// What the chosen hinges have in common; `None` where they differ or none has it.
+/// The common value of the selected hinges; `None` if the values differ or no hinge has one.
 pub(super) fn shared(
     experiment: &Experiment,
     subject: &str,
@@ -44,14 +44,14 @@ pub(super) fn shared(
     values.all(|value| value == first).then_some(first)
 }
 
-/// Changes what the robot's file states of the chosen hinges.
+/// Changes values of the robot's file for the selected hinges.
 pub(super) fn change(experiment: &mut Experiment, subject: &str, to: impl Fn(&mut Hinge)) {
     let hinges = &mut std::sync::Arc::make_mut(&mut experiment.assembly).hinges;
     let chosen = hinges.iter_mut().filter(|h| matches(subject, &h.name));
     chosen.for_each(to);
 }
 
-/// Changes what a study says of the chosen hinges beside that.
+/// Changes the study's adjustments of the selected hinges.
 pub(super) fn adjust(
     experiment: &mut Experiment,
     subject: &str,

@@ -1,4 +1,4 @@
-//! Named numbers of an experiment that may be set, swept and tuned.
+//! Parameters: named numbers of an experiment that can be set, swept and tuned.
 //!
 //! One registry, [`PARAMETERS`], holds name, unit, bounds, default, meaning, and how to read and
 //! write the number. Adding a parameter is one entry in the file of its group.
@@ -43,21 +43,22 @@ pub struct Parameter {
     pub unit: Unit,
     /// Smallest and largest allowed value, both allowed.
     pub bounds: (f64, f64),
-    /// True where only whole numbers make sense.
+    /// Whether only whole numbers are allowed.
     pub whole: bool,
-    /// How a search walks along it.
+    /// Scale on which a search varies the parameter.
     pub scale: Scale,
-    /// A change of the size that a user would call small: what a sensitivity study tries.
+    /// A small change of the value, which sensitivity studies use.
     pub nudge: Nudge,
-    /// What it means, one sentence.
+    /// Meaning, in one sentence.
     pub doc: &'static str,
-    /// The module or the joints that it is about, `*` for any letters; empty where it is about the whole experiment.
+    /// Name of the module or pattern of the joints that the parameter refers to, with `*` for any letters; empty if it refers to
+    /// the whole experiment.
     pub subject: &'static str,
     get: fn(&Experiment, &str) -> Option<f64>,
     set: fn(&mut Experiment, &str, f64),
 }
 
-/// A row of a table: a number that is no count and of no module of its own.
+/// Defines a parameter that is not restricted to whole numbers and does not belong to a single module.
 macro_rules! entry {
     ($name:literal, $unit:ident, $bounds:expr, $scale:ident, $nudge:expr, $doc:literal, $get:expr, $set:expr) => {
         $crate::parameter::Parameter {
@@ -76,7 +77,7 @@ macro_rules! entry {
 }
 use entry;
 
-/// A parameter that is a field of the experiment: name, unit, bounds, scale, small step, meaning, way to the field.
+/// Defines a parameter that is a field of the experiment: name, unit, bounds, scale, small step, meaning, path of the field.
 macro_rules! field {
     ($name:literal, $unit:ident, $bounds:expr, $scale:ident, $nudge:expr, $doc:literal, $($field:ident).+) => {
         $crate::parameter::entry!(
@@ -86,7 +87,7 @@ macro_rules! field {
 }
 use field;
 
-/// A parameter that chooses one of a list by its place there: name, list, meaning, way to the field.
+/// Defines a parameter that selects an element of a list by its index: name, list, meaning, path of the field.
 macro_rules! choice {
     ($name:literal, $list:expr, $doc:literal, $($field:ident).+) => {
         $crate::parameter::Parameter {
@@ -107,9 +108,9 @@ use choice;
 /// A small change of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Nudge {
-    /// This share of the value.
+    /// A change by this fraction of the value.
     Share(f64),
-    /// This much, in the parameter's unit.
+    /// A change by this amount, in the parameter's unit.
     Absolute(f64),
 }
 
@@ -153,28 +154,28 @@ pub static PARAMETERS: &[&[Parameter]] = &[
     sensor::PARAMETERS,
 ];
 
-/// Parameters of single modules, with `NAME` in place of a module's name. Those of servos, hinges and joints can be of chosen ones,
-/// too: `servo.NAME.gain`, `servo.shoulder_*.gain`.
+/// Parameters of single modules, with `NAME` in place of a module's name. Parameters of servos, hinges and joints can also refer
+/// to selected joints: `servo.NAME.gain`, `servo.shoulder_*.gain`.
 pub fn families() -> impl Iterator<Item = &'static Parameter> {
     module::FAMILY.iter()
 }
 
-/// Other names of parameters: group and quantity, and those that are usual here.
+/// Alternative names of parameters: alternative group and quantity, and the usual ones.
 const ALSO: [[(&str, &str); 2]; 2] = [
     [("joint", "delay_s"), ("servo", "latency_s")],
     [("hinge", "dry_friction_nm"), ("hinge", "dry_nm")],
 ];
 
-/// The usual name of a parameter that goes by another.
+/// The usual name of a parameter, for an alternative name.
 fn usual(name: &str) -> String {
     let (group, rest) = name.split_once('.').unwrap_or((name, ""));
     let (subject, quantity) = match rest.rsplit_once('.') {
-        // A thing without a name is no parameter of all things.
+        // An empty name of a module or joint is invalid; it does not stand for all of them.
         Some(("", _)) => return name.to_owned(),
         Some(parts) => parts,
         None => ("", rest),
     };
-    // A module of a robot of bodies is one body.
+    // In a robot of bodies, a module is one body.
     let group = match group {
         "body" if !subject.is_empty() => "module",
         group => group,
@@ -188,7 +189,7 @@ fn usual(name: &str) -> String {
         .join(".")
 }
 
-/// The robot and the rest of a name that is about one robot of many: `robot.NAME.servo.gain`.
+/// Splits a name that refers to one robot of several, `robot.NAME.servo.gain`, into the robot's name and the rest.
 fn scoped(name: &str) -> Option<(&str, &str)> {
     let (robot, rest) = name.strip_prefix("robot.")?.split_once('.')?;
     let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
@@ -196,7 +197,7 @@ fn scoped(name: &str) -> Option<(&str, &str)> {
     (is_robot && !rest.starts_with("robot.")).then_some((robot, rest))
 }
 
-/// Longest name of a thing.
+/// Longest name of a robot, module or joint, in bytes.
 const LONGEST: usize = 64;
 
 /// Parameters of the groups [`OF_JOINTS`].
@@ -211,11 +212,11 @@ fn of_joints() -> impl Iterator<Item = &'static Parameter> {
     all.filter(|parameter| OF_JOINTS.contains(&parameter.group()))
 }
 
-/// Parameters are compared and stored by reference, so each name has one for as long as the program runs.
+/// Parameters are compared and stored by reference, so each name gets one parameter that lives as long as the program.
 static KNOWN: LazyLock<Mutex<BTreeMap<String, &'static Parameter>>> = LazyLock::new(Mutex::default);
 
-/// The one parameter of this name.
-fn kept(name: String, subject: &str, family: &Parameter) -> &'static Parameter {
+/// The unique parameter of this name; it is created at the first use.
+fn interned(name: String, subject: &str, family: &Parameter) -> &'static Parameter {
     let mut known = KNOWN
         .lock()
         .unwrap_or_else(std::sync::PoisonError::into_inner);
@@ -228,12 +229,12 @@ fn kept(name: String, subject: &str, family: &Parameter) -> &'static Parameter {
     })
 }
 
-/// A parameter for one robot of many.
+/// The parameter restricted to one robot of several.
 fn of_robot(robot: &str, all: &'static Parameter) -> &'static Parameter {
-    kept(format!("robot.{robot}.{}", all.name), all.subject, all)
+    interned(format!("robot.{robot}.{}", all.name), all.subject, all)
 }
 
-/// The parameter that a name with a thing in it means: group `.` name of the thing `.` quantity.
+/// The parameter of a name with a module or joint: group `.` name of the module or joint `.` quantity.
 fn member(name: &str) -> Option<&'static Parameter> {
     let (group, rest) = name.split_once('.')?;
     let (subject, quantity) = rest.rsplit_once('.')?;
@@ -247,7 +248,7 @@ fn member(name: &str) -> Option<&'static Parameter> {
         "module" => module::FAMILY.iter().find(|p| p.quantity() == quantity)?,
         _ => of_joints().find(|p| p.group() == group && p.quantity() == quantity)?,
     };
-    Some(kept(name.to_owned(), subject, family))
+    Some(interned(name.to_owned(), subject, family))
 }
 
 /// Looks a parameter up by name.
@@ -280,45 +281,46 @@ pub fn by_name(name: &str) -> Result<&'static Parameter> {
 }
 
 impl Parameter {
-    /// The robot of a study of many that it is about; nothing where it is about all of them.
+    /// Name of the robot that the parameter refers to in a study of several robots; `None` if it refers to all of them.
     pub fn robot(&self) -> Option<&'static str> {
         scoped(self.name).map(|(robot, _)| robot)
     }
 
-    /// Whether it is about the robot of this experiment.
+    /// Whether the parameter refers to the robot of this experiment.
     fn is_about(&self, experiment: &Experiment) -> bool {
         let own = &experiment.assembly.name;
         self.robot().is_none_or(|robot| robot == own)
     }
 
-    /// What stands before the first dot of its name, the robot that it is about left out.
+    /// The group: the part of the name before the first dot, without the robot.
     fn group(&self) -> &'static str {
         let name = scoped(self.name).map_or(self.name, |(_, rest)| rest);
         name.split('.').next().unwrap_or(name)
     }
 
-    /// What stands after the last dot of its name.
+    /// The quantity: the part of the name after the last dot.
     fn quantity(&self) -> &'static str {
         self.name.rsplit('.').next().unwrap_or(self.name)
     }
 
-    /// Whether it is about chosen joints only, so that it overrules one that is about all of them.
+    /// Whether the parameter refers to selected modules or joints only, so that it overrides a parameter of all of them.
     pub fn is_precise(&self) -> bool {
         self.rank() > 0
     }
 
-    /// What is set later, whatever stands first in a file: one joint after a group, a group after all.
+    /// Order in which assignments are applied, independent of their order in a file: first parameters of all joints, then of
+    /// groups, then of single joints.
     fn rank(&self) -> usize {
-        let thing = match self.subject {
+        let specificity = match self.subject {
             "" => 0,
             form if form.contains('*') => 1,
             _ => 2,
         };
-        // What is about one robot overrules what is about all of them.
+        // A parameter of one robot overrides a parameter of all robots.
         if self.robot().is_some() {
-            thing + 3
+            specificity + 3
         } else {
-            thing
+            specificity
         }
     }
 
@@ -341,7 +343,7 @@ impl Parameter {
         Ok(changed)
     }
 
-    /// The value; `None` where the robot's own file decides (a limit that is not overridden).
+    /// The value; `None` if the robot's file determines it (e.g. a limit that is not overridden).
     pub fn value(&self, experiment: &Experiment) -> Option<f64> {
         if !self.is_about(experiment) {
             return None;
@@ -349,8 +351,8 @@ impl Parameter {
         (self.get)(experiment, self.subject)
     }
 
-    /// Whether setting it changes anything.
-    fn is_felt_by(&self, experiment: &Experiment) -> bool {
+    /// Whether setting the parameter changes the experiment.
+    fn has_effect_on(&self, experiment: &Experiment) -> bool {
         let [low, high] = [self.bounds.0, self.bounds.1].map(|value| {
             let mut changed = experiment.clone();
             self.put(&mut changed, value);
@@ -366,7 +368,7 @@ impl Parameter {
         (self.set)(experiment, self.subject, value);
     }
 
-    /// The value where nothing is set; `None` where the robot's file decides.
+    /// The value if nothing is set; `None` if the robot's file determines it.
     pub fn default_value(&self) -> Option<f64> {
         (self.get)(&Experiment::new(Assembly::empty()), self.subject)
     }
@@ -416,7 +418,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_name_is_answered_with_its_neighbours() {
+    fn the_error_of_an_unknown_name_lists_similar_names() {
         let error = by_name("floor.frictoin").unwrap_err().to_string();
         assert!(
             error.contains("floor.friction, floor.restitution"),

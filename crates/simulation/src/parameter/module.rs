@@ -1,4 +1,4 @@
-//! Parameters of one module (or stated body): a family, `module.NAME.quantity`, with a member for every name.
+//! Parameters of one module (or body): a family `module.NAME.quantity` with a member for every name.
 
 use super::member::ANY;
 use super::{Nudge, Parameter, entry};
@@ -16,7 +16,7 @@ fn change<'a>(experiment: &'a mut Experiment, module: &str) -> &'a mut ModuleAdj
         .or_default()
 }
 
-/// A number of what a study says of a module.
+/// Defines a parameter for an adjustment of a module.
 macro_rules! adjusted {
     ($name:literal, $unit:ident, $bounds:expr, $scale:ident, $nudge:expr, $doc:literal, $($field:ident).+) => {
         Parameter {
@@ -28,7 +28,7 @@ macro_rules! adjusted {
     };
 }
 
-/// The family; `subject` is [`ANY`].
+/// The family of parameters; their `subject` is [`ANY`].
 #[rustfmt::skip] // a table
 pub(super) static FAMILY: &[Parameter] = &[
     adjusted!("module.NAME.mass_scale", One, (0.01, 100.0), Log, Nudge::Share(0.05),

@@ -1,10 +1,10 @@
-//! Servos that are motors behind gears: what a robot's file states of them, for all such servos at once.
+//! Parameters of servos that are motors behind gears, in place of the values of the robot's file.
 
 use super::member::{change, shared};
 use super::{Nudge, Parameter, entry};
 use realgap_robot::morphology::MOST_LOAD;
 
-/// Whether a parameter is one of motors behind gears.
+/// Whether a parameter belongs to motors behind gears.
 pub(super) fn is_of_motor(parameter: &Parameter) -> bool {
     let mut of_motors = PARAMETERS.iter();
     parameter.group() == "servo" && of_motors.any(|p| p.quantity() == parameter.quantity())
@@ -31,7 +31,7 @@ const TENTH: Nudge = Nudge::Share(0.1);
 #[rustfmt::skip] // a table
 pub(super) static PARAMETERS: &[Parameter] = &[
     motor!("servo.position_gain", One, (0.0, 1e6), Log, TENTH,
-        "Gain of the position loop of every motor, in units of its firmware; a recording that says its own keeps that.", position_gain),
+        "Gain of the position loop of every motor, in units of its firmware; a recording that states its own gain keeps it.", position_gain),
     motor!("servo.duty_1_rad", PerRadian, (1e-9, 1e6), Log, TENTH,
         "Duty of every motor per radian of error and unit of position gain.", duty_1_rad),
     motor!("servo.supply_v", Volt, (0.0, 1000.0), Linear, TENTH,
@@ -41,9 +41,9 @@ pub(super) static PARAMETERS: &[Parameter] = &[
     motor!("servo.resistance_ohm", Ohm, (1e-6, 1e6), Log, TENTH,
         "Resistance of every motor's winding and driver.", resistance_ohm),
     motor!("servo.ripple_ohm", Ohm, (0.0, 1e6), Linear, TENTH,
-        "How much every motor's supply gives way while its driver chops, per current and duty (1 - duty).", ripple_ohm),
+        "Voltage drop of every motor's supply while its driver switches, per current and duty (1 - duty).", ripple_ohm),
     motor!("servo.armature_kg_m2", KilogramSquareMetre, (0.0, 1000.0), Linear, TENTH,
-        "Inertia of every motor's rotor as the output of its gear feels it.", armature_kg_m2),
+        "Inertia of every motor's rotor, reflected to the output of its gear.", armature_kg_m2),
     motor!("servo.slew_1_s", PerSecond, (1e-3, 1e6), Log, TENTH,
         "Largest change of every motor's duty per second.", slew_1_s),
     motor!("servo.dry_nm", NewtonMetre, (0.0, 1e4), Linear, TENTH,
@@ -51,17 +51,17 @@ pub(super) static PARAMETERS: &[Parameter] = &[
     motor!("servo.viscous_nm_s_rad", NewtonMetreSecondPerRadian, (0.0, 1e4), Linear, TENTH,
         "Viscous friction of every motor's gear.", friction.viscous_nm_s_rad),
     motor!("servo.stribeck_nm", NewtonMetre, (0.0, 1e4), Linear, TENTH,
-        "Further dry friction of every gear near standstill.", friction.stribeck_nm),
+        "Additional dry friction of every gear near standstill.", friction.stribeck_nm),
     motor!("servo.stribeck_speed_rad_s", RadianPerSecond, (1e-3, 1000.0), Log, TENTH,
         "Speed at which the friction near standstill has fallen to 1/e.", friction.stribeck_speed_rad_s),
     motor!("servo.stribeck_shape", One, (0.1, 10.0), Log, TENTH,
-        "How sharply the friction near standstill falls: 1 exponentially, 2 as a bell.", friction.stribeck_shape),
+        "Exponent of the decay of the friction near standstill: 1 is exponential, 2 is Gaussian.", friction.stribeck_shape),
     motor!("servo.motor_load", One, (0.0, MOST_LOAD), Linear, Nudge::Absolute(0.02),
-        "Share of the motor's torque that every gear takes as friction.", friction.motor_load),
+        "Fraction of the motor's torque that every gear loses to friction.", friction.motor_load),
     motor!("servo.output_load", One, (0.0, MOST_LOAD), Linear, Nudge::Absolute(0.02),
-        "Share of the output's torque that every gear takes as friction.", friction.output_load),
+        "Fraction of the output torque that every gear loses to friction.", friction.output_load),
     motor!("servo.stribeck_load", One, (0.0, MOST_LOAD), Linear, Nudge::Absolute(0.02),
-        "Further share of both that every gear takes near standstill.", friction.stribeck_load),
+        "Additional fraction of both torques that every gear loses near standstill.", friction.stribeck_load),
     motor!("servo.quadratic_1_nm", PerNewtonMetre, (0.0, 1000.0), Linear, TENTH,
         "Friction of every gear per square of the motor's torque.", friction.quadratic_1_nm),
 ];

@@ -1,4 +1,4 @@
-//! What is wrong with the recordings rather than with the robot.
+//! Parameters of errors of the recordings, as opposed to the robot.
 
 use super::{Nudge, Parameter, field};
 

@@ -1,4 +1,4 @@
-//! The model of a vehicle's range sensor: numbers of its mean, its spread and what never comes, in the units of its file.
+//! Parameters of a vehicle's range sensor: mean, spread and dropout, in the units of the sensor's file.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ fn change(experiment: &mut Experiment, with: impl FnOnce(&mut RangeModel)) {
     }
 }
 
-/// The value of this name among those of a curve's form.
+/// Index of the parameter of this name among the values of a curve.
 fn index(curve: &Curve, name: &str) -> Option<usize> {
     let names = curve.form.parameters(&curve.knots);
     names.iter().position(|known| known == name)
@@ -33,7 +33,7 @@ fn write(curve: &mut Curve, name: &str, value: f64) {
     }
 }
 
-/// A number of one of the two curves; a sensor whose form has no such number has no such parameter.
+/// Defines parameters of the two curves; a sensor whose curve has no such value has no such parameter.
 macro_rules! curves {
     ($($name:literal $curve:ident $part:literal ($low:literal, $high:literal) $nudge:expr, $doc:literal;)*) => {
         pub(super) static CURVES: &[Parameter] = &[

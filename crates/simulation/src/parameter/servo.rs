@@ -1,11 +1,11 @@
-//! Servos: laws, limits, latency and play.
+//! Parameters of servos: control law, limits, latency and backlash.
 
 use super::member::{adjust, change, shared};
 use super::{Nudge, Parameter, entry};
 use crate::HingeAdjustment;
 use realgap_robot::morphology::{Hinge, Servo, ServoLaw};
 
-/// What the robot's file states of a servo: the place of a number in it, where its law has one.
+/// Defines a parameter for a value of a servo in the robot's file: the expression yields the field, if the servo's law has it.
 macro_rules! servo_parameter {
     ($name:literal, $unit:ident, $high:literal, $doc:literal, $servo:ident => $place:expr) => {
         entry!(
@@ -34,7 +34,7 @@ macro_rules! servo_parameter {
     };
 }
 
-/// What a study says of a servo beside that.
+/// Defines a parameter for a study's adjustment of a servo.
 macro_rules! adjusted {
     ($name:literal, $unit:ident, $bounds:expr, $scale:ident, $nudge:expr, $doc:literal, $field:ident) => {
         entry!(
@@ -78,11 +78,11 @@ pub(super) static PARAMETERS: &[Parameter] = &[
             _ => None,
         }),
     adjusted!("servo.gain", One, (0.0, 1000.0), Log, Nudge::Share(0.1),
-        "Factor on every servo's answer to an angle error: gain of the Velocity law, stiffness of the Torque law.", gain_scale),
+        "Factor on the reaction of every servo to an angle error: gain of the Velocity law, stiffness of the Torque law.", gain_scale),
     adjusted!("servo.latency_s", Second, (0.0, 10.0), Linear, Nudge::Absolute(0.01),
-        "Every servo acts on the command of this long ago; until the first arrives it holds the start. Also called joint.delay_s.", latency_s),
+        "Delay between a command and the reaction of every servo; before the first command arrives, the servo follows the command of time 0. Also called joint.delay_s.", latency_s),
     adjusted!("servo.backlash_rad", Radian, (0.0, 3.0), Linear, Nudge::Absolute(0.02),
-        "Play between servo and joint, end to end: no torque within it, only the rest of the error counts beyond.", backlash_rad),
+        "Backlash (play) between servo and joint, from end to end: no torque within it, and beyond it only the rest of the error counts.", backlash_rad),
     adjusted!("servo.offset_rad", Radian, (-3.2, 3.2), Linear, Nudge::Absolute(0.01),
-        "What every servo adds to the angles that it is told.", offset_rad),
+        "Offset that every servo adds to commanded angles.", offset_rad),
 ];

@@ -1,9 +1,9 @@
-//! Numerical settings: worth a sweep of their own, because they change results too.
+//! Parameters of the solver: numerical settings, which also affect results and can be swept.
 
 use super::{Nudge, Parameter, choice, entry, field};
 use crate::{ENGINES, JointFormulation};
 
-/// A whole number of the solver's settings.
+/// Defines a parameter for a whole-number setting of the solver.
 macro_rules! count {
     ($name:literal, $bounds:expr, $scale:ident, $nudge:expr, $doc:literal, $field:ident) => {
         Parameter {
@@ -29,9 +29,9 @@ pub(super) static PARAMETERS: &[Parameter] = &[
     count!("solver.substeps", (1.0, 256.0), Log, Nudge::Absolute(2.0),
         "Solver substeps per step.", substeps),
     count!("solver.sweeps", (1.0, 256.0), Log, Nudge::Absolute(1.0),
-        "Passes over joints and contacts in every substep; more of them hold light plates still.", sweeps),
+        "Passes over joints and contacts in every substep; more passes reduce vibrations of light plates.", sweeps),
     count!("solver.relaxations", (0.0, 16.0), Linear, Nudge::Absolute(1.0),
-        "Passes without bias at the end of every substep; each drains some energy of the hinges.", relaxations),
+        "Passes without bias at the end of every substep; each dissipates some energy of the hinges.", relaxations),
     Parameter {
         whole: true,
         ..entry!("solver.joint", One, (0.0, 1.0), Linear, Nudge::Absolute(1.0),

@@ -1,4 +1,4 @@
-//! Bodies that are driven along tracks, as contacts see them.
+//! Velocities of bodies that are driven along tracks, for the computation of contacts.
 
 use nalgebra::Vector3;
 
@@ -6,10 +6,11 @@ use super::{from_vector, to_vector};
 use rapier3d_f64::dynamics::RigidBodyHandle;
 use rapier3d_f64::math::Vector;
 
-/// A body that is driven along a track: the engine learns its velocity only after it has asked about contacts.
+/// A body that is driven along a track. The velocity is stored here because the engine computes contacts before it updates the
+/// body's velocity.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Driven {
-    /// The body.
+    /// Handle of the body.
     pub body: RigidBodyHandle,
     /// Velocity of the body's origin, world frame, m/s.
     pub linear_world_m_s: Vector3<f64>,

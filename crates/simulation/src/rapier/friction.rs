@@ -1,10 +1,9 @@
-//! Sliding friction opposite to slip.
+//! Correction of Rapier's sliding friction: its direction becomes opposite to the slip.
 //!
-//! Rapier 0.36.1 caps the impulse that would stop the slip, K⁻¹v, in magnitude; K is the inverse
-//! effective mass of the contact in the tangent plane. So friction points along K⁻¹v, not along v: a
-//! sliding cube brakes 6 % too little and a robot drifts sideways. Asking the contact for the tangent
-//! velocity `K v (v·v)/(v·K v) − v` makes the impulse that Rapier wants parallel to v; the cap then
-//! does what Coulomb says. Measured in docs/fidelity.md.
+//! Rapier 0.36.1 caps the impulse that would stop the slip, K⁻¹v, in magnitude; K is the inverse effective mass of the contact in
+//! the tangent plane. So friction points along K⁻¹v, not along v: a sliding cube brakes 6 % too little and a robot drifts
+//! sideways. With the target tangent velocity `K v (v·v)/(v·K v) − v` of a contact, the impulse that Rapier computes is parallel
+//! to v, and the cap then gives Coulomb's law. Measured in docs/fidelity.md.
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector3};
 
@@ -13,25 +12,25 @@ use rapier3d_f64::dynamics::{MultibodyJointSet, RigidBodyHandle, RigidBodySet};
 use rapier3d_f64::math::Vector;
 use rapier3d_f64::pipeline::ContactModificationContext;
 
-/// Below this slip a contact counts as sticking, where direction does not matter, m/s. A higher value lets a
-/// cube on a slope near the angle of slip creep at that speed.
+/// Below this slip a contact counts as sticking, so that the direction of friction does not matter, m/s. With a higher value, a
+/// cube on a slope near the friction angle creeps at that speed.
 const LEAST_SLIP_M_S: f64 = 1e-4;
 
 /// Response of a multibody's links to an impulse: spatial velocity (linear, angular) of the link's
 /// centre of mass per unit spatial impulse at it, J M⁻¹ Jᵀ.
 type Response = SMatrix<f64, 6, 6>;
 
-/// Turns the friction of every sliding contact opposite to its slip.
+/// Corrects the friction of every sliding contact to the direction opposite to its slip.
 #[derive(Default)]
 pub(super) struct Friction {
-    /// Empty for bodies that are free or joined by impulses.
+    /// Responses of the links of multibodies; empty for robots with impulse joints.
     links: Vec<(RigidBodyHandle, Response)>,
-    /// Rows of M⁻¹ Jᵀ of one link: room that is used again.
+    /// Rows of M⁻¹ Jᵀ of one link: a buffer that is reused.
     solved: Vec<SVector<f64, 6>>,
 }
 
 impl Friction {
-    /// Refreshes the links' responses of a multibody robot; nothing to do for other robots.
+    /// Recomputes the responses of the links of a multibody robot; has no effect for other robots.
     pub fn refresh(&mut self, joints: &MultibodyJointSet) {
         self.links.clear();
         for multibody in joints.multibodies() {
@@ -93,7 +92,7 @@ impl Friction {
 }
 
 impl Friction {
-    /// Turns the friction of one manifold; `driven` bodies move as they say.
+    /// Corrects the friction of one contact manifold; `driven` contains the velocities of driven bodies.
     pub fn oppose_slip(&self, context: &mut ContactModificationContext<'_>, driven: &[Driven]) {
         let (first, second, bodies) = (context.rigid_body1, context.rigid_body2, context.bodies);
         let Some(manifold) = context.rigid_mut() else {
@@ -174,7 +173,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn six_columns_are_solved_as_nalgebra_solves_them() {
+    fn the_solver_for_six_columns_agrees_with_nalgebra() {
         let n = 9;
         let matrix = DMatrix::from_fn(n, n, |i, j| {
             ((7 * i + 3 * j) % 11) as f64 + if i == j { 9.0 } else { 0.0 }

@@ -1,4 +1,4 @@
-//! What the engine asks about contacts: which modules pass through each other, and how contacts rub.
+//! Callbacks of Rapier for contacts: collision filtering of modules, friction of pairs, and the direction of friction.
 
 use std::collections::BTreeSet;
 
@@ -7,19 +7,20 @@ use super::friction::Friction;
 use rapier3d_f64::geometry::{ColliderHandle, SolverFlags};
 use rapier3d_f64::pipeline::{ContactModificationContext, PairFilterContext, PhysicsHooks};
 
-/// Number of a module as a collider carries it; 0 is for all others.
+/// Number that marks a collider as part of a module; 0 stands for all other colliders.
 pub(super) fn module_mark(module: usize) -> u128 {
     module as u128 + 1
 }
 
-/// Answers to the engine's questions about contacts.
+/// Data for the contact callbacks of the engine.
 #[derive(Default)]
 pub(super) struct Hooks {
-    /// Turns sliding friction opposite to slip; only where every contact has a cone of its own.
+    /// Correction of sliding friction; `None` for the simplified friction model, in which contacts have no friction cones of
+    /// their own.
     pub friction: Option<Friction>,
-    /// Pairs of modules that never touch.
-    pub apart: BTreeSet<(usize, usize)>,
-    /// Friction of pairs with these colliders, whatever the other one is.
+    /// Pairs of modules between which no contacts are computed.
+    pub collision_exclude: BTreeSet<(usize, usize)>,
+    /// Friction coefficients of all pairs with these colliders, independent of the other collider.
     pub pair_friction: Vec<(ColliderHandle, f64)>,
     /// Bodies that are driven along tracks.
     pub driven: Vec<Driven>,
@@ -29,14 +30,16 @@ impl PhysicsHooks for Hooks {
     fn filter_contact_pair(&self, context: &PairFilterContext<'_>) -> Option<SolverFlags> {
         let module = |handle: ColliderHandle| {
             let mark = context.colliders.get(handle).map(|c| c.user_data)?;
-            // What is not of a module has no number.
+            // Colliders that do not belong to a module have no module number.
             usize::try_from(mark).ok()?.checked_sub(1)
         };
-        let is_apart = match (module(context.collider1), module(context.collider2)) {
-            (Some(a), Some(b)) => self.apart.contains(&(a, b)) || self.apart.contains(&(b, a)),
+        let is_excluded = match (module(context.collider1), module(context.collider2)) {
+            (Some(a), Some(b)) => {
+                self.collision_exclude.contains(&(a, b)) || self.collision_exclude.contains(&(b, a))
+            }
             _ => false,
         };
-        (!is_apart).then_some(SolverFlags::default())
+        (!is_excluded).then_some(SolverFlags::default())
     }
 
     fn modify_solver_contacts(&self, context: &mut ContactModificationContext<'_>) {

@@ -1,4 +1,4 @@
-//! A hinge in the engine's hands: its joint, its motor, its friction and limits.
+//! A hinge in Rapier: its joint, motor, friction, spring and limits.
 
 use std::f64::consts::TAU;
 
@@ -15,26 +15,26 @@ use rapier3d_f64::prelude::{
 };
 use realgap_robot::morphology::{Assembly, Bearing, Freedom, Hinge};
 
-/// A hinge in the engine's hands.
+/// Handle of a hinge's joint in Rapier.
 #[derive(Debug, Clone, Copy)]
 enum Joint {
     Multibody(MultibodyJointHandle),
     Impulse(ImpulseJointHandle),
 }
 
-/// Where a hinge's motor finds its parts.
+/// A hinge in Rapier: handles of its joint and bodies, and the data for motor, friction and spring.
 #[derive(Debug, Clone)]
 pub(super) struct RapierJoint {
     joint: Joint,
-    /// The joint whose motor brakes: friction where the joint is an impulse joint. Where a servo has the motor of the hinge's own
-    /// joint, it is a second joint with nothing but a motor, which the solver holds less firmly.
+    /// The joint whose motor models friction, for impulse joints. If a servo already uses the motor of the hinge's own joint,
+    /// this is a second joint without constraints, which the solver satisfies less exactly.
     brake: Option<ImpulseJointHandle>,
     bearing: Bearing,
-    /// What a motor on an impulse joint exerted last.
+    /// Torque of a motor on an impulse joint during the previous step.
     exerted: Option<Exerted>,
     /// Whether a motor behind a gear drives it.
     has_gear: bool,
-    /// Turning or sliding: what the engine calls the axis.
+    /// The axis of the joint in Rapier, rotational or translational.
     axis: JointAxis,
     parent: RigidBodyHandle,
     child: RigidBodyHandle,
@@ -44,29 +44,30 @@ pub(super) struct RapierJoint {
     anchor_child_m: Vector3<f64>,
     /// Axis in the parent's frame, which equals the child's at zero angle.
     axis_part: Vector3<f64>,
-    /// Joint coordinate 0 is the angle the robot started with.
+    /// Hinge angle at the start, which is Rapier's joint coordinate 0.
     start_rad: f64,
 }
 
-/// One of the two bodies of a hinge, and where the hinge sits in it.
+/// One of the two bodies of a hinge, and the pose of the hinge's frame in it.
 pub(super) struct JointFrame {
-    /// The body.
+    /// Handle of the body.
     pub body: RigidBodyHandle,
     /// The hinge's frame, x along the axis, in the body's frame at the start.
     pub body_from_hinge: Isometry3<f64>,
 }
 
-/// What a motor exerted during a step.
+/// Torque of a motor during a step.
 #[derive(Debug, Clone, Copy)]
 struct Exerted {
-    /// On the child, N m.
+    /// Torque on the child, N m.
     torque_nm: f64,
     /// Speed before the step, rad/s.
     speed_rad_s: f64,
 }
 
-/// Inertia of the rotors that turn a part by impulse joints, about the origin of its frame, kg m²: they have none of their own
-/// there. A rotor then turns with the part and not with the difference of two; the same where the other stands still.
+/// Inertia of the rotors that drive a part by impulse joints, about the origin of its frame, kg m². Impulse joints have no
+/// armature, so this inertia is added to the part. The rotor then rotates with the part and not with the relative angle of two
+/// parts; this makes no difference if the other part is at rest.
 pub(super) fn rotor_inertia_kg_m2(
     assembly: &Assembly,
     part: usize,
@@ -86,15 +87,15 @@ pub(super) fn rotor_inertia_kg_m2(
     rotors.sum()
 }
 
-/// Dry friction of an impulse joint acts in full above this speed, rad/s: below it the hinge creeps instead of sticking.
+/// Speed above which the dry friction of an impulse joint acts in full, rad/s: below it the hinge creeps instead of sticking.
 const CREEP_RAD_S: f64 = 1e-4;
 
 impl RapierJoint {
-    /// Joins two bodies that are where they start, `start_rad` apart.
+    /// Creates the joint between two bodies at their start poses, with the hinge angle `start_rad`.
     pub fn new(
         kind: JointFormulation,
         hinge: &Hinge,
-        seats: [JointFrame; 2],
+        frames: [JointFrame; 2],
         start_rad: f64,
         impulse_joints: &mut ImpulseJointSet,
         multibody_joints: &mut MultibodyJointSet,
@@ -102,8 +103,8 @@ impl RapierJoint {
         let bearing = hinge.bearing;
         let joint_with = |locked: JointAxesMask| {
             GenericJointBuilder::new(locked)
-                .local_frame1(to_pose(&seats[0].body_from_hinge))
-                .local_frame2(to_pose(&seats[1].body_from_hinge))
+                .local_frame1(to_pose(&frames[0].body_from_hinge))
+                .local_frame2(to_pose(&frames[1].body_from_hinge))
                 .contacts_enabled(false)
         };
         let (axis, locked) = match hinge.freedom {
@@ -124,7 +125,7 @@ impl RapierJoint {
             ));
         }
         let data: GenericJoint = data.build();
-        let (parent, child) = (seats[0].body, seats[1].body);
+        let (parent, child) = (frames[0].body, frames[1].body);
         let multibody = (kind == JointFormulation::Multibody)
             .then(|| multibody_joints.insert(parent, child, data, true))
             .flatten();
@@ -155,8 +156,8 @@ impl RapierJoint {
             axis,
             parent,
             child,
-            anchor_parent_m: seats[0].body_from_hinge.translation.vector,
-            anchor_child_m: seats[1].body_from_hinge.translation.vector,
+            anchor_parent_m: frames[0].body_from_hinge.translation.vector,
+            anchor_child_m: frames[1].body_from_hinge.translation.vector,
             axis_part: hinge.axis_robot.into_inner(),
             start_rad,
         }
@@ -167,8 +168,8 @@ impl RapierJoint {
         self.axis == JointAxis::LinX
     }
 
-    /// Axis, and the anchors that parent and child carry, world frame, metres.
-    fn places(&self, bodies: &RigidBodySet) -> (Vector3<f64>, [Vector3<f64>; 2]) {
+    /// Axis, and the anchor points of parent and child, world frame, metres.
+    fn axis_and_anchors(&self, bodies: &RigidBodySet) -> (Vector3<f64>, [Vector3<f64>; 2]) {
         let [parent, child] = [self.parent, self.child].map(|handle| bodies[handle].position());
         let anchors_world_m = [
             from_vector(*parent * to_vector(&self.anchor_parent_m)),
@@ -180,10 +181,10 @@ impl RapierJoint {
         )
     }
 
-    /// Angle, radians, continued from `near_rad` so that it does not jump at half turns; of a slide the distance, metres.
+    /// Angle, radians, continued from `near_rad` so that it does not jump at half turns; for a slide the distance, metres.
     pub fn angle_rad(&self, bodies: &RigidBodySet, near_rad: f64) -> f64 {
         if self.slides() {
-            let (axis_world, [here_m, there_m]) = self.places(bodies);
+            let (axis_world, [here_m, there_m]) = self.axis_and_anchors(bodies);
             return self.start_rad + (there_m - here_m).dot(&axis_world);
         }
         let parent = from_rotation(&bodies[self.parent].position().rotation);
@@ -195,10 +196,10 @@ impl RapierJoint {
         angle_rad + turns * TAU
     }
 
-    /// Speed, rad/s; of a slide m/s.
+    /// Speed, rad/s; for a slide m/s.
     pub fn speed_rad_s(&self, bodies: &RigidBodySet) -> f64 {
         if self.slides() {
-            let (axis_world, [_, at_m]) = self.places(bodies);
+            let (axis_world, [_, at_m]) = self.axis_and_anchors(bodies);
             let velocity = |handle| {
                 let body: &RigidBody = &bodies[handle];
                 let arm_m = at_m - from_vector(body.center_of_mass());
@@ -211,7 +212,7 @@ impl RapierJoint {
         (from_vector(child.angvel()) - from_vector(parent.angvel())).dot(&axis_world)
     }
 
-    /// Tells a multibody the speed of the hinge and what resists it; an impulse joint has a brake.
+    /// Sets the initial speed, friction and armature of the hinge in a multibody; impulse joints use a brake instead.
     pub fn start(&self, joints: &mut MultibodyJointSet, speed_rad_s: f64) {
         let Joint::Multibody(handle) = self.joint else {
             return;
@@ -228,12 +229,13 @@ impl RapierJoint {
         multibody.generalized_velocity_mut()[row] = speed_rad_s;
     }
 
-    /// Has a motor and its gear act during the next step.
+    /// Applies the effort of a motor and its gear during the next step.
     ///
-    /// A multibody has a motor, dry friction, damping and armature at every joint. Friction of an impulse joint does not
-    /// converge on a long arm, so there all of it is a torque on both parts: the motor and viscous friction by the speed before
-    /// the step, dry friction as what would stop the hinge within the step, with what else acted on it during the step before,
-    /// and at most its budget. The rotor's inertia is the child's there ([`rotor_inertia_kg_m2`]).
+    /// A multibody has a motor, dry friction, damping and armature at every joint. For impulse joints, friction as a constraint
+    /// does not converge on a long arm, so the whole effort is applied as a torque on both parts: the motor and viscous friction
+    /// at the speed before the step, and dry friction as the torque that would stop the hinge within the step, given the other
+    /// torques of the previous step, limited by its budget. The inertia of the rotor is then part of the child
+    /// ([`rotor_inertia_kg_m2`]).
     pub fn exert(
         &mut self,
         bodies: &mut RigidBodySet,
@@ -249,7 +251,7 @@ impl RapierJoint {
         let viscous_nm_s_rad = viscous_nm_s_rad + effort.viscous_nm_s_rad;
         let Joint::Multibody(handle) = self.joint else {
             let speed_rad_s = self.speed_rad_s(bodies);
-            // What stops the parts within a step.
+            // Damping that stops the parts within one step.
             let stop_nm_s_rad = self.reduced_inertia_kg_m2(bodies) / timestep_s;
             let others_nm = self.exerted.map_or(0.0, |exerted| {
                 stop_nm_s_rad * (speed_rad_s - exerted.speed_rad_s) - exerted.torque_nm
@@ -278,7 +280,7 @@ impl RapierJoint {
         let Some(link) = multibody.link_mut(link) else {
             return;
         };
-        // A motor of the engine that damps nothing is rigid.
+        // A Rapier motor with zero damping acts as a rigid constraint, so its force is limited to 0 in that case.
         let most_nm = if effort.damping_nm_s_rad > 0.0 {
             f64::MAX
         } else {
@@ -294,9 +296,9 @@ impl RapierJoint {
         data.set_motor_max_force(self.axis, most_nm);
     }
 
-    /// Torque on the child and against the parent; of a slide a force at its anchor.
+    /// Applies a torque to the child and its opposite to the parent; for a slide, a force at the joint's anchor.
     fn push(&self, bodies: &mut RigidBodySet, torque_nm: f64) {
-        let (axis_world, [_, at_m]) = self.places(bodies);
+        let (axis_world, [_, at_m]) = self.axis_and_anchors(bodies);
         for (part, torque_nm) in [(self.child, torque_nm), (self.parent, -torque_nm)] {
             let Some(body) = bodies.get_mut(part) else {
                 continue;
@@ -310,12 +312,13 @@ impl RapierJoint {
         }
     }
 
-    /// Has the spring of the joint act during the next step.
+    /// Applies the spring of the joint during the next step.
     ///
-    /// The force is that of one step, which the solver takes in substeps. Taken where the joint will be after a share of it, the
-    /// spring neither gains nor loses energy: with n substeps a constant acceleration a moves a body by a h² (n + 1) / (2 n), and
-    /// the motion keeps its amplitude where the force is that of (n − 1) / (2 n) steps ahead. Where the spring is too stiff for
-    /// steps this long, it is held to what would carry the joint to its rest within one.
+    /// The force is constant during a step, which the solver divides into substeps. To conserve energy, the force is taken at the
+    /// position that the joint will have later in the step: with n substeps a constant acceleration a moves a body by a h² (n +
+    /// 1) / (2 n), and the amplitude of the motion is conserved if the force is that of (n − 1) / (2 n) steps ahead. If the
+    /// spring is too stiff for the timestep, its stiffness is limited to the value that brings the joint to its rest position
+    /// within one step.
     pub fn spring(&self, bodies: &mut RigidBodySet, parameters: &IntegrationParameters) {
         let Some(spring) = self.bearing.spring else {
             return;
@@ -331,8 +334,8 @@ impl RapierJoint {
         self.push(bodies, stiffness_nm_rad * (spring.rest_rad - then_rad));
     }
 
-    /// Takes back what a motor or spring exerted on the parts: it was for one step.
-    pub fn let_go(&self, bodies: &mut RigidBodySet) {
+    /// Removes the forces of motor and spring from the parts, because they are valid for one step only.
+    pub fn reset_forces(&self, bodies: &mut RigidBodySet) {
         let has_pushed = self.has_gear && matches!(self.joint, Joint::Impulse(_));
         if !has_pushed && self.bearing.spring.is_none() {
             return;
@@ -345,7 +348,7 @@ impl RapierJoint {
         }
     }
 
-    /// Inertia of the two parts against turning about the hinge in opposite directions, as if nothing else held them, kg m².
+    /// Reduced inertia of the two parts for rotation about the hinge in opposite directions, without other constraints, kg m².
     fn reduced_inertia_kg_m2(&self, bodies: &RigidBodySet) -> f64 {
         let parent = &bodies[self.parent];
         let world_from_parent = parent.position();
@@ -372,8 +375,9 @@ impl RapierJoint {
 
     /// Sets the brake of an impulse joint for the next step.
     ///
-    /// A motor that wants speed 0 resists in proportion to the speed (viscous friction), or with at most a given torque (dry
-    /// friction): of both together, viscous friction is part of what it may exert, by the speed before the step.
+    /// A motor with target speed 0 resists in proportion to the speed (viscous friction), or with a limited torque (dry
+    /// friction). If a hinge has both, the torque limit is the sum of dry friction and of viscous friction at the speed before
+    /// the step.
     pub fn brake(&self, joints: &mut ImpulseJointSet, bodies: &RigidBodySet) {
         let Some(joint) = self.brake.and_then(|handle| joints.get_mut(handle, false)) else {
             return;
@@ -389,7 +393,7 @@ impl RapierJoint {
         } else if viscous_nm_s_rad > 0.0 {
             (viscous_nm_s_rad, f64::MAX)
         } else {
-            // A motor of the engine that damps nothing is rigid.
+            // A Rapier motor with zero damping acts as a rigid constraint, so its force is limited to 0 in that case.
             (0.0, 0.0)
         };
         let data = &mut joint.data;
@@ -398,7 +402,7 @@ impl RapierJoint {
         data.set_motor_max_force(self.axis, most_nm);
     }
 
-    /// Asks the motor of the hinge, which is at `angle_rad`, to do `command` during the next step.
+    /// Sets the command of the hinge's motor for the next step; the hinge is at `angle_rad`.
     pub fn drive(
         &self,
         impulse_joints: &mut ImpulseJointSet,
@@ -409,7 +413,7 @@ impl RapierJoint {
         let coordinate_rad = angle_rad - self.start_rad;
         let data = match self.joint {
             Joint::Impulse(handle) => {
-                // An impulse joint knows its angle only up to whole turns.
+                // An impulse joint measures its angle only up to whole turns.
                 let wrapped_rad = match self.slides() {
                     true => coordinate_rad,
                     false => coordinate_rad - TAU * (coordinate_rad / TAU).round(),

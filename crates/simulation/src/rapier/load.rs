@@ -1,4 +1,4 @@
-//! What contacts did to the parts of the robot during the step before.
+//! Contact impulses on the parts of the robot during the previous step, read from Rapier.
 
 use nalgebra::Vector3;
 
@@ -7,7 +7,7 @@ use crate::engine::Load;
 use rapier3d_f64::geometry::NEW_CONTACT_BIT;
 
 impl RapierWorld {
-    /// Every contact of the step before, once for each part of the robot that it touches.
+    /// All contacts of the previous step, once for each part of the robot that is in contact.
     pub(super) fn read_loads(&self, loads: &mut Vec<Load>) {
         loads.clear();
         let part_of = |handle| self.parts.iter().position(|part| Some(part.body) == handle);

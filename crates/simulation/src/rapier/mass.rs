@@ -1,4 +1,4 @@
-//! How much bodies weigh for the engine.
+//! Mass properties of bodies in Rapier, including replacements for links without mass.
 
 use nalgebra::Matrix3;
 
@@ -7,9 +7,9 @@ use rapier3d_f64::math::Vector;
 use rapier3d_f64::prelude::MassProperties;
 use realgap_robot::morphology::{Assembly, ClusterMass};
 
-/// A link without mass weighs this share of the whole robot for the engine.
+/// A link without mass gets this fraction of the robot's mass in the engine.
 pub(crate) const LEAST_SHARE: f64 = 1e-9;
-/// … and is as hard to turn as that mass at this distance, metres.
+/// Radius of gyration of such a link, metres.
 const LEAST_ARM_M: f64 = 0.01;
 
 pub(crate) fn total_kg(assembly: &Assembly) -> f64 {
@@ -17,7 +17,7 @@ pub(crate) fn total_kg(assembly: &Assembly) -> f64 {
     solids.map(|solid| solid.mass_kg).sum()
 }
 
-/// The engine takes a body without mass for one that nothing moves: a link between two joints gets next to nothing.
+/// Replaces zero mass by a negligible one, because the engine treats a body without mass as immovable.
 pub(crate) fn weighable(mass: ClusterMass, least_kg: f64) -> ClusterMass {
     if mass.mass_kg > 0.0 {
         return mass;
@@ -29,9 +29,9 @@ pub(crate) fn weighable(mass: ClusterMass, least_kg: f64) -> ClusterMass {
     }
 }
 
-/// What Parry makes of a body's inertia. It takes moments that differ by less than 1e-5 kg m² for equal, and turns their axes to
-/// wherever it likes: a power of two makes them large enough for that, and changes no digit of what it returns
-/// (docs/upstream/small_inertia.md).
+/// Parry's form of a body's mass properties. Parry treats moments that differ by less than 1e-5 kg m² as equal and then chooses
+/// arbitrary axes. Scaling the inertia by a power of two makes the moments large enough, and does not change the digits of the
+/// result (docs/upstream/small_inertia.md).
 pub(super) fn mass_properties(mass: &ClusterMass) -> MassProperties {
     let largest_kg_m2 = mass.inertia_kg_m2.amax();
     let is_usual = largest_kg_m2.is_normal() && largest_kg_m2 < 1.0;

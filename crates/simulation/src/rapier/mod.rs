@@ -1,4 +1,4 @@
-//! Rapier, the first engine and the reference of every answer: rigid bodies, multibodies and contacts of its own.
+//! The engine Rapier, the default and the reference for all results: rigid bodies, multibodies, impulse joints and contacts.
 
 mod driven;
 mod friction;
@@ -36,18 +36,18 @@ pub(super) use mass::{LEAST_SHARE, total_kg, weighable};
 use pose::from_rotation;
 pub(super) use pose::{from_pose, from_vector, to_matrix, to_pose, to_vector};
 
-/// Version of the engine, which decides the results bit for bit.
+/// Version of the engine, which determines the results bit for bit.
 pub const ENGINE_VERSION: &str = "rapier3d-f64 0.36.1";
 pub(super) use rapier3d_f64::parry;
 pub(super) use surface::Surface;
 
-/// Motion of one part at the start.
+/// Velocity of one part at the start.
 pub(super) struct PartMotion {
-    /// The robot's as one rigid body.
+    /// Rigid motion of the whole robot.
     pub robot: Motion,
-    /// What the joints on the way from the root add.
+    /// Additional motion due to the joints between the root and this part.
     pub joints: Turn,
-    /// Whether the world holds it.
+    /// Whether the part is fixed to the world.
     pub is_held: bool,
 }
 
@@ -72,29 +72,29 @@ impl PartMotion {
     }
 }
 
-/// A part in the engine's hands.
+/// A part of the robot in Rapier.
 ///
-/// The engine's body has its origin at the part's centre of mass: a free root of a multibody would otherwise turn
-/// about its origin (docs/upstream/multibody_root.md).
+/// The origin of Rapier's body is at the part's centre of mass, because a free root of a multibody would otherwise rotate about
+/// its origin (docs/upstream/multibody_root.md).
 #[derive(Debug, Clone, Copy)]
-struct Member {
+struct RapierPart {
     body: RigidBodyHandle,
-    /// Centre of mass in the part's frame, metres: where the body's origin is.
+    /// Centre of mass in the part's frame, metres: the origin of Rapier's body.
     centre_part_m: Vector3<f64>,
 }
 
-impl Member {
-    /// The part's frame in the body's.
+impl RapierPart {
+    /// Pose of the part's frame in the body's frame.
     fn body_from_part(&self) -> Isometry3<f64> {
         Translation3::from(-self.centre_part_m).into()
     }
 }
 
-/// Rapier.
+/// The engine Rapier.
 #[derive(Debug, Clone, Copy)]
 pub struct Rapier;
 
-/// The engine itself.
+/// The instance of the engine.
 pub static RAPIER: Rapier = Rapier;
 
 impl Engine for Rapier {
@@ -115,7 +115,7 @@ impl Engine for Rapier {
     }
 }
 
-/// A robot on a floor in Rapier's hands.
+/// A world of Rapier with one robot.
 struct RapierWorld {
     gravity: Vector,
     parameters: IntegrationParameters,
@@ -129,15 +129,16 @@ struct RapierWorld {
     multibody_joints: MultibodyJointSet,
     soft_bodies: SoftBodySet,
     ccd: CCDSolver,
-    parts: Vec<Member>,
-    axles: Vec<RapierJoint>,
+    parts: Vec<RapierPart>,
+    joints_of_hinges: Vec<RapierJoint>,
     hooks: Hooks,
     /// Bodies of the scene, in its order.
     scene: Vec<RigidBodyHandle>,
 }
 
 impl RapierWorld {
-    /// Builds the world: parts where they start, hinges as `joints` say, all else moving as one.
+    /// Builds the world: parts at their start poses, hinges at the state `joints`, and everything moving as one rigid body apart
+    /// from that.
     fn new(setup: &Setup<'_>) -> Self {
         let Setup {
             experiment,
@@ -160,11 +161,11 @@ impl RapierWorld {
             soft_bodies: SoftBodySet::new(),
             ccd: CCDSolver::new(),
             parts: Vec::with_capacity(assembly.parts.len()),
-            axles: Vec::with_capacity(assembly.hinges.len()),
+            joints_of_hinges: Vec::with_capacity(assembly.hinges.len()),
             hooks: Hooks {
                 friction: (experiment.contact.friction_model != FrictionModel::Simplified)
                     .then(Friction::default),
-                apart: assembly.apart.iter().copied().collect(),
+                collision_exclude: assembly.collision_exclude.iter().copied().collect(),
                 ..Hooks::default()
             },
             scene: Vec::new(),
@@ -210,7 +211,7 @@ impl RapierWorld {
                 world.parts[hinge.parent_part],
                 world.parts[hinge.child_part],
             );
-            let seats = [
+            let frames = [
                 JointFrame {
                     body: parent.body,
                     body_from_hinge: parent.body_from_part() * frame,
@@ -220,18 +221,18 @@ impl RapierWorld {
                     body_from_hinge: child.body_from_part() * child_from_parent * frame,
                 },
             ];
-            world.axles.push(RapierJoint::new(
+            world.joints_of_hinges.push(RapierJoint::new(
                 kind,
                 hinge,
-                seats,
+                frames,
                 joint.angle_rad,
                 &mut world.impulse_joints,
                 &mut world.multibody_joints,
             ));
         }
         world.start_multibody();
-        for (axle, joint) in world.axles.iter().zip(joints) {
-            axle.start(&mut world.multibody_joints, joint.speed_rad_s);
+        for (joint_of_hinge, joint) in world.joints_of_hinges.iter().zip(joints) {
+            joint_of_hinge.start(&mut world.multibody_joints, joint.speed_rad_s);
         }
         world.set_scene(experiment);
         world
@@ -240,7 +241,8 @@ impl RapierWorld {
     fn lay_floor(&mut self, experiment: &Experiment) {
         let floor = &experiment.floor;
         let n = floor.normal_world();
-        // Value on the robot, 1 on the floor, rule Multiply: the parameter is the pair's value.
+        // The floor has the value 1 and the robot has the value of the parameter; with the rule Multiply, the parameter is the
+        // value of the pair.
         let collider = ColliderBuilder::new(SharedShape::halfspace(to_vector(&n)))
             .position(Pose::from_translation(Vector::new(
                 0.0,
@@ -267,7 +269,7 @@ impl RapierWorld {
         let centre_part_m = mass.centre_m;
         let centre_world_m = world_from_part * nalgebra::Point3::from(centre_part_m);
         let (velocity, angular_world_rad_s) = motion.at(&centre_world_m.coords);
-        let mut member = Member {
+        let mut member = RapierPart {
             body: RigidBodyHandle::invalid(),
             centre_part_m,
         };
@@ -307,30 +309,31 @@ impl RapierWorld {
                 .restitution(experiment.floor.restitution)
                 .friction_combine_rule(CoefficientCombineRule::Multiply)
                 .restitution_combine_rule(CoefficientCombineRule::Multiply)
-                .active_hooks(self.questions(solid.module))
+                .active_hooks(self.active_hooks_of(solid.module))
                 .user_data(module_mark(solid.module))
                 .build();
             self.colliders
                 .insert_with_parent(collider, member.body, &mut self.bodies);
         }
-        // Otherwise the engine knows masses after the first step only.
+        // Without this call the engine would compute masses only in the first step.
         if let Some(body) = self.bodies.get_mut(member.body) {
             body.recompute_mass_properties_from_colliders(&self.colliders);
         }
         self.parts.push(member);
     }
 
-    /// What the engine has to ask about contacts of a module.
-    fn questions(&self, module: usize) -> ActiveHooks {
-        let mut apart = self.hooks.apart.iter();
-        if apart.any(|&(a, b)| a == module || b == module) {
+    /// The callbacks that the engine needs for contacts of a module.
+    fn active_hooks_of(&self, module: usize) -> ActiveHooks {
+        let mut excluded = self.hooks.collision_exclude.iter();
+        if excluded.any(|&(a, b)| a == module || b == module) {
             ActiveHooks::MODIFY_SOLVER_CONTACTS | ActiveHooks::FILTER_CONTACT_PAIRS
         } else {
             ActiveHooks::MODIFY_SOLVER_CONTACTS
         }
     }
 
-    /// A multibody ignores its bodies' velocities and damps its joints unless told otherwise.
+    /// Sets the initial velocity of a multibody, which ignores the velocities of its bodies, and removes its default joint
+    /// damping.
     fn start_multibody(&mut self) {
         let Some(root) = self.parts.first() else {
             return;
@@ -360,9 +363,9 @@ impl World for RapierWorld {
         if let Some(friction) = &mut self.hooks.friction {
             friction.refresh(&self.multibody_joints);
         }
-        for axle in &self.axles {
-            axle.brake(&mut self.impulse_joints, &self.bodies);
-            axle.spring(&mut self.bodies, &self.parameters);
+        for joint_of_hinge in &self.joints_of_hinges {
+            joint_of_hinge.brake(&mut self.impulse_joints, &self.bodies);
+            joint_of_hinge.spring(&mut self.bodies, &self.parameters);
         }
         self.pipeline.step(
             self.gravity,
@@ -379,8 +382,8 @@ impl World for RapierWorld {
             &self.hooks,
             &(),
         );
-        for axle in &self.axles {
-            axle.let_go(&mut self.bodies);
+        for joint_of_hinge in &self.joints_of_hinges {
+            joint_of_hinge.reset_forces(&mut self.bodies);
         }
     }
 
@@ -416,8 +419,8 @@ impl World for RapierWorld {
         }
     }
 
-    // Velocities of the bodies of a multibody are one substep older, since the engine works them out before it solves contacts
-    // and joints; those that the last substep left are its own.
+    // The velocities of the bodies of a multibody are one substep old, because the engine computes them before it solves contacts
+    // and joints. The generalised velocities of the multibody are those after the last substep.
     fn part_now(&self, part: usize) -> PartState {
         let mut state = self.part_state(part);
         let Some(link) = self.multibody_joints.rigid_body_link(self.parts[part].body) else {
@@ -428,7 +431,7 @@ impl World for RapierWorld {
         };
         let speeds = multibody.generalized_velocity();
         let jacobian = multibody.body_jacobian(link.id);
-        // Before the first step there is no Jacobian, and nothing has been solved.
+        // Before the first step there is no Jacobian, and the velocities are those of the start.
         if jacobian.ncols() == speeds.len() {
             let row = |row: usize| jacobian.row(row).tr_dot(&speeds);
             state.velocity_world_m_s = Vector3::new(row(0), row(1), row(2));
@@ -445,15 +448,15 @@ impl World for RapierWorld {
     }
 
     fn hinge_angle_rad(&self, hinge: usize, near_rad: f64) -> f64 {
-        self.axles[hinge].angle_rad(&self.bodies, near_rad)
+        self.joints_of_hinges[hinge].angle_rad(&self.bodies, near_rad)
     }
 
     fn hinge_speed_rad_s(&self, hinge: usize) -> f64 {
-        self.axles[hinge].speed_rad_s(&self.bodies)
+        self.joints_of_hinges[hinge].speed_rad_s(&self.bodies)
     }
 
     fn drive(&mut self, hinge: usize, angle_rad: f64, command: Command) {
-        self.axles[hinge].drive(
+        self.joints_of_hinges[hinge].drive(
             &mut self.impulse_joints,
             &mut self.multibody_joints,
             angle_rad,
@@ -462,7 +465,7 @@ impl World for RapierWorld {
     }
 
     fn exert(&mut self, hinge: usize, effort: &Effort) {
-        self.axles[hinge].exert(
+        self.joints_of_hinges[hinge].exert(
             &mut self.bodies,
             &mut self.multibody_joints,
             effort,

@@ -1,4 +1,4 @@
-//! Vectors, matrices and poses as the engine takes them, and back.
+//! Conversion of vectors, matrices and poses between nalgebra and Rapier.
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, UnitQuaternion, Vector3};
 

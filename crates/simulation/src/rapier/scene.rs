@@ -1,4 +1,4 @@
-//! Bodies beside the robot in the engine's hands.
+//! Bodies of the scene in Rapier: creation, poses, and driven motion.
 
 use nalgebra::{Isometry3, Translation3, Vector3};
 
@@ -11,7 +11,7 @@ use rapier3d_f64::prelude::{
 };
 
 impl RapierWorld {
-    /// Puts the bodies of the scene in; driven ones stand at the origin until they are led.
+    /// Adds the bodies of the scene; driven bodies are at the origin until they are placed.
     pub(super) fn set_scene(&mut self, experiment: &Experiment) {
         for body in &experiment.scene {
             let (kind, pose, mass_kg) = match &body.motion {
@@ -45,7 +45,8 @@ impl RapierWorld {
                 let collider = ColliderBuilder::cuboid(half_m.x, half_m.y, half_m.z)
                     .position(to_pose(&(Translation3::from(shift_m) * part.body_from_box)))
                     .density(mass_kg / volume_m3)
-                    // A free body rubs on the floor as the robot does; with the robot, the pair's own value counts.
+                    // A free body has the robot's friction with the floor; for contacts with the robot, the friction of the pair
+                    // is used.
                     .friction(experiment.floor.friction)
                     .restitution(experiment.floor.restitution)
                     .friction_combine_rule(CoefficientCombineRule::Multiply)
@@ -64,7 +65,7 @@ impl RapierWorld {
         }
     }
 
-    /// Where the bodies of the scene are, in the experiment's order.
+    /// Poses of the bodies of the scene, in the experiment's order.
     pub(super) fn poses_of_scene(&self) -> Vec<Isometry3<f64>> {
         let bodies = self.scene.iter().map(|handle| self.bodies.get(*handle));
         bodies
@@ -72,14 +73,14 @@ impl RapierWorld {
             .collect()
     }
 
-    /// Puts a driven body of the scene where it starts.
+    /// Places a driven body of the scene at its start pose.
     pub(super) fn put_driven(&mut self, index: usize, world_from_body: &Isometry3<f64>) {
         if let Some(body) = self.bodies.get_mut(self.scene[index]) {
             body.set_position(to_pose(world_from_body), true);
         }
     }
 
-    /// Leads a driven body to where it is to be after the next step.
+    /// Moves a driven body so that it reaches a pose after the next step.
     pub(super) fn guide_driven(&mut self, index: usize, next: &Isometry3<f64>) {
         let handle = self.scene[index];
         let timestep_s = self.parameters.dt;

@@ -1,4 +1,4 @@
-//! Surfaces of solids as the engine takes them.
+//! Conversion of the shapes of solids into Parry shapes.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -9,14 +9,14 @@ use rapier3d_f64::math::Vector;
 use rapier3d_f64::prelude::SharedShape;
 use realgap_robot::morphology::Shape;
 
-/// A flat hull is as thick as this, metres.
+/// Thickness that replaces the zero thickness of a flat hull, metres.
 const THIN_M: f64 = 1e-4;
 
-/// A shape of the engine.
+/// A Parry shape.
 pub(crate) struct Surface {
-    /// The shape in the engine's own frame.
+    /// The shape in Parry's own frame.
     pub shape: SharedShape,
-    /// Whether the engine has it along y where realgap has it along z.
+    /// Whether Parry's axis of the shape is y while realgap's is z.
     is_along_y: bool,
 }
 
@@ -27,7 +27,7 @@ impl std::fmt::Debug for Surface {
 }
 
 impl Surface {
-    /// The surface of a shape, boxes with rounded edges; `None` for what has none.
+    /// The surface of a shape, with rounded edges for boxes; `None` for a shape without a surface.
     pub fn new(shape: &Shape, edge_radius_m: f64) -> Option<Self> {
         let mut is_along_y = false;
         let cuboid = |half_m: &Vector3<f64>| {
@@ -56,7 +56,7 @@ impl Surface {
             Shape::Hull { points_m } => {
                 let half_m = shape.half_extents_m();
                 let points: Vec<Vector> = points_m.iter().map(to_vector).collect();
-                // What is flat has no hull: a thin plate stands in.
+                // A flat point set has no hull with a volume, so a thin plate replaces it.
                 let hull = (half_m.min() > THIN_M)
                     .then(|| SharedShape::convex_hull(&points))
                     .flatten();
@@ -66,7 +66,7 @@ impl Surface {
         Some(Self { shape, is_along_y })
     }
 
-    /// Where the engine's shape is for the solid to be there.
+    /// The pose of Parry's shape for a pose of the solid.
     pub fn pose(&self, there: Isometry3<f64>) -> Isometry3<f64> {
         if self.is_along_y {
             there * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), FRAC_PI_2)

@@ -1,74 +1,75 @@
-//! The numbers of a two-wheel robot.
+//! Parameters of a two-wheel robot: motion, control and camera.
 
 use serde::Deserialize;
 
-/// How a two-wheel robot moves, sees and decides; defaults are those of paper 000 and its public code.
+/// Parameters of motion, sensing and control of a two-wheel robot; the defaults are those of paper 000 and its public code.
 ///
-/// An actuator goes on for a while after its command ends: distance = speed · t + coast for a command of t seconds. So the constants
-/// of the characterisation come once a command. Angles are positive to the left.
+/// An actuator coasts after its command ends: distance = speed · t + coast for a command of t seconds. So the constants of the
+/// characterisation apply once per command. Angles are positive to the left.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Drive {
     /// Speed straight ahead, m/s.
     pub speed_m_s: f64,
-    /// How much farther a straight command goes, metres.
+    /// Coasting distance after a straight command, metres.
     pub coast_m: f64,
-    /// Standard deviation of that.
+    /// Standard deviation of the coasting distance, metres.
     pub coast_sd_m: f64,
     /// Turn of the heading while driving straight, rad/s.
     pub drift_rad_s: f64,
     /// Turn of the heading at the beginning of a straight command, radians.
     pub drift_offset_rad: f64,
-    /// Standard deviation of that.
+    /// Standard deviation of the turn at the beginning of a straight command, radians.
     pub drift_sd_rad: f64,
     /// Rate of a turn to the right, rad/s.
     pub turn_rate_rad_s: f64,
-    /// How much farther a turn goes, radians.
+    /// Coasting angle after a command to turn, radians.
     pub turn_coast_rad: f64,
-    /// Standard deviation of that.
+    /// Standard deviation of the angle of a turn, radians.
     pub turn_sd_rad: f64,
     /// Length of the command to turn, seconds.
     pub turn_command_s: f64,
-    /// A turn begins where something is nearer than this, metres.
+    /// Distance of an object below which the robot turns, metres.
     pub threshold_m: f64,
-    /// Time from one reading to the next, seconds.
+    /// Time between two readings of the sensor, seconds.
     pub sampling_s: f64,
-    /// Time from a decision to what follows, seconds.
+    /// Time between a decision and the reaction to it, seconds.
     pub reaction_s: f64,
-    /// Readings of one belief; 0 decides by single readings.
+    /// Number of readings that the Bayes filter combines for one decision; 0 means that every single reading decides.
     pub filter_readings: f64,
-    /// How often it turns where nothing stands, false alarms a second of driving straight; none in a run without draws.
+    /// Rate of false alarms (turns without an obstacle) per second of driving straight; there are none in a run without random
+    /// draws.
     pub false_alarm_hz: f64,
-    /// When it begins to move, on the recording's clock, seconds.
+    /// Time at which the robot begins to move, on the recording's clock, seconds.
     pub start_s: f64,
-    /// Standard deviation of that.
+    /// Standard deviation of the start time, seconds.
     pub start_sd_s: f64,
-    /// In which share of the runs it begins later: two clocks.
+    /// Fraction of the runs in which the robot begins later, as if a second clock were used.
     pub late_share: f64,
-    /// By how much, seconds.
+    /// Additional delay of the start in these runs, seconds.
     pub late_s: f64,
-    /// Until when the recording shows it where it started, seconds.
+    /// Time until which the recording shows the robot at its start, seconds.
     pub stale_s: f64,
-    /// Pictures a second of the recording.
+    /// Pictures per second of the recording.
     pub frame_rate_hz: f64,
-    /// Standard deviation of when the pictures of a run are taken, seconds.
+    /// Standard deviation of the time shift of all pictures of a run, seconds.
     pub frame_sd_s: f64,
-    /// The tracked point ahead of the axle's middle, metres.
+    /// Distance of the tracked point ahead of the middle of the axle, metres.
     pub tag_ahead_m: f64,
-    /// The tracked point to the left of it, metres.
+    /// Distance of the tracked point to the left of the middle of the axle, metres.
     pub tag_left_m: f64,
-    /// The sensor ahead of the axle's middle, metres.
+    /// Distance of the sensor ahead of the middle of the axle, metres.
     pub sensor_ahead_m: f64,
     /// Factor on the spread of the sensor's readings.
     pub sensor_noise: f64,
     /// Factor on all standard deviations of the actuators.
     pub actuator_noise: f64,
-    /// 1: a sensor that reads the distance, without false alarms.
+    /// 1: an ideal sensor, which reads the exact distance and gives no false alarms.
     pub ideal_sensor: f64,
-    /// 1: actuators without drift, coast and error.
+    /// 1: ideal actuators without drift, coasting and random errors.
     pub ideal_actuator: f64,
-    /// 1: control that decides at once, at every epoch, by single readings.
+    /// 1: ideal control, which decides without delay in every epoch by single readings.
     pub ideal_control: f64,
 }
 
@@ -111,7 +112,7 @@ impl Default for Drive {
 }
 
 impl Drive {
-    /// What really moves: with the ideal parts that are switched on.
+    /// The parameters with the selected idealisations applied.
     pub(super) fn resolved(&self) -> Self {
         let mut drive = *self;
         if self.ideal_actuator > 0.5 {

@@ -11,7 +11,7 @@ use realgap_core::file::{Source, parse_ron};
 use realgap_sensing::arena::{Arena, StartFile};
 use realgap_sensing::range::find_sensor;
 
-/// A robot on two wheels as its file states it.
+/// A two-wheel robot as its file states it.
 #[derive(Debug, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Vehicle")]
@@ -20,26 +20,26 @@ pub struct VehicleFile {
     name: String,
     /// Radius of its round body, metres.
     radius_m: f64,
-    /// The arena's file, relative to this one; it says where robots start.
+    /// The arena's file, relative to this file; it states the start of the robot.
     arena: PathBuf,
-    /// Its range sensor: a file, relative to this one, or the name of one that comes with the program.
+    /// The range sensor: the file of a model, relative to this file, or the name of a built-in model.
     sensor: String,
-    /// Other robots of its kind in the same arena.
+    /// Starts of other robots of the same kind in the same arena.
     #[serde(default)]
     others: Vec<StartFile>,
-    /// How the vehicle drives.
+    /// Parameters of motion, sensing and control.
     #[serde(default)]
     drive: Drive,
 }
 
-/// Most robots beside the first.
+/// Largest number of robots in addition to the first.
 const MOST_OTHERS: usize = 100;
 
 impl Vehicle {
-    /// Reads a two-wheel robot, its arena and its sensor; `sensor` takes the place of the file's own.
+    /// Reads a two-wheel robot, its arena and its sensor; `sensor` replaces the sensor of the file.
     ///
     /// # Errors
-    /// Any of the files missing or malformed, a radius that is not positive, a start in a wall.
+    /// Missing or malformed files, a radius that is not positive, a start in a wall.
     pub fn read(path: impl AsRef<Path>, sensor: Option<&str>) -> Result<Self> {
         let path = path.as_ref();
         let source = Source::read(path, "vehicle")?;
@@ -89,7 +89,7 @@ impl Vehicle {
     }
 }
 
-/// Where the other robots begin.
+/// Start poses of the other robots.
 ///
 /// # Errors
 /// Too many of them, one in a wall or in another robot.
@@ -121,7 +121,7 @@ fn others(file: &VehicleFile, arena: &Arena, first_m: [f64; 2]) -> Result<Vec<[f
             return Err(Error::invalid("a robot starts in another")
                 .field(field)
                 .found(format!("{place_m:?} m, the other at {near:?} m"))
-                .allowed(format!("{} m apart or more", 2.0 * file.radius_m)));
+                .allowed(format!("a distance of at least {} m", 2.0 * file.radius_m)));
         }
         taken_m.push(place_m);
     }

@@ -1,8 +1,8 @@
-//! A two-wheel robot that moves by dead reckoning and avoids what its range sensor sees (paper 000).
+//! Kinematic model of a two-wheel robot that moves by dead reckoning and avoids obstacles with its range sensor (paper 000).
 //!
-//! It stands where a modular robot stands elsewhere: an [`Experiment`](super::Experiment) with a [`Vehicle`] is run by its own epochs
-//! instead of by the engine, and everything after it (noise, camera, ensembles, gaps, sweeps) is the same. [`Drive`] holds the numbers
-//! that may be set and fitted.
+//! It takes the place of a modular robot: an [`Experiment`](super::Experiment) with a [`Vehicle`] is simulated in epochs by the
+//! equations of this module instead of by an engine, and all later processing (noise, camera, ensembles, gaps, sweeps) is the
+//! same. [`Drive`] contains the parameters that can be set and fitted.
 
 mod drive;
 mod file;
@@ -25,16 +25,16 @@ pub(super) use motion::run;
 pub struct Vehicle {
     /// Its name.
     pub name: String,
-    /// Radius of the circle that it is, metres.
+    /// Radius of its circular body, metres.
     pub radius_m: f64,
-    /// Where it drives.
+    /// The arena in which it drives.
     pub arena: Arc<Arena>,
-    /// Where other robots of its kind begin to drive, x and y in metres and heading in radians: they see and avoid one another.
+    /// Starts of other robots of the same kind, x and y in metres and heading in radians; the robots detect and avoid each other.
     pub others: Vec<[f64; 3]>,
-    /// What it sees with.
+    /// Model of its range sensor.
     pub sensor: Arc<RangeModel>,
-    /// Its numbers where a study sets nothing else.
+    /// Its parameters, unless a study sets others.
     pub drive: Drive,
-    /// The files' texts, for hashes.
+    /// Texts of all its files, for hashes.
     pub text: String,
 }

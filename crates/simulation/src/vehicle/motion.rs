@@ -1,4 +1,4 @@
-//! A run: robots epoch by epoch, and what the pictures show of the first.
+//! Simulation of a run of two-wheel robots in epochs, and the recording of the first robot by a camera.
 
 use std::time::Duration;
 
@@ -6,8 +6,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::Vehicle;
 use super::drive::{Drive, EPOCH_S};
-use super::robot::{Dice, Pose, Robot};
-use super::sense::Eye;
+use super::robot::{ActuatorNoise, Pose, Robot};
+use super::sense::VehicleSensor;
 use crate::experiment::Experiment;
 use crate::outcome::Outcome;
 use crate::run::Run;
@@ -23,22 +23,22 @@ pub(crate) fn run(experiment: &Experiment, vehicle: &Vehicle) -> Result<Run> {
     let drive = experiment.drive.resolved();
     vehicle.sensor.check()?;
     let draw = experiment.perturbation.draw;
-    // Every robot has streams of its own, so that the first draws what it draws alone.
+    // Every robot has its own random streams, so that the first draws the same numbers as without the others.
     let parts = |index: u64| {
         let stream = |stream: Numbered| {
             draw.map(|(seed, repeat)| stream.generator(seed, repeat + (index << 40)))
         };
-        let dice = Dice {
+        let noise = ActuatorNoise {
             rng: stream(Numbered::Actuator),
             factor: drive.actuator_noise,
         };
         let streams = [Numbered::SensorReading, Numbered::FalseAlarm].map(stream);
-        (dice, Eye::new(vehicle, drive, streams))
+        (noise, VehicleSensor::new(vehicle, drive, streams))
     };
-    let (mut dice, eye) = parts(0);
+    let (mut noise, sensor) = parts(0);
     let [x, y, heading] = vehicle.arena.start.unwrap_or([0.0; 3]);
     let shift = experiment.perturbation.shift_world_m;
-    // Where the tracked point starts is what is known.
+    // The known start is that of the tracked point.
     let heading_rad = heading + experiment.perturbation.turn_world_rad.z;
     let tag = Pose {
         place_m: [x + shift.x, y + shift.y],
@@ -49,22 +49,22 @@ pub(crate) fn run(experiment: &Experiment, vehicle: &Vehicle) -> Result<Run> {
         heading_rad,
     };
     vehicle.arena.check_place(start.place_m, 0.0)?;
-    let start_s = drive.start_s + dice.normal_of(drive.start_sd_s);
-    // Without them, the draws that follow stay what they were.
-    let is_late = drive.late_share > 0.0 && dice.happens(drive.late_share);
+    let start_s = drive.start_s + noise.normal_of(drive.start_sd_s);
+    // If there are no late runs, no number is drawn here, so that the following draws stay the same.
+    let is_late = drive.late_share > 0.0 && noise.happens(drive.late_share);
     let start_s = start_s + if is_late { drive.late_s } else { 0.0 };
     let taken_s = match drive.frame_sd_s > 0.0 {
-        true => dice.normal_of(drive.frame_sd_s),
+        true => noise.normal_of(drive.frame_sd_s),
         false => 0.0,
     };
-    let mut robots = vec![Robot::new(vehicle, &drive, start, dice, eye)];
+    let mut robots = vec![Robot::new(vehicle, &drive, start, noise, sensor)];
     for (index, [x, y, heading_rad]) in (1_u64..).zip(&vehicle.others) {
-        let (dice, eye) = parts(index);
+        let (noise, sensor) = parts(index);
         let start = Pose {
             place_m: [*x, *y],
             heading_rad: *heading_rad,
         };
-        robots.push(Robot::new(vehicle, &drive, start, dice, eye));
+        robots.push(Robot::new(vehicle, &drive, start, noise, sensor));
     }
     let epochs = ((experiment.duration_s - start_s) / EPOCH_S)
         .ceil()
@@ -82,7 +82,7 @@ pub(crate) fn run(experiment: &Experiment, vehicle: &Vehicle) -> Result<Run> {
     })
 }
 
-/// Poses of the first robot at every epoch since all began to move.
+/// Poses of the first robot at every epoch since the robots began to move.
 fn drive_along(
     epochs: usize,
     vehicle: &Vehicle,
@@ -91,7 +91,7 @@ fn drive_along(
 ) -> Vec<Pose> {
     for epoch in 0..epochs {
         let time_s = EPOCH_S * epoch as f64;
-        // All see where the others were before this epoch, so that their order does not matter.
+        // All robots detect the positions of the others before this epoch, so that their order does not matter.
         let places_m: Vec<[f64; 2]> = robots.iter().map(Robot::place_m).collect();
         for (index, robot) in robots.iter_mut().enumerate() {
             let others = places_m.iter().enumerate().filter(|(k, _)| *k != index);
@@ -102,8 +102,7 @@ fn drive_along(
     robots.swap_remove(0).path
 }
 
-/// What the pictures show, at the times that are asked for: straight lines between pictures, which are all taken a little earlier
-/// or later.
+/// The recorded trajectory at the sample times: linear interpolation between pictures, which are all shifted by the same time.
 fn recorded(
     experiment: &Experiment,
     drive: &Drive,

@@ -1,4 +1,4 @@
-//! What the robot sees, and what it makes of it.
+//! Range sensor of a two-wheel robot, and its decision whether an obstacle is near.
 
 use rand::RngExt as _;
 
@@ -9,11 +9,11 @@ use realgap_sensing::arena::Arena;
 use realgap_sensing::belief::Belief;
 use realgap_sensing::range::{Beam, RangeSensor, ReadingUnit};
 
-/// Cells of a belief over the sensor's range.
+/// Number of cells of a belief over the sensor's range.
 const CELLS: usize = 121;
 
-/// The sensor at work: when it reads next, and what it has read.
-pub(super) struct Eye<'a> {
+/// The sensor during a run: the time of its next reading, and the belief from past readings.
+pub(super) struct VehicleSensor<'a> {
     vehicle: &'a Vehicle,
     drive: Drive,
     next_s: f64,
@@ -24,9 +24,9 @@ pub(super) struct Eye<'a> {
     alarm_s: f64,
 }
 
-impl<'a> Eye<'a> {
-    /// An eye whose first reading comes at a random moment of its sampling time; at once without randomness, and then it gives no
-    /// false alarms.
+impl<'a> VehicleSensor<'a> {
+    /// A sensor whose first reading is at a random time within its sampling time; without noise the first reading is at time 0,
+    /// and there are no false alarms.
     pub(super) fn new(
         vehicle: &'a Vehicle,
         drive: Drive,
@@ -45,12 +45,12 @@ impl<'a> Eye<'a> {
         }
     }
 
-    /// Forgets what it has seen: a new command begins.
+    /// Discards the belief from past readings when a new command begins.
     pub(super) fn forget(&mut self) {
         self.belief = None;
     }
 
-    /// Whether something is near, as far as the robot can tell in this epoch; `None` where there is no reading, or no decision yet.
+    /// Whether an obstacle is near according to the readings of this epoch; `None` if there is no reading or no decision yet.
     pub(super) fn is_near(
         &mut self,
         arena: &Arena,
@@ -83,13 +83,13 @@ impl<'a> Eye<'a> {
         let eye_m = [place_m[0] + ahead * cos, place_m[1] + ahead * sin];
         let hit = arena.cast(eye_m, heading_rad);
         let (near_m, far_m) = self.vehicle.sensor.range_m();
-        // Beyond its range a sensor answers nothing that means anything.
+        // Readings beyond the sensor's range are ignored.
         let hit = hit.filter(|hit| hit.distance_m <= far_m)?;
         if self.drive.ideal_sensor > 0.5 {
             return Some(hit.distance_m < self.drive.threshold_m);
         }
         let beam = Beam {
-            // Nearer than its range it reads as at the near end.
+            // At distances below its range the sensor reads as at the near end of its range.
             distance_m: hit.distance_m.max(near_m),
             incidence_rad: hit.incidence_rad,
             offset_rad: hit.offset_rad,
@@ -111,7 +111,8 @@ impl<'a> Eye<'a> {
         Some(mean + self.drive.sensor_noise * (reading - mean))
     }
 
-    /// A length as it stands; any other reading against that of the threshold.
+    /// Whether a reading means a distance below the threshold: lengths are compared directly, other readings with the mean
+    /// reading at the threshold.
     fn reads_near(&self, reading: f64) -> bool {
         let sensor = &*self.vehicle.sensor;
         if let ReadingUnit::Length(unit) = sensor.reading_unit {
@@ -144,7 +145,7 @@ impl<'a> Eye<'a> {
     }
 }
 
-/// Time until the next false alarm, seconds: exponential, as alarms know nothing of each other.
+/// Time until the next false alarm, seconds; exponentially distributed because alarms are independent.
 fn until_alarm_s(drive: &Drive, alarms: &mut Option<Generator>) -> f64 {
     match alarms {
         Some(rng) if drive.false_alarm_hz > 0.0 => {

@@ -1,4 +1,4 @@
-//! Bodies that many tests are made of.
+//! Models and helper functions that the tests share.
 #![allow(dead_code, clippy::unwrap_used)]
 
 use realgap_tree::parry::math::{Mat3, Pose, Rot3, Vec3};
@@ -41,7 +41,7 @@ pub fn floor() -> Fixture {
     tilted(0.0)
 }
 
-/// A half-space that falls towards +x.
+/// A half-space that slopes down towards +x.
 pub fn tilted(angle_rad: f64) -> Fixture {
     let turn = Rot3::from_rotation_y(angle_rad);
     Fixture::at_rest(
@@ -58,7 +58,7 @@ pub fn model(links: Vec<Link>, fixtures: Vec<Fixture>, steps_1_s: f64) -> Model 
         gravity_world_m_s2: Vec3::new(0.0, 0.0, -G),
         links,
         fixtures,
-        apart: Vec::new(),
+        collision_exclude: Vec::new(),
         settings: Settings {
             timestep_s: 1.0 / steps_1_s,
             ..Settings::default()
@@ -116,7 +116,7 @@ pub fn hinge_y(parent: usize, x: f64, y: f64, z: f64) -> Joint {
     }
 }
 
-/// A cube on a plate that turns about z, as the modules of robots have them: plate below, both standing at z = 0.
+/// A cube on a plate that turns about z, like a module of a robot: the plate is below, and its lower face is at z = `above_m`.
 pub fn cube_on_plate(friction: f64, restitution: f64, above_m: f64) -> Vec<Link> {
     let thickness_m = 0.006;
     let mut body = block(

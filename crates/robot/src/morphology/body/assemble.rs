@@ -1,4 +1,4 @@
-//! From bodies and joints to rigid parts and hinges.
+//! Assembly of a robot of bodies: combines bodies that are fixed to each other into rigid parts that joints connect.
 
 use std::collections::HashMap;
 
@@ -15,17 +15,17 @@ use realgap_core::Error;
 use realgap_core::file::unknown_name;
 use realgap_solid::Shape;
 
-/// Most bodies of one robot.
+/// Largest number of bodies of one robot.
 pub(crate) const MAX_BODIES: usize = 1000;
 
 impl Structure {
-    /// Checks everything and lets fixed joints set.
+    /// Checks the structure and assembles it; bodies connected by fixed joints become one part.
     pub(in crate::morphology) fn build(&self) -> Checked<Assembly> {
         check_name(&self.name, "a robot", "name")?;
         if self.bodies.is_empty() || self.bodies.len() > MAX_BODIES {
             return Err(Flaw::new(
                 "bodies",
-                Error::invalid("a robot needs bodies, and not too many")
+                Error::invalid("the number of bodies is out of range")
                     .found(self.bodies.len())
                     .allowed(format!("1 to {MAX_BODIES}")),
             ));
@@ -39,7 +39,7 @@ impl Structure {
         let bodies = by_name(self.bodies.iter().map(|body| &body.name), "bodies")?;
         by_name(self.joints.iter().map(|joint| &joint.name), "joints")?;
         let tree = self.tree(&bodies)?;
-        let mut workshop = Workshop {
+        let mut builder = AssemblyBuilder {
             structure: self,
             parts: Vec::new(),
             hinges: Vec::new(),
@@ -47,16 +47,16 @@ impl Structure {
             robot_from_body: vec![Isometry3::identity(); self.bodies.len()],
         };
         for &body in &tree.order {
-            workshop.add(body, &tree)?;
+            builder.add(body, &tree)?;
         }
-        workshop.check_weights(&tree)?;
-        workshop.drive()?;
-        workshop.finish(&tree, &bodies)
+        builder.check_weights(&tree)?;
+        builder.drive()?;
+        builder.finish(&tree, &bodies)
     }
 }
 
-/// Parts in the making.
-struct Workshop<'a> {
+/// The assembly while it is being built.
+struct AssemblyBuilder<'a> {
     structure: &'a Structure,
     parts: Vec<Part>,
     hinges: Vec<Hinge>,
@@ -64,8 +64,8 @@ struct Workshop<'a> {
     robot_from_body: Vec<Isometry3<f64>>,
 }
 
-impl Workshop<'_> {
-    /// Adds a body to the part it belongs to; a moving joint above it opens that part.
+impl AssemblyBuilder<'_> {
+    /// Adds a body to its part; a moving joint above the body creates that part.
     fn add(&mut self, index: usize, tree: &Tree) -> Checked<()> {
         let body = &self.structure.bodies[index];
         if let Some(joint) = tree.up[index] {
@@ -87,13 +87,15 @@ impl Workshop<'_> {
         let Some((mass_kg, centre_m, inertia_kg_m2)) = body.mass() else {
             return Err(Flaw::new(
                 format!("bodies[{index}]"),
-                Error::invalid("the inertia is missing, and there is no shape to tell it")
-                    .found(format!("`{}` of {} kg", body.name, body.mass_kg))
-                    .hint("add `inertia_kg_m2: (xx: ..., yy: ..., zz: ...)` or a shape"),
+                Error::invalid(
+                    "the inertia is missing, and there is no shape from which it could be computed",
+                )
+                .found(format!("`{}` of {} kg", body.name, body.mass_kg))
+                .hint("add `inertia_kg_m2: (xx: ..., yy: ..., zz: ...)` or a shape"),
             ));
         };
         let part = &mut self.parts[self.part_of[index]];
-        // First what carries the mass, so that the part's frame is that of its first body.
+        // The solid that carries the mass comes first, so that the part's frame is that of its first body.
         part.solids.push(Solid {
             module: index,
             role: Role::Cube,
@@ -122,7 +124,7 @@ impl Workshop<'_> {
         Ok(())
     }
 
-    /// The hinge of a joint that moves.
+    /// The hinge for a moving joint; `None` for a fixed joint.
     fn hinge(&self, joint: usize, child: usize, parent_part: usize) -> Option<Hinge> {
         let joint = &self.structure.joints[joint];
         let Motion {
@@ -146,7 +148,8 @@ impl Workshop<'_> {
         })
     }
 
-    /// Refuses what moves and has no mass from there on: nothing would hold it back.
+    /// Refuses moving joints whose child and descendants have no mass (nothing would resist their motion), singular inertias, and
+    /// a robot without mass.
     fn check_weights(&self, tree: &Tree) -> Checked<()> {
         let mut beyond_kg: Vec<f64> = self.parts.iter().map(Part::mass_kg).collect();
         for hinge in self.hinges.iter().rev() {
@@ -157,7 +160,7 @@ impl Workshop<'_> {
                 let joint = tree.up[hinge.module].unwrap_or(0);
                 return Err(Flaw::new(
                     format!("joints[{joint}]"),
-                    Error::invalid("nothing behind this joint has a mass")
+                    Error::invalid("the bodies that this joint moves have no mass")
                         .found(format!("`{}`", hinge.name))
                         .hint("give the body a mass, or make the joint Fixed"),
                 ));
@@ -171,7 +174,7 @@ impl Workshop<'_> {
                 return Err(Flaw::new(
                     format!("bodies[{body}].inertia_kg_m2"),
                     Error::invalid(format!(
-                        "`{}`, with all that is fixed to it, has a moment of inertia of 0 or less",
+                        "`{}`, together with the bodies fixed to it, has a moment of inertia of 0 or less",
                         self.structure.bodies[body].name
                     ))
                     .found(format!(
@@ -179,7 +182,7 @@ impl Workshop<'_> {
                         moments.x, moments.y, moments.z
                     ))
                     .allowed("moments above 0")
-                    .hint("correct the inertia, or leave it out for that of uniform shapes"),
+                    .hint("correct the inertia, or leave it out to use that of uniform shapes"),
                 ));
             }
         }
@@ -189,7 +192,7 @@ impl Workshop<'_> {
         Ok(())
     }
 
-    /// Gives hinges their actuators.
+    /// Adds the actuators to the hinges.
     fn drive(&mut self) -> Checked<()> {
         let drivers = &self.structure.actuators;
         let hinges: HashMap<&str, usize> = self
@@ -204,7 +207,7 @@ impl Workshop<'_> {
             let hinge = look_up(
                 &driver.joint,
                 &hinges,
-                "joint that moves",
+                "moving joint",
                 format!("{at}.joint"),
             )?;
             if driven.iter().any(|(known, _)| *known == hinge) {
@@ -234,7 +237,7 @@ impl Workshop<'_> {
         Ok(())
     }
 
-    /// The gait of an actuator that may copy another's.
+    /// The gait of an actuator, which may be copied from another actuator.
     fn followed(&self, index: usize, driven: &[(usize, Actuator)], depth: usize) -> Checked<Gait> {
         let drivers = &self.structure.actuators;
         let Some(follow) = &drivers[index].follows else {
@@ -249,7 +252,7 @@ impl Workshop<'_> {
         };
         let leader = leader.ok_or_else(|| flaw("the joint to follow has no actuator"))?;
         if depth > drivers.len() {
-            return Err(flaw("joints that follow each other in a circle"));
+            return Err(flaw("joints follow each other in a cycle"));
         }
         let gait = self.followed(leader, driven, depth + 1)?;
         Ok(Gait {
@@ -274,16 +277,16 @@ impl Workshop<'_> {
             });
         }
         by_name(structure.marks.iter().map(|mark| &mark.name), "marks")?;
-        let mut apart = Vec::new();
+        let mut collision_exclude = Vec::new();
         for (index, (a, b)) in structure.collision_exclude.iter().enumerate() {
             let at = || format!("never_touch[{index}]");
             let pair = (
                 look_up(a, bodies, "body", at())?,
                 look_up(b, bodies, "body", at())?,
             );
-            apart.push(pair);
+            collision_exclude.push(pair);
         }
-        apart.extend(self.joined_by_nothing());
+        collision_exclude.extend(self.neighbours_across_empty_links());
         if let Some(mount) = &structure.mount {
             check_pose(mount, "mount")?;
         }
@@ -327,7 +330,7 @@ impl Workshop<'_> {
             parts: self.parts,
             hinges: self.hinges,
             is_modular: false,
-            apart,
+            collision_exclude,
             world_from_mount: structure.mount.map(|pose| pose.isometry()),
             marks,
             track_part,
@@ -336,9 +339,10 @@ impl Workshop<'_> {
         })
     }
 
-    /// Bodies with nothing but links without mass and surface between them are neighbours: they never touch.
-    fn joined_by_nothing(&self) -> Vec<(usize, usize)> {
-        let is_nothing = |part: usize| {
+    /// Pairs of bodies between which there are only links without mass and surface: they count as neighbours, so no contacts are
+    /// computed between them.
+    fn neighbours_across_empty_links(&self) -> Vec<(usize, usize)> {
+        let is_empty_link = |part: usize| {
             let mut solids = self.parts[part].solids.iter();
             solids.all(|solid| solid.shape == Shape::Nothing && solid.mass_kg == 0.0)
         };
@@ -350,10 +354,10 @@ impl Workshop<'_> {
         let mut pairs = Vec::new();
         for hinge in &self.hinges {
             let mut above = hinge.parent_part;
-            if !is_nothing(above) || is_nothing(hinge.child_part) {
+            if !is_empty_link(above) || is_empty_link(hinge.child_part) {
                 continue;
             }
-            while let Some(next) = up(above).filter(|_| is_nothing(above)) {
+            while let Some(next) = up(above).filter(|_| is_empty_link(above)) {
                 above = next.parent_part;
             }
             for a in of(above) {
@@ -363,7 +367,7 @@ impl Workshop<'_> {
         pairs
     }
 
-    /// Longest side of the box around a body's shapes, metres; of the whole robot where it has none.
+    /// Longest edge of the bounding box of a body's shapes, metres; that of the whole robot if the body has no shapes.
     fn length_m(&self, body: usize) -> f64 {
         let longest = |is_in: &dyn Fn(&Solid) -> bool| {
             let solids = self.parts.iter().flat_map(|part| &part.solids);

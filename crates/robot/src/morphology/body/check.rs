@@ -1,4 +1,4 @@
-//! What a body, a joint and an actuator must be, each by itself.
+//! Range checks of single bodies, joints and poses.
 
 use nalgebra::SymmetricEigen;
 
@@ -9,7 +9,7 @@ use super::super::module::check_name;
 use super::{Body, Form, Joint, Pose, Triple};
 use realgap_core::Error;
 
-/// A moment below this share of the largest is none.
+/// A principal moment below this fraction of the largest one counts as zero.
 pub(super) const SINGULAR: f64 = 1e-12;
 /// Largest length in a robot, metres.
 const MOST_M: f64 = 1000.0;
@@ -25,7 +25,7 @@ fn check_place(at_m: Triple, at: &str) -> Checked<()> {
         .try_for_each(|(index, value)| range.check(value, &format!("{at}[{index}]")))
 }
 
-/// A pose with finite numbers and one orientation.
+/// Checks that a pose has finite numbers and states its orientation once.
 pub(super) fn check_pose(pose: &Pose, at: &str) -> Checked<()> {
     check_place(pose.at_m, &format!("{at}.at_m"))?;
     if pose.rpy_rad.is_some() && pose.quaternion.is_some() {
@@ -44,16 +44,16 @@ pub(super) fn check_pose(pose: &Pose, at: &str) -> Checked<()> {
         if !(0.5..2.0).contains(&length) {
             return Err(Flaw::new(
                 format!("{at}.quaternion"),
-                Error::invalid("not an orientation")
+                Error::invalid("not a unit quaternion")
                     .found(format!("a quaternion of length {length}"))
-                    .allowed("length 1: (1, 0, 0, 0) turns nothing"),
+                    .allowed("length 1; (1, 0, 0, 0) is no rotation"),
             ));
         }
     }
     Ok(())
 }
 
-/// A body by itself.
+/// Checks the values of one body.
 pub(super) fn check_body(body: &Body, at: &str) -> Checked<()> {
     check_name(&body.name, "a body", &format!("{at}.name"))?;
     Range::within(0.0, 1e6, "kg").check(body.mass_kg, &format!("{at}.mass_kg"))?;
@@ -73,10 +73,10 @@ pub(super) fn check_body(body: &Body, at: &str) -> Checked<()> {
         if !is_finite || least < -SINGULAR * largest || largest > 1e9 {
             return Err(Flaw::new(
                 path,
-                Error::invalid("no body has such an inertia")
+                Error::invalid("the inertia is physically impossible")
                     .found(format!("a smallest principal moment of {least:e} kg m^2"))
                     .allowed("no moment below 0, at most 1e9 kg m^2")
-                    .hint("leave inertia_kg_m2 out for that of uniform shapes"),
+                    .hint("leave inertia_kg_m2 out to use that of uniform shapes"),
             ));
         }
     }
@@ -111,7 +111,7 @@ fn check_form(form: &Form, at: &str) -> Checked<()> {
             if points_m.len() < 4 || points_m.len() > 1000 {
                 return Err(Flaw::new(
                     format!("{at}.points_m"),
-                    Error::invalid("not the corners of a hull")
+                    Error::invalid("wrong number of points for a hull")
                         .found(format!("{} points", points_m.len()))
                         .allowed("4 to 1000"),
                 ));
@@ -124,7 +124,7 @@ fn check_form(form: &Form, at: &str) -> Checked<()> {
     }
 }
 
-/// A joint by itself.
+/// Checks the values of one joint.
 pub(super) fn check_joint(joint: &Joint, at: &str) -> Checked<()> {
     check_name(&joint.name, "a joint", &format!("{at}.name"))?;
     check_pose(&joint.pose, &format!("{at}.pose"))?;
@@ -170,7 +170,9 @@ pub(super) fn check_joint(joint: &Joint, at: &str) -> Checked<()> {
             format!("{at}.{field}"),
             Error::invalid("not the limits of a joint")
                 .found(format!("{low} to {high}"))
-                .allowed(format!("the smaller first, within {most}"))
+                .allowed(format!(
+                    "the smaller value first, both between -{most} and {most}"
+                ))
                 .hint(format!("leave {field} out for a joint without limits")),
         ));
     }

@@ -1,4 +1,4 @@
-//! Robots of any bodies: what a file states as bodies, joints, actuators and marks.
+//! Robots of bodies of any shape: the types of a file that states bodies, joints, actuators and named frames (marks).
 //!
 //! ```
 //! use realgap_core::file::Source;
@@ -22,13 +22,13 @@
 //! | field | meaning |
 //! |---|---|
 //! | `bodies` | name, mass, centre of mass, inertia tensor (of uniform shapes when left out), any number of posed shapes |
-//! | `joints` | between two bodies, a tree: where the child's frame is in the parent's at coordinate 0, and `Fixed`, `Turn` or `Slide` |
-//! | `actuators` | what drives a joint: a servo and its gait, or another joint that it follows |
-//! | `marks` | named frames: `track` may name one, as it may name a body |
-//! | `never_touch` | pairs of bodies that pass through each other; what a joint joins never touches |
-//! | `mount` | where the frame of the root is held in the world; else the robot is free |
+//! | `joints` | connections of two bodies, which form a tree: the pose of the child's frame in the parent's frame at coordinate 0, and `Fixed`, `Turn` or `Slide` |
+//! | `actuators` | the actuator of a joint: a servo, and either its gait or another joint whose command it copies |
+//! | `marks` | named frames; `track` names a frame or a body |
+//! | `never_touch` | pairs of bodies between which no contacts are computed; bodies connected by a joint are excluded always |
+//! | `mount` | pose at which the frame of the root is fixed in the world; without it the robot moves freely |
 //!
-//! Bodies that are fixed to each other become one rigid part. A body that weighs nothing may stand between two joints.
+//! Bodies that are fixed to each other become one rigid part. A body without mass may connect two joints.
 
 mod assemble;
 mod check;
@@ -59,21 +59,21 @@ pub type Triple = (f64, f64, f64);
 pub struct Structure {
     /// Name of the robot: letters, digits, `_` and `-`.
     pub name: String,
-    /// What it is, for people.
+    /// Free text that describes the robot.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub description: String,
-    /// Its bodies.
+    /// The bodies.
     pub bodies: Vec<Body>,
-    /// What joins them: a tree.
+    /// The joints that connect the bodies; they form a tree.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub joints: Vec<Joint>,
-    /// What drives joints.
+    /// The actuators of the joints.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub actuators: Vec<Driver>,
     /// Named frames.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub marks: Vec<Frame>,
-    /// Pairs of bodies that never touch each other.
+    /// Pairs of bodies between which no contacts are computed.
     #[serde(
         rename = "never_touch",
         alias = "collision_exclude",
@@ -81,10 +81,10 @@ pub struct Structure {
         skip_serializing_if = "Vec::is_empty"
     )]
     pub collision_exclude: Vec<(String, String)>,
-    /// Where the root body is held in the world; without it the robot moves freely.
+    /// Pose at which the root body is fixed in the world; without it the robot moves freely.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mount: Option<Pose>,
-    /// The body or mark that recordings follow; else the root.
+    /// The body or mark whose motion is recorded; the root by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub track: Option<String>,
 }
@@ -99,13 +99,13 @@ pub struct Body {
     /// Mass, kg; 0 for a link between two joints.
     #[serde(default)]
     pub mass_kg: f64,
-    /// Centre of mass in the body's frame, metres; else that of uniform shapes.
+    /// Centre of mass in the body's frame, metres; by default that of uniform shapes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub centre_of_mass_m: Option<Triple>,
-    /// Inertia about the centre of mass, along the body's axes; else that of uniform shapes.
+    /// Inertia about the centre of mass, along the body's axes; by default that of uniform shapes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inertia_kg_m2: Option<Tensor>,
-    /// Its surface.
+    /// The collision shapes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub shapes: Vec<Piece>,
 }
@@ -137,14 +137,14 @@ pub struct Tensor {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "shape")]
 pub struct Piece {
-    /// What it is.
+    /// The geometric form.
     pub form: Form,
-    /// Where it is in the body's frame.
+    /// Pose in the body's frame.
     #[serde(default, skip_serializing_if = "Pose::is_none")]
     pub pose: Pose,
 }
 
-/// Forms of shapes, about the origin of their own frame.
+/// Geometric forms, centred at the origin of their own frame.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "form")]
@@ -173,7 +173,7 @@ pub enum Form {
         /// Length between the centres of the balls, metres.
         length_m: f64,
     },
-    /// An ellipsoid, as the hull of points on it.
+    /// An ellipsoid, approximated by the convex hull of points on its surface.
     Ellipsoid {
         /// Half axes along x, y and z, metres.
         radii_m: Triple,
@@ -185,55 +185,55 @@ pub enum Form {
     },
 }
 
-/// A place and an orientation.
+/// A position and an orientation.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "pose")]
 pub struct Pose {
-    /// Place of the origin, metres.
+    /// Position of the origin, metres.
     #[serde(default, skip_serializing_if = "is_origin")]
     pub at_m: Triple,
     /// Orientation as roll, pitch and yaw about fixed axes, radians.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rpy_rad: Option<Triple>,
-    /// Orientation as a quaternion in its place: real part first.
+    /// Orientation as a quaternion instead of `rpy_rad`: real part first.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub quaternion: Option<(f64, f64, f64, f64)>,
 }
 
-/// What joins two bodies.
+/// A connection of two bodies.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "joint")]
 pub struct Joint {
     /// Unique name; joint columns of recordings have it.
     pub name: String,
-    /// The body that holds the joint.
+    /// The parent body, nearer to the root.
     pub parent: String,
-    /// The body that moves.
+    /// The child body, which the joint moves.
     pub child: String,
     /// The child's frame in the parent's, at coordinate 0.
     #[serde(default, skip_serializing_if = "Pose::is_none")]
     pub pose: Pose,
-    /// What the joint lets the child do.
+    /// The kind of joint and its properties.
     pub kind: JointKind,
 }
 
-/// What a joint lets its child do.
+/// The kind of a joint: the motion of the child relative to the parent.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "kind")]
 pub enum JointKind {
-    /// Nothing: both are one rigid part.
+    /// No motion: both bodies are one rigid part.
     Fixed,
-    /// Turn about an axis.
+    /// Rotation about an axis.
     Turn {
         /// Direction of the axis in the child's frame; the child turns right-handed by the angle.
         axis: Triple,
         /// A point on the axis, in the child's frame, metres.
         #[serde(default, skip_serializing_if = "is_origin")]
         anchor_m: Triple,
-        /// Smallest and largest angle, radians; without it the joint turns all round.
+        /// Smallest and largest angle, radians; without this field the joint has no limits.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         limits_rad: Option<(f64, f64)>,
         /// Torque against the motion per speed, N m s/rad.
@@ -242,14 +242,14 @@ pub enum JointKind {
         /// Largest torque of dry friction, N m.
         #[serde(default, skip_serializing_if = "is_zero")]
         dry_nm: f64,
-        /// Inertia of a rotor as the joint feels it, kg m2.
+        /// Inertia of a rotor, reflected to the joint, kg m2.
         #[serde(default, skip_serializing_if = "is_zero")]
         armature_kg_m2: f64,
         /// A spring.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         spring: Option<TurnSpring>,
     },
-    /// Slide along an axis.
+    /// Translation along an axis.
     Slide {
         /// Direction of the axis in the child's frame.
         axis: Triple,
@@ -262,7 +262,7 @@ pub enum JointKind {
         /// Largest force of dry friction, N.
         #[serde(default, skip_serializing_if = "is_zero")]
         dry_n: f64,
-        /// Mass of a rotor as the joint feels it, kg.
+        /// Mass of a rotor, reflected to the joint, kg.
         #[serde(default, skip_serializing_if = "is_zero")]
         armature_kg: f64,
         /// A spring.
@@ -278,7 +278,7 @@ pub enum JointKind {
 pub struct TurnSpring {
     /// Torque per angle, N m/rad.
     pub stiffness_nm_rad: f64,
-    /// Where it is slack, radians.
+    /// Angle at which the spring exerts no torque, radians.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub rest_rad: f64,
 }
@@ -290,12 +290,12 @@ pub struct TurnSpring {
 pub struct SlideSpring {
     /// Force per distance, N/m.
     pub stiffness_n_m: f64,
-    /// Where it is slack, metres.
+    /// Distance at which the spring exerts no force, metres.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub rest_m: f64,
 }
 
-/// What drives a joint. At a joint that slides, read metres for radians and newtons for newton metres.
+/// An actuator of a joint. For a joint that slides, read metres for radians and newtons for newton metres.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "actuator")]
@@ -304,10 +304,10 @@ pub struct Driver {
     pub joint: String,
     /// Control law and limits.
     pub servo: Servo,
-    /// The command that it follows; without it it holds 0, or the nearest that the joint's limits allow.
+    /// The command that the servo follows; without a gait it holds 0, or the value nearest to 0 within the joint's limits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gait: Option<Gait>,
-    /// Another driven joint whose command it copies, in place of a gait.
+    /// Another actuated joint whose command this actuator copies, instead of a gait.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub follows: Option<Follow>,
 }
@@ -333,14 +333,14 @@ pub struct Follow {
 pub struct Frame {
     /// Unique name, among bodies and marks.
     pub name: String,
-    /// The body that carries it.
+    /// The body to which the frame is fixed.
     pub body: String,
-    /// Where it is in the body's frame.
+    /// Pose in the body's frame.
     #[serde(default, skip_serializing_if = "Pose::is_none")]
     pub pose: Pose,
 }
 
-// serde hands fields over by reference.
+// serde passes fields by reference.
 #[allow(clippy::trivially_copy_pass_by_ref)]
 fn is_origin(at_m: &Triple) -> bool {
     *at_m == (0.0, 0.0, 0.0)
@@ -352,7 +352,7 @@ pub(super) fn vector((x, y, z): Triple) -> Vector3<f64> {
 }
 
 impl Pose {
-    /// Origin and axes of the frame itself.
+    /// Whether the pose is the identity.
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }
@@ -407,7 +407,7 @@ impl Tensor {
 }
 
 impl Structure {
-    /// Whether a text states a robot this way.
+    /// Whether a text describes a robot of bodies.
     pub fn is_in(source: &Source) -> bool {
         match source.is_json() {
             true => source.text().contains("\"bodies\""),
@@ -416,7 +416,7 @@ impl Structure {
     }
 }
 
-/// Index of the body that is tracked, or carries the mark that is.
+/// Index of the tracked body, or of the body that carries the tracked mark.
 pub(super) fn tracked(structure: &Structure, assembly: &Assembly) -> usize {
     let root = assembly.parts[0].solids[0].module;
     let Some(name) = &structure.track else {
@@ -428,7 +428,7 @@ pub(super) fn tracked(structure: &Structure, assembly: &Assembly) -> usize {
     found.unwrap_or(root)
 }
 
-/// What stands for the bodies where a robot is asked for its modules: the box around each, with its mass.
+/// Modules that represent the bodies in `Morphology::modules`: the bounding box of each body, with its mass.
 pub(super) fn modules(structure: &Structure, assembly: &Assembly) -> Vec<Module> {
     let bodies = structure.bodies.iter().enumerate();
     bodies

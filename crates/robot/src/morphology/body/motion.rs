@@ -1,9 +1,9 @@
-//! How a joint moves, whether it turns or slides.
+//! Conversion of a joint of a file into its degree of freedom, axis, anchor and passive properties.
 
 use super::super::assembly::{Bearing, Freedom, Spring};
 use super::{JointKind, Triple};
 
-/// What a joint that moves lets its child do, metres for radians where it slides.
+/// The motion of a moving joint; for a joint that slides, read metres for radians.
 pub(super) struct Motion {
     pub freedom: Freedom,
     pub axis: Triple,
@@ -12,7 +12,7 @@ pub(super) struct Motion {
 }
 
 impl JointKind {
-    /// How the child moves; `None` where it is fixed.
+    /// The motion of the child; `None` for a fixed joint.
     pub(super) fn motion(&self) -> Option<Motion> {
         Some(match *self {
             Self::Fixed => return None,

@@ -1,4 +1,4 @@
-//! Shapes and masses of bodies as their file states them.
+//! Computes collision shapes and mass properties from the forms and masses that a file states.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use realgap_solid::ellipsoid;
 use realgap_solid::{UniformMass, uniform};
 
 impl Form {
-    /// The shape, and where its own frame lies in the frame of the form.
+    /// The shape, and the pose of the shape's own frame in the frame of the form.
     pub fn shape(&self) -> (Shape, Isometry3<f64>) {
         let points = match self {
             Self::Box { sides_m } => {
@@ -49,7 +49,8 @@ impl Form {
 }
 
 impl Body {
-    /// Mass (kg), centre of mass (m) and inertia about it (kg m²), in the body's frame; `None` where shapes should tell and cannot.
+    /// Mass (kg), centre of mass (m) and inertia about it (kg m²), in the body's frame; `None` if they have to be computed from
+    /// the shapes and there are none with a volume.
     pub fn mass(&self) -> Option<(f64, Vector3<f64>, Matrix3<f64>)> {
         let stated_m = self.centre_of_mass_m.map(vector);
         if let Some(tensor) = &self.inertia_kg_m2 {
@@ -66,7 +67,7 @@ impl Body {
         })
     }
 
-    /// Volume of its shapes, counted each by itself, m³.
+    /// Sum of the volumes of the shapes, m³; overlaps count twice.
     pub fn volume_m3(&self) -> f64 {
         self.uniform().0
     }

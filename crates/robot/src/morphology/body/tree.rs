@@ -1,4 +1,4 @@
-//! How bodies hang together: one root, and one joint above every other body.
+//! Checks that bodies and joints form a tree: one root, and one joint above every other body.
 
 use std::collections::HashMap;
 
@@ -7,11 +7,11 @@ use super::Structure;
 use realgap_core::Error;
 use realgap_core::file::unknown_name;
 
-/// How the bodies hang together.
+/// The tree of bodies.
 pub(super) struct Tree {
-    /// Every body once, parents before children.
+    /// All bodies, parents before children.
     pub order: Vec<usize>,
-    /// The joint that makes a body a child.
+    /// For each body the joint that connects it to its parent; `None` for the root.
     pub up: Vec<Option<usize>>,
     /// Parent and child of every joint.
     pub ends: Vec<(usize, usize)>,
@@ -30,15 +30,15 @@ impl Structure {
                 return Err(Flaw::new(
                     at("child"),
                     Error::invalid(format!(
-                        "`{}` hangs on two joints: this is no tree",
+                        "`{}` is the child of two joints: the bodies do not form a tree",
                         joint.child
                     ))
                     .found(format!(
                         "`{}` and `{}`",
                         self.joints[earlier].name, joint.name
                     ))
-                    .allowed("one joint above every body")
-                    .hint("a closed loop has to be opened: remove one of the two joints"),
+                    .allowed("every body is the child of at most one joint")
+                    .hint("closed loops are not supported: remove one of the two joints"),
                 ));
             }
             down[parent].push(child);
@@ -56,9 +56,9 @@ impl Structure {
                     || "joints".to_owned(),
                     |root| format!("bodies[{root}].name"),
                 ),
-                Error::invalid("a robot has one body that hangs on nothing: its root")
+                Error::invalid("a robot needs exactly one root: a body that is not a child")
                     .found(format!("{}: {}", roots.len(), names.join(", ")))
-                    .hint("join the others to it, or leave them out"),
+                    .hint("connect the other bodies to it by joints, or remove them"),
             ));
         };
         let mut order = vec![*root];
@@ -72,7 +72,7 @@ impl Structure {
             let joint = lost.and_then(|body| up[body]).unwrap_or(0);
             return Err(Flaw::new(
                 format!("joints[{joint}]"),
-                Error::invalid("the joints go round in a circle")
+                Error::invalid("the joints form a cycle")
                     .found(format!("`{}`", self.joints[joint].name))
                     .allowed("a tree: one root, and every other body a child of one parent"),
             ));
@@ -90,7 +90,7 @@ pub(super) fn by_name<'a>(
         if let Some(first) = known.insert(name.as_str(), index) {
             return Err(Flaw::new(
                 format!("{list}[{index}].name"),
-                Error::invalid("the same name twice")
+                Error::invalid("the same name is used twice")
                     .found(format!("`{name}` is also {list}[{first}]")),
             ));
         }

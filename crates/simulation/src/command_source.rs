@@ -1,21 +1,21 @@
-//! What servos are told: a gait, or a recorded track.
+//! Sources of servo commands: a gait, or a recorded track.
 
 use super::command::{Between, CommandTrack, Quantity};
 use super::experiment::Experiment;
 use realgap_robot::morphology::{Gait, Hinge, ServoLaw};
 
-/// What one hinge is told.
-pub(super) enum Orders<'a> {
-    /// Nothing: there is no servo.
+/// The source of commands of one hinge.
+pub(super) enum CommandSource<'a> {
+    /// No commands, because the hinge has no servo.
     None,
-    /// A sine.
+    /// A sinusoidal gait.
     Gait(Gait, Quantity),
-    /// What was recorded.
+    /// A recorded track.
     Track(&'a CommandTrack),
 }
 
-impl<'a> Orders<'a> {
-    /// The orders of a hinge.
+impl<'a> CommandSource<'a> {
+    /// The source of commands of a hinge.
     pub fn new(experiment: &'a Experiment, hinge: &Hinge) -> Self {
         match (&hinge.actuator, experiment.commands.get(&hinge.name)) {
             (None, _) => Self::None,
@@ -30,7 +30,7 @@ impl<'a> Orders<'a> {
         }
     }
 
-    /// What is commanded.
+    /// The commanded quantity.
     pub fn quantity(&self) -> Quantity {
         match self {
             Self::None => Quantity::Position,
@@ -48,8 +48,8 @@ impl<'a> Orders<'a> {
         }
     }
 
-    /// The command for the step from `from_s` to `to_s` of a servo that hears of it `latency_s` later. Before the first command
-    /// arrives, the servo holds where it started.
+    /// The command for the step from `from_s` to `to_s` of a servo with the latency `latency_s`. Before the first command
+    /// arrives, the servo follows the command of time 0.
     pub fn over(&self, from_s: f64, to_s: f64, latency_s: f64) -> f64 {
         match self {
             Self::Track(track) if track.between() == Between::Held => {
@@ -77,9 +77,9 @@ mod tests {
     }
 
     #[test]
-    fn over_a_step_the_mean_of_what_is_held_counts() {
+    fn the_command_of_a_step_is_the_mean_of_the_held_commands() {
         let track = track();
-        let orders = Orders::Track(&track);
+        let commands = CommandSource::Track(&track);
         for (from_s, to_s, latency_s, mean) in [
             (1.5, 2.5, 0.0, 0.5),
             (1.75, 2.75, 0.25, 0.5),
@@ -87,19 +87,19 @@ mod tests {
             (2.5, 3.0, 0.0, 1.0),
             (0.0, 0.5, 5.0, 0.0),
         ] {
-            assert_eq!(orders.over(from_s, to_s, latency_s), mean, "{from_s}");
+            assert_eq!(commands.over(from_s, to_s, latency_s), mean, "{from_s}");
         }
     }
 
     #[test]
-    fn a_servo_is_off_where_its_switch_says_so() {
+    fn a_servo_is_switched_off_by_the_column_of_its_track() {
         let switched = track().switched(&[1.0, 0.0, 1.0]);
-        let orders = Orders::Track(&switched);
+        let commands = CommandSource::Track(&switched);
         let on: Vec<bool> = [0.0, 1.9, 2.0, 3.9, 4.0, 9.0]
-            .map(|t| orders.is_on(t))
+            .map(|t| commands.is_on(t))
             .into();
         assert_eq!(on, [true, true, false, false, true, true]);
         let off = CommandTrack::new(vec![0.0], vec![0.0], Some(2.0)).unwrap();
-        assert!(Orders::Track(&off).is_on(1.9) && !Orders::Track(&off).is_on(2.0));
+        assert!(CommandSource::Track(&off).is_on(1.9) && !CommandSource::Track(&off).is_on(2.0));
     }
 }

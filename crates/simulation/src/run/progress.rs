@@ -1,10 +1,10 @@
-//! A run from settling to its last sample, a step at a time.
+//! Progress of a run from settling to its last sample, one step at a time.
 
 use std::time::Duration;
 
 use nalgebra::Vector3;
 
-use super::super::energy::Meter;
+use super::super::energy::EnergyMeter;
 use super::super::experiment::{Experiment, JointState, Start};
 use super::super::outcome::{Divergence, Outcome};
 use super::super::path::{Path, between};
@@ -14,55 +14,55 @@ use crate::control::Steer;
 use realgap_core::error::Result;
 use realgap_path::trajectory::{State, Trajectory};
 
-/// How far a run has come.
-pub(in super::super) struct Course {
+/// Progress of a run: its samples so far, and the next sample time.
+pub(in super::super) struct RunProgress {
     times_s: Vec<f64>,
     path: Path,
     before: (State, Vec<JointState>),
-    /// The first sample time that is not reached.
+    /// Index of the first sample time that has not been reached.
     next: usize,
     origin_world_m: Vector3<f64>,
     timestep_s: f64,
-    /// Steps of the whole run.
+    /// Number of steps of the whole run.
     pub steps: u64,
 }
 
-impl Course {
-    /// The motion that was sampled.
+impl RunProgress {
+    /// The sampled trajectory.
     pub fn finish(&mut self) -> Result<Trajectory> {
         std::mem::take(&mut self.path).finish()
     }
 }
 
 impl Rollout<'_> {
-    /// Angles of the hinges now, by their encoders, radians.
+    /// Present angles of the hinges as their encoders read them, radians.
     pub(in super::super) fn angles_rad(&self) -> Vec<f64> {
         let hinges = 0..self.angles_rad.len();
         hinges.map(|index| self.angle_rad(index)).collect()
     }
 
-    /// What servos do in place of their orders, by hinge.
+    /// Commands of the controller in place of the servos' own commands, by hinge.
     pub(in super::super) fn steering(&mut self) -> &mut [Steer] {
         &mut self.steering
     }
 
     pub(super) fn run(&mut self, experiment: &Experiment, hooks: &mut RunHooks<'_>) -> Result<Run> {
-        let mut course = match self.begin(experiment, &mut hooks.observer)? {
-            Ok(course) => course,
-            Err(divergence) => return Ok(self.told(Outcome::Diverged(divergence))),
+        let mut progress = match self.begin(experiment, &mut hooks.observer)? {
+            Ok(progress) => progress,
+            Err(divergence) => return Ok(self.take_run(Outcome::Diverged(divergence))),
         };
-        for step in 1..=course.steps {
-            hooks.tell(step - 1, course.steps)?;
-            if let Some(divergence) = self.advance(&mut course, step, &mut hooks.observer) {
-                return Ok(self.told(Outcome::Diverged(divergence)));
+        for step in 1..=progress.steps {
+            hooks.report_progress(step - 1, progress.steps)?;
+            if let Some(divergence) = self.advance(&mut progress, step, &mut hooks.observer) {
+                return Ok(self.take_run(Outcome::Diverged(divergence)));
             }
         }
-        let path = course.finish()?;
-        Ok(self.told(Outcome::Completed(path)))
+        let path = progress.finish()?;
+        Ok(self.take_run(Outcome::Completed(path)))
     }
 
-    /// The run so far, with this outcome.
-    pub(in super::super) fn told(&mut self, outcome: Outcome<Trajectory>) -> Run {
+    /// The run up to now, with this outcome.
+    pub(in super::super) fn take_run(&mut self, outcome: Outcome<Trajectory>) -> Run {
         let hinges = self.assembly.hinges.iter();
         let servos = hinges.filter(|hinge| hinge.actuator.is_some()).count();
         let commands = self.steps * servos as u64;
@@ -72,7 +72,7 @@ impl Rollout<'_> {
             0.0
         };
         let meter = self.meter.as_ref().filter(|_| outcome.is_completed());
-        let energy = meter.map(Meter::balance);
+        let energy = meter.map(EnergyMeter::balance);
         self.warnings
             .extend(energy.and_then(|energy| energy.warning()));
         Run {
@@ -86,15 +86,15 @@ impl Rollout<'_> {
         }
     }
 
-    /// Comes to rest where the experiment asks for it, and takes the first samples.
+    /// Lets the robot settle if the experiment states a settled start, and takes the first samples.
     pub(in super::super) fn begin(
         &mut self,
         experiment: &Experiment,
         observer: &mut Observer<'_>,
-    ) -> Result<std::result::Result<Course, Divergence>> {
+    ) -> Result<std::result::Result<RunProgress, Divergence>> {
         let timestep_s = experiment.solver.timestep_s;
         let origin_world_m = self.track().position_world_m;
-        // What is held needs no floor to come to rest on.
+        // A mounted robot does not settle on the floor.
         if experiment.start == Start::Settled && self.assembly.world_from_mount.is_none() {
             if let Some(why) = self.settle(timestep_s, &origin_world_m) {
                 let at_s = (self.settle_steps as f64 * timestep_s) - SETTLE_LIMIT_S;
@@ -122,7 +122,7 @@ impl Rollout<'_> {
             next += 1;
         }
         let end_s = experiment.duration_s.max(times_s[times_s.len() - 1]);
-        Ok(Ok(Course {
+        Ok(Ok(RunProgress {
             steps: (end_s / timestep_s - 1e-9).ceil() as u64,
             times_s,
             path,
@@ -133,18 +133,18 @@ impl Rollout<'_> {
         }))
     }
 
-    /// Takes a step, from 1, and the samples within it.
+    /// Advances by step number `step` (from 1), and takes the samples within it.
     pub(in super::super) fn advance(
         &mut self,
-        course: &mut Course,
+        progress: &mut RunProgress,
         step: u64,
         observer: &mut Observer<'_>,
     ) -> Option<Divergence> {
-        let timestep_s = course.timestep_s;
+        let timestep_s = progress.timestep_s;
         let (from_s, to_s) = ((step - 1) as f64 * timestep_s, step as f64 * timestep_s);
         self.step(from_s, to_s);
         self.steps = step;
-        if let Some(why) = self.absurd(&course.origin_world_m) {
+        if let Some(why) = self.divergence_reason(&progress.origin_world_m) {
             return Some(Divergence { at_s: to_s, why });
         }
         if let Some(meter) = &mut self.meter {
@@ -154,16 +154,16 @@ impl Rollout<'_> {
             observer(&Snapshot::take(to_s, self.assembly, self.world.as_ref()));
         }
         let after = self.sample();
-        let times_s = &course.times_s;
-        while course.next < times_s.len()
-            && times_s[course.next] <= to_s + 1e-9 * timestep_s.max(1e-3)
+        let times_s = &progress.times_s;
+        while progress.next < times_s.len()
+            && times_s[progress.next] <= to_s + 1e-9 * timestep_s.max(1e-3)
         {
-            let share = ((times_s[course.next] - from_s) / timestep_s).clamp(0.0, 1.0);
-            let sample = between(&course.before, &after, share);
-            course.path.push(times_s[course.next], &sample);
-            course.next += 1;
+            let share = ((times_s[progress.next] - from_s) / timestep_s).clamp(0.0, 1.0);
+            let sample = between(&progress.before, &after, share);
+            progress.path.push(times_s[progress.next], &sample);
+            progress.next += 1;
         }
-        course.before = after;
+        progress.before = after;
         None
     }
 }
