@@ -156,7 +156,7 @@ class Search:
         *,
         set: Optional[Mapping[str, float]] = None,
         parameters: Parameters = None,
-        indistinguishable: Optional[Path] = None,
+        posterior: Optional[Path] = None,
         seed: Optional[int] = None,
     ) -> "Search":
         """A search from its RON file; what is named here is different from the file.
@@ -164,7 +164,7 @@ class Search:
         >>> realgap.Search.read("sweeps/best_robot.ron", seed=7).info["seed"]
         7
         """
-        wishes = _wishes(set, parameters, indistinguishable, seed)
+        wishes = _wishes(set, parameters, posterior, seed)
         return cls(_native.Search.parse(os.fspath(path), None, False, wishes))
 
     @classmethod
@@ -176,7 +176,7 @@ class Search:
         folder: Path = ".",
         set: Optional[Mapping[str, float]] = None,
         parameters: Parameters = None,
-        indistinguishable: Optional[Path] = None,
+        posterior: Optional[Path] = None,
         seed: Optional[int] = None,
     ) -> "Search":
         """A search from RON; the files that it names are relative to `folder`.
@@ -185,7 +185,7 @@ class Search:
         >>> realgap.Search.from_text(text).info["robots"]
         6
         """
-        wishes = _wishes(set, parameters, indistinguishable, seed)
+        wishes = _wishes(set, parameters, posterior, seed)
         return cls(_native.Search.parse(file_name(folder, name), text, False, wishes))
 
     @classmethod
@@ -197,7 +197,7 @@ class Search:
         folder: Path = ".",
         set: Optional[Mapping[str, float]] = None,
         parameters: Parameters = None,
-        indistinguishable: Optional[Path] = None,
+        posterior: Optional[Path] = None,
         seed: Optional[int] = None,
     ) -> "Search":
         """A search from the fields of its file.
@@ -207,7 +207,7 @@ class Search:
         3
         """
         text = asked("a search", **dict(fields))
-        wishes = _wishes(set, parameters, indistinguishable, seed)
+        wishes = _wishes(set, parameters, posterior, seed)
         return cls(_native.Search.parse(file_name(folder, name), text, True, wishes))
 
     @property
@@ -270,7 +270,7 @@ class Search:
 def _wishes(
     set: Optional[Mapping[str, float]],
     parameters: Parameters,
-    indistinguishable: Optional[Path],
+    posterior: Optional[Path],
     seed: Optional[int],
 ) -> str:
     files, values = files_and_values(parameters)
@@ -278,6 +278,6 @@ def _wishes(
         "a search",
         set={**values, **(set or {})},
         parameters=files,
-        indistinguishable=indistinguishable,
+        posterior=posterior,
         seed=seed,
     )

@@ -321,7 +321,7 @@ class Study:
         noise: Noise = None,
         seed: Optional[int] = None,
         model_error: bool = True,
-        indistinguishable: Optional[Path] = None,
+        posterior: Optional[Path] = None,
         jobs: Optional[int] = None,
         folder: Optional[Path] = None,
         progress: Optional[Progress] = None,
@@ -332,7 +332,7 @@ class Study:
         5
         """
         return ensemble_of(
-            self._native, repeats, noise, seed, model_error, indistinguishable, jobs, folder, progress
+            self._native, repeats, noise, seed, model_error, posterior, jobs, folder, progress
         )
 
     def gap(

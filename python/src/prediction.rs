@@ -15,7 +15,7 @@ use realgap::prediction::{
     UncertainParameters,
 };
 use realgap::results::{Kind, check_folder, write_ensemble, write_gap, write_prediction};
-use realgap::search::read_indistinguishable;
+use realgap::search::read_posterior;
 use realgap::simulation::parameter::ParameterSet;
 use realgap::simulation::{Experiment, Noise, Sampling};
 use realgap::warning::Code;
@@ -44,7 +44,7 @@ struct Drawing {
     noise: Option<Value>,
     noise_file: Option<PathBuf>,
     model_error: bool,
-    indistinguishable: Option<PathBuf>,
+    posterior: Option<PathBuf>,
 }
 
 impl Drawing {
@@ -74,14 +74,14 @@ impl Drawing {
     }
 
     fn points(&self) -> Result<Option<Vec<ParameterSet>>> {
-        match (self.model_error, &self.indistinguishable) {
+        match (self.model_error, &self.posterior) {
             (false, Some(_)) => Err(Error::usage(
                 "nothing takes part in a model error that is off",
             )
-            .field("indistinguishable")
+            .field("posterior")
             .hint("leave model_error=True")),
             (false, None) => Ok(None),
-            (true, Some(folder)) => read_indistinguishable(folder).map(Some),
+            (true, Some(folder)) => read_posterior(folder).map(Some),
             (true, None) => Ok(Some(Vec::new())),
         }
     }

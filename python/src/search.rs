@@ -26,7 +26,7 @@ use crate::text::{of_text, to_text};
 struct Wishes {
     set: BTreeMap<String, f64>,
     parameters: Vec<PathBuf>,
-    indistinguishable: Option<PathBuf>,
+    posterior: Option<PathBuf>,
     seed: Option<u64>,
 }
 
@@ -53,7 +53,7 @@ impl Search {
             let overrides = search::Overrides {
                 set: fitted.values,
                 draws: fitted.draws,
-                indistinguishable: wishes.indistinguishable,
+                indistinguishable: wishes.posterior,
                 seed: wishes.seed,
             };
             search::Search::parse(&source(path, text, is_json, "search")?, &overrides)

@@ -31,7 +31,7 @@ def test_a_schema_is_a_schema(file):
 
 
 def test_answers_fit_their_schemas(command, study_file):
-    said = command("parameters", "--format", "json").stdout
+    said = command("study", "parameters", "--format", "json").stdout
     assert faults("answers/parameters", json.loads(said)) == []
     answer = realgap.Study.read(study_file).sweep()
     assert answer.report["schema_version"] == 1

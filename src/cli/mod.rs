@@ -65,6 +65,7 @@ mod genome;
 mod identify;
 mod import;
 mod interrupt;
+mod invocation;
 mod kind;
 mod merge;
 mod mujoco;
@@ -104,7 +105,6 @@ mod terminal;
 mod tune;
 mod verify;
 mod vision;
-mod word;
 mod work;
 
 use std::ffi::OsString;
@@ -192,6 +192,7 @@ commands! {
     Ensemble(ensemble::Ensemble),
     Search(search::Search),
     Report(report::ReportCommand),
+    Verify(verify::Verify),
     #[command(subcommand, after_help = ROBOT)]
     Robot(RobotCommand),
     #[command(subcommand, after_help = STUDY)]
@@ -200,8 +201,6 @@ commands! {
     Sense(SenseCommand),
     #[command(subcommand, after_help = CLUSTER)]
     Cluster(ClusterCommand),
-    #[command(hide = true)]
-    Verify(verify::Verify),
     #[command(hide = true)]
     Completions(completions::Completions),
 }
@@ -259,7 +258,7 @@ commands! {
 }
 
 /// Questions, each above the first of the commands that answer it.
-const QUESTIONS: [(&str, &str); 6] = [
+const QUESTIONS: [(&str, &str); 7] = [
     ("start", "How do I begin with my own recordings?"),
     ("check", "Is it sound, and what does it do?"),
     ("compare", "How far is the simulation from reality?"),
@@ -319,7 +318,7 @@ impl Ending for u8 {
 /// Parses the words, the program's name first, runs the command and prints the error if there is one; how it ends.
 pub fn run(words: impl Iterator<Item = OsString>) -> u8 {
     interrupt::listen();
-    let ended = stream::kept(word::today(word::keep(words))).and_then(|words| {
+    let ended = stream::kept(invocation::record(words)).and_then(|words| {
         let cli = Cli::try_parse_from(words)
             .unwrap_or_else(|error| advice::with_decimal_point(error).exit());
         if cli.force {

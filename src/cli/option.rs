@@ -9,7 +9,7 @@ use clap::{Args, ValueEnum};
 use realgap::calibration::{Fitted, Mode, Overrides, Part};
 use realgap::comparison::{self, Metric};
 use realgap::identification::StartState;
-use realgap::search::read_indistinguishable;
+use realgap::search::read_posterior;
 use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::simulation::{ENGINES, Experiment, JointFormulation, Solver, engine_by_name};
 use realgap::warning::Code;
@@ -221,20 +221,20 @@ pub struct ModelErrorOption {
     model_error: Switch,
     /// Results folder of a sweep or tuning whose indistinguishable points take part as models, too
     #[arg(long, value_name = "DIR")]
-    indistinguishable: Option<PathBuf>,
+    posterior: Option<PathBuf>,
 }
 
 impl ModelErrorOption {
     /// The points that take part; `None` where no other model is to be tried.
     pub fn points(&self) -> Result<Option<Vec<ParameterSet>>> {
-        match (self.model_error, &self.indistinguishable) {
+        match (self.model_error, &self.posterior) {
             (Switch::Off, Some(_)) => Err(Error::usage(
                 "nothing takes part in a model error that is off",
             )
-            .field("--indistinguishable")
+            .field("--posterior")
             .hint("leave --model-error on")),
             (Switch::Off, None) => Ok(None),
-            (Switch::On, Some(folder)) => read_indistinguishable(folder).map(Some),
+            (Switch::On, Some(folder)) => read_posterior(folder).map(Some),
             (Switch::On, None) => Ok(Some(Vec::new())),
         }
     }

@@ -17,7 +17,7 @@ const MARKS: [&str; 8] = [
     "exported by realgap",
     "content=\"realgap",
     "\"generator\":\"realgap",
-    "(realgap identify)",
+    "(realgap study identify)",
     "\"schema_version\"",
     // In a JSON Schema.
     "\"title\": \"realgap ",

@@ -146,7 +146,7 @@ pub fn stands_for(words: &[String]) {
 /// The words of the command, the program's name first.
 fn typed() -> impl Iterator<Item = String> {
     let own = || {
-        let words = super::word::typed().iter();
+        let words = super::invocation::typed().iter();
         words.map(|word| word.to_string_lossy().into_owned())
     };
     let words = STANDS_FOR.get().cloned();

@@ -20,7 +20,7 @@ const SIDE_BY_SIDE: usize = 5;
 
 /// Search for the robot that walks best, by what will really happen
 ///
-/// Every robot is simulated several times under noise, and under what tuning left open (--indistinguishable), in the
+/// Every robot is simulated several times under noise, and under what tuning left open (--posterior), in the
 /// tree solver unless the file says otherwise. The best are looked at again in Rapier with new draws, at half and
 /// double timestep and substeps, at the limit of hard contact and with the other joint kind at its own; one that does
 /// not walk the same there is marked and ranked last. Results reach the folder as they come; Ctrl-C saves, --resume
@@ -33,7 +33,7 @@ const SIDE_BY_SIDE: usize = 5;
 Examples:
   realgap check sweeps/best_robot.ron           # how many robots?
   realgap search sweeps/best_robot.ron
-  realgap search sweeps/best_robot.ron --indistinguishable results/tripod_floor")]
+  realgap search sweeps/best_robot.ron --posterior results/tripod_floor")]
 pub struct Search {
     /// The search, e.g. sweeps/best_robot.ron
     search: PathBuf,
@@ -44,7 +44,7 @@ pub struct Search {
     values: Values,
     /// Let every repeat use one of the points that cannot be told from the best of this results folder of sweep or tune
     #[arg(long, value_name = "DIR")]
-    indistinguishable: Option<PathBuf>,
+    posterior: Option<PathBuf>,
     /// Run the finalists in MuJoCo, too, with this Python (python3 unless named): one that walks otherwise there does not survive
     #[arg(long, value_name = "PYTHON", num_args = 0..=1, require_equals = true, default_missing_value = "python3")]
     mujoco: Option<String>,
@@ -68,7 +68,7 @@ impl Search {
         let overrides = Overrides {
             set: fitted.values,
             draws: fitted.draws,
-            indistinguishable: self.indistinguishable.clone(),
+            indistinguishable: self.posterior.clone(),
             seed: self.seed,
         };
         read_search(&self.search, &overrides)

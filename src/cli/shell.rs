@@ -4,7 +4,7 @@ use std::path::Path;
 
 /// The command that runs now, as it would be typed.
 pub fn command_line() -> String {
-    let words = super::word::typed().iter().skip(1);
+    let words = super::invocation::typed().iter().skip(1);
     let words = words.map(|word| quoted(word.to_string_lossy().into_owned()));
     std::iter::once("realgap".to_owned())
         .chain(words)

@@ -207,7 +207,7 @@ fn files_in_centimetres_are_read_as_such() {
 
 #[test]
 fn no_colour_codes_reach_a_pipe() {
-    let out = realgap().args(["parameters"]).assert().success();
+    let out = realgap().args(["study", "parameters"]).assert().success();
     assert!(!out.get_output().stdout.contains(&0x1b));
     let out = realgap().args(["check", "nowhere.ron"]).assert().code(1);
     assert!(!out.get_output().stderr.contains(&0x1b));
@@ -247,7 +247,7 @@ fn a_simulation_that_diverges_is_an_error_with_advice() {
 fn output_that_cannot_be_written_is_a_failure() {
     let full = std::fs::File::create("/dev/full").unwrap();
     let status = std::process::Command::new(env!("CARGO_BIN_EXE_realgap"))
-        .arg("parameters")
+        .args(["study", "parameters"])
         .stdout(full)
         .stderr(std::process::Stdio::null())
         .status()
@@ -316,37 +316,37 @@ fn values_from_options_that_cannot_be_used_are_wrong_usage() {
 fn a_mixed_up_file_is_called_what_it_is() {
     let cases = [
         (
-            "simulate",
+            &["simulate"][..],
             "sweeps/tripod_self.ron",
             "a study",
             "realgap sweep",
         ),
         (
-            "export",
+            &["robot", "export", "--format", "urdf"],
             "sweeps/cube_toss_best.ron",
             "a parameter file",
             "--parameters",
         ),
         (
-            "sweep",
+            &["sweep"],
             "morphologies/cube.ron",
             "a morphology",
             "realgap simulate",
         ),
         (
-            "evaluate",
+            &["evaluate"],
             "morphologies/cube.ron",
             "a morphology",
             "realgap simulate",
         ),
         (
-            "identify",
+            &["study", "identify"],
             "sweeps/cube_toss_best.ron",
             "a parameter file",
             "--parameters",
         ),
         (
-            "sweep",
+            &["sweep"],
             "real_trajectories/tripod_mujoco/run_00.csv",
             "a trajectory",
             "realgap compare",
@@ -354,16 +354,13 @@ fn a_mixed_up_file_is_called_what_it_is() {
     ];
     for (command, file, kind, hint) in cases {
         let mut call = realgap();
-        call.arg(command).arg(project().join(file));
-        if command == "export" {
-            call.args(["--format", "urdf"]);
-        }
+        call.args(command).arg(project().join(file));
         let error = text(&call.assert().code(2).get_output().stderr);
         assert!(
             error.contains(&format!("found:   {kind}")),
-            "{command}: {error}"
+            "{command:?}: {error}"
         );
-        assert!(error.contains(hint), "{command}: {error}");
+        assert!(error.contains(hint), "{command:?}: {error}");
     }
     // What is broken stays broken: a file of the right kind keeps its own error.
     let folder = tempfile::tempdir().unwrap();
@@ -414,7 +411,7 @@ fn record_tells_machines_what_it_wrote() {
     let folder = tempfile::tempdir().unwrap();
     let runs = folder.path().join("runs");
     let out = realgap()
-        .arg("record")
+        .args(["study", "record"])
         .arg(project().join("morphologies/cube.ron"))
         .args("--repeats 1 --duration 0.2 --set floor.friction=0.4".split(' '))
         .args(["--format", "json", "-o"])

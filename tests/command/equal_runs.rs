@@ -21,18 +21,39 @@ fn commands_that_write_one_file_write_the_same_bytes_again() {
         ),
         (
             "recordings",
-            vec!["record", robot, "--repeats", "2", "--duration", "0.5", "-o"],
+            vec![
+                "study",
+                "record",
+                robot,
+                "--repeats",
+                "2",
+                "--duration",
+                "0.5",
+                "-o",
+            ],
         ),
-        ("robot.xml", vec!["export", robot, "--format", "mjcf", "-o"]),
+        (
+            "robot.xml",
+            vec!["robot", "export", robot, "--format", "mjcf", "-o"],
+        ),
         (
             "genome.ron",
-            vec!["genome", "random", "--modules", "3", "--seed", "2", "-o"],
+            vec![
+                "robot",
+                "genome",
+                "random",
+                "--modules",
+                "3",
+                "--seed",
+                "2",
+                "-o",
+            ],
         ),
         ("robot.png", vec!["check", robot, "--plot"]),
         ("paths.svg", vec!["compare", run, other, "--plot"]),
         (
             "bars.png",
-            vec!["sensitivity", &study, "--jobs", "2", "--plot"],
+            vec!["study", "sensitivity", &study, "--jobs", "2", "--plot"],
         ),
         (
             "repeat.csv",

@@ -456,7 +456,7 @@ fn a_store_that_somebody_else_made_does_not_steer_the_terminal_nor_a_spreadsheet
     drop(store);
     let list = |format: &str| {
         let mut command = realgap();
-        command.arg("results").arg(folder.path());
+        command.args(["study", "results"]).arg(folder.path());
         let said = command
             .args(["--per-recording", "--format", format])
             .assert();

@@ -74,17 +74,17 @@ fn a_file_where_a_folder_is_meant_is_called_so() {
     let file = folder.path().join("results");
     std::fs::write(&file, "mine").unwrap();
     let study = "sweeps/tripod_floor.ron";
-    for [command, what] in [
-        ["sweep", study],
-        ["tune", study],
-        ["ensemble", study],
-        ["gap", study],
-        ["search", "sweeps/best_robot.ron"],
-        ["record", "morphologies/cube.ron"],
-        ["predict", "morphologies/cube.ron"],
+    for command in [
+        &["sweep", study][..],
+        &["tune", study],
+        &["ensemble", study],
+        &["gap", study],
+        &["search", "sweeps/best_robot.ron"],
+        &["study", "record", "morphologies/cube.ron"],
+        &["predict", "morphologies/cube.ron"],
     ] {
         refused(
-            &[command, what, "-o", file.to_str().unwrap()],
+            &[command, &["-o", file.to_str().unwrap()]].concat(),
             &["results need a folder", "found:   a file", "-o"],
         );
     }
@@ -95,21 +95,21 @@ fn a_file_where_a_folder_is_meant_is_called_so() {
 fn every_command_says_which_kind_of_file_it_was_given() {
     let (robot, study) = ("morphologies/cube.ron", "sweeps/tripod_floor.ron");
     for (command, file, found) in [
-        ("simulate", study, "a study"),
-        ("predict", study, "a study"),
-        ("record", study, "a study"),
-        ("develop", robot, "a morphology"),
-        ("sweep", robot, "a morphology"),
-        ("tune", robot, "a morphology"),
-        ("ensemble", robot, "a morphology"),
-        ("gap", robot, "a morphology"),
-        ("sensitivity", robot, "a morphology"),
-        ("search", study, "a study"),
+        (&["simulate"][..], study, "a study"),
+        (&["predict"], study, "a study"),
+        (&["study", "record"], study, "a study"),
+        (&["robot", "develop"], robot, "a morphology"),
+        (&["sweep"], robot, "a morphology"),
+        (&["tune"], robot, "a morphology"),
+        (&["ensemble"], robot, "a morphology"),
+        (&["gap"], robot, "a morphology"),
+        (&["study", "sensitivity"], robot, "a morphology"),
+        (&["search"], study, "a study"),
     ] {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("out");
-        let mut arguments = vec![command, file];
-        if command == "record" {
+        let mut arguments = [command, &[file]].concat();
+        if command == ["study", "record"] {
             arguments.extend(["-o", out.to_str().unwrap()]);
         }
         refused(&arguments, &[&format!("found:   {found}"), "hint:"]);
@@ -238,7 +238,15 @@ fn it_is_said_where_a_relative_path_starts() {
 #[test]
 fn a_random_genome_is_there_for_machines_too() {
     let out = realgap()
-        .args(["genome", "random", "--modules", "2", "--format", "json"])
+        .args([
+            "robot",
+            "genome",
+            "random",
+            "--modules",
+            "2",
+            "--format",
+            "json",
+        ])
         .assert()
         .success();
     let genome: serde_json::Value = serde_json::from_slice(&out.get_output().stdout).unwrap();
@@ -269,7 +277,7 @@ fn who_only_looks_is_not_told_to_run() {
     let folder = tempfile::tempdir().unwrap();
     let store = folder.path().join("results.sqlite");
     std::fs::write(&store, "no database").unwrap();
-    let (error, code) = said(&["results", folder.path().to_str().unwrap()]);
+    let (error, code) = said(&["study", "results", folder.path().to_str().unwrap()]);
     assert_eq!(code, 1);
     for option in ["--resume", "--restart", "-o"] {
         assert!(!error.contains(option), "{error}");

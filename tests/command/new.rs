@@ -20,7 +20,7 @@ fn every_template_is_sound_as_it_is_written() {
     let new = |kind: &str, place: &std::path::Path| {
         let file = place.join(format!("{kind}.ron"));
         realgap()
-            .args(["new", kind, "-o"])
+            .args(["study", "new", kind, "-o"])
             .arg(&file)
             .assert()
             .success();
@@ -38,7 +38,7 @@ fn every_template_is_sound_as_it_is_written() {
         // A file that is there stays.
         let before = std::fs::read(&file).unwrap();
         let said = realgap()
-            .args(["new", kind, "-o"])
+            .args(["study", "new", kind, "-o"])
             .arg(&file)
             .output()
             .unwrap();
@@ -63,7 +63,7 @@ fn the_examples_inside_of_the_program_are_those_of_the_repository() {
     let folder = tempfile::tempdir().unwrap();
     let copy = |code: i32| {
         let said = realgap()
-            .args(["examples", "copy"])
+            .args(["study", "examples", "copy"])
             .arg(folder.path().join("mine"))
             .output()
             .unwrap();

@@ -229,7 +229,15 @@ fn writers(folder: &Path, out: &Path) -> Vec<Vec<String>> {
         vec!["ensemble", &study, "--repeats", "2", "--noise", &noise],
         vec!["gap", &study, "--repeats", "2", "--noise", &noise],
         vec!["predict", robot, "--repeats", "2", "--duration", "0.1"],
-        vec!["record", robot, "--repeats", "2", "--duration", "0.1"],
+        vec![
+            "study",
+            "record",
+            robot,
+            "--repeats",
+            "2",
+            "--duration",
+            "0.1",
+        ],
     ]
     .map(|args| {
         let args = args.into_iter().map(str::to_owned);

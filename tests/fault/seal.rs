@@ -28,23 +28,16 @@ fn say(words: &[&str]) -> (bool, String) {
 
 /// What reads a file of the folder as it is named here; pictures are shown on the page alone.
 fn readers(out: &str, study: &str, file: &str) -> Vec<Vec<String>> {
-    let mut all = vec![vec!["report", out], vec!["results", out]];
+    let mut all = vec![vec!["report", out], vec!["study", "results", out]];
     let at = format!("{out}/{file}");
     let page = format!("{out}/../replay.html");
     let noise = format!("{out}/../noise.ron");
     let repeats = ["--noise", &noise, "--repeats", "2", "-o"];
     let other = format!("{out}/../other");
     let evaluated = ["evaluate", study, "--parameters", &at];
-    let ensemble = [
-        "ensemble",
-        study,
-        "--model-error",
-        "on",
-        "--indistinguishable",
-        out,
-    ];
+    let ensemble = ["ensemble", study, "--model-error", "on", "--posterior", out];
     let search = format!("{out}/../quick.ron");
-    let searched = ["search", &search, "--indistinguishable", out, "-o", &other];
+    let searched = ["search", &search, "--posterior", out, "-o", &other];
     match file {
         "best.ron" => {
             all.push(evaluated.to_vec());
@@ -79,7 +72,7 @@ fn a_changed_digit_a_lost_line_and_a_lost_file_are_refused_by_whoever_reads_them
     ] {
         assert!(files.contains(&expected), "{expected}: {sealed}");
     }
-    assert!(say(&["report", name]).0 && say(&["results", name]).0);
+    assert!(say(&["report", name]).0 && say(&["study", "results", name]).0);
     for (number, file) in [
         "points.csv",
         "page.json",
@@ -122,7 +115,7 @@ fn a_changed_digit_a_lost_line_and_a_lost_file_are_refused_by_whoever_reads_them
     let (fine, said) = say(&[
         "search",
         &format!("{name}/../quick.ron"),
-        "--indistinguishable",
+        "--posterior",
         name,
     ]);
     assert!(!fine && said.contains("--accept"), "{said}");
@@ -141,5 +134,5 @@ fn a_changed_digit_a_lost_line_and_a_lost_file_are_refused_by_whoever_reads_them
     std::fs::remove_file(out.join("heatmap.png")).unwrap();
     assert!(!say(&["report", name]).0);
     assert!(say(&["report", name, "--accept"]).0);
-    assert!(say(&["report", name]).0 && say(&["results", name]).0);
+    assert!(say(&["report", name]).0 && say(&["study", "results", name]).0);
 }

@@ -131,7 +131,15 @@ impl Cluster {
 
     fn submit(&self, plan: &str) {
         let said = realgap()
-            .args(["submit", "slurm", plan, "--go", "--partition", "main"])
+            .args([
+                "cluster",
+                "submit",
+                "slurm",
+                plan,
+                "--go",
+                "--partition",
+                "main",
+            ])
             .env("SLURM_CONF", self.folder.join("slurm.conf"))
             .output()
             .unwrap();
@@ -175,7 +183,10 @@ fn daemon(folder: &Path, name: &str, words: &[&str]) -> Child {
 }
 
 fn status(plan: &str, what: &str) -> String {
-    let said = realgap().args(["status", plan, what]).output().unwrap();
+    let said = realgap()
+        .args(["cluster", "status", plan, what])
+        .output()
+        .unwrap();
     assert!(said.status.success(), "{}", text(&said.stderr));
     text(&said.stdout).trim().to_owned()
 }
@@ -201,7 +212,16 @@ fn a_search_goes_through_its_generations_and_a_sweep_through_requeues_and_dead_n
     let search = search.to_str().unwrap();
     run(&["search", search, "-o", &at("search")]);
     let plan = at("plan");
-    run(&["plan", search, "--shards", "3", "--no-measure", "-o", &plan]);
+    run(&[
+        "cluster",
+        "plan",
+        search,
+        "--shards",
+        "3",
+        "--no-measure",
+        "-o",
+        &plan,
+    ]);
     cluster.submit(&plan);
     cluster.wait_for_the_answer(&plan);
     must_be_equal(
@@ -221,6 +241,7 @@ fn a_search_goes_through_its_generations_and_a_sweep_through_requeues_and_dead_n
     run(&[&["sweep", study, "-o", &at("sweep")][..], &options].concat());
     run(&[
         &[
+            "cluster",
             "plan",
             study,
             "--shards",
@@ -314,6 +335,7 @@ fn a_full_disk_costs_nothing_but_time(
 ) {
     let plan = folder.join("plan").to_str().unwrap().to_owned();
     let cut = [
+        "cluster",
         "plan",
         study,
         "--shards",

@@ -229,7 +229,9 @@ fn a_command_without_a_folder_writes_a_page_where_it_is_asked() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name).display().to_string();
     let (page, plot) = (at("belief.html"), at("belief.png"));
-    let args = ["belief", "infrared", "--trials", "3", "--plot", &plot];
+    let args = [
+        "sense", "belief", "infrared", "--trials", "3", "--plot", &plot,
+    ];
     let output = realgap()
         .args(args)
         .args(["--report", &page])

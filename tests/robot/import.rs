@@ -15,13 +15,13 @@ fn what_is_exported_comes_back_with_the_same_masses_moments_and_places() {
         let urdf = folder.path().join("robot.urdf");
         let shipped = format!("morphologies/{name}.ron");
         realgap()
-            .args(["export", &shipped, "--format", "urdf", "-o"])
+            .args(["robot", "export", &shipped, "--format", "urdf", "-o"])
             .arg(&urdf)
             .assert()
             .success();
         let ron = folder.path().join("robot.ron");
         realgap()
-            .arg("import")
+            .args(["robot", "import"])
             .arg(&urdf)
             .arg("-o")
             .arg(&ron)
@@ -65,7 +65,10 @@ fn what_is_exported_comes_back_with_the_same_masses_moments_and_places() {
 
 #[test]
 fn a_file_that_is_not_there_is_named_and_not_made() {
-    let said = realgap().args(["import", "no_such.urdf"]).output().unwrap();
+    let said = realgap()
+        .args(["robot", "import", "no_such.urdf"])
+        .output()
+        .unwrap();
     assert_eq!(said.status.code(), Some(1));
     assert!(text(&said.stderr).contains("no_such.urdf"));
     assert!(!Path::new("no_such.urdf").exists());
@@ -86,7 +89,7 @@ fn what_realgap_did_not_write_is_not_replaced() {
     std::fs::write(&ron, "// mine").unwrap();
     let import = |more: &[&str]| {
         let said = realgap()
-            .arg("import")
+            .args(["robot", "import"])
             .arg(&urdf)
             .arg("-o")
             .arg(&ron)
@@ -118,7 +121,10 @@ fn what_realgap_did_not_write_is_not_replaced() {
     // What it wrote itself it replaces, and the report is JSON where that is asked for.
     let (code, said) = import(&["--format", "json"]);
     assert!(code == Some(0) && said.contains("\"notes\""), "{said}");
-    let missing = realgap().args(["import", "no_such.urdf"]).output().unwrap();
+    let missing = realgap()
+        .args(["robot", "import", "no_such.urdf"])
+        .output()
+        .unwrap();
     assert_eq!(missing.status.code(), Some(1));
     assert!(text(&missing.stderr).contains("no_such.urdf") && !Path::new("no_such.urdf").exists());
 }

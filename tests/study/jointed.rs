@@ -22,7 +22,7 @@ fn the_command_says_the_same(recordings: &[Recording], residual_m: f64) {
         ),
     );
     let said = common::realgap()
-        .args(["identify", "--format", "json"])
+        .args(["study", "identify", "--format", "json"])
         .arg(study)
         .output()
         .unwrap();

@@ -19,8 +19,8 @@ fn realgap(arguments: &[&str]) -> assert_cmd::assert::Assert {
 fn json(arguments: &[&str]) -> Value {
     let output = realgap(arguments).success().get_output().stdout.clone();
     let said = common::text(&output);
-    match arguments[0] {
-        "identify" => answer("identify", &said),
+    match arguments[..2] {
+        ["study", "identify"] => answer("identify", &said),
         _ => answer("evaluate", &said),
     }
 }
@@ -45,6 +45,7 @@ fn identify_feeds_evaluate() {
         .to_string_lossy()
         .into_owned();
     let found = json(&[
+        "study",
         "identify",
         &study,
         "--recordings",
@@ -180,7 +181,7 @@ fn with_the_true_contact_most_recordings_end_on_their_simulated_face() {
         format!("solver.relaxations={}", robot.solver.relaxations),
     ];
     let identify = |extra: &[&str]| {
-        let mut arguments = vec!["identify", &study, "--recordings", &glob];
+        let mut arguments = vec!["study", "identify", &study, "--recordings", &glob];
         arguments.extend(["--format", "json"]);
         for setting in &settings {
             arguments.extend(["--set", setting]);
@@ -213,6 +214,7 @@ fn an_output_that_cannot_be_written_is_refused_before_the_work() {
     let study = study().to_string_lossy().into_owned();
     // The recordings do not exist either: the output is what is looked at first.
     let error = realgap(&[
+        "study",
         "identify",
         &study,
         "--recordings",

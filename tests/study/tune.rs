@@ -297,7 +297,7 @@ fn results_can_be_read_without_the_study() {
     std::fs::remove_file(folder.path().join("study.ron")).unwrap();
     let list = |more: &[&str]| {
         let output = realgap()
-            .arg("results")
+            .args(["study", "results"])
             .arg(&out)
             .args(more)
             .assert()
@@ -332,14 +332,14 @@ fn results_can_be_read_without_the_study() {
     parquet_holds(&out, &folder.path().join("trials.parquet"), 20, scores[0]);
 
     let output = realgap()
-        .arg("results")
+        .args(["study", "results"])
         .arg(&out)
         .args(["--sort", "luck"])
         .assert()
         .code(2);
     assert!(text(&output.get_output().stderr).contains("servo.gain"));
     let output = realgap()
-        .arg("results")
+        .args(["study", "results"])
         .arg(&out)
         .args(["--format", "parquet"])
         .assert()
@@ -350,7 +350,10 @@ fn results_can_be_read_without_the_study() {
         "--features parquet"
     };
     assert!(text(&output.get_output().stderr).contains(needed));
-    realgap().args(["results", "sweeps"]).assert().code(1);
+    realgap()
+        .args(["study", "results", "sweeps"])
+        .assert()
+        .code(1);
 }
 
 #[cfg(feature = "parquet")]
@@ -359,7 +362,7 @@ fn parquet_holds(results: &Path, file: &Path, trials: usize, best: f64) {
     use parquet::record::RowAccessor;
 
     realgap()
-        .arg("results")
+        .args(["study", "results"])
         .arg(results)
         .args(["--format", "parquet", "-o"])
         .arg(file)
@@ -379,7 +382,7 @@ fn sensitivity_knows_what_matters() {
     let folder = tempfile::tempdir().unwrap();
     let plot = folder.path().join("bars.png");
     let output = realgap()
-        .arg("sensitivity")
+        .args(["study", "sensitivity"])
         .arg(quick(folder.path()))
         .args(["--set", "floor.friction=0.43", "--format", "json", "--plot"])
         .arg(&plot)
