@@ -38,7 +38,7 @@ impl Answer {
         }
         if report.best.is_none() {
             return Err(Error::invalid("every point diverged, so there is no best one").hint(
-                "check the robot with realgap.simulate, then a shorter timestep or more substeps",
+                "check the robot with realgap.simulate, then try a shorter timestep or more substeps",
             ));
         }
         Ok(Self {

@@ -76,7 +76,7 @@ impl Drawing {
     fn points(&self) -> Result<Option<Vec<ParameterSet>>> {
         match (self.model_error, &self.posterior) {
             (false, Some(_)) => Err(Error::usage(
-                "nothing takes part in a model error that is off",
+                "posterior= adds models to the model error, which is off",
             )
             .field("posterior")
             .hint("leave model_error=True")),
@@ -89,7 +89,7 @@ impl Drawing {
 
 fn incomplete(done: usize, total: usize) -> Error {
     Error::interrupted(format!("interrupted after {done} of {total} repeats"))
-        .hint("run it again; the same repeats come out the same")
+        .hint("run it again; finished repeats come out the same")
 }
 
 /// Writes into a folder, if there is one, as the commands do.
@@ -162,7 +162,7 @@ pub fn repeat_study(
 
 fn diverged() -> Error {
     Error::invalid("every repeat diverged")
-        .hint("check the robot with realgap.simulate, then a shorter timestep or more substeps")
+        .hint("check the robot with realgap.simulate, then try a shorter timestep or more substeps")
 }
 
 #[pymethods]
@@ -251,7 +251,7 @@ pub fn study_gap(
         let gap = kept(folder.as_deref(), Kind::Gap, run, make, write_gap)?;
         if !gap.complete {
             return Err(Error::interrupted("interrupted before the last repeat")
-                .hint("run it again; the same repeats come out the same"));
+                .hint("run it again; finished repeats come out the same"));
         }
         Ok(gap)
     })?;
@@ -351,7 +351,7 @@ fn card(
         Some(said) => said,
         None => {
             warnings.push(Code::EstimatedNoise.warning(
-                "the noise is an estimate for a robot that nobody has measured; say your own with noise=",
+                "the noise is a default preset for robots without measurements; give your own with noise=",
             ));
             (Noise::unmeasured_robot(), "estimate".to_owned())
         }

@@ -11,11 +11,11 @@ use super::genome::named;
 use super::kind::read_specimen;
 use super::kit::*;
 
-/// Build the robot of a genome, or say why it cannot be built
+/// Build the robot of a genome, or print why it cannot be built
 ///
-/// Every gene turns the part built so far, turns its own module and glues it on top; `realgap robot genome random` makes
-/// one to start from. The robot is then put down in the simulator: one that keeps moving or falls over is
-/// flagged. `-o` writes a morphology for all other commands.
+/// Use it to turn a genome into a morphology that all other commands read (-o). Every gene turns the robot built so
+/// far, turns its own module and glues it on top; `realgap robot genome random` makes a genome to start from. The
+/// robot is then put down in the simulator, and a robot that keeps moving or falls over gets a warning.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -187,7 +187,7 @@ impl Develop {
             terminal::table(&table),
             match (settling.is_at_rest(), settling.is_toppled()) {
                 (true, false) => format!("at rest on the floor after {:.2} s", settling.taken_s),
-                (true, true) => "at rest, but not as it was put down".to_owned(),
+                (true, true) => "at rest, but toppled on the way".to_owned(),
                 (false, _) => "does not come to rest on the floor".to_owned(),
             },
         ];
@@ -199,7 +199,7 @@ impl Develop {
     }
 }
 
-/// What is allowed but probably not meant, of the robot and of how it stands.
+/// Warnings about the robot and about how it settles: what is allowed, but probably not intended.
 fn flags(robot: &Morphology, settling: &Settling) -> Vec<Warning> {
     let name = |index: usize| &robot.modules()[index].name;
     let blocked = robot.blocked_plates().into_iter().map(|(plate, other)| {

@@ -41,7 +41,9 @@ pub fn named(genome: &Genome) -> Vec<BTreeMap<&'static str, f64>> {
         .collect()
 }
 
-/// Draw a random genome, every number as likely
+/// Draw a random genome; every number is uniformly distributed
+///
+/// Use it to get a genome for `realgap robot develop`, or robots to test other commands with.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -50,7 +52,7 @@ pub struct Random {
     /// Number of modules
     #[arg(long, value_name = "N", default_value_t = 3)]
     modules: usize,
-    /// Same seed, same genome
+    /// Seed of the draw: the same seed gives the same genome
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
     /// Name of the robot [default: random_<modules>_<seed>]

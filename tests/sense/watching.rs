@@ -237,7 +237,10 @@ fn runs_that_do_not_fit_the_robot_or_the_room_are_refused_before_any_picture() {
         (
             "core.csv",
             &tripod,
-            ["nobody knows where this part", "simulate --parts"],
+            [
+                "position of this part of the robot is not known",
+                "simulate --parts",
+            ],
         ),
         ("far.csv", &cube, ["leaves the room", "start_m"]),
         ("mm.csv", &cube, ["leaves the room", "another unit"]),
