@@ -1,4 +1,4 @@
-"""Repeats under noise: what will happen, how likely, and how far that is from reality."""
+"""Repeats under noise: ensembles, gaps and predictions."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Ensemble(Result[_native.Ensemble, EnsembleSummary]):
 
     @property
     def repeats(self) -> Table:
-        """A row a repeat.
+        """One row per repeat.
 
         >>> ensemble.repeats.rows
         5
@@ -50,7 +50,7 @@ class Ensemble(Result[_native.Ensemble, EnsembleSummary]):
 
 
 class Gap(Result[_native.Gap, GapSummary]):
-    """How many noise floors of reality lie between it and the simulation.
+    """The gap between simulation and reality, in noise floors of reality.
 
     >>> gap.metrics[0].floor.value > 0.0
     True
@@ -79,7 +79,7 @@ class Gap(Result[_native.Gap, GapSummary]):
 
 
 class Prediction(Result[_native.Prediction, Card]):
-    """What a robot will do before anybody builds it, and how likely.
+    """The prediction of what a robot will do before it is built, and how likely it is.
 
     >>> prediction.card.success.probability.trials
     5
@@ -99,7 +99,7 @@ class Prediction(Result[_native.Prediction, Card]):
 
     @property
     def repeats(self) -> Table:
-        """A row a repeat.
+        """One row per repeat.
 
         >>> prediction.repeats["repeat"]
         [0, 1, 2, 3, 4]

@@ -58,7 +58,7 @@ impl Drawing {
             .allowed(format!("1 to {MOST_REPEATS}")))
     }
 
-    /// The noise that was given, and who says so.
+    /// The given noise, and its source.
     fn noise(&self) -> Result<Option<(Noise, String)>> {
         if let Some(file) = &self.noise_file {
             return Ok(Some((read_noise(file)?, file.display().to_string())));
@@ -175,7 +175,7 @@ impl Ensemble {
         versioned_json(&self.report).or_raise(py)
     }
 
-    /// A column a list: a row a repeat.
+    /// One row per repeat, as columns.
     fn repeats(&self, py: Python<'_>) -> PyResult<String> {
         let cases = self.report.cases.iter();
         let cases: Vec<_> = cases
@@ -326,7 +326,7 @@ pub fn predict(
     Ok(Prediction { card, ensemble })
 }
 
-/// As the command makes it.
+/// The prediction card, as the command makes it.
 fn card(
     robot: &Robot,
     question: &Question,

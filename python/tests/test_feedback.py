@@ -153,7 +153,7 @@ def test_nonsense_is_refused_with_what_is_allowed(tripod, commands, kind, words)
 @pytest.mark.parametrize(
     "options, words",
     [
-        ({"step_rate_hz": 10.0}, "nobody decides"),
+        ({"step_rate_hz": 10.0}, "nothing decides"),
         ({"seed": 1}, "without a controller"),
         ({"step": spring, "seed": 1}, "without a controller"),
         ({"step": spring, "step_rate_hz": 0.0}, "step_rate_hz"),

@@ -238,9 +238,9 @@ fn morphology(source: &Source, dynamics: usize) -> Result<Contents> {
 }
 
 fn genome(source: &Source) -> Result<Contents> {
-    let specimen = Individual::parse(source)?;
-    let modules = specimen.genome.len();
-    let (outcome, misfit) = match specimen.develop() {
+    let individual = Individual::parse(source)?;
+    let modules = individual.genome.len();
+    let (outcome, misfit) = match individual.develop() {
         Ok(robot) => (
             format!(
                 "develops into a robot of {:.4} kg with {}",
@@ -259,13 +259,13 @@ fn genome(source: &Source) -> Result<Contents> {
         lines: vec![
             format!(
                 "  genome \"{}\": {}",
-                specimen.name,
+                individual.name,
                 counted(modules, "module")
             ),
             format!("  {outcome}"),
         ],
         details: report::Contents::Genome {
-            name: specimen.name,
+            name: individual.name,
             modules,
             misfit,
         },

@@ -8,7 +8,7 @@ use realgap::simulation::{Settling, settle};
 use realgap::unit::decimals;
 
 use super::genome::named;
-use super::kind::read_specimen;
+use super::kind::read_individual;
 use super::kit::*;
 
 /// Build the robot of a genome, or print why it cannot be built
@@ -87,13 +87,13 @@ pub enum DevelopReport {
 impl Develop {
     pub fn run(self) -> Result<()> {
         output::check_pictures(&self.plot)?;
-        let specimen = read_specimen(&self.genome)?;
-        let robot = match specimen.develop() {
+        let individual = read_individual(&self.genome)?;
+        let robot = match individual.develop() {
             Ok(robot) => robot,
             Err(misfit) => {
                 if self.print.is_json() {
                     terminal::print_answer(&DevelopReport::Misfit {
-                        name: specimen.name,
+                        name: individual.name,
                         develops: false,
                         reason: misfit.code(),
                         message: misfit.to_string(),
@@ -107,7 +107,7 @@ impl Develop {
             output::write_ron(path, &robot.to_ron()?)?;
         }
         terminal::print_warnings(&flags(&robot, &settling));
-        self.print(&specimen, &robot, &settling)?;
+        self.print(&individual, &robot, &settling)?;
         if let Some(plot) = &self.plot {
             portrait::draw(&robot, plot)?;
             terminal::note(format!("drawn: {}", plot.display()));
@@ -115,7 +115,12 @@ impl Develop {
         Ok(())
     }
 
-    fn print(&self, specimen: &Individual, robot: &Morphology, settling: &Settling) -> Result<()> {
+    fn print(
+        &self,
+        individual: &Individual,
+        robot: &Morphology,
+        settling: &Settling,
+    ) -> Result<()> {
         let summary = robot.summary();
         let size = summary.size_m();
         if self.print.is_json() {
@@ -132,7 +137,7 @@ impl Develop {
                 toppled: settling.is_toppled(),
                 settle_s: settling.taken_s,
                 tilt_rad: settling.tilt_rad,
-                genes: named(&specimen.genome),
+                genes: named(&individual.genome),
                 warnings: flags(robot, settling),
                 output: self.output.clone(),
                 version: env!("CARGO_PKG_VERSION"),

@@ -137,7 +137,7 @@ pub fn read_morphology(path: &Path) -> Result<Morphology> {
 }
 
 /// Reads a genome.
-pub fn read_specimen(path: &Path) -> Result<Individual> {
+pub fn read_individual(path: &Path) -> Result<Individual> {
     Individual::read(path).map_err(|error| explain(path, Kind::Genome, error))
 }
 

@@ -41,18 +41,18 @@ pub fn page() -> String {
         };
         let _ = write!(page, "{}\n\n", text.trim_end());
     }
-    let mut told = BTreeSet::new();
+    let mut described = BTreeSet::new();
     let kinds = files();
     // A type that is a file of its own is described in its own section.
     let fields = |kind: &FileKind| kind.schema.get("properties").cloned();
     let roots: Vec<Value> = kinds.iter().filter_map(fields).collect();
     for kind in &kinds {
-        one(&mut page, kind, &roots, &mut told);
+        one(&mut page, kind, &roots, &mut described);
     }
     format!("{}\n", page.trim_end())
 }
 
-fn one(page: &mut String, kind: &FileKind, roots: &[Value], told: &mut BTreeSet<String>) {
+fn one(page: &mut String, kind: &FileKind, roots: &[Value], described: &mut BTreeSet<String>) {
     let Value::Object(root) = Value::from(kind.schema.clone()) else {
         return;
     };
@@ -76,10 +76,10 @@ fn one(page: &mut String, kind: &FileKind, roots: &[Value], told: &mut BTreeSet<
         };
         // A type that was described in the same words under an earlier file is not described again.
         let whole = format!("{name} {}", Value::Object(definition.clone()));
-        if !here.insert(name.clone()) || told.contains(&whole) {
+        if !here.insert(name.clone()) || described.contains(&whole) {
             continue;
         }
-        told.insert(whole);
+        described.insert(whole);
         if let Some(own) = definition.get("properties")
             && roots.iter().any(|root| root == own)
         {

@@ -20,12 +20,12 @@ const LONGEST_STEP_S: f64 = 0.01;
 /// Whether a recording holds the commands of a servo of the robot.
 pub(super) fn is_commanded(robot: &Morphology, recordings: &[Recording]) -> bool {
     let hinges = robot.assemble().hinges;
-    let told = |r: &Recording| {
+    let has_commands = |r: &Recording| {
         !Commands::default()
             .columns_of(&hinges, &r.trajectory)
             .is_empty()
     };
-    recordings.iter().any(told)
+    recordings.iter().any(has_commands)
 }
 
 /// The study of servos and joints. A free robot of another program is held, and written beside the study.
@@ -75,26 +75,27 @@ pub(super) fn draft(
             ),
         ));
     }
-    let told = Commands::default().columns_of(&hinges, motion);
-    let is_told =
-        |hinge: &Hinge| only.is_some() || told.iter().any(|command| command.hinge == hinge.name);
-    let untold: Vec<&str> = recorded
+    let commanded = Commands::default().columns_of(&hinges, motion);
+    let has_command = |hinge: &Hinge| {
+        only.is_some() || commanded.iter().any(|command| command.hinge == hinge.name)
+    };
+    let uncommanded: Vec<&str> = recorded
         .iter()
-        .filter(|hinge| hinge.actuator.is_some() && !is_told(hinge))
+        .filter(|hinge| hinge.actuator.is_some() && !has_command(hinge))
         .map(|hinge| hinge.name.as_str())
         .collect();
-    if !untold.is_empty() {
+    if !uncommanded.is_empty() {
         clues.push((
             "servos without recorded commands follow the gait in the robot's file",
-            format!("no column NAME_command_rad for {}; for joints that swing freely use: realgap robot import --passive", untold.join(", ")),
+            format!("no column NAME_command_rad for {}; for joints that swing freely use: realgap robot import --passive", uncommanded.join(", ")),
         ));
     }
     let summary = subject.robot.summary();
     let parameters: Vec<(String, f64, f64)> = recorded
         .iter()
-        .flat_map(|hinge| ranges(hinge, is_told(hinge), &summary))
+        .flat_map(|hinge| ranges(hinge, has_command(hinge), &summary))
         .collect();
-    let is_any_told = recorded.iter().any(|hinge| is_told(hinge));
+    let is_any_commanded = recorded.iter().any(|hinge| has_command(hinge));
     let commands = only.map(|column| (recorded[0].name.as_str(), column));
     let budget = RUNS * (parameters.len() + RUNS);
     let tune = format!("tune STUDY --optimizer gauss-newton --budget {budget}");
@@ -106,7 +107,7 @@ pub(super) fn draft(
 //   realgap {tune}     and which of them do these motions determine?
 "
         ),
-        before: before(motion, commands, is_any_told, &left_out),
+        before: before(motion, commands, is_any_commanded, &left_out),
         parameters: parameters
             .iter()
             .map(|(name, from, to)| {
@@ -123,7 +124,7 @@ pub(super) fn draft(
 fn before(
     motion: &Trajectory,
     commands: Option<(&str, &str)>,
-    is_any_told: bool,
+    is_any_commanded: bool,
     left_out: &[&str],
 ) -> String {
     let sample_s = motion.duration_s() / (motion.times_s().len() - 1) as f64;
@@ -134,7 +135,7 @@ fn before(
         before += &format!(
             "    commands: Commands(columns: [(hinge: {hinge:?}, column: {column:?})]), // each value is held until the next\n"
         );
-    } else if is_any_told {
+    } else if is_any_commanded {
         before += "    commands: Commands(), // columns NAME_command_rad, each value is held until the next\n";
     }
     if !left_out.is_empty() {
@@ -164,7 +165,7 @@ fn hold(subject: &mut Subject, study: &Path) -> Result<()> {
 }
 
 /// The parameters to fit at a joint, with ranges around the values in the robot's file, or of what a servo of this size may have.
-fn ranges(hinge: &Hinge, is_told: bool, summary: &Summary) -> Vec<(String, f64, f64)> {
+fn ranges(hinge: &Hinge, has_command: bool, summary: &Summary) -> Vec<(String, f64, f64)> {
     let name = &hinge.name;
     let around = |parameter: &str, value: f64| {
         (
@@ -207,7 +208,7 @@ fn ranges(hinge: &Hinge, is_told: bool, summary: &Summary) -> Vec<(String, f64, 
         0.0,
         rounded(part * torque_nm),
     ));
-    if is_told && !matches!(hinge.actuator.map(|a| a.servo.law), Some(ServoLaw::Direct)) {
+    if has_command && !matches!(hinge.actuator.map(|a| a.servo.law), Some(ServoLaw::Direct)) {
         all.push((format!("servo.{name}.latency_s"), 0.0, 0.1));
         all.push((format!("servo.{name}.offset_rad"), -offset, offset));
     } else {
