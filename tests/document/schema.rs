@@ -1,4 +1,4 @@
-//! Files and answers are as their schemas say.
+//! Files and answers are valid by their schemas.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -11,7 +11,7 @@ use common::schema::{answer, held, schema};
 use common::{SMALL_SEARCH, project, quick_study, realgap, search_file, text};
 use serde_json::Value;
 
-/// Holds a RON or JSON file to the schema of its kind.
+/// Validates a RON or JSON file by the schema of its kind.
 fn file_held(kind: &str, text: &str) -> Result<(), String> {
     let schema = schema(&format!("files/{kind}"));
     let value = match text.trim_start().starts_with('{') {
@@ -51,7 +51,7 @@ fn kind_of(file: &Path, text: &str) -> String {
 }
 
 #[test]
-fn shipped_files_are_as_the_schema_of_their_kind_says() {
+fn shipped_files_are_valid_by_their_schemas() {
     let mut kinds = BTreeSet::new();
     for folder in [
         "assets/templates",
@@ -93,7 +93,7 @@ fn shipped_files_are_as_the_schema_of_their_kind_says() {
 }
 
 #[test]
-fn what_a_file_may_not_hold_its_schema_refuses() {
+fn schemas_refuse_wrong_fields_and_values() {
     let robot = std::fs::read_to_string(project().join("morphologies/tripod.ron")).unwrap();
     assert!(file_held("robot", &robot).is_ok());
     for (good, bad) in [
@@ -108,7 +108,7 @@ fn what_a_file_may_not_hold_its_schema_refuses() {
     }
 }
 
-/// What the command prints, which must succeed.
+/// The output of a command, which must succeed.
 fn run(args: &[&str]) -> String {
     let output = realgap().args(args).output().unwrap();
     assert!(
@@ -120,7 +120,7 @@ fn run(args: &[&str]) -> String {
 }
 
 #[test]
-fn what_commands_on_robots_and_paths_print_is_as_its_schema_says() {
+fn answers_about_robots_and_paths_are_valid_by_their_schemas() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let robot = "morphologies/tripod.ron";
@@ -233,7 +233,7 @@ fn what_commands_on_robots_and_paths_print_is_as_its_schema_says() {
 }
 
 #[test]
-fn what_studies_and_searches_answer_and_leave_is_as_its_schema_says() {
+fn answers_and_files_of_studies_and_searches_are_valid_by_their_schemas() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let study = quick_study(folder.path(), 3);
@@ -356,9 +356,9 @@ fn pictures(folder: &Path) {
     file_held("camera", &std::fs::read_to_string(&found).unwrap()).unwrap();
 }
 
-/// Of whatever a command prints, some test holds it to its schema; the same of what it writes for people to keep.
+/// Every answer is validated against its schema in some test.
 #[test]
-fn no_schema_stands_there_unused() {
+fn every_schema_is_used_by_a_test() {
     let mut tests = String::new();
     for pattern in ["tests/*.rs", "tests/*/*.rs"] {
         let pattern = project().join(pattern);

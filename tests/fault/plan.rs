@@ -1,4 +1,4 @@
-//! A run cut into shards ends with the bytes of one machine's, whatever happens to the shards on the way.
+//! A run that is divided into shards writes the same bytes as one machine, even when shards are killed or damaged.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -15,7 +15,7 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// Runs the command with these words; its exit code, and all that it said.
+/// Runs the command with these arguments; returns its exit code and its whole output.
 fn say(words: &[&str]) -> (i32, String) {
     let said = realgap().args(words).output().unwrap();
     let all = text(&said.stdout) + &text(&said.stderr);
@@ -37,7 +37,7 @@ fn run_to_the_end(plan: &str) -> usize {
             assert!(!fine(&["cluster", "status", plan, "--answered"]).is_empty());
             return round;
         }
-        // The last begins.
+        // The last shard runs first.
         for (number, shard) in [2, 0, 1].iter().enumerate() {
             let (shard, jobs) = (shard.to_string(), (number % 2 + 1).to_string());
             fine(&["cluster", "run", plan, "--shard", &shard, "--jobs", &jobs]);
@@ -181,7 +181,7 @@ fn two_of_three(folder: &Path) -> (PathBuf, String) {
 }
 
 #[test]
-fn what_is_missing_twice_there_damaged_or_of_others_is_named_and_the_rest_is_merged() {
+fn missing_duplicate_damaged_and_foreign_shards_are_named_and_the_rest_is_merged() {
     let folder = tempfile::tempdir().unwrap();
     let (plan, name) = two_of_three(folder.path());
     let round = plan.join("shards/round_0000");

@@ -1,4 +1,4 @@
-//! A results folder says what was written into it: whatever changed since is refused by everything that reads it.
+//! Checksums of a results folder: every command that reads a changed file refuses it.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -26,7 +26,7 @@ fn say(words: &[&str]) -> (bool, String) {
     )
 }
 
-/// What reads a file of the folder as it is named here; pictures are shown on the page alone.
+/// The commands that read this file of the folder; pictures are read by the page only.
 fn readers(out: &str, study: &str, file: &str) -> Vec<Vec<String>> {
     let mut all = vec![vec!["report", out], vec!["study", "results", out]];
     let at = format!("{out}/{file}");
@@ -54,7 +54,7 @@ fn readers(out: &str, study: &str, file: &str) -> Vec<Vec<String>> {
 }
 
 #[test]
-fn a_changed_digit_a_lost_line_and_a_lost_file_are_refused_by_whoever_reads_them() {
+fn every_command_refuses_a_changed_digit_a_lost_line_and_a_lost_file() {
     let folder = tempfile::tempdir().unwrap();
     common::search_file(folder.path(), common::SMALL_SEARCH);
     let noise = "(start_heading_rad: Normal(0.02))";
@@ -108,7 +108,7 @@ fn a_changed_digit_a_lost_line_and_a_lost_file_are_refused_by_whoever_reads_them
         }
         std::fs::write(&path, whole).unwrap();
     }
-    // Without check sums nothing says what was written.
+    // Without checksums, changes cannot be detected, so the folder is refused.
     std::fs::remove_file(out.join("SHA256SUMS")).unwrap();
     let (fine, said) = say(&["report", name]);
     assert!(!fine && said.contains("no SHA256SUMS"), "{said}");
@@ -119,7 +119,7 @@ fn a_changed_digit_a_lost_line_and_a_lost_file_are_refused_by_whoever_reads_them
         name,
     ]);
     assert!(!fine && said.contains("--accept"), "{said}");
-    // The command itself writes what was changed once more, and a change that is meant is accepted.
+    // The command itself writes the changed files again, and `report --accept` accepts an intended change.
     realgap()
         .args(["sweep", &study, "--score", "single", "-o"])
         .arg(&out)

@@ -1,5 +1,5 @@
-//! A real Slurm runs plans to the end, whatever is killed on the way. Controller and node run on this machine, as root, for as
-//! long as a test does.
+//! A real Slurm runs plans to the end, even when jobs and nodes are killed. Its controller and node run on this machine, as root,
+//! during the test.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -35,7 +35,7 @@ fn free_port() -> u16 {
 }
 
 impl Cluster {
-    /// Starts one, or says why there is none.
+    /// Starts a cluster, or prints why it cannot.
     fn start(folder: &Path) -> Option<Self> {
         let is_root = Command::new("id").arg("-u").output().unwrap().stdout == b"0\n";
         if program("slurmctld").is_none() || program("slurmd").is_none() || !is_root {
@@ -115,7 +115,7 @@ impl Cluster {
         }
     }
 
-    /// What the jobs have said.
+    /// The output of the jobs.
     fn logs(&self) -> String {
         let mut all = String::new();
         let plan = self.folder.parent().unwrap().join("plan");
@@ -274,7 +274,7 @@ fn a_search_goes_through_its_generations_and_a_sweep_through_requeues_and_dead_n
     cluster.node.kill().unwrap();
     cluster.node.wait().unwrap();
     cluster.node = daemon(&cluster.folder, "slurmd", &["-D", "-N", &cluster.host]);
-    // A requeued job waits for two minutes unless it is told not to.
+    // A requeued job waits for two minutes unless it is released.
     cluster.wait("the plan is answered", || {
         for job in cluster
             .slurm(&["squeue", "-h", "-r", "-t", "PD", "-o", "%i"])
@@ -298,7 +298,7 @@ fn a_search_goes_through_its_generations_and_a_sweep_through_requeues_and_dead_n
     a_full_disk_costs_nothing_but_time(&cluster, folder.path(), study, &options);
 }
 
-/// A small file system over a folder, for as long as a test needs it.
+/// A small file system that is mounted over a folder during a test.
 struct SmallDisk(PathBuf);
 
 impl SmallDisk {
@@ -326,7 +326,7 @@ impl Drop for SmallDisk {
     }
 }
 
-/// The sweep once more, its shards on a disk that is full until somebody makes room.
+/// The sweep once more, with its shards on a disk that is full until the test frees space.
 fn a_full_disk_costs_nothing_but_time(
     cluster: &Cluster,
     folder: &Path,

@@ -1,4 +1,4 @@
-//! What `export` writes, `import` reads.
+//! `robot import` reads the files of `robot export`.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::path::Path;
@@ -9,7 +9,7 @@ use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, JointFormulation, JointState, watch};
 
 #[test]
-fn what_is_exported_comes_back_with_the_same_masses_moments_and_places() {
+fn an_exported_robot_is_imported_with_the_same_masses_moments_and_places() {
     for name in ["elbow", "tripod", "chain3"] {
         let folder = tempfile::tempdir().unwrap();
         let urdf = folder.path().join("robot.urdf");
@@ -78,7 +78,7 @@ const LINK: &str = r#"<inertial><mass value="0.2"/><inertia ixx="1e-4" iyy="2e-4
     <collision><geometry><box size="0.1 0.06 0.04"/></geometry></collision>"#;
 
 #[test]
-fn what_realgap_did_not_write_is_not_replaced() {
+fn files_that_realgap_did_not_write_are_not_replaced() {
     let folder = tempfile::tempdir().unwrap();
     let (urdf, ron) = (folder.path().join("r.urdf"), folder.path().join("r.ron"));
     std::fs::write(
@@ -118,7 +118,7 @@ fn what_realgap_did_not_write_is_not_replaced() {
         let said = process.output().unwrap();
         assert!(said.status.success(), "{command}: {}", text(&said.stderr));
     }
-    // What it wrote itself it replaces, and the report is JSON where that is asked for.
+    // It replaces files that it wrote itself, and prints the report as JSON with --format json.
     let (code, said) = import(&["--format", "json"]);
     assert!(code == Some(0) && said.contains("\"notes\""), "{said}");
     let missing = realgap()

@@ -3,7 +3,7 @@
 
 #[test]
 #[cfg(feature = "tesseract")]
-fn where_the_program_is_not_installed_that_is_said_before_any_picture_is_read() {
+fn a_program_that_is_not_installed_is_an_error_before_any_picture_is_read() {
     for args in [
         [
             "extract",

@@ -1,4 +1,4 @@
-//! `realgap sense radio` at the terminal: what it prints, and what it refuses.
+//! `realgap sense radio` as a command: its output and its errors.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -131,7 +131,7 @@ fn the_command_fits_evaluates_maps_and_sends() {
 }
 
 #[test]
-fn bad_logs_arenas_and_models_are_refused_with_what_is_allowed() {
+fn bad_logs_arenas_and_models_are_refused_with_the_allowed_values() {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| {
         let path = folder.path().join(name);
@@ -243,9 +243,9 @@ fn bad_logs_arenas_and_models_are_refused_with_what_is_allowed() {
     assert!(code == 1 && said.contains("wall_loss_db"), "{said}");
 }
 
-/// What can be fitted for all that is fitted, with a warning, and without being sure of anything that six strengths cannot say.
+/// Doubtful input is fitted with a warning, and parameters that six strengths cannot determine are marked as not determined.
 #[test]
-fn doubtful_logs_and_arenas_are_warned_of() {
+fn doubtful_logs_and_arenas_get_warnings() {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| {
         let path = folder.path().join(name);

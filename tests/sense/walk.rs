@@ -1,4 +1,4 @@
-//! A walk through bad input, by the command: what it refuses it refuses with where, what was found and what is allowed.
+//! Bad input of the command: errors say where it is, what was found and what is allowed.
 
 use std::path::{Path, PathBuf};
 
@@ -231,7 +231,7 @@ fn a_hundred_megapixels_are_refused_within_little_memory() {
 }
 
 #[test]
-fn what_is_sought_beyond_the_picture_is_refused_or_warned_of() {
+fn features_outside_of_the_picture_are_refused_or_get_a_warning() {
     let desk = Desk::new();
     for folder in ["sought", "real"] {
         let name = format!("{folder}/door.png");
@@ -319,7 +319,7 @@ fn what_is_sought_beyond_the_picture_is_refused_or_warned_of() {
 }
 
 #[test]
-fn scenes_and_options_that_cannot_be_photographed_are_refused() {
+fn invalid_scenes_and_options_are_refused() {
     let desk = Desk::new();
     let text = std::fs::read_to_string(Path::new(&room())).unwrap();
     let scene = |from: &str, to: &str, expected: &[&str]| {

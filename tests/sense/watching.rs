@@ -1,4 +1,4 @@
-//! `realgap sense picture --watch` and `--ride` with `--robot`: from a run's file to pictures of the robot that made it.
+//! `realgap sense picture --watch` and `--ride` with `--robot`: pictures of the robot that made a run.
 
 use std::path::{Path, PathBuf};
 
