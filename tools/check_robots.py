@@ -30,7 +30,7 @@ def usable(name):
 
 def realgap_states(realgap, path, ron):
     held = ["--mounted"] if path.suffix == ".urdf" else []
-    done = subprocess.run([realgap, "import", str(path), "-o", str(ron), "--force", *held, "--passive", "--format", "json"],
+    done = subprocess.run([realgap, "robot", "import", str(path), "-o", str(ron), "--force", *held, "--passive", "--format", "json"],
                           capture_output=True, text=True, timeout=120)
     if done.returncode:
         return None, None
@@ -136,7 +136,7 @@ def swing(realgap, ron, folder):
     text = re.sub(r"shapes: \[.*\]\),$", "),", ron.read_text(), flags=re.M)
     ron.write_text(re.sub(r", (limits_rad|limits_m|dry_nm|dry_n): (\([^)]*\)|[0-9.e+-]+)", "", text))
     xml = folder / "robot.xml"
-    done = subprocess.run([realgap, "export", str(ron), "--format", "mjcf", "-o", str(xml), "--force"], capture_output=True, text=True)
+    done = subprocess.run([realgap, "robot", "export", str(ron), "--format", "mjcf", "-o", str(xml), "--force"], capture_output=True, text=True)
     if done.returncode:
         return None
     text = re.sub(r"<geom ", '<geom contype="0" conaffinity="0" ', re.sub(r' (contype|conaffinity)="0"', "", xml.read_text()))

@@ -5,7 +5,7 @@
     python3 -m pip install -r tools/requirements-engines.txt
     python3 tools/compare_engines.py --realgap target/release/realgap
 
-The robots are exported by `realgap export`. Rounds of all engines are interleaved, so that a busy machine hurts all alike; medians are printed.
+The robots are exported by `realgap robot export`. Rounds of all engines are interleaved, so that a busy machine hurts all alike; medians are printed.
 `--curves` prints error against cost instead: every engine at a row of timesteps, its path against its own limit (rms distance of the tracked module
 over the run): its finest timestep with contacts hardened to the same natural frequency in all of them. So what is compared is how much CPU time an
 engine needs to come that near to its own limit; `--error MM` adds the cheapest setting of each that does.
@@ -266,10 +266,10 @@ def curves(binary, robots, duration_s, extra, most_mm):
 
 def export(binary, morphology, folder, kind):
     path = folder / f"{morphology.stem}.{kind}"
-    done = subprocess.run([binary, "export", str(morphology), "--format", kind, "-o", str(path), "--set", f"floor.friction={FRICTION}"],
+    done = subprocess.run([binary, "robot", "export", str(morphology), "--format", kind, "-o", str(path), "--set", f"floor.friction={FRICTION}"],
                           capture_output=True, text=True)
     if done.returncode != 0:
-        raise SystemExit(f"error: realgap export failed:\n{done.stderr}")
+        raise SystemExit(f"error: realgap robot export failed:\n{done.stderr}")
     return path
 
 

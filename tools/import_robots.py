@@ -65,7 +65,7 @@ def main():
                 continue
             ron = Path(folder) / "robot.ron"
             ron.unlink(missing_ok=True)
-            arguments = [options.realgap, "import", str(path), "-o", str(ron), "--force", "--format", "json"]
+            arguments = [options.realgap, "robot", "import", str(path), "-o", str(ron), "--force", "--format", "json"]
             code, out, err = call(arguments, 120)
             row = {"collection": collection, "name": str(path.relative_to(root)), "imports": code == 0}
             row |= {"simulates": None, "bodies": "", "joints": "", "notes": "", "why": ""}

@@ -2,7 +2,7 @@
 
 python3 tools/read_text.py REALGAP FOLDER... -- PROGRAM OPTION...       (needs numpy)
 
-FOLDER is one that `realgap picture` wrote. PROGRAM gets the part of each picture that holds text (views.ron says where) as the path
+FOLDER is one that `realgap sense picture` wrote. PROGRAM gets the part of each picture that holds text (views.ron says where) as the path
 of a grey .pgm file behind its options, and prints what it reads: GNU Ocrad, GOCR, `tesseract --psm 6` with `stdout` behind the path.
 Line breaks and blanks count once, as in realgap.
 """
@@ -52,7 +52,7 @@ def views(folder):
 
 def by_realgap(realgap, picture):
     said = subprocess.run(
-        [realgap, "vision", "extract", picture, "--extractor", "text"],
+        [realgap, "sense", "vision", "extract", picture, "--extractor", "text"],
         capture_output=True, text=True, check=True,
     ).stdout
     # Beside the text it prints a remark before and the error behind.

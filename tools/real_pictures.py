@@ -1,7 +1,7 @@
 """Writes scikit-image's bundled photographs into a folder and says what its Canny finds in them.
 
 pip install scikit-image && python3 tools/real_pictures.py FOLDER
-for each: realgap vision extract FOLDER/NAME.png --extractor edges -o FOLDER/NAME_edges.png
+for each: realgap sense vision extract FOLDER/NAME.png --extractor edges -o FOLDER/NAME_edges.png
 """
 
 import sys

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Stand-in recordings of a robot in MuJoCo: another engine in the place of reality.
 
-    realgap export morphologies/tripod.ron --format mjcf -o tripod.mjcf
+    realgap robot export morphologies/tripod.ron --format mjcf -o tripod.mjcf
     python3 -m pip install -r tools/requirements.txt
     python3 tools/record_standin.py tripod.mjcf -o DIR --friction 0.5
 
@@ -20,7 +20,7 @@ from standin import Robot
 
 def arguments(words=None):
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("mjcf", type=pathlib.Path, help="file written by `realgap export --format mjcf`")
+    p.add_argument("mjcf", type=pathlib.Path, help="file written by `realgap robot export --format mjcf`")
     p.add_argument("-o", "--output", type=pathlib.Path, required=True, help="folder for the recordings")
     p.add_argument("--friction", type=float, help="friction coefficient robot-floor (default: that of the file)")
     p.add_argument("--repeats", type=int, default=10)

@@ -1,4 +1,4 @@
-"""A robot exported by `realgap export --format mjcf`, driven in MuJoCo exactly as realgap drives its servos.
+"""A robot exported by `realgap robot export --format mjcf`, driven in MuJoCo exactly as realgap drives its servos.
 
 SI units, radians, world z up, quaternions real part first.
 """
@@ -40,7 +40,7 @@ class Robot:
         m = self.model
         t = mujoco.mj_name2id(m, mujoco.mjtObj.mjOBJ_TEXT, name)
         if t < 0:
-            raise SystemExit(f"error: no <custom><text name={name!r}>; was this file written by `realgap export --format mjcf`?")
+            raise SystemExit(f"error: no <custom><text name={name!r}>; was this file written by `realgap robot export --format mjcf`?")
         start = m.text_adr[t]
         return bytes(m.text_data[start : start + m.text_size[t]]).rstrip(b"\0").decode()
 
@@ -48,7 +48,7 @@ class Robot:
         m = self.model
         n = mujoco.mj_name2id(m, mujoco.mjtObj.mjOBJ_NUMERIC, name)
         if n < 0:
-            raise SystemExit(f"error: no <custom><numeric name={name!r}>; was this file written by `realgap export --format mjcf`?")
+            raise SystemExit(f"error: no <custom><numeric name={name!r}>; was this file written by `realgap robot export --format mjcf`?")
         start = m.numeric_adr[n]
         return m.numeric_data[start : start + m.numeric_size[n]]
 

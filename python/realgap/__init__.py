@@ -3,7 +3,7 @@
 The same library as the command `realgap`, with the same numbers to the last bit. Lengths are metres, angles radians, times
 seconds; z is up, quaternions have their real part first. See docs/python.md.
 
-In the examples of this package these are, in a clone of the repository, with a `folder` to write into:
+The examples of this package use these objects, and a `folder` to write into. They run in a clone of the repository:
 
 >>> robot = realgap.Robot.read("morphologies/tripod.ron")
 >>> run = realgap.simulate(robot, duration_s=0.5)

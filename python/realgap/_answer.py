@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Answer(Result[_native.Answer, SweepSummary]):
-    """What a sweep or a tuning says: the best point, and how sure that is.
+    """The answer of a sweep or a tuning: the best point, and how sure it is.
 
     >>> list(answer.best), answer.unit
     (['floor.friction'], 'm')
@@ -82,7 +82,7 @@ class Answer(Result[_native.Answer, SweepSummary]):
 
     @property
     def verdicts(self) -> Tuple[Verdict, ...]:
-        """What the recordings say about each parameter: best, interval, whether they determine it.
+        """The verdict on each parameter: its best value, its interval, and whether the recordings determine it.
 
         >>> [verdict.parameter for verdict in answer.verdicts]
         ['floor.friction']
@@ -91,7 +91,7 @@ class Answer(Result[_native.Answer, SweepSummary]):
 
     @property
     def points(self) -> Table:
-        """A row a point: parameters, score, whether it can be told from the best.
+        """One row per point: parameters, score, and whether the point is indistinguishable from the best.
 
         >>> answer.points.rows
         3

@@ -1,4 +1,4 @@
-"""Arrays in and out, checked: a wrong shape, kind or number is said before it is used."""
+"""Arrays in and out. A wrong shape, kind or number is an error before the array is used."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def given(values: npt.ArrayLike, name: str, shape: Tuple[Optional[int], ...]) ->
             field=f"{name}[{place}]",
             found=numbers[index],
             allowed="finite numbers",
-            hint="leave samples out that the tracker has lost",
+            hint="leave out samples that the tracker has lost",
         )
     return numbers
 
@@ -51,5 +51,5 @@ def sent(array: Floats) -> bytes:
 
 
 def got(data: bytes, *shape: int) -> Floats:
-    """The array of bytes; nobody can write into it."""
+    """The read-only array of these bytes."""
     return np.frombuffer(data, dtype="<f8").reshape(shape)

@@ -13,12 +13,12 @@ from . import _native
 from ._array import Floats, got
 from ._trajectory import Trajectory
 
-# What the driver shows an optimizer: points, and their scores where they have one.
+# The history that the library passes to an optimizer: points, and their scores where they have one.
 EvaluatedPoint = List[Tuple[List[float], Optional[float]]]
 
 
 def number(value: object, who: str) -> float:
-    """The finite number that a callback gave."""
+    """The finite number that a callback returned."""
     if not _is_number(value):
         raise TypeError(f"{who} must give a number, not {type(value).__name__} {value!r}")
     made = float(cast("SupportsFloat", value))
@@ -37,9 +37,9 @@ class Metric:
     """A distance between two motions, written in Python.
 
     `distance(real, simulated)` gets the two prepared paths, 182 x 2 arrays (start at the origin, net displacement along +x), or,
-    with `whole=True`, the two `Trajectory` objects; it gives a number, 0 for equal motions and never negative. It may be called
-    from several threads, one at a time, and must give the same for the same. A results folder knows a metric by its name: change
-    the name with the function.
+    with `whole=True`, the two `Trajectory` objects; it returns a number, 0 for equal motions and never negative. It may be called
+    from several threads, one at a time, and must return the same number for the same motions. A results folder identifies a
+    metric by its name, so change the name when you change the function.
 
     >>> ends = realgap.Metric("ends", lambda real, simulated: np.linalg.norm(real[-1] - simulated[-1]))
     >>> float(realgap.compare(recordings[0], recordings[0], metric=ends))
@@ -103,12 +103,12 @@ AnyMetric = Union[str, Metric]
 
 
 def native_metric(metric: Optional[AnyMetric]) -> Union[str, _native.OwnMetric, None]:
-    """A metric as the library takes it."""
+    """A metric as the native half takes it."""
     return metric._native if isinstance(metric, Metric) else metric
 
 
 class AskTell(Protocol):
-    """Who chooses points, in turns: it is asked for points and told their scores.
+    """The interface of an optimizer that chooses points: `ask` returns points, `tell` receives their scores.
 
     >>> class Dice:
     ...     def __init__(self, dimensions: int, budget: int, seed: int) -> None:
@@ -121,19 +121,20 @@ class AskTell(Protocol):
     4
     """
 
-    # The next points, a coordinate from 0 to 1 each parameter; none where it has no more.
+    # Returns the next points, with a coordinate from 0 to 1 per parameter; an empty list ends the tuning.
     def ask(self) -> Sequence[Sequence[float]]: ...
 
-    # Scores of points, small is good, `None` where a simulation diverged: first those of the first design, which it did not choose.
+    # Receives scores of points: small is good, `None` means that the simulation diverged. The first call has the first design, which
+    # the optimizer did not choose.
     def tell(self, points: Sequence[Sequence[float]], scores: Sequence[Optional[float]]) -> None: ...
 
 
 class Optimizer:
     """An optimizer written in Python.
 
-    `make(dimensions, budget, seed)` makes an object with `ask` and `tell`. The same seed must give the same points, for an
-    interrupted tuning goes on by asking again; one that does not is told so. `design` is the number of space-filling points before
-    it begins (ten a parameter where nobody says), `batch` the most points of one `ask`.
+    `make(dimensions, budget, seed)` makes an object with `ask` and `tell`. The same seed must give the same points, because an
+    interrupted tuning continues by asking again; other points are an error. `design` is the number of space-filling points before
+    the first `ask` (default: ten per parameter), `batch` the largest number of points of one `ask`.
 
     >>> realgap.Optimizer("mine", lambda dimensions, budget, seed: None, batch=8)
     Optimizer mine
@@ -160,18 +161,20 @@ class Optimizer:
 
 
 class _Proposer:
-    """Turns the whole history, which the driver shows every time, into turns of ask and tell."""
+    """Translates the whole history, which the library passes every time, into calls of ask and tell."""
 
     def __init__(self, make: Callable[[int, int, int], AskTell]) -> None:
         self._make = make
         self._asked: Optional[AskTell] = None
         self._known: EvaluatedPoint = []
 
-    def __call__(self, brief: Tuple[int, int, int], design: EvaluatedPoint, told: EvaluatedPoint) -> List[List[float]]:
-        history = design + told
+    def __call__(
+        self, problem: Tuple[int, int, int], design: EvaluatedPoint, evaluated: EvaluatedPoint
+    ) -> List[List[float]]:
+        history = design + evaluated
         if self._asked is None or history[: len(self._known)] != self._known:
-            # Another search: that of a fold, or this one from its beginning.
-            self._asked, self._known = self._make(*brief), []
+            # This is another tuning, e.g. of a fold, or the same tuning from its beginning.
+            self._asked, self._known = self._make(*problem), []
         new = history[len(self._known) :]
         if new:
             self._asked.tell([point for point, _ in new], [score for _, score in new])

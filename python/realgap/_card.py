@@ -1,4 +1,4 @@
-"""What a prediction card says (schemas/answers/predict.json)."""
+"""The fields of a prediction card (schemas/answers/predict.json)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ._warning import Warning
 
 @dataclass(frozen=True)
 class SuccessRange:
-    """A probability over equally valid models, and in an engine that was not asked.
+    """The range of a probability over equally valid models, and the probability in an engine that was not simulated.
 
     >>> prediction.card.success.range.models.low >= 0.0
     True
@@ -25,7 +25,7 @@ class SuccessRange:
 
 @dataclass(frozen=True)
 class Success:
-    """How likely a robot gets far enough; `rule` says who said how far that is.
+    """The probability that a robot gets far enough; `rule` says how the distance was chosen.
 
     >>> prediction.card.success.probability.trials
     5
@@ -52,7 +52,7 @@ class DivergenceRate:
 
 @dataclass(frozen=True)
 class Card:
-    """What a robot will do, how likely, and what no number here knows of.
+    """What a robot will do, how likely it is, and in `not_covered` what no number here takes into account.
 
     >>> prediction.card.robot, prediction.card.noise_from
     ('tripod', 'estimate')
@@ -74,7 +74,7 @@ class Card:
 
 @dataclass(frozen=True)
 class Economy:
-    """What going costs a robot mechanically: mean energy of its servos, per metre, and per metre and weight.
+    """The mechanical cost of transport of a robot: mean energy of its servos, per metre, and per metre and weight.
 
     >>> economy = found.finalists[0].card.economy
     >>> economy is None or economy.servo_j > 0.0
@@ -89,7 +89,7 @@ class Economy:
 
 @dataclass(frozen=True)
 class Rerun:
-    """A robot under other solver settings, with the draws that chose it.
+    """A robot simulated again under other solver settings, with the draws by which it was chosen.
 
     >>> len(found.finalists[0].card.reruns) > 0
     True

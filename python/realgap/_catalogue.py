@@ -1,4 +1,4 @@
-"""What there is: parameters, metrics, optimizers, and the engine."""
+"""Lists of parameters, metrics and optimizers, and the engine."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an answer states about reality, with what it rests on."""
+"""Statements of an answer about reality, with their evidence."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Literal, Mapping, Optional
 
 @dataclass(frozen=True)
 class Claim:
-    """A statement about reality: `text` is the sentence, `word` the same for a table, `numbers` and `count` recordings its evidence.
+    """A statement about reality: `text` is a sentence, `word` is its short form for a table, `numbers` from `count` recordings are its evidence.
 
     >>> [claim.says for claim in answer.summary.claims if claim.about == "best"]
     ['holds']

@@ -1,4 +1,4 @@
-"""The command `realgap`, which is a function of the module."""
+"""The command `realgap`, as a function of the module."""
 
 import sys
 
@@ -6,7 +6,7 @@ from . import _native
 
 
 def main() -> int:
-    """Run the command with the words that were typed.
+    """Runs the command with the arguments of the command line.
 
     >>> from realgap._command import main
     >>> callable(main)

@@ -1,4 +1,4 @@
-"""How far motions are apart."""
+"""Distances between motions."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ._warning import Warning
 
 @dataclass(frozen=True)
 class Distances:
-    """How far one motion is from the reference: a number a metric, by the name of its column.
+    """The distances of one motion from the reference: one number per metric, by the name of its column.
 
     >>> realgap.compare(recordings[0], run, metric="rms").rows[0].distances.keys()
     dict_keys(['rms_m'])
@@ -31,7 +31,7 @@ class Distances:
 
 
 class Comparison:
-    """Motions against a reference: a row each, a column a metric.
+    """Distances of motions from a reference: one row per motion, one column per metric.
 
     >>> comparison = realgap.compare(recordings[0], [recordings[1], run], metric="rms")
     >>> comparison.distance(0) == float(realgap.compare(recordings[0], recordings[1], metric="rms"))
@@ -57,7 +57,7 @@ class Comparison:
 
     @property
     def report(self) -> List[JsonObject]:
-        """Everything as JSON, an object a motion.
+        """Everything as JSON, one object per motion.
 
         >>> realgap.compare(recordings[0], run).report[0]["trajectory"]
         'tripod'
@@ -66,7 +66,7 @@ class Comparison:
 
     @property
     def rows(self) -> List[Distances]:
-        """One a motion.
+        """The distances, one element per motion.
 
         >>> [row.trajectory for row in realgap.compare(recordings[0], [recordings[1], run]).rows]
         ['run_01', 'tripod']
@@ -75,7 +75,7 @@ class Comparison:
 
     @property
     def table(self) -> Table:
-        """A row a motion.
+        """The distances as a table, one row per motion.
 
         >>> realgap.compare(recordings[0], run, metric="rms").table
         Table of 1 rows: trajectory, net_displacement_m, rms_m
@@ -90,7 +90,7 @@ class Comparison:
 
     @property
     def warnings(self) -> List[Warning]:
-        """What the reader should know, each once.
+        """All warnings, each once.
 
         >>> realgap.compare(recordings[0], recordings[1], metric="rms").warnings
         []
@@ -98,7 +98,7 @@ class Comparison:
         return list(dict.fromkeys(warning for row in self._rows for warning in row.warnings))
 
     def distance(self, index: int = 0) -> float:
-        """The first distance of a motion: the only one where one metric was asked for.
+        """The first distance of a motion; it is the only one where one metric was given.
 
         >>> realgap.compare(run, [recordings[0], run], metric="rms").distance(1)
         0.0
@@ -143,7 +143,7 @@ def compare(
     body_length_m: Optional[float] = None,
     equal_times: bool = False,
 ) -> Comparison:
-    """Compares motions with a reference, prepared as `prepare` does it; without a metric, by all that need positions only.
+    """Compares motions with a reference after preparing them as `prepare` does; without a metric, by all metrics that need positions only.
 
     >>> float(realgap.compare(recordings[0], recordings[1], metric="rms")) > 0.0
     True

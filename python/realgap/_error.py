@@ -1,4 +1,4 @@
-"""Exceptions: what the library says of an error, with the text that the command prints."""
+"""Exceptions for the errors of the library, with the text that the command prints."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Optional
 
 
 class Error(Exception):
-    """Conclusion where, what was found, what is allowed, and what to do next.
+    """An error; its text says where it is, what was found, what is allowed, and what to do next.
 
     >>> try:
     ...     realgap.simulate(robot, parameters={"floor.frictoin": 0.4})
@@ -58,7 +58,7 @@ class FileError(Error):
 
 
 class CallbackError(Error):
-    """A function of yours raised an exception, which is the cause of this one, or gave something that cannot be used.
+    """A function of yours raised an exception, which is the cause of this one, or returned a value that cannot be used.
 
     >>> realgap.simulate(robot, gait=lambda t_s: {"leg_a": 1.0 / (t_s - t_s)})
     Traceback (most recent call last):
@@ -67,7 +67,7 @@ class CallbackError(Error):
 
 
 class Interrupted(Error, KeyboardInterrupt):
-    """Ctrl-C; what was done so far is in the results folder, where there is one.
+    """The user pressed Ctrl-C; the results so far are in the results folder, where one was given.
 
     >>> issubclass(realgap.Interrupted, KeyboardInterrupt)
     True
@@ -82,7 +82,7 @@ def usage(
     allowed: Optional[str] = None,
     hint: Optional[str] = None,
 ) -> UsageError:
-    """A wrong use, in the form of all other errors."""
+    """A usage error, in the form of all other errors."""
     text = f"{field}: {message}" if field else message
     for label, part in (("found:  ", found), ("allowed:", allowed), ("hint:   ", hint)):
         if part is not None:

@@ -1,4 +1,4 @@
-"""What a robot reads and hears in a run, for a function of yours that acts on it."""
+"""Sensor readings and messages of a robot during a run, for a function of yours that commands its servos."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Place = Tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Heard:
-    """The last message of another robot that arrived: where it was when it sent it.
+    """The last message that arrived from another robot, with the position of that robot when it was sent.
 
     >>> realgap.Heard("second", (0.3, 0.2, 0.03), sent_s=1.0, arrived_s=1.05, strength_dbm=-61.0).robot
     'second'
@@ -29,7 +29,7 @@ class Heard:
 
 @dataclass(frozen=True)
 class Sensed:
-    """What one robot knows when it decides: its place in the arena, readings by sensor (`None` where nothing came), angles by hinge.
+    """The knowledge of one robot when it decides: its place in the arena, readings by sensor (`None` where no reading came), angles by hinge.
 
     >>> known = []
     >>> _ = realgap.simulate(robot, duration_s=0.2, step=known.append, step_rate_hz=10.0)
@@ -45,13 +45,14 @@ class Sensed:
     heard: Tuple[Heard, ...]
 
 
-# What servos are told until the next decision, by hinge: angles in radians, for the law `Direct` torques in N m; or nothing.
+# A function that returns the commands of servos until the next decision, by hinge: angles in radians, torques in N m for the law
+# `Direct`; or None.
 Step = Callable[[Sensed], Optional[Mapping[str, float]]]
 _Message = Tuple[str, Sequence[float], float, float, float]
 
 
 def asked(step: Step) -> Callable[..., List[Tuple[str, float]]]:
-    """The function as the library calls it."""
+    """The function in the form in which the native half calls it."""
 
     def ask(
         robot: str,
@@ -62,11 +63,11 @@ def asked(step: Step) -> Callable[..., List[Tuple[str, float]]]:
         heard: Sequence[_Message],
     ) -> List[Tuple[str, float]]:
         messages = tuple(Heard(who, _place(where), *rest) for who, where, *rest in heard)
-        told = step(
+        returned = step(
             Sensed(robot, time_s, _place(position_m), dict(readings), dict(angles_rad), messages)
         )
         try:
-            return _commands(told)
+            return _commands(returned)
         except (TypeError, ValueError) as error:
             raise CallbackError(f"step: {error}\n  found:   at t_s = {time_s:.6g}") from error
 
@@ -78,10 +79,10 @@ def _place(numbers: Sequence[float]) -> Place:
     return x, y, z
 
 
-def _commands(told: object) -> List[Tuple[str, float]]:
-    if told is None:
+def _commands(returned: object) -> List[Tuple[str, float]]:
+    if returned is None:
         return []
-    if not isinstance(told, AbstractMapping):
-        raise TypeError(f"the function must give a dict of angles by hinge, or None, not {told!r}")
-    commands = cast(Mapping[object, object], told)
+    if not isinstance(returned, AbstractMapping):
+        raise TypeError(f"the function must give a dict of angles by hinge, or None, not {returned!r}")
+    commands = cast(Mapping[object, object], returned)
     return [(str(hinge), number(value, f"the command of {hinge}")) for hinge, value in commands.items()]

@@ -1,4 +1,4 @@
-"""What `ensemble.json` says of repeats under noise (schemas/answers/ensemble.json)."""
+"""The fields of `ensemble.json`: repeats under noise (schemas/answers/ensemble.json)."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Behaviour:
 
 @dataclass(frozen=True)
 class Behaviours:
-    """The prediction first, then the most likely; two are two where their paths are `cut_m` apart.
+    """The behaviours: first the prediction, then the others by probability. Paths that are more than `cut_m` apart are different behaviours.
 
     >>> sum(behaviour.probability.count for behaviour in forecast.behaviours.list)
     5
@@ -67,7 +67,7 @@ class Envelope:
 
 @dataclass(frozen=True)
 class Forecast:
-    """What repeats of a run under noise have in common.
+    """The distribution of repeats of a run under noise.
 
     Spreads are `None` where every repeat diverged; `band` holds whole paths and needs many repeats.
 
@@ -111,7 +111,7 @@ class Coverage:
 
 @dataclass(frozen=True)
 class RealRun:
-    """One recording against the repeats; its behaviour is `None` where nothing like it was predicted.
+    """One recording against the repeats; its behaviour is `None` where no repeat did the same.
 
     >>> [run.recording for run in ensemble.summary.reality.runs]
     ['run_00', 'run_01']
@@ -129,7 +129,7 @@ class RealRun:
 
 @dataclass(frozen=True)
 class Reality:
-    """All recordings against the repeats: coverage, the energy score beside that of one more repeat, and whether they are drawn alike.
+    """All recordings against the repeats: coverage, energy score (with the one expected of one more repeat), and whether both are drawn alike.
 
     >>> ensemble.summary.reality.energy_score_m > 0.0
     True
@@ -144,7 +144,7 @@ class Reality:
 
 @dataclass(frozen=True)
 class Model:
-    """A model that is as valid as the one that was asked for, and how far it parts from that.
+    """Another valid model, and how far its results differ from those of the given model.
 
     >>> {model.source for model in prediction.card.model.models} <= {"numerics", "joints", "engine", "contact"}
     True
@@ -158,7 +158,7 @@ class Model:
 
 @dataclass(frozen=True)
 class ModelError:
-    """How far models part that are as valid: ranges of quantiles (5, 50, 95 %), behaviours and further runs.
+    """How far the results of equally valid models differ: ranges of quantiles (5, 50, 95 %), behaviours and further runs.
 
     >>> far_m = prediction.card.model.further_run_m  # None of a vehicle, which no engine simulates
     >>> far_m.low <= far_m.high
@@ -176,7 +176,7 @@ class ModelError:
 
 @dataclass(frozen=True)
 class EnsembleCase:
-    """The repeats of one start, called after the recording where every recording has its own.
+    """The repeats of one start, named after the recording where every recording has its own start.
 
     >>> len(ensemble.summary.cases)
     1

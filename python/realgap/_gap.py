@@ -1,4 +1,4 @@
-"""What `gap.json` says (schemas/answers/gap.json)."""
+"""The fields of `gap.json` (schemas/answers/gap.json)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ._warning import Warning
 
 @dataclass(frozen=True)
 class GapAndRatio:
-    """A gap and how many noise floors it is: 1 is as near to a recording as another recording is.
+    """A gap, and its ratio to the noise floor: at 1, a run is as near to a recording as another recording is.
 
     >>> gap.metrics[0].ideal.ratio.value > 0.0
     True
@@ -27,7 +27,7 @@ class GapAndRatio:
 class MetricGap:
     """Noise floor (real against real), gap and ratio by one metric.
 
-    `ideal` is the run without noise, `repeats` the mean over repeats; `alike` tests whether these are drawn as recordings are.
+    `ideal` is the run without noise, `repeats` the mean over repeats; `alike` tests whether repeats and recordings are drawn alike.
 
     >>> gap.metrics[0].metric, gap.metrics[0].unit
     ('rms', 'm')
@@ -59,7 +59,7 @@ class Fitness:
 class OverTime:
     """Root mean square distance from the recordings at each of the prepared times.
 
-    `real_mean_m` is what the mean of the other recordings would be off: the least that a prediction can be asked for.
+    `real_mean_m` is the error of the mean of the other recordings: no prediction can be expected to have a smaller one.
 
     >>> len(gap.summary.over_time.times_s)
     182
@@ -73,7 +73,7 @@ class OverTime:
 
 @dataclass(frozen=True)
 class Confidence:
-    """How probably a real run lies, at each time, inside of the region that the repeats give for this level.
+    """The probability, at each time, that a real run lies inside the region of this level, which the repeats give.
 
     >>> gap.summary.confidence.inside[0].trials
     2

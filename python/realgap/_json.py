@@ -1,4 +1,4 @@
-"""What crosses the border to the library: JSON in, JSON out, and the fields of it as types say them."""
+"""JSON to and from the native half, and its conversion to typed values."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ import numpy as np
 
 from ._error import usage
 
-# What comes out of the library.
+# JSON from the native half.
 Json = Union[None, bool, int, float, str, List["Json"], Dict[str, "Json"]]
 JsonObject = Dict[str, Json]
-# What may be given to it: JSON, and what becomes JSON without a loss.
+# Values that may be passed to it: JSON, and values that become JSON without a loss.
 Given = Union[
     None, bool, int, float, str, "np.generic[Any]", "np.ndarray[Any, Any]", "os.PathLike[str]",
     Sequence["Given"], Mapping[str, "Given"],
@@ -34,19 +34,19 @@ def parsed(text: str) -> JsonObject:
 
 
 def made(kind: Type[T], text: str) -> T:
-    """What the library wrote, as a value with fields. Fields that the type does not have stay in the JSON."""
+    """JSON of the library as a value with fields. Fields that the type does not have are left out."""
     return cast(T, typed(kind, json.loads(text)))
 
 
 def many(kind: Type[T], text: str) -> List[T]:
-    """A list that the library wrote."""
+    """A JSON list of the library as values with fields."""
     return [cast(T, typed(kind, each)) for each in json.loads(text)]
 
 
 def typed(kind: Any, value: Any) -> Any:
-    """A value of JSON as its type says."""
+    """A JSON value, converted to the type `kind`."""
     if kind is float:
-        # JSON has no word for numbers that are not finite: the library writes null.
+        # JSON cannot represent numbers that are not finite, so the library writes null.
         return math.nan if value is None else float(value)
     if dataclasses.is_dataclass(kind):
         hints = _fields(cast(type, kind))
@@ -94,7 +94,7 @@ def _is_sound(value: object) -> bool:
 
 
 def _plain(value: Any) -> Any:
-    """Numbers of numpy and paths, as JSON knows them."""
+    """Numbers of numpy and paths as JSON values."""
     if isinstance(value, np.generic):
         return cast(object, value.item())
     if isinstance(value, np.ndarray):

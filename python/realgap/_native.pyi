@@ -1,4 +1,4 @@
-"""The half that is written in Rust. Use the package, not this."""
+"""The half of the package that is written in Rust. Use the package, not this module."""
 
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union, final
 

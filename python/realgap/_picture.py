@@ -27,7 +27,7 @@ def one(draw: Callable[[str], object]) -> bytes:
 
 
 def page(text: str, pictures: Sequence[bytes], warnings: Sequence[Warning] = ()) -> str:
-    """What a notebook shows: the text, the pictures below it, the warnings."""
+    """HTML for a notebook: the text, the warnings, and the pictures below."""
     parts: List[str] = []
     if text:
         # Notebooks give `pre` a proportional font, which breaks tables of text.

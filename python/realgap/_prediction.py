@@ -1,4 +1,4 @@
-"""Repeats under noise: what will happen, how likely, and how far that is from reality."""
+"""Repeats under noise: ensembles, gaps and predictions."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Ensemble(Result[_native.Ensemble, EnsembleSummary]):
 
     @property
     def repeats(self) -> Table:
-        """A row a repeat.
+        """One row per repeat.
 
         >>> ensemble.repeats.rows
         5
@@ -50,7 +50,7 @@ class Ensemble(Result[_native.Ensemble, EnsembleSummary]):
 
 
 class Gap(Result[_native.Gap, GapSummary]):
-    """How many noise floors of reality lie between it and the simulation.
+    """The gap between simulation and reality, in noise floors of reality.
 
     >>> gap.metrics[0].floor.value > 0.0
     True
@@ -79,7 +79,7 @@ class Gap(Result[_native.Gap, GapSummary]):
 
 
 class Prediction(Result[_native.Prediction, Card]):
-    """What a robot will do before anybody builds it, and how likely.
+    """The prediction of what a robot will do before it is built, and how likely it is.
 
     >>> prediction.card.success.probability.trials
     5
@@ -99,7 +99,7 @@ class Prediction(Result[_native.Prediction, Card]):
 
     @property
     def repeats(self) -> Table:
-        """A row a repeat.
+        """One row per repeat.
 
         >>> prediction.repeats["repeat"]
         [0, 1, 2, 3, 4]
@@ -113,7 +113,7 @@ def _drawing(
     noise: Noise,
     seed: Optional[int],
     model_error: bool = True,
-    indistinguishable: Optional[Path] = None,
+    posterior: Optional[Path] = None,
 ) -> str:
     return asked(
         what,
@@ -122,7 +122,7 @@ def _drawing(
         noise=dict(noise) if isinstance(noise, Mapping) else None,
         noise_file=None if isinstance(noise, Mapping) else noise,
         model_error=model_error,
-        indistinguishable=indistinguishable,
+        posterior=posterior,
     )
 
 
@@ -132,13 +132,13 @@ def ensemble_of(
     noise: Noise,
     seed: Optional[int],
     model_error: bool,
-    indistinguishable: Optional[Path],
+    posterior: Optional[Path],
     jobs: Optional[int],
     folder: Optional[Path],
     progress: Optional[Progress],
 ) -> Ensemble:
     """See `Study.ensemble`."""
-    drawing = _drawing("ensemble", repeats, noise, seed, model_error, indistinguishable)
+    drawing = _drawing("ensemble", repeats, noise, seed, model_error, posterior)
     return Ensemble(_native.repeat_study(study, drawing, jobs, folder_name(folder), progress))
 
 
@@ -168,7 +168,7 @@ def predict(
     seed: int = 1,
     success_m: Optional[float] = None,
     model_error: bool = True,
-    indistinguishable: Optional[Path] = None,
+    posterior: Optional[Path] = None,
     jobs: Optional[int] = None,
     folder: Optional[Path] = None,
     progress: Optional[Progress] = None,
@@ -183,7 +183,7 @@ def predict(
     question = asked(
         "predict", duration_s=duration_s, success_m=success_m, set=values, parameters=files
     )
-    drawing = _drawing("predict", repeats, noise, seed, model_error, indistinguishable)
+    drawing = _drawing("predict", repeats, noise, seed, model_error, posterior)
     return Prediction(
         _native.predict(native_robot(robot), question, drawing, jobs, folder_name(folder), progress)
     )

@@ -1,4 +1,4 @@
-"""What all results have in common: a text, a report, warnings, files and pictures."""
+"""The base class of all results: a text, a report, warnings, files and pictures."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ S = TypeVar("S", bound=_Summary)
 
 
 class Result(Generic[N, S]):
-    """What every answer has; `print` shows what the command says.
+    """The members of every answer; `print` shows the text of the command.
 
     >>> str(gap) == repr(gap)
     True
     """
 
-    # The pictures that a notebook shows; all where nobody says.
+    # The pictures that a notebook shows; None means all.
     _shown: Optional[Tuple[str, ...]] = None
 
     def __init__(self, native: N, kind: Type[S]) -> None:
@@ -51,7 +51,7 @@ class Result(Generic[N, S]):
 
     @property
     def warnings(self) -> Tuple[Warning, ...]:
-        """What the reader should know.
+        """Warnings about the result.
 
         >>> "few-recordings" in [warning.code for warning in gap.warnings]
         True

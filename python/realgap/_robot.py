@@ -26,7 +26,7 @@ class _Info:
 
 
 def native_robot(robot: object) -> _native.Robot:
-    """A robot as the library takes it."""
+    """A robot as the native half takes it."""
     if isinstance(robot, Robot):
         return robot._native
     raise usage(
@@ -60,7 +60,7 @@ class Robot:
 
     @classmethod
     def from_text(cls, text: str, name: str = "robot") -> "Robot":
-        """A robot from RON; `name` is what errors call the text.
+        """A robot from RON; errors call the text by `name`.
 
         >>> realgap.Robot.from_text(robot.to_ron()).parts == robot.parts
         True
@@ -142,7 +142,7 @@ class Robot:
 
     @property
     def info(self) -> JsonObject:
-        """Everything in numbers: mass, size, centre of mass, what is tracked.
+        """All numbers of the robot: mass, size, centre of mass, the tracked module.
 
         >>> robot.info["servos"]
         3
@@ -151,7 +151,7 @@ class Robot:
 
     @property
     def warnings(self) -> Tuple[Warning, ...]:
-        """What the reader should know.
+        """Warnings about the robot.
 
         >>> [warning.code for warning in robot.warnings]
         ['servo-too-slow']
@@ -159,7 +159,7 @@ class Robot:
         return self._info.warnings
 
     def picture(self) -> bytes:
-        r"""A PNG.
+        r"""A picture of the robot, a PNG.
 
         >>> robot.picture()[:4]
         b'\x89PNG'

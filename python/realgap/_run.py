@@ -1,4 +1,4 @@
-"""What everything that takes long has in common."""
+"""Options of all functions that take long."""
 
 from __future__ import annotations
 
@@ -8,31 +8,31 @@ from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Uni
 from ._error import usage
 
 Path = Union[str, "os.PathLike[str]"]
-# Values by name, or files of them such as the `best.ron` of a sweep.
+# Values by name, or files with values such as the `best.ron` of a sweep.
 Parameters = Union[Mapping[str, float], Path, Sequence[Path], None]
-# Called with: done, total, the best score so far, and what is finished at the end.
+# Called with: done, total, the best score so far, and at the end the name of the final step.
 Progress = Callable[[int, int, Optional[float], Optional[str]], object]
 
 
 def mode(resume: bool, restart: bool) -> str:
-    """What is to happen with results that are there already."""
+    """The mode for a folder that holds results already."""
     if resume and restart:
         raise usage("resume and restart exclude each other", field="resume")
     return "resume" if resume else "restart" if restart else "start"
 
 
 def folder_name(folder: Optional[Path]) -> Optional[str]:
-    """A folder as the library takes it."""
+    """A folder as the native half takes it."""
     return None if folder is None else os.fspath(folder)
 
 
 def file_name(folder: Path, name: str) -> str:
-    """What a text without a file is called: as if it lay in this folder, where the files that it names begin."""
+    """A path for a text without a file, as if it lay in this folder: paths in the text are relative to the folder."""
     return os.path.join(os.fspath(folder), f"{name}.ron")
 
 
 def files_and_values(parameters: Parameters) -> Tuple[List[str], Dict[str, float]]:
-    """Parameters as the library takes them."""
+    """Parameters as the native half takes them."""
     if parameters is None:
         return [], {}
     if isinstance(parameters, Mapping):

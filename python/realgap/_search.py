@@ -20,7 +20,7 @@ from ._table import Table
 
 @dataclass(frozen=True)
 class Travel:
-    """What a robot did in one repeat.
+    """The motion of a robot in one repeat, in numbers.
 
     >>> realgap.Travel(displacement_m=0.1, path_length_m=0.2, turned_rad=0.0, servo_j=None).path_length_m
     0.2
@@ -32,13 +32,13 @@ class Travel:
     servo_j: Optional[float]
 
 
-# What a robot is worth, larger is better, of what it did in its repeats.
+# A function that returns the fitness of a robot from its repeats; larger is better.
 Objective = Callable[[List[Travel]], SupportsFloat]
 
 
 @dataclass(frozen=True)
 class Finalist:
-    """One of the best robots, looked at again with new draws and other solver settings.
+    """One of the best robots, simulated again with new draws and other solver settings.
 
     >>> found.finalists[0].card.robot == found.finalists[0].robot.name
     True
@@ -73,7 +73,7 @@ class SearchResults:
 
     @property
     def robots(self) -> Table:
-        """A row a robot, in the order of the search.
+        """One row per robot, in the order of the search.
 
         >>> "fitness" in found.robots
         True
@@ -82,7 +82,7 @@ class SearchResults:
 
     @property
     def best(self) -> Optional[Robot]:
-        """The robot with the largest fitness in the search, with the luck of its draws; `None` where all failed.
+        """The robot with the largest fitness in the search, which is partly luck of its draws; `None` where all robots failed.
 
         >>> found.best.name in found.robots["robot"]
         True
@@ -92,7 +92,7 @@ class SearchResults:
 
     @property
     def finalists(self) -> List[Finalist]:
-        """The best robots, best first; none where the objective was yours.
+        """The best robots, best first; empty where the objective was a function of yours.
 
         >>> len(found.finalists)
         1
@@ -156,15 +156,15 @@ class Search:
         *,
         set: Optional[Mapping[str, float]] = None,
         parameters: Parameters = None,
-        indistinguishable: Optional[Path] = None,
+        posterior: Optional[Path] = None,
         seed: Optional[int] = None,
     ) -> "Search":
-        """A search from its RON file; what is named here is different from the file.
+        """A search from its RON file; arguments override the file. `posterior` is the results folder of a sweep or tuning.
 
         >>> realgap.Search.read("sweeps/best_robot.ron", seed=7).info["seed"]
         7
         """
-        wishes = _wishes(set, parameters, indistinguishable, seed)
+        wishes = _wishes(set, parameters, posterior, seed)
         return cls(_native.Search.parse(os.fspath(path), None, False, wishes))
 
     @classmethod
@@ -176,7 +176,7 @@ class Search:
         folder: Path = ".",
         set: Optional[Mapping[str, float]] = None,
         parameters: Parameters = None,
-        indistinguishable: Optional[Path] = None,
+        posterior: Optional[Path] = None,
         seed: Optional[int] = None,
     ) -> "Search":
         """A search from RON; the files that it names are relative to `folder`.
@@ -185,7 +185,7 @@ class Search:
         >>> realgap.Search.from_text(text).info["robots"]
         6
         """
-        wishes = _wishes(set, parameters, indistinguishable, seed)
+        wishes = _wishes(set, parameters, posterior, seed)
         return cls(_native.Search.parse(file_name(folder, name), text, False, wishes))
 
     @classmethod
@@ -197,7 +197,7 @@ class Search:
         folder: Path = ".",
         set: Optional[Mapping[str, float]] = None,
         parameters: Parameters = None,
-        indistinguishable: Optional[Path] = None,
+        posterior: Optional[Path] = None,
         seed: Optional[int] = None,
     ) -> "Search":
         """A search from the fields of its file.
@@ -207,7 +207,7 @@ class Search:
         3
         """
         text = asked("a search", **dict(fields))
-        wishes = _wishes(set, parameters, indistinguishable, seed)
+        wishes = _wishes(set, parameters, posterior, seed)
         return cls(_native.Search.parse(file_name(folder, name), text, True, wishes))
 
     @property
@@ -238,10 +238,10 @@ class Search:
         restart: bool = False,
         progress: Optional[Progress] = None,
     ) -> SearchResults:
-        """Searches as `realgap search` does, and looks at the best again.
+        """Searches as `realgap search` does, and simulates the best robots again.
 
-        With an `objective` of yours the search is in memory, and nothing is looked at again: a finalist is ranked by the
-        objective of the file.
+        With an `objective` of yours, the search is kept in memory and has no finalists, because these are ranked by the objective of
+        the file.
 
         >>> search.run(objective=lambda repeats: min(repeat.path_length_m for repeat in repeats)).finalists
         []
@@ -251,7 +251,7 @@ class Search:
             return SearchResults(self._native.run(jobs, folder_name(folder), how, progress))
         if folder is not None:
             raise usage(
-                "a search for an objective in Python is kept in memory",
+                "a search with an objective in Python is kept in memory",
                 field="folder",
                 hint="write the results afterwards: SearchResults.write(folder)",
             )
@@ -270,7 +270,7 @@ class Search:
 def _wishes(
     set: Optional[Mapping[str, float]],
     parameters: Parameters,
-    indistinguishable: Optional[Path],
+    posterior: Optional[Path],
     seed: Optional[int],
 ) -> str:
     files, values = files_and_values(parameters)
@@ -278,6 +278,6 @@ def _wishes(
         "a search",
         set={**values, **(set or {})},
         parameters=files,
-        indistinguishable=indistinguishable,
+        posterior=posterior,
         seed=seed,
     )

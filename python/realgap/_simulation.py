@@ -24,14 +24,14 @@ from ._table import Cell, Table
 from ._trajectory import Trajectory
 from ._warning import Warning
 
-# A gait: angles by hinge at a time, seconds from the start of the run.
+# A gait: a function that returns angles by hinge at a time, in seconds from the start of the run.
 Gait = Callable[[float], Mapping[str, float]]
 JointKind = Literal["auto", "multibody", "impulse"]
 
 
 @dataclass(frozen=True)
 class EnergyBalance:
-    """Where the energy of a run came from and went, joules: all but the servos' positive part add up to the kinetic energy.
+    """The energy balance of a run, joules: all parts but the servos' positive part add up to the kinetic energy.
 
     >>> energy = realgap.simulate(robot, duration_s=0.5, energy=True).energy
     >>> energy.servo_positive_j > 0.0
@@ -57,7 +57,7 @@ class _Info:
 
 
 class Simulation(Trajectory):
-    """What a run did: the motion of the tracked module, and every part and hinge, as arrays over the same times.
+    """The motion of one run: of the tracked module, and of every part and hinge, as arrays over the same times.
 
     >>> isinstance(run, realgap.Trajectory), run.robot.name
     (True, 'tripod')
@@ -118,7 +118,7 @@ class Simulation(Trajectory):
 
     @property
     def others(self) -> Dict[str, Trajectory]:
-        """The ways of the other robots of a controller, by name, in the frame of this one.
+        """The motions of the other robots of a controller, by name, in the frame of this robot.
 
         >>> run.others
         {}
@@ -127,7 +127,7 @@ class Simulation(Trajectory):
 
     @property
     def decisions(self) -> Table:
-        """What was read, heard and decided, a row a decision of a robot; empty without a controller or a `step`.
+        """Readings, messages and decisions, one row per decision of a robot; empty without a controller or a `step`.
 
         >>> seeing = realgap.simulate(robot, duration_s=0.5, controller="controllers/tripod_avoid.ron", seed=1)
         >>> list(seeing.decisions), seeing.decisions.rows
@@ -142,7 +142,7 @@ class Simulation(Trajectory):
         return Table(columns)
 
     def write_decisions(self, path: Path) -> None:
-        """Writes them as CSV, the same bytes as `realgap simulate --decisions`.
+        """Writes the decisions as CSV, with the same bytes as `realgap simulate --decisions`.
 
         >>> run.write_decisions(folder / "decisions.csv")
         """
@@ -151,7 +151,7 @@ class Simulation(Trajectory):
 
     @property
     def energy(self) -> Optional[EnergyBalance]:
-        """Where the energy came from and went, with `energy=True`.
+        """The energy balance, with `energy=True`.
 
         >>> run.energy is None
         True
@@ -169,7 +169,7 @@ class Simulation(Trajectory):
 
     @property
     def warnings(self) -> Tuple[Warning, ...]:
-        """What the reader should know.
+        """Warnings about the run.
 
         >>> "servo-too-slow" in [warning.code for warning in run.warnings]
         True
@@ -213,12 +213,14 @@ def simulate(
     """Simulates a robot from rest, as `realgap simulate` does, to the same bits.
 
     `parameters` are values by name, or files such as the `best.ron` of a sweep. `gait(t_s)` gives angles in radians by hinge, in
-    place of the gaits of the file; it is asked `gait_rate_hz` times a second before the run, with straight lines between, so that
-    it cannot react to the robot. Servos that it does not name keep their own gaits. `name` is what pictures call the motion.
+    place of the gaits of the file; it is called `gait_rate_hz` times per simulated second before the run, and its angles are
+    interpolated, so that it cannot react to the robot. Servos that it does not name keep their own gaits. Pictures call the motion
+    by `name`.
 
-    `controller` is a file with sensors, rules, others and radio (docs/control.md); `seed` draws what they read. `step(sensed)` has
-    the last word: it is called at every decision with what a robot knows (`Sensed`) and gives angles in radians by hinge, which hold
-    until the next; servos that it does not name go on. It decides `step_rate_hz` times a second: as the file says, or 50.
+    `controller` is a file with sensors, rules, other robots and radio (docs/control.md); `seed` is the seed of their noise.
+    `step(sensed)` overrides the rules: it is called at every decision with the knowledge of a robot (`Sensed`) and returns angles in
+    radians by hinge, which hold until the next decision; servos that it does not name are not changed. It is called `step_rate_hz`
+    times a second (default: the rate of the file, or 50).
 
     >>> slow = realgap.simulate(robot, duration_s=0.5, parameters={"floor.friction": 0.4}, rate_hz=10.0)
     >>> len(slow)
@@ -231,7 +233,7 @@ def simulate(
     if arena is not None and controller is not None:
         raise usage("a controller has an arena of its own", field="arena", found=arena)
     if step is None and controller is None and step_rate_hz is not None:
-        raise usage("nobody decides", field="step_rate_hz", hint="name a controller= or a function step=")
+        raise usage("nothing decides without a controller", field="step_rate_hz", hint="give controller= or a function step=")
     files, values = files_and_values(parameters)
     settings = asked(
         "simulate",

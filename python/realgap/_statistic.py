@@ -1,4 +1,4 @@
-"""Numbers with how sure they are."""
+"""Numbers with their uncertainty, and tests."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Literal, Optional
 
 @dataclass(frozen=True)
 class Interval:
-    """From here to there.
+    """An interval from `low` to `high`.
 
     >>> 0.3 in realgap.answer.Interval(0.1, 0.4)
     True
@@ -38,7 +38,7 @@ class Proportion:
 
 @dataclass(frozen=True)
 class Quantiles:
-    """How a number is spread over repeats, in its own unit.
+    """The distribution of a number over repeats, in its own unit.
 
     >>> far_m = prediction.card.prediction.displacement_m
     >>> far_m.q05 <= far_m.q50 <= far_m.q95
@@ -56,7 +56,7 @@ class Quantiles:
 
 @dataclass(frozen=True)
 class Estimate:
-    """A number with its 95 % interval over recordings; the ends are `None` where too few recordings tell them.
+    """A number with its 95 % interval over recordings; the ends are `None` where there are too few recordings.
 
     >>> gap.metrics[0].floor.value > 0.0
     True
@@ -69,14 +69,14 @@ class Estimate:
 
 @dataclass(frozen=True)
 class EnergyTest:
-    """Whether two samples are drawn alike, by the energy distance; p is counted over permutations.
+    """The energy test of whether two samples are drawn alike; p is computed from permutations.
 
     >>> 0.0 < gap.metrics[0].alike.p_value <= 1.0
     True
     """
 
     distance: float
-    # Distance between the samples over that within them; `None` where nothing within them differs.
+    # Distance between the samples divided by the distance within them; `None` where nothing within them differs.
     ratio: Optional[float]
     p_value: float
     permutations: int

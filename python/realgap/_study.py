@@ -1,4 +1,4 @@
-"""Studies: recordings, a robot, what is not known of it, and how far apart they are."""
+"""Studies: recordings, a robot, the parameters to vary, and a metric."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from ._run import Parameters, Path, Progress, file_name, files_and_values, folde
 from ._trajectory import Trajectories, Trajectory, native_trajectories
 from ._warning import Warning
 
-# From, to, and how many points in between and at the ends.
+# Lowest value, highest value, and the number of points including both ends.
 Range = Union[Tuple[float, float], Tuple[float, float, int]]
-# Points of a range that does not say how many: 21 x 21 as in paper 003.
+# Points of a range without a number of points: 21 x 21 as in paper 003.
 POINTS = 21
 Start = Literal["settled", "first-sample", "half-sample", "flight"]
 
@@ -70,9 +70,9 @@ class Study:
         hold_out: Optional[float] = None,
         reading: Optional[Mapping[str, Given]] = None,
     ) -> "Study":
-        """A study from its RON file, as `realgap sweep` reads it; what is named here is different from the file.
+        """A study from its RON file, as `realgap sweep` reads it; arguments override the file.
 
-        `recordings` are globs, of which every `every`-th from `offset` on is taken, at most `limit_recordings`; of each run the
+        `recordings` are globs; every `every`-th file from `offset` on is taken, at most `limit_recordings`; of each run, the
         first `duration_s` are simulated; `points` is the number of each range; `score` is "valid", "ensemble:N" or "single";
         `basis` is "recordings" or a file, for metrics that project; `set` fixes values by name, `parameters` those of files;
         `folds` or `hold_out` (a share) keep recordings for a check; `reading` says how files are read.
@@ -219,7 +219,7 @@ class Study:
 
     @property
     def info(self) -> JsonObject:
-        """What it says: parameters, recordings, metric, seed.
+        """The content of the study: parameters, recordings, metric, seed.
 
         >>> study.info["recordings"]
         ['run_00', 'run_01']
@@ -246,7 +246,7 @@ class Study:
 
     @property
     def warnings(self) -> Tuple[Warning, ...]:
-        """What the reader should know.
+        """Warnings about the study.
 
         >>> "stand-in" in [warning.code for warning in study.warnings]
         True
@@ -278,7 +278,7 @@ class Study:
         restart: bool = False,
         progress: Optional[Progress] = None,
     ) -> Answer:
-        """Tries every point of the grid. Into `folder` goes what `realgap sweep -o` writes, with the same bytes.
+        """Simulates every point of the grid. `folder` gets the files of `realgap sweep -o`, with the same bytes.
 
         >>> study.sweep(folder=folder / "sweep").best == answer.best
         True
@@ -321,18 +321,18 @@ class Study:
         noise: Noise = None,
         seed: Optional[int] = None,
         model_error: bool = True,
-        indistinguishable: Optional[Path] = None,
+        posterior: Optional[Path] = None,
         jobs: Optional[int] = None,
         folder: Optional[Path] = None,
         progress: Optional[Progress] = None,
     ) -> Ensemble:
-        """Repeats the study's runs under noise: what will really happen, and how sure may we be?
+        """Repeats the study's runs under noise. `posterior` is the results folder of a sweep or tuning whose draws are simulated as further models.
 
         >>> answer.fitted.ensemble(repeats=5, model_error=False).repeats.rows
         5
         """
         return ensemble_of(
-            self._native, repeats, noise, seed, model_error, indistinguishable, jobs, folder, progress
+            self._native, repeats, noise, seed, model_error, posterior, jobs, folder, progress
         )
 
     def gap(
@@ -346,7 +346,7 @@ class Study:
         folder: Optional[Path] = None,
         progress: Optional[Progress] = None,
     ) -> Gap:
-        """How many noise floors of reality is the simulation away?
+        """Measures the gap between simulation and reality in noise floors.
 
         >>> len(answer.fitted.gap(metrics=["rms"], repeats=5).metrics)
         1

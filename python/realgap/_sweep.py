@@ -1,4 +1,4 @@
-"""What `summary.json` of a sweep or a tuning says (schemas/answers/sweep.json)."""
+"""The fields of `summary.json` of a sweep or a tuning (schemas/answers/sweep.json)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ._warning import Warning
 class Best:
     """The best point, its score in the metric's unit: the mean over `settings` equally valid settings.
 
-    `own_score` is that of the study's own settings, which is luck as far as it differs.
+    `own_score` is the score of the study's own settings; its difference from `score` is numerical scatter.
 
     >>> list(answer.summary.best.parameters), answer.summary.best.settings
     (['floor.friction'], 16)
@@ -29,9 +29,9 @@ class Best:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What the recordings say about one parameter.
+    """The verdict of the recordings on one parameter.
 
-    `low` and `high` are the ends of what cannot be told from the best value; `interval` is the central 90 % interval of the
+    `low` and `high` are the ends of the values that are indistinguishable from the best value; `interval` is the central 90 % interval of the
     best value when reality is sampled again, `intervals` its parts where values between them are rejected; `identified` is
     false where the recordings do not determine the parameter within the searched range.
 
@@ -53,7 +53,7 @@ class Verdict:
 
 @dataclass(frozen=True)
 class HowSure:
-    """How sure the best point is: how many of how many points cannot be told from it, itself included.
+    """The confidence in the best point: how many of all points are indistinguishable from it, including itself.
 
     >>> answer.summary.uncertainty.indistinguishable >= 1
     True
@@ -97,9 +97,10 @@ class AuditRow:
 
 @dataclass(frozen=True)
 class Audit:
-    """What numerical settings, which no recording can tell, change of the best score.
+    """The changes of the best score by numerical settings, which recordings cannot determine.
 
-    `unresolved` are parameters whose whole range changes less, `shaken` those whose indistinguishable values do.
+    `unresolved` are parameters whose whole range changes the score less than that, `shaken` those whose indistinguishable values
+    change it less.
 
     >>> answer.summary.audit.largest_change >= 0.0
     True
@@ -129,7 +130,7 @@ class Fold:
 
 @dataclass(frozen=True)
 class Validation:
-    """How well the fit does on recordings that it has not seen.
+    """The scores of the fit on recordings that were held out.
 
     >>> answer.summary.validation is None    # where nothing is held out
     True
@@ -157,7 +158,7 @@ class PoseErrors:
 
 @dataclass(frozen=True)
 class Partner:
-    """The parameter with which one is exchanged most easily, and their correlation.
+    """The parameter that correlates most with another one, and their correlation.
 
     >>> realgap.answer.Partner("floor.restitution", 0.9).parameter
     'floor.restitution'
@@ -169,7 +170,7 @@ class Partner:
 
 @dataclass(frozen=True)
 class Estimated:
-    """What least squares know of a parameter where they ended, as a 90 % interval: by leaving out logs, or by noise with fewer than three.
+    """The estimate of a parameter by least squares with its 90 % interval: by leaving out logs, or by noise where there are fewer than three.
 
     `is_told` says whether the spread is less than half of what was known beforehand.
 
@@ -187,9 +188,9 @@ class Estimated:
 
 @dataclass(frozen=True)
 class MotionTells:
-    """What one recording tells that the others do not, in bits: of all parameters (one more halves their volume), and of each.
+    """The information gain by one recording over the others, in bits: about all parameters (one bit halves their volume), and about each.
 
-    Of a recording that was not fitted it is what the fit would gain with it.
+    For a recording that was not fitted, it is the gain that the fit would have with it.
 
     >>> tuned.summary.tuning.motions    # of gauss-newton only
     ()
@@ -221,7 +222,7 @@ class Tuned:
 
 @dataclass(frozen=True)
 class Misfit:
-    """Where the nearest run parts from recordings that no parameters explain, and the one change that would bring it nearest.
+    """Where the nearest run departs from recordings that no parameters explain, and the one change of it that would help most.
 
     >>> fit = answer.summary.fit
     >>> fit is None or fit.misfit is None or fit.misfit.from_s < fit.misfit.to_s
@@ -255,7 +256,7 @@ class Fit:
 
 @dataclass(frozen=True)
 class RobotMisfit:
-    """How far one robot of a study of many is from its recordings: untuned, at the shared answer, at the best of the others, at its own.
+    """The distance of one robot of a study of many from its recordings: untuned, at the shared answer, at the best values of the other robots, at its own.
 
     >>> [robot.held_out for robot in answer.summary.transfer.robots] if answer.summary.transfer else []
     []
@@ -274,7 +275,7 @@ class RobotMisfit:
 
 @dataclass(frozen=True)
 class Transfer:
-    """What a floor that was tuned on the other robots does for each of them; only of a study of many robots.
+    """How well a floor that was tuned on the other robots fits each robot; only for a study of many robots.
 
     >>> answer.summary.transfer is None
     True
@@ -305,7 +306,7 @@ class MetricFloors:
 
 @dataclass(frozen=True)
 class RobotReproduction:
-    """What the shared answer makes of one robot of a study of many: distances of paths by `rms`, and net displacements.
+    """How the shared answer reproduces one robot of a study of many: distances of paths by `rms`, and net displacements.
 
     >>> [robot.likeness for robot in answer.summary.reproduction.robots] if answer.summary.reproduction else []
     []

@@ -21,7 +21,7 @@ Cell = Union[None, bool, int, float, str]
 
 
 class Table(Mapping[str, List[Cell]]):
-    """Columns by name; each is a list, with `None` where there is nothing.
+    """Columns by name; each is a list, with `None` in empty cells.
 
     >>> answer.points["floor.friction"]
     [0.2, 0.5, 0.8]
@@ -41,7 +41,7 @@ class Table(Mapping[str, List[Cell]]):
 
     @property
     def rows(self) -> int:
-        """How many rows there are.
+        """The number of rows.
 
         >>> answer.points.rows
         3
@@ -49,7 +49,7 @@ class Table(Mapping[str, List[Cell]]):
         return max(map(len, self._columns.values()), default=0)
 
     def numbers(self, name: str) -> Floats:
-        """A column of numbers as an array, NaN where there is nothing.
+        """A column of numbers as an array, with NaN in empty cells.
 
         >>> answer.points.numbers("score").shape
         (3,)

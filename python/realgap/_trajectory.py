@@ -40,7 +40,7 @@ class _Measures:
 
 @dataclass(frozen=True)
 class Prepared(_Measures):
-    """A path as paths are compared: 182 points uniform in time, from the origin, net displacement along +x.
+    """A path in the form in which paths are compared: 182 points uniform in time, from the origin, net displacement along +x.
 
     >>> realgap.prepare(recordings[0]).xy_m.shape
     (182, 2)
@@ -67,7 +67,7 @@ Trajectories = Union["Trajectory", Sequence["Trajectory"]]
 
 
 def native_trajectory(motion: object) -> _native.Trajectory:
-    """A motion as the library takes it."""
+    """A motion as the native half takes it."""
     if isinstance(motion, Trajectory):
         return motion._native
     raise usage(
@@ -79,14 +79,14 @@ def native_trajectory(motion: object) -> _native.Trajectory:
 
 
 def native_trajectories(motions: Trajectories) -> List[_native.Trajectory]:
-    """One motion or several as the library takes them."""
+    """One motion or several as the native half takes them."""
     if isinstance(motions, Sequence) and not isinstance(motions, str):
         return [native_trajectory(motion) for motion in motions]
     return [native_trajectory(motions)]
 
 
 class Trajectory:
-    """Times, positions, and what else is known of a motion. It never changes; its arrays are read-only.
+    """A motion: times, positions, and where known orientations, velocities and joints. It is immutable; its arrays are read-only.
 
     >>> realgap.Trajectory([0.0, 0.5, 1.0], [[0, 0, 0], [0.1, 0, 0], [0.3, 0, 0]], name="push")
     Trajectory push: 3 samples, 1 s
@@ -107,7 +107,7 @@ class Trajectory:
         """A motion from arrays.
 
         `positions_m` is n x 3 in the world, z up, or n x 2 where heights are not known; `quaternions` is n x 4, world from
-        body, real part first. `stand_in_of` names the robot where no hardware made this motion: pictures say so then.
+        body, real part first. `stand_in_of` names the robot where a program and not hardware made this motion; pictures then say so.
 
         >>> realgap.Trajectory(run.times_s, run.positions_m, run.quaternions, stand_in_of="tripod").is_stand_in
         True
@@ -151,7 +151,7 @@ class Trajectory:
 
     @staticmethod
     def read(path: Path, reading: Optional[Mapping[str, Given]] = None) -> "Trajectory":
-        """The motion in a file of any format that is read. `reading` is what a study says under that name.
+        """The motion in a file of any format that realgap reads. `reading` has the fields of a study's `reading`.
 
         >>> realgap.Trajectory.read("real_trajectories/tripod_standin/run_00.csv", {"length": "m"}).name
         'run_00'
@@ -177,7 +177,7 @@ class Trajectory:
         return [Trajectory._of(native) for native in _native.Trajectory.read(os.fspath(path), how)]
 
     def write(self, path: Path) -> List[Warning]:
-        """Writes it as CSV or TUM, by the ending; returns what the format cannot hold.
+        """Writes the motion as CSV or TUM, by the ending of the file; returns warnings about data that the format cannot hold.
 
         >>> run.write(folder / "run.csv")
         []
@@ -313,7 +313,7 @@ class Trajectory:
 
     @property
     def info(self) -> JsonObject:
-        """Everything in numbers; of a simulation also steps, CPU time, servo error, solver and engine.
+        """All numbers of the motion; for a simulation also steps, CPU time, servo error, solver and engine.
 
         >>> recordings[0].info["samples"] == len(recordings[0])
         True
@@ -322,7 +322,7 @@ class Trajectory:
 
     @property
     def warnings(self) -> Tuple[Warning, ...]:
-        """What the reader should know.
+        """Warnings about the motion.
 
         >>> recordings[0].warnings
         ()

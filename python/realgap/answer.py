@@ -1,6 +1,6 @@
-"""What answers say, as values with fields: those of the JSON files (`schemas/answers`), by the same names.
+"""The types of answers; their fields have the names of the JSON files (`schemas/answers`).
 
-A number that JSON has no word for, because it is not finite, is NaN.
+A number that is not finite, which JSON cannot represent, is NaN.
 
 >>> answer.summary.verdicts[0].parameter
 'floor.friction'

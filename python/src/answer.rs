@@ -23,22 +23,22 @@ pub struct Answer {
 }
 
 impl Answer {
-    /// What Python gets of an answer.
+    /// The answer for Python.
     ///
     /// # Errors
-    /// One that was interrupted, or without a best point.
+    /// An answer that was interrupted, or has no best point.
     pub fn new(study: &Arc<calibration::Study>, answer: calibration::Answer) -> Result<Self> {
         let report = &answer.report;
         if answer.ending == Ending::Interrupted {
             return Err(Error::interrupted(format!(
-                "interrupted after {} of {} points; those that a folder holds are saved",
+                "interrupted after {} of {} points; the points in a folder are saved",
                 report.points, report.points_total
             ))
             .hint("go on with the same call, folder and resume=True"));
         }
         if report.best.is_none() {
             return Err(Error::invalid("every point diverged, so there is no best one").hint(
-                "check the robot with realgap.simulate, then a shorter timestep or more substeps",
+                "check the robot with realgap.simulate, then try a shorter timestep or more substeps",
             ));
         }
         Ok(Self {
@@ -58,7 +58,7 @@ impl Answer {
         versioned_json(&self.answer.report).or_raise(py)
     }
 
-    /// A column a list: parameters, score, and so on, as in `points.csv`.
+    /// The columns of `points.csv`, each as a list.
     fn points(&self, py: Python<'_>) -> PyResult<String> {
         let points = &self.answer.scores.points;
         let ranges = self.study.definition().grid.ranges().iter().enumerate();

@@ -1,10 +1,10 @@
-//! Numbers cross the border as bytes, eight a number, lowest first: Python makes arrays of them without a copy, and this crate
-//! needs no other.
+//! Arrays are passed between Rust and Python as bytes, eight per number, little-endian: Python makes arrays of them without a copy,
+//! and this crate needs no further crate for arrays.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use realgap::{Error, Result};
 
-/// Largest | |q| − 1 | that is kept bit for bit, and that is accepted at all: those of files.
+/// Largest | |q| − 1 | that is kept bit for bit, and largest that is accepted; both as for files.
 const UNIT_EXACT: f64 = 1e-9;
 const UNIT_ACCEPTED: f64 = 1e-2;
 
@@ -42,7 +42,7 @@ pub fn quaternion_bytes<'a>(all: impl IntoIterator<Item = &'a UnitQuaternion<f64
 /// The orientations of bytes, a row w, x, y, z each.
 ///
 /// # Errors
-/// Rows that are not of length 1, as far as files may be off.
+/// Rows whose length differs from 1 by more than files may have.
 pub fn quaternions(bytes: &[u8]) -> Result<Vec<UnitQuaternion<f64>>> {
     let numbers = numbers(bytes);
     let (rows, _) = numbers.as_chunks::<4>();

@@ -13,7 +13,7 @@ use crate::array;
 use crate::error::{Raise, raised};
 use crate::trajectory::Trajectory;
 
-/// The units that a metric of somebody else may have.
+/// The units that a metric in Python may have.
 const UNITS: [Unit; 7] = [
     Unit::One,
     Unit::Metre,
@@ -24,7 +24,7 @@ const UNITS: [Unit; 7] = [
     Unit::Joule,
 ];
 
-/// A text that stays: metrics and optimizers are `'static` in the library. There are as many as a program defines.
+/// Leaks a text, because metrics and optimizers are `'static` in the library; a program defines only a few.
 fn kept(text: String) -> &'static str {
     Box::leak(text.into_boxed_str())
 }
@@ -35,14 +35,14 @@ pub struct OwnMetric {
     pub metric: &'static PythonMetric,
 }
 
-/// What the library sees of it.
+/// The metric as the library uses it.
 pub struct PythonMetric {
     name: &'static str,
     column: &'static str,
     unit: Unit,
     doc: &'static str,
     needs: Needs,
-    /// Whether it is asked with whole trajectories, not with prepared paths.
+    /// Whether it is called with whole trajectories and not with prepared paths.
     is_of_trajectories: bool,
     call: Py<PyAny>,
 }
@@ -130,10 +130,10 @@ impl comparison::Metric for PythonMetric {
     }
 }
 
-/// The metric that is meant by a name, or one in Python.
+/// The metric of this name, or a metric in Python.
 ///
 /// # Errors
-/// An unknown name, or neither.
+/// An unknown name, or a value that is neither.
 pub fn metric(asked: &Bound<'_, PyAny>) -> PyResult<&'static dyn comparison::Metric> {
     if let Ok(own) = asked.cast::<OwnMetric>() {
         return Ok(own.get().metric);
@@ -149,12 +149,12 @@ pub struct PythonOptimizer {
     name: &'static str,
     design: Option<usize>,
     batch: usize,
-    /// Empty once the tuning is over: the rest of it stays.
+    /// Empty once the tuning is over, because the leaked rest of the optimizer stays.
     propose: Mutex<Option<Py<PyAny>>>,
 }
 
 impl PythonOptimizer {
-    /// An optimizer that asks `propose` with names, points, budget, seed, the design and what was told, both as points and scores.
+    /// An optimizer that calls `propose` with dimensions, budget and seed, the design, and the evaluated points, both with scores.
     ///
     /// # Errors
     /// The name of another optimizer.
@@ -177,7 +177,7 @@ impl PythonOptimizer {
         })))
     }
 
-    /// Lets go of what it asks.
+    /// Releases the Python function.
     pub fn end(&self) {
         self.propose
             .lock()
@@ -200,10 +200,10 @@ impl optimization::Optimizer for PythonOptimizer {
         self.batch
     }
     fn depends_on_budget(&self) -> bool {
-        // Nobody knows.
+        // This is not known of an optimizer in Python.
         true
     }
-    fn propose(&self, brief: &OptimizationProblem, history: &History<'_>) -> Result<Proposal> {
+    fn propose(&self, problem: &OptimizationProblem, history: &History<'_>) -> Result<Proposal> {
         let rows = |told: &[EvaluatedPoint]| -> Vec<(Vec<f64>, Option<f64>)> {
             told.iter()
                 .map(|told| (told.point.clone(), told.score))
@@ -216,9 +216,9 @@ impl optimization::Optimizer for PythonOptimizer {
             let Some(propose) = propose else {
                 return Ok(Vec::new());
             };
-            let brief = (brief.dimensions(), brief.budget, brief.seed);
+            let problem = (problem.dimensions(), problem.budget, problem.seed);
             propose
-                .call1(py, (brief, design, told))
+                .call1(py, (problem, design, told))
                 .and_then(|points| points.extract::<Vec<Vec<f64>>>(py))
                 .map_err(|cause| raised(py, &format!("the optimizer `{}`", self.name), cause))
         })?;
@@ -226,14 +226,16 @@ impl optimization::Optimizer for PythonOptimizer {
             return Ok(Proposal::Exhausted);
         }
         let is_inside = |point: &Vec<f64>| {
-            point.len() == brief.dimensions() && point.iter().all(|x| (0.0..=1.0).contains(x))
+            point.len() == problem.dimensions() && point.iter().all(|x| (0.0..=1.0).contains(x))
         };
         match points.iter().find(|point| !is_inside(point)) {
             None => Ok(Proposal::Evaluate(points)),
-            Some(point) => Err(Error::invalid("the optimizer asks for a point outside")
-                .field(self.name)
-                .found(format!("{point:?}"))
-                .allowed(format!("{} coordinates from 0 to 1", brief.dimensions()))),
+            Some(point) => Err(Error::invalid(
+                "the optimizer asks for a point outside of the ranges",
+            )
+            .field(self.name)
+            .found(format!("{point:?}"))
+            .allowed(format!("{} coordinates from 0 to 1", problem.dimensions()))),
         }
     }
 }

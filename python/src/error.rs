@@ -1,4 +1,4 @@
-//! An error of the library as an exception, with the text that the command prints; its ways out in words of this package.
+//! Errors of the library as exceptions, with the text that the command prints; advice is written as arguments of this package.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
@@ -8,10 +8,10 @@ use pyo3::prelude::*;
 use pyo3::types::PyString;
 use realgap::{Advice, Error, ErrorKind};
 
-/// Exceptions of callbacks by the message of the error that tells of them, until that error becomes an exception itself.
+/// Exceptions of callbacks, by the message of their error, until that error becomes an exception itself.
 static CAUSES: Mutex<BTreeMap<String, PyErr>> = Mutex::new(BTreeMap::new());
 
-/// The error that tells of an exception in a callback; as an exception it has that one as its cause.
+/// The error for an exception in a callback; as an exception, it has that exception as its cause.
 pub fn raised(py: Python<'_>, who: &str, cause: PyErr) -> Error {
     let kind = cause.get_type(py);
     let kind = kind
@@ -35,7 +35,7 @@ pub fn exception(py: Python<'_>, error: Error) -> PyErr {
     if let Some(cause) = &cause
         && cause.is_instance_of::<PyKeyboardInterrupt>(py)
     {
-        // Whoever presses Ctrl-C in a function of theirs means the whole.
+        // Ctrl-C in a callback ends the whole call.
         return cause.clone_ref(py);
     }
     let name = match (error.kind(), &cause) {
@@ -75,7 +75,7 @@ fn made<'py>(py: Python<'py>, name: &str, error: &Error) -> PyResult<Bound<'py, 
     Ok(made)
 }
 
-/// How a way out is taken here.
+/// The argument that follows an advice.
 fn argument(advice: &Advice) -> String {
     match advice {
         Advice::Resume => "go on with resume=True".to_owned(),
@@ -88,7 +88,7 @@ fn argument(advice: &Advice) -> String {
         Advice::Recordings => "name them with recordings=[\"FOLDER/*.csv\"]".to_owned(),
         Advice::CalibratedValues => "give values with set={NAME: VALUE}".to_owned(),
         Advice::MetricWithoutBasis => {
-            "a metric without a basis, e.g. metric=\"rms\", needs no design of 64".to_owned()
+            "a metric without a basis, e.g. metric=\"rms\", needs no first design of 64".to_owned()
         }
         Advice::LetOptimizerChoose => "let Study.tune choose the points".to_owned(),
         Advice::ListParameters => "realgap.parameters() lists all of them".to_owned(),
@@ -96,7 +96,7 @@ fn argument(advice: &Advice) -> String {
     }
 }
 
-/// Turns what the library gives into what Python gets.
+/// Turns results of the library into results for Python.
 pub trait Raise<T> {
     /// The value, or the exception of the error.
     ///

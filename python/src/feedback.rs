@@ -1,4 +1,4 @@
-//! What a robot reads and hears in a run, and a function in Python that acts on it.
+//! A function in Python that commands a robot from its sensor readings and messages during a run.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,10 +12,10 @@ use realgap::simulation::{
 use realgap::{Error, Result};
 use serde::Deserialize;
 
-/// How often a function decides where neither it nor a file says so, Hz.
+/// Default rate of the decisions of a function, Hz.
 const RATE_HZ: f64 = 50.0;
 
-/// Who acts on what a robot reads.
+/// The controller of a run.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Steering {
@@ -28,14 +28,14 @@ impl Steering {
     /// The experiment with its controller: that of the file, or one for a function alone.
     ///
     /// # Errors
-    /// As of [`Controller::read`]; a seed of which nothing is drawn.
+    /// Those of [`Controller::read`]; a seed without a controller, which would have no effect.
     pub fn apply(&self, experiment: Experiment, has_step: bool) -> Result<Experiment> {
         let controller = match &self.controller {
             Some(path) => Controller::read(path, &experiment)?,
             None if self.seed.is_some() => {
                 return Err(Error::usage("nothing is drawn without a controller")
                     .field("seed")
-                    .hint("name a controller= whose sensors read"));
+                    .hint("give a controller= with sensors"));
             }
             None if !has_step => return Ok(experiment),
             None => Controller::bare(RATE_HZ),
@@ -61,7 +61,7 @@ pub struct Step {
     thrown: Mutex<Option<PyErr>>,
 }
 
-/// A message: who sent it, where it was then, when it was sent and arrived, how strong.
+/// A message: its sender, the position of the sender, the times of sending and arrival, and the strength.
 type Heard<'a> = (&'a str, [f64; 3], f64, f64, f64);
 
 impl Step {
@@ -72,7 +72,7 @@ impl Step {
         }
     }
 
-    /// What it raised, if it did: that ends the run and comes out as it is.
+    /// The exception that the function raised; it ends the run and is raised unchanged.
     pub fn thrown(&self) -> Option<PyErr> {
         self.thrown
             .lock()
@@ -80,7 +80,7 @@ impl Step {
             .take()
     }
 
-    /// Names and values of servos that it wants otherwise.
+    /// Calls the function: names of servos with their new commands.
     fn ask(&self, names: &Names<'_>, sensed: &Sensed) -> Result<Vec<(String, f64)>> {
         Python::attach(|py| {
             let readings: Vec<(&str, Option<f64>)> =
@@ -110,7 +110,7 @@ fn pairs<'a, T: Copy>(names: &'a [&'a str], of: &'a [T]) -> impl Iterator<Item =
     names.iter().copied().zip(of.iter().copied())
 }
 
-/// What robots, sensors and hinges are called.
+/// Names of robots, sensors and hinges.
 struct Names<'a> {
     robots: Vec<&'a str>,
     sensors: Vec<&'a str>,
@@ -130,7 +130,7 @@ impl<'a> Names<'a> {
     }
 }
 
-/// Simulates an experiment, which `stop` ends; with a `step` it is asked at every decision.
+/// Simulates an experiment until `stop` is set; a `step` is called at every decision.
 pub fn film(
     experiment: &Experiment,
     step: Option<&Step>,

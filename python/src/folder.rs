@@ -1,4 +1,4 @@
-//! Texts that are read and folders that are written, as the commands do.
+//! Reads texts and writes folders as the commands do.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -10,7 +10,7 @@ use realgap::optimization::RunOptions;
 use realgap::results::{Kind, Timing, check_folder, write_timing};
 use realgap::store::FolderLock;
 
-/// A text of which not all is known: what was given, else what is in the file.
+/// The given text; without one, the text of the file.
 pub fn source(path: PathBuf, text: Option<String>, is_json: bool, kind: &str) -> Result<Source> {
     match text {
         None => Source::read(path, kind),
@@ -19,7 +19,7 @@ pub fn source(path: PathBuf, text: Option<String>, is_json: bool, kind: &str) ->
     }
 }
 
-/// What is to happen with results that are there already.
+/// The mode for a folder that holds results already.
 pub fn mode_of(text: &str) -> Mode {
     match text {
         "resume" => Mode::Resume,
@@ -28,7 +28,7 @@ pub fn mode_of(text: &str) -> Mode {
     }
 }
 
-/// Lets `work` write into a folder as the commands do: locked, nothing of others replaced, with what it took.
+/// Lets `work` write into a folder as the commands do: the folder is locked, foreign files are not replaced, and the time is stored.
 pub fn into_folder<T>(
     folder: &Path,
     kind: Kind,
@@ -41,7 +41,7 @@ pub fn into_folder<T>(
     let value = work(&lock)?;
     let timing = Timing {
         wall_s: begun.elapsed().as_secs_f64(),
-        // That of the whole interpreter says nothing about this run.
+        // The CPU time of the whole interpreter is not that of this run.
         cpu_s: None,
         jobs: run.jobs,
     };

@@ -1,10 +1,10 @@
-//! The half of the Python package that is written in Rust: objects of the library, arrays as bytes, everything else as JSON. What
-//! people see is the other half, in `realgap/`.
+//! The half of the Python package that is written in Rust: objects of the library, arrays as bytes, everything else as JSON. The
+//! public half is in `realgap/`.
 
 mod answer;
 mod array;
 mod callback;
-/// The command, whose files are those of the program: a wheel holds it and the library once.
+/// The command, from the same files as the program, so that a wheel holds the library only once.
 #[path = "../../src/cli/mod.rs"]
 mod cli;
 mod error;
@@ -51,7 +51,7 @@ mod _native {
     #[pymodule_export]
     use crate::trajectory::{Trajectory, compare};
 
-    /// Runs the command with these words, the program's name first; how it ends.
+    /// Runs the command with these arguments, the program's name first, and returns its exit code.
     #[pyfunction]
     fn command(py: Python<'_>, words: Vec<std::ffi::OsString>) -> u8 {
         py.detach(|| crate::cli::run(words.into_iter()))
@@ -63,7 +63,7 @@ mod _native {
         (env!("CARGO_PKG_VERSION"), ENGINE_VERSION)
     }
 
-    /// A row a parameter.
+    /// One row per parameter.
     #[pyfunction]
     fn parameters(py: Python<'_>) -> PyResult<String> {
         let rows: Vec<Value> = parameter::all()
@@ -76,14 +76,14 @@ mod _native {
         to_text(&rows).or_raise(py)
     }
 
-    /// A row a metric.
+    /// One row per metric.
     #[pyfunction]
     fn metrics(py: Python<'_>) -> PyResult<String> {
         let row = |m: &&dyn realgap::comparison::Metric| json!({"name": m.name(), "column": m.column(), "unit": m.unit(), "doc": m.doc()});
         to_text(&METRICS.iter().map(row).collect::<Vec<_>>()).or_raise(py)
     }
 
-    /// A row an optimizer.
+    /// One row per optimizer.
     #[pyfunction]
     fn optimizers(py: Python<'_>) -> PyResult<String> {
         let row =

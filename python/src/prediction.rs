@@ -15,7 +15,7 @@ use realgap::prediction::{
     UncertainParameters,
 };
 use realgap::results::{Kind, check_folder, write_ensemble, write_gap, write_prediction};
-use realgap::search::read_indistinguishable;
+use realgap::search::read_posterior;
 use realgap::simulation::parameter::ParameterSet;
 use realgap::simulation::{Experiment, Noise, Sampling};
 use realgap::warning::Code;
@@ -44,7 +44,7 @@ struct Drawing {
     noise: Option<Value>,
     noise_file: Option<PathBuf>,
     model_error: bool,
-    indistinguishable: Option<PathBuf>,
+    posterior: Option<PathBuf>,
 }
 
 impl Drawing {
@@ -58,7 +58,7 @@ impl Drawing {
             .allowed(format!("1 to {MOST_REPEATS}")))
     }
 
-    /// The noise that was given, and who says so.
+    /// The given noise, and its source.
     fn noise(&self) -> Result<Option<(Noise, String)>> {
         if let Some(file) = &self.noise_file {
             return Ok(Some((read_noise(file)?, file.display().to_string())));
@@ -74,14 +74,14 @@ impl Drawing {
     }
 
     fn points(&self) -> Result<Option<Vec<ParameterSet>>> {
-        match (self.model_error, &self.indistinguishable) {
+        match (self.model_error, &self.posterior) {
             (false, Some(_)) => Err(Error::usage(
-                "nothing takes part in a model error that is off",
+                "posterior= adds models to the model error, which is off",
             )
-            .field("indistinguishable")
+            .field("posterior")
             .hint("leave model_error=True")),
             (false, None) => Ok(None),
-            (true, Some(folder)) => read_indistinguishable(folder).map(Some),
+            (true, Some(folder)) => read_posterior(folder).map(Some),
             (true, None) => Ok(Some(Vec::new())),
         }
     }
@@ -89,7 +89,7 @@ impl Drawing {
 
 fn incomplete(done: usize, total: usize) -> Error {
     Error::interrupted(format!("interrupted after {done} of {total} repeats"))
-        .hint("run it again; the same repeats come out the same")
+        .hint("run it again; finished repeats come out the same")
 }
 
 /// Writes into a folder, if there is one, as the commands do.
@@ -162,7 +162,7 @@ pub fn repeat_study(
 
 fn diverged() -> Error {
     Error::invalid("every repeat diverged")
-        .hint("check the robot with realgap.simulate, then a shorter timestep or more substeps")
+        .hint("check the robot with realgap.simulate, then try a shorter timestep or more substeps")
 }
 
 #[pymethods]
@@ -175,7 +175,7 @@ impl Ensemble {
         versioned_json(&self.report).or_raise(py)
     }
 
-    /// A column a list: a row a repeat.
+    /// One row per repeat, as columns.
     fn repeats(&self, py: Python<'_>) -> PyResult<String> {
         let cases = self.report.cases.iter();
         let cases: Vec<_> = cases
@@ -251,7 +251,7 @@ pub fn study_gap(
         let gap = kept(folder.as_deref(), Kind::Gap, run, make, write_gap)?;
         if !gap.complete {
             return Err(Error::interrupted("interrupted before the last repeat")
-                .hint("run it again; the same repeats come out the same"));
+                .hint("run it again; finished repeats come out the same"));
         }
         Ok(gap)
     })?;
@@ -326,7 +326,7 @@ pub fn predict(
     Ok(Prediction { card, ensemble })
 }
 
-/// As the command makes it.
+/// The prediction card, as the command makes it.
 fn card(
     robot: &Robot,
     question: &Question,
@@ -351,7 +351,7 @@ fn card(
         Some(said) => said,
         None => {
             warnings.push(Code::EstimatedNoise.warning(
-                "the noise is an estimate for a robot that nobody has measured; say your own with noise=",
+                "the noise is a default preset for robots without measurements; give your own with noise=",
             ));
             (Noise::unmeasured_robot(), "estimate".to_owned())
         }

@@ -1,4 +1,4 @@
-//! Work without the interpreter's lock, on a thread of its own, while the calling thread listens for Ctrl-C and tells of the
+//! Runs work without the interpreter's lock on a thread of its own, while the calling thread listens for Ctrl-C and reports the
 //! progress.
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,24 +13,24 @@ use realgap::{Error, Result};
 
 use crate::error::{self, Raise};
 
-/// How often signals are looked at.
+/// How often signals are checked.
 const PERIOD: Duration = Duration::from_millis(50);
 
-/// How something long is to run.
+/// Options of a long run.
 pub struct Way<'py> {
-    /// Threads; one a core where nobody says.
+    /// Number of threads; `None` means one per core.
     pub jobs: Option<i64>,
-    /// Called with done, total, best and what is finished.
+    /// Called with done, total, best, and the final step.
     pub progress: Option<Bound<'py, PyAny>>,
 }
 
-/// More threads than this only fight for the cores.
+/// More threads than this only compete for the cores.
 fn most_jobs() -> usize {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     (4 * cores).max(256)
 }
 
-/// Threads, as asked for or one a core.
+/// The number of threads; `None` means one per core.
 ///
 /// # Errors
 /// Not a number of threads.
@@ -53,10 +53,10 @@ enum Said {
     Ended,
 }
 
-/// Does `work` and gives back what it gave; the options that it gets are stopped by Ctrl-C and by a progress callback that raises.
+/// Does `work` and returns its result; Ctrl-C and a progress callback that raises stop the work by its options.
 ///
 /// # Errors
-/// The error of the work, which says how far it came where it was interrupted; the exception of the callback.
+/// The error of the work, which says how far it got where it was interrupted; the exception of the callback.
 pub fn run<T: Send>(
     py: Python<'_>,
     way: &Way<'_>,
@@ -69,7 +69,7 @@ pub fn run<T: Send>(
     let tell = {
         let sender = sender.clone();
         move |progress| {
-            // Nobody listens any more where the calling thread has given up.
+            // Sending fails where the calling thread has stopped listening, which is not an error.
             let _unheard = sender.send(Said::Progress(progress));
         }
     };

@@ -20,13 +20,13 @@ use crate::running::{self, Way};
 use crate::simulation::fitted;
 use crate::text::{of_text, to_text};
 
-/// What somebody wants different from a search's text.
+/// Arguments that override the text of a search.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Wishes {
     set: BTreeMap<String, f64>,
     parameters: Vec<PathBuf>,
-    indistinguishable: Option<PathBuf>,
+    posterior: Option<PathBuf>,
     seed: Option<u64>,
 }
 
@@ -38,7 +38,7 @@ pub struct Search {
 
 #[pymethods]
 impl Search {
-    /// A text, RON or JSON, that lies at `path` or would.
+    /// Parses a text, RON or JSON; its path is `path`, even where no such file exists.
     #[staticmethod]
     fn parse(
         py: Python<'_>,
@@ -53,7 +53,7 @@ impl Search {
             let overrides = search::Overrides {
                 set: fitted.values,
                 draws: fitted.draws,
-                indistinguishable: wishes.indistinguishable,
+                indistinguishable: wishes.posterior,
                 seed: wishes.seed,
             };
             search::Search::parse(&source(path, text, is_json, "search")?, &overrides)
@@ -79,7 +79,7 @@ impl Search {
         to_text(&info).or_raise(py)
     }
 
-    /// As the command does.
+    /// Searches as the command does.
     fn run(
         &self,
         py: Python<'_>,
@@ -110,7 +110,8 @@ impl Search {
         Ok(found)
     }
 
-    /// With a fitness in Python, of the repeats of a robot; nothing is looked at again, for nobody knows what that means then.
+    /// Searches with a fitness in Python, a function of the repeats of a robot. There are no finalists, because these are ranked by the
+    /// objective of the file.
     fn run_for(
         &self,
         py: Python<'_>,
@@ -155,7 +156,7 @@ fn finished(results: SearchResults) -> Result<SearchResults> {
     match results.ending {
         Ending::Complete => Ok(results),
         Ending::Interrupted => Err(Error::interrupted(format!(
-            "interrupted after {} robots; those that a folder holds are saved",
+            "interrupted after {} robots; the robots in a folder are saved",
             results.robots.len()
         ))
         .hint("go on with the same call, folder and resume=True")),
@@ -203,7 +204,7 @@ impl Found {
 
 #[pymethods]
 impl Found {
-    /// A column a list: a row a robot.
+    /// One row per robot, as columns.
     fn robots(&self, py: Python<'_>) -> PyResult<String> {
         let mut columns = Map::new();
         let robots = &self.results.robots;
@@ -267,7 +268,7 @@ impl Found {
         all.collect::<Result<_>>().or_raise(py)
     }
 
-    /// Writes what the command writes; its summary.
+    /// Writes the files of the command.
     fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
         py.detach(|| {
             check_folder(&folder, Kind::Search)?;

@@ -28,7 +28,7 @@ use crate::trajectory::Trajectory;
 /// Times and angles of a hinge.
 type CommandBytes = (String, Vec<u8>, Vec<u8>);
 
-/// How a run is simulated; what is not said is as the command has it.
+/// Settings of a run; `None` means the default of the command.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Settings {
@@ -49,7 +49,7 @@ pub fn values(files: &[PathBuf], set: &BTreeMap<String, f64>) -> Result<Paramete
     Ok(fitted(files, set)?.values)
 }
 
-/// The same with what the fits of the files left possible.
+/// The same values, with the posterior draws of the fits in the files.
 pub fn fitted(files: &[PathBuf], set: &BTreeMap<String, f64>) -> Result<Fitted> {
     let set = set
         .iter()
@@ -70,19 +70,19 @@ fn joint_kind(name: &str) -> Result<JointFormulation> {
     }
 }
 
-/// What a run did.
+/// The result of a run.
 #[pyclass(frozen, module = "realgap._native")]
 pub struct Simulation {
     robot: String,
     film: Film,
     info: String,
     others: Vec<(String, trajectory::Trajectory)>,
-    /// A table with a row a decision, empty without a controller.
+    /// A table with one row per decision; empty without a controller.
     decisions: String,
 }
 
-/// Simulates a robot from rest. `commands` are what its servos are told in place of their gaits, by hinge; `step` is asked at every
-/// decision of a controller.
+/// Simulates a robot from rest. `commands` replace the gaits of servos, by hinge; `step` is called at every decision of a
+/// controller.
 #[pyfunction]
 #[pyo3(signature = (robot, settings, times_s, commands, step))]
 pub fn simulate(

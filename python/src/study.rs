@@ -1,4 +1,4 @@
-//! Studies and what answers them.
+//! Studies, and their sweeps and tunings.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -29,7 +29,7 @@ use crate::simulation::{fitted, values};
 use crate::text::{of_text, to_text};
 use crate::trajectory::Trajectory;
 
-/// What somebody wants different from a study's text.
+/// Arguments that override the text of a study.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Wishes {
@@ -49,7 +49,7 @@ struct Wishes {
     reading: Reading,
 }
 
-/// What a study of objects says.
+/// The fields of a study that is built from objects.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Said {
@@ -65,12 +65,12 @@ struct Said {
     noise: Option<Noise>,
 }
 
-/// Repeats of the rule `ensemble` where nobody says how many.
+/// Number of repeats of the rule `ensemble` without a number.
 const REPEATS: usize = 16;
 
 fn score_rule(text: &str) -> Result<ScoreRule> {
     let unknown = || {
-        Error::usage("not a rule of what a score is the mean over")
+        Error::usage("not a rule for the simulations of a score")
             .field("score")
             .found(text)
             .allowed("valid, ensemble, ensemble:N, single")
@@ -134,7 +134,7 @@ pub struct Study {
 
 #[pymethods]
 impl Study {
-    /// A text, RON or JSON, that lies at `path` or would.
+    /// Parses a text, RON or JSON; its path is `path`, even where no such file exists.
     #[staticmethod]
     fn parse(
         py: Python<'_>,
@@ -159,7 +159,7 @@ impl Study {
         })
     }
 
-    /// A study of objects.
+    /// Builds a study from objects.
     #[staticmethod]
     fn build(
         py: Python<'_>,
@@ -299,7 +299,7 @@ impl Study {
         })
     }
 
-    /// `own` is the name, the size of the first design, that of a batch, and what proposes, of an optimizer in Python.
+    /// `own` is the size of the first design, the size of a batch, and the function that proposes points, of an optimizer in Python.
     #[allow(
         clippy::too_many_arguments,
         reason = "the keyword arguments of one call"

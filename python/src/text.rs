@@ -1,4 +1,4 @@
-//! Everything but arrays crosses the border as JSON: numbers keep their bits in both directions.
+//! Everything but arrays is passed between Rust and Python as JSON: numbers keep their bits in both directions.
 
 use realgap::{Error, Result};
 use serde::Serialize;
@@ -7,12 +7,12 @@ use serde::de::DeserializeOwned;
 /// A value as JSON.
 ///
 /// # Errors
-/// None for values of ours.
+/// None for the values of this crate.
 pub fn to_text(value: &impl Serialize) -> Result<String> {
     serde_json::to_string(value).map_err(|e| Error::invalid(format!("cannot write JSON: {e}")))
 }
 
-/// What keyword arguments say, whose names the Python half has checked.
+/// Parses keyword arguments, whose names the Python half has checked.
 ///
 /// # Errors
 /// A value of the wrong kind, or out of range.

@@ -1,4 +1,4 @@
-//! Motions, from files and from arrays, and how far they are apart.
+//! Motions from files and from arrays, and their distances.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -42,7 +42,7 @@ impl Trajectory {
         }
     }
 
-    /// The same motion, said to be none of hardware.
+    /// The same motion, marked as a stand-in.
     pub fn stand_in_of(&self, robot: &str) -> Self {
         let mut recording = (*self.recording).clone();
         recording.meta = Some(Meta {
@@ -58,7 +58,7 @@ impl Trajectory {
         }
     }
 
-    /// A motion that a metric looks at.
+    /// A motion that is passed to a metric.
     pub fn unnamed(trajectory: trajectory::Trajectory) -> Self {
         Self::of("", trajectory)
     }
@@ -66,7 +66,7 @@ impl Trajectory {
 
 #[pymethods]
 impl Trajectory {
-    /// Whatever is in a file.
+    /// All motions of a file.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf, reading: &str) -> PyResult<Vec<Self>> {
         let all = py
@@ -186,7 +186,7 @@ impl Trajectory {
             .collect()
     }
 
-    /// Writes it; what the format cannot hold.
+    /// Writes the motion, and returns warnings about data that the format cannot hold.
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<String> {
         let warnings = trajectory::write(path, &self.recording.trajectory).or_raise(py)?;
         to_text(&warnings).or_raise(py)
@@ -216,7 +216,7 @@ impl Trajectory {
         draw().or_raise(py)
     }
 
-    /// The path, the heights, the orientations, and the rest, all prepared.
+    /// The prepared path, heights and orientations, and further numbers as JSON.
     #[allow(clippy::type_complexity, reason = "an array or none, thrice")]
     fn prepare<'py>(
         &self,
@@ -253,7 +253,7 @@ struct HowToCompare {
     equal_times: bool,
 }
 
-/// A row a recording as JSON, a column a metric; drawn into `picture` where there is one.
+/// One row per recording as JSON, one column per metric; the paths are drawn into `picture` where it is given.
 #[pyfunction]
 pub fn compare(
     py: Python<'_>,
@@ -300,8 +300,7 @@ fn rows(
     let components = match (how.components, how.variance) {
         (Some(_), Some(_)) => {
             return Err(
-                Error::usage("components and variance say the same in two ways")
-                    .hint("give one of them"),
+                Error::usage("components and variance exclude each other").hint("give one of them")
             );
         }
         (Some(count), None) => Components::Count(count),

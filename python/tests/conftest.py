@@ -1,4 +1,4 @@
-"""What the stories share: the project's files, the command, a small study."""
+"""Fixtures of the tests: the project's files, the command, a small study."""
 
 import os
 import subprocess
@@ -22,7 +22,7 @@ def _command() -> Path:
 
 @pytest.fixture(scope="session")
 def command():
-    """Runs the command and gives back what it did."""
+    """Runs the command and returns the completed process."""
     program = _command()
     if not program.exists():
         pytest.skip(f"SKIPPED: no command to compare with at {program}; cargo build makes it")
@@ -67,7 +67,7 @@ def study_text(duration_s=0.5, points=3):
 
 @pytest.fixture
 def study_file(tmp_path):
-    """A study that is over soon."""
+    """A study that takes a moment."""
     path = tmp_path / "friction.ron"
     path.write_text(study_text())
     return path

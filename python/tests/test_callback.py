@@ -1,4 +1,4 @@
-"""Functions of somebody else: metrics, optimizers, gaits, objectives, progress; and what happens when they fail."""
+"""Callbacks of users: metrics, optimizers, gaits, objectives, progress; and their errors."""
 
 import math
 
@@ -84,7 +84,7 @@ def test_names_that_are_taken_are_refused():
 
 
 class Halving:
-    """Looks to both sides of the best, in steps that are halved."""
+    """Proposes points on both sides of the best one, with a step that is halved each time."""
 
     def __init__(self, dimensions, budget, seed):
         self.best, self.step, self.told = (None, math.inf), 0.25, []
@@ -108,14 +108,14 @@ def test_an_optimizer_in_python_chooses_the_points(tripod, recordings, tmp_path)
     answer = study.tune(optimizer=own, budget=9)
     assert answer.report["tuning"]["optimizer"] == "halving"
     assert answer.report["points"] == 9
-    # The same bits in a folder, and when it goes on after the end.
+    # The bits are the same in a folder, and when a finished tuning is resumed.
     stored = study.tune(optimizer=own, budget=9, folder=tmp_path / "t", jobs=1)
     assert stored.report == answer.report
     again = study.tune(optimizer=own, budget=9, folder=tmp_path / "t", resume=True)
     assert again.report == answer.report
 
 
-def test_an_optimizer_that_forgets_what_it_asked_for_is_told_so(tripod, recordings, tmp_path):
+def test_an_optimizer_that_proposes_other_points_on_resuming_is_refused(tripod, recordings, tmp_path):
     rng = np.random.default_rng(1)
 
     class Dice(Halving):
@@ -139,7 +139,7 @@ def test_an_optimizer_that_forgets_what_it_asked_for_is_told_so(tripod, recordin
         (3, "TypeError"),
     ],
 )
-def test_an_optimizer_that_asks_for_nonsense_is_refused(tripod, recordings, asked, words):
+def test_an_optimizer_that_proposes_invalid_points_is_refused(tripod, recordings, asked, words):
     class Odd(Halving):
         def ask(self):
             return asked
@@ -223,7 +223,7 @@ SEARCH = {
 }
 
 
-def test_a_search_for_an_objective_of_ones_own(tmp_path):
+def test_a_search_with_an_own_objective(tmp_path):
     search = realgap.Search.from_dict(SEARCH)
     seen = []
 
@@ -257,7 +257,7 @@ def test_a_search_finds_what_the_command_finds(command, tmp_path):
     ]
 
 
-def test_the_progress_is_told_and_changes_nothing(tripod, recordings):
+def test_the_progress_is_reported_and_changes_no_result(tripod, recordings):
     said = []
     study = study_of(tripod, recordings, "rms")
     answer = study.sweep(progress=lambda *words: said.append(words))

@@ -1,4 +1,4 @@
-"""Every public docstring has an example, and every example gives what stands below it."""
+"""Every public docstring has an example, and every example gives the output below it."""
 
 import doctest
 import inspect
@@ -18,7 +18,7 @@ def public():
             if inspect.isclass(thing):
                 yield name, thing
                 if getattr(thing, "_is_protocol", False):
-                    continue  # Its methods are somebody else's; the class shows them.
+                    continue  # Users write its methods; the example of the class shows them.
                 for member, value in vars(thing).items():
                     documented = isinstance(value, (property, classmethod, staticmethod))
                     if not member.startswith("_") and (documented or inspect.isfunction(value)):
@@ -32,7 +32,7 @@ NAMED = {**dict(public()), "Trajectory()": realgap.Trajectory.__init__, "answer"
 
 @pytest.fixture(scope="module")
 def cast(tmp_path_factory):
-    """What the examples talk of, as the package's own docstring makes it."""
+    """The objects of the examples, as the docstring of the package makes them."""
     pytest.importorskip("pandas"), pytest.importorskip("polars")
     names = {"realgap": realgap, "np": np, "folder": tmp_path_factory.mktemp("examples")}
     with pytest.MonkeyPatch.context() as patch:
@@ -51,7 +51,7 @@ def run(text, name, names):
 
 
 @pytest.mark.parametrize("name", NAMED)
-def test_the_example_of_a_docstring_gives_what_stands_below_it(name, cast):
+def test_the_example_of_a_docstring_gives_the_output_below_it(name, cast):
     text = inspect.getdoc(NAMED[name])
     assert text, "no docstring"
     assert ">>>" in text, "no example"

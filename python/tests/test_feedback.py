@@ -1,4 +1,4 @@
-"""A gait with feedback: a function that is told what the robot reads and hears, and says what its servos do."""
+"""A gait with feedback: a function that gets readings and messages of the robot, and returns commands of its servos."""
 
 import math
 import signal
@@ -20,7 +20,7 @@ def spring(sensed):
     return {hinge: 0.5 * angle for hinge, angle in sensed.angles_rad.items()}
 
 
-def test_it_is_asked_at_a_fixed_rate_and_commands_hold_until_the_next_time(tripod):
+def test_a_step_is_called_at_a_fixed_rate_and_its_commands_hold_until_the_next_call(tripod):
     times_s = []
 
     def step(sensed):
@@ -38,11 +38,11 @@ def test_it_is_asked_at_a_fixed_rate_and_commands_hold_until_the_next_time(tripo
     assert run.decisions.numbers("t_s") == pytest.approx(times_s, abs=1e-6)
 
 
-def test_it_knows_the_angles_and_the_place_of_the_moment(tripod):
+def test_a_step_gets_the_current_angles_and_the_current_place(tripod):
     known = []
     run = realgap.simulate(tripod, duration_s=1.0, rate_hz=480.0, step=known.append, step_rate_hz=10.0)
     free = realgap.simulate(tripod, duration_s=1.0, rate_hz=480.0)
-    # Who only looks changes nothing.
+    # A step that returns no commands does not change the motion.
     assert run.positions_m.tobytes() == free.positions_m.tobytes()
     for sensed in known:
         row = int(round(sensed.time_s * 480.0))
@@ -118,10 +118,10 @@ def test_robots_hear_where_the_others_were(tripod, tmp_path):
 
 
 class Enough(Exception):
-    """One of somebody's own."""
+    """An exception of a user."""
 
 
-def test_an_exception_comes_out_as_itself(tripod):
+def test_an_exception_in_a_step_is_raised_unchanged(tripod):
     thrown = Enough("at last")
 
     def step(sensed):
@@ -131,7 +131,7 @@ def test_an_exception_comes_out_as_itself(tripod):
     with pytest.raises(Enough) as caught:
         realgap.simulate(tripod, duration_s=1.0, step=step)
     assert caught.value is thrown
-    # And the next run knows nothing of it.
+    # The next run is not affected.
     assert len(realgap.simulate(tripod, duration_s=0.5, step=lambda sensed: None)) == 31
 
 
@@ -145,7 +145,7 @@ def test_an_exception_comes_out_as_itself(tripod):
         (0.3, realgap.CallbackError, "a dict of angles by hinge"),
     ],
 )
-def test_nonsense_is_refused_with_what_is_allowed(tripod, commands, kind, words):
+def test_invalid_commands_are_refused_with_the_allowed_values(tripod, commands, kind, words):
     with pytest.raises(kind, match=words):
         realgap.simulate(tripod, duration_s=0.5, step=lambda sensed: commands)
 
@@ -153,7 +153,7 @@ def test_nonsense_is_refused_with_what_is_allowed(tripod, commands, kind, words)
 @pytest.mark.parametrize(
     "options, words",
     [
-        ({"step_rate_hz": 10.0}, "nobody decides"),
+        ({"step_rate_hz": 10.0}, "nothing decides"),
         ({"seed": 1}, "without a controller"),
         ({"step": spring, "seed": 1}, "without a controller"),
         ({"step": spring, "step_rate_hz": 0.0}, "step_rate_hz"),
@@ -185,7 +185,7 @@ def test_ctrl_c_ends_a_long_run_with_and_without_feedback_within_a_second(tripod
     assert ended_s - pressed_s[0] < 1.0
 
 
-def test_ctrl_c_in_the_function_is_none_of_its_errors(tripod):
+def test_ctrl_c_in_a_step_is_not_treated_as_its_error(tripod):
     def step(sensed):
         raise KeyboardInterrupt
 

@@ -1,4 +1,4 @@
-"""Whatever is wrong with what is given, the error says what was found and what is allowed."""
+"""Errors about wrong input say what was found and what is allowed."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ def refused(*words):
     return pytest.raises(realgap.Error, match="(?s)" + ".*".join(words))
 
 
-def test_a_trajectory_keeps_the_bits_of_its_arrays_whatever_their_layout():
+def test_a_trajectory_keeps_the_bits_of_arrays_of_any_layout():
     made = realgap.Trajectory(TIMES, np.asfortranarray(PLACES))
     assert np.array_equal(made.times_s, TIMES) and np.array_equal(made.positions_m, PLACES)
     assert not made.positions_m.flags.writeable
@@ -49,7 +49,7 @@ def test_wrong_lengths_and_kinds_are_refused(times, places, words):
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
-def test_a_number_that_is_none_is_found(bad):
+def test_a_number_that_is_not_finite_is_located(bad):
     places = PLACES.copy()
     places[4, 1] = bad
     with refused(r"positions_m\[4, 1\]", "not a finite number", str(bad)):
@@ -72,7 +72,7 @@ def test_quaternions_are_checked():
         realgap.Trajectory(TIMES, PLACES, velocities_m_s=PLACES)
 
 
-def test_joints_and_velocities_come_back():
+def test_joints_and_velocities_are_returned_unchanged():
     made = realgap.Trajectory(
         TIMES, PLACES, velocities_m_s=PLACES, angular_velocities_body_rad_s=2 * PLACES,
         joints={"knee": TIMES},
@@ -116,7 +116,7 @@ def test_a_robot_is_the_same_from_file_text_and_dict(tripod):
         realgap.Robot.from_dict({**cube, "glue": [object()]})
 
 
-def test_wrong_options_say_what_is_allowed(tripod, recordings):
+def test_errors_about_wrong_options_say_what_is_allowed(tripod, recordings):
     with refused("floor.frictoin", "floor.friction"):
         realgap.simulate(tripod, parameters={"floor.frictoin": 0.4})
     with refused("joint", "rubber", "multibody"):
@@ -144,7 +144,7 @@ def test_wrong_options_say_what_is_allowed(tripod, recordings):
         realgap.Trajectory.read(STAND_INS / "meta.ron")
 
 
-def test_a_run_goes_wherever_a_recording_does_and_a_recording_wherever_a_run_does(tripod, recordings):
+def test_runs_and_recordings_can_be_used_in_place_of_each_other(tripod, recordings):
     run = realgap.simulate(tripod, duration_s=0.5, rate_hz=30.0)
     copy = realgap.Trajectory(run.times_s, run.positions_m, run.quaternions, name=run.name)
     assert realgap.prepare(run).xy_m.tolist() == realgap.prepare(copy).xy_m.tolist()
@@ -157,13 +157,13 @@ def test_a_run_goes_wherever_a_recording_does_and_a_recording_wherever_a_run_doe
         for motions in (run, copy, (run,), [copy])
     ]
     assert scores[1:] == scores[:-1]
-    # What is asked of one can be asked of the other.
+    # Both have the same properties.
     for motion in (run, copy):
         assert motion.net_displacement_m == np.hypot(*motion.displacement_m[:2])
         assert motion.duration_s == 0.5 and len(motion) == 16 and motion.picture().startswith(b"\x89PNG")
 
 
-def test_a_path_in_place_of_an_object_says_how_it_is_read(tripod, recordings):
+def test_the_error_about_a_path_in_place_of_an_object_says_how_to_read_it(tripod, recordings):
     vary = {"floor.friction": (0.2, 0.8, 3)}
     for call in (
         lambda: realgap.simulate(TRIPOD),
@@ -182,7 +182,7 @@ def test_a_path_in_place_of_an_object_says_how_it_is_read(tripod, recordings):
             call()
 
 
-def test_a_file_that_is_not_there_is_named(tmp_path):
+def test_the_error_about_a_missing_file_names_it(tmp_path):
     for read in (realgap.Robot.read, realgap.Study.read, realgap.Search.read, realgap.Trajectory.read):
         with pytest.raises(realgap.FileError, match="nothing.csv"):
             read(tmp_path / "nothing.csv")

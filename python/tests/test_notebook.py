@@ -1,4 +1,4 @@
-"""The notebooks run from their first cell to their last, find what they hide, and show what they show today."""
+"""The notebooks run from the first to the last cell, find their hidden values, and are committed with their current output."""
 
 import os
 from pathlib import Path
@@ -10,7 +10,7 @@ NOTEBOOK = NOTEBOOKS / "own_recordings.ipynb"
 
 
 def said(notebook):
-    """What every cell of code printed and gave, pictures left out."""
+    """The output of every cell of code, without pictures."""
     cells = [cell for cell in notebook.cells if cell.cell_type == "code"]
     return [
         [output.get("text") or output["data"].get("text/plain") for output in cell.outputs]
@@ -39,12 +39,12 @@ def stored_and_executed():
     return stored, executed
 
 
-def test_a_notebook_comes_from_recordings_to_a_verdict(stored_and_executed):
+def test_the_notebook_leads_from_recordings_to_a_verdict(stored_and_executed):
     everything = "".join(text for cell in said(stored_and_executed[1]) for text in cell)
     assert "inside of the interval: True" in everything
 
 
-def test_a_notebook_is_committed_with_what_it_shows(stored_and_executed):
+def test_the_notebook_is_committed_with_its_current_output(stored_and_executed):
     stored, executed = stored_and_executed
     assert said(stored) == said(executed), "REALGAP_BLESS=1 writes the outputs of today into it"
     assert pictures(stored) == pictures(executed) >= 6

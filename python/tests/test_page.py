@@ -1,4 +1,4 @@
-"""Every example of docs/python.md runs as it stands there, with a study and a search that are over soon."""
+"""Every example of docs/python.md runs as it stands there, with a short study and a short search."""
 
 import re
 import types
@@ -17,7 +17,7 @@ def blocks():
 
 
 def quick():
-    """The package, but for files that would take minutes."""
+    """The package, with short replacements of files that would take minutes."""
     package = types.SimpleNamespace(**{name: getattr(realgap, name) for name in realgap.__all__})
 
     def read_study(path, **wishes):

@@ -1,4 +1,4 @@
-"""Ctrl-C, threads and forks: nothing is lost, nothing hangs, the bits stay."""
+"""Ctrl-C, threads and forks: no results are lost, no call hangs, and the bits are the same."""
 
 import multiprocessing
 import os
@@ -51,7 +51,7 @@ def test_ctrl_c_in_a_sweep_ends_it_soon_and_loses_nothing(tmp_path):
     assert time.monotonic() - begun < 20.0
     assert "interrupted: interrupted after" in said, (said, errors)
     assert "resume=True" in said and child.returncode == 0
-    # What was done is there, and the rest of a shorter study gives the same as without a break.
+    # The finished points are stored.
     assert (tmp_path / "cut" / "points.csv").exists()
 
 
@@ -126,7 +126,7 @@ def test_ctrl_c_reaches_everything_that_takes_long_within_a_second(tripod, study
         assert ended_cpu_s - pressed_cpu_s[0] < 1.0
 
 
-def test_ctrl_c_in_a_function_of_ones_own_is_none_of_its_errors(recordings):
+def test_ctrl_c_in_a_callback_is_not_treated_as_its_error(recordings):
     def pressed(real, simulated):
         signal.raise_signal(signal.SIGINT)
         time.sleep(1.0)
@@ -144,7 +144,7 @@ def test_ctrl_c_in_a_single_run_is_not_lost(tripod):
     timer.join()
 
 
-def test_two_threads_get_what_one_gets(tripod, study_file):
+def test_two_threads_get_the_results_of_one(tripod, study_file):
     study = realgap.Study.read(study_file)
     alone = study.sweep(jobs=1).report
     found, slow = [], []
@@ -156,7 +156,7 @@ def test_two_threads_get_what_one_gets(tripod, study_file):
     threads = [threading.Thread(target=work) for _ in range(2)]
     for thread in threads:
         thread.start()
-    # The interpreter is free meanwhile.
+    # The interpreter runs other code meanwhile.
     while any(thread.is_alive() for thread in threads):
         begun = time.monotonic()
         sum(range(1000))

@@ -1,4 +1,4 @@
-"""What Python gives is what the command gives, to the last byte."""
+"""Results in Python equal those of the command, to the last byte."""
 
 import json
 
@@ -12,7 +12,7 @@ def files_of(folder):
     """The files of a results folder that depend on the study alone."""
     found = {}
     for file in sorted(folder.rglob("*")):
-        # The command leaves a page of its own, which names the command; Python makes one with `report`. The check sums are of it, too.
+        # The command leaves a page of its own, which names the command; Python makes one with `report`. The checksums include it.
         without = {"timing.json", "report.html", "page.json", "SHA256SUMS"}
         if file.is_file() and file.name not in without and not file.name.startswith("."):
             found[str(file.relative_to(folder))] = file.read_bytes()
@@ -101,7 +101,7 @@ def test_a_study_of_dicts_and_one_of_objects_give_the_scores_of_its_file(
     assert made.sweep().points.to_dict() == expected
 
 
-def test_what_was_fitted_is_called_in_sample(study_file):
+def test_recordings_of_a_fit_are_marked_as_in_sample(study_file):
     answer = realgap.Study.read(study_file).sweep()
     fitted = answer.fitted
     assert fitted.info["set"] == answer.best
@@ -132,7 +132,7 @@ def test_a_prediction_leaves_the_folder_of_the_command(command, tripod, tmp_path
     assert ours["prediction.png"] == theirs["prediction.png"]
     ours, theirs = (json.loads(f["prediction.json"]) for f in (ours, theirs))
     for card in (ours, theirs):
-        # The ways out are said in each one's own words.
+        # The advice differs between the command and Python.
         card["warnings"] = [warning["code"] for warning in card["warnings"]]
     assert ours == theirs
 

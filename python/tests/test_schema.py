@@ -1,4 +1,4 @@
-"""The committed schemas are JSON Schemas by the reference implementation's measure, and answers and inputs fit them."""
+"""The committed schemas are valid by the reference implementation, and answers and inputs are valid by them."""
 
 import collections.abc
 import dataclasses
@@ -31,7 +31,7 @@ def test_a_schema_is_a_schema(file):
 
 
 def test_answers_fit_their_schemas(command, study_file):
-    said = command("parameters", "--format", "json").stdout
+    said = command("study", "parameters", "--format", "json").stdout
     assert faults("answers/parameters", json.loads(said)) == []
     answer = realgap.Study.read(study_file).sweep()
     assert answer.report["schema_version"] == 1
@@ -40,7 +40,7 @@ def test_answers_fit_their_schemas(command, study_file):
     assert faults("answers/sweep", {**answer.report, "best": None, "metric": 3}) != []
 
 
-def test_a_dictionary_that_is_a_robot_fits_the_schema_and_one_that_does_not_is_none():
+def test_the_schema_of_a_robot_accepts_and_refuses_the_same_dictionaries_as_the_package():
     cube = {"side_m": 0.06, "mass_kg": 0.1}
     robot = {"name": "one", "modules": [{"name": "a", "kind": {"Passive": cube}}]}
     assert faults("files/robot", robot) == []
@@ -112,7 +112,7 @@ def test_the_types_of_answers_have_the_fields_of_their_schemas(answer, kind):
         assert every == set(whole["required"]) - {"schema_version"}
 
 
-def test_numbers_that_json_has_no_word_for_are_nan_and_fields_of_later_versions_stay_in_the_json():
+def test_numbers_that_are_not_finite_become_nan_and_unknown_fields_are_left_out():
     interval = made(realgap.Interval, '{"low": null, "high": 1.5, "middle": 1.0}')
     assert math.isnan(interval.low) and interval.high == 1.5
     assert made(realgap.Interval, "[0.5, 1.5]") == realgap.Interval(0.5, 1.5)

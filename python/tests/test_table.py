@@ -1,4 +1,4 @@
-"""Results as dicts, frames and pictures, and what a notebook shows of them."""
+"""Results as dicts, frames and pictures, and their display in a notebook."""
 
 import re
 
@@ -71,7 +71,7 @@ def test_names_in_a_page_are_harmless(recordings):
     assert "<script>" not in realgap.compare(recordings[0], evil)._repr_html_()
 
 
-def test_stand_ins_are_called_so(tripod, recordings):
+def test_stand_ins_are_marked(tripod, recordings):
     run = realgap.simulate(tripod, duration_s=0.5)
     assert run.is_stand_in and recordings[0].is_stand_in
     made = realgap.Trajectory(run.times_s, run.positions_m)

@@ -1,4 +1,4 @@
-"""The package is typed, and using it wrongly is found before it runs."""
+"""The package is typed, so that type checkers find wrong uses."""
 
 import json
 import subprocess
@@ -9,7 +9,7 @@ import pytest
 
 PACKAGE = Path(__file__).resolve().parents[1]
 
-# What people write, with the types that they get. Both checkers in their strict mode have nothing to say of it.
+# A program of a user with its types. Both checkers accept it in their strict mode.
 PROGRAM = """
 from typing import Mapping, Optional, Sequence
 
@@ -100,7 +100,7 @@ ways: dict[str, realgap.Trajectory] = steered.others
 found = realgap.Search.read("search.ron", seed=2).run(objective=turning)
 survivors: list[int] = [finalist.card.rank for finalist in found.finalists if finalist.survives]
 """
-# Slips that both find, one a line.
+# Mistakes that both checkers find, one per line.
 SLIPS = """
 realgap.simulate("tripod.ron")
 wrong: str = run.net_displacement_m
@@ -116,7 +116,7 @@ realgap.simulate(robot, step=gait)
 
 
 def checked(tmp_path, checker, text):
-    """The lines of a program of which a checker has something to say, with what."""
+    """The lines of a program about which a checker complains, with its messages."""
     program = tmp_path / "program.py"
     program.write_text(text)
     if checker == "mypy":

@@ -1,4 +1,4 @@
-//! Conclusion in options what the library says in words.
+//! Advice of the library, written as options of the command line.
 
 use clap::error::{ContextKind, ContextValue, ErrorKind as ClapKind};
 use clap::{Command, CommandFactory};
@@ -8,7 +8,7 @@ use realgap::{Advice, Error, ErrorKind, Warning};
 
 use super::Cli;
 
-/// The same error with the options that its ways out are taken by, and with the option that a wrong use names.
+/// The error with its advice written as options; where the usage was wrong, its field is named as an option.
 pub fn in_options(error: Error) -> Error {
     let error = error.with_advice_as(option);
     let option = error.field_name().map(|field| field.replace('_', "-"));
@@ -20,7 +20,7 @@ pub fn in_options(error: Error) -> Error {
     }
 }
 
-/// A warning with the options by which its reason can be taken away.
+/// The text of a warning with the options that remove its cause.
 pub fn warning_in_options(warning: &Warning) -> String {
     let options = match warning.code {
         Code::FreeParameter => "--parameters best.ron, or --set NAME=VALUE",
@@ -36,7 +36,7 @@ pub fn warning_in_options(warning: &Warning) -> String {
     format!("{} ({options}) [{}]", warning.message, warning.code)
 }
 
-/// The same complaint about an option; where its value is a number with a decimal comma, with the number as it is written here.
+/// The same error of clap; where the value is a number with a decimal comma, it suggests the number with a decimal point.
 pub fn with_decimal_point(mut error: clap::Error) -> clap::Error {
     if error.kind() == ClapKind::ValueValidation
         && let Some(ContextValue::String(value)) = error.get(ContextKind::InvalidValue)
@@ -75,7 +75,7 @@ fn option(advice: &Advice) -> String {
         Advice::SortSamples => "sort them with --sort-samples".to_owned(),
         Advice::SkipLost => "leave lost samples out with --skip-lost".to_owned(),
         Advice::SkipLines => "begin below them with --skip-lines N".to_owned(),
-        Advice::Rate => "say how many samples a second there are, e.g. --rate-hz 10".to_owned(),
+        Advice::Rate => "give the number of samples per second, e.g. --rate-hz 10".to_owned(),
         Advice::Topic => "choose one with --topic, and --child-frame of transforms".to_owned(),
         Advice::Crop => "choose another part with --crop FROM:TO".to_owned(),
         Advice::TimeUnit => "say their unit, e.g. --time-unit ms".to_owned(),
@@ -84,14 +84,14 @@ fn option(advice: &Advice) -> String {
             "give values with --parameters best.ron, or --set NAME=VALUE".to_owned()
         }
         Advice::MetricWithoutBasis => {
-            "a metric without a basis, e.g. --metric rms, needs no design of 64".to_owned()
+            "a metric without a basis, e.g. --metric rms, needs no first design of 64".to_owned()
         }
         Advice::LetOptimizerChoose => "let `realgap tune` choose the points".to_owned(),
         Advice::HoldRoot => {
-            "a URDF or MJCF is held by: realgap robot import ROBOT --mounted -o held.ron".to_owned()
+            "hold the root of a URDF or MJCF with: realgap robot import ROBOT --mounted -o held.ron".to_owned()
         }
         Advice::LeastSquares => {
-            "which parameters logs of joints tell, and what each log adds, says: realgap tune STUDY --optimizer gauss-newton"
+            "to see which parameters the joint logs determine, and what each log adds: realgap tune STUDY --optimizer gauss-newton"
                 .to_owned()
         }
         Advice::ListParameters => "`realgap study parameters` lists all of them".to_owned(),

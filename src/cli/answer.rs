@@ -1,4 +1,4 @@
-//! What `sweep` and `tune` share: their options, and how the answer is printed.
+//! Options that `sweep` and `tune` share, and how both print their answer.
 
 use realgap::calibration::{Answer, BasisRule, Overrides, ScoreRule, Split, Study};
 use realgap::optimization::Ending;
@@ -12,7 +12,7 @@ use super::page;
 pub struct StudyOptions {
     /// The study, e.g. sweeps/tripod_floor.ron
     pub study: PathBuf,
-    /// Folder for the results [default: results/<study>, of tune results/<study>_<optimizer>]
+    /// Folder for the results [default: results/<study>; for tune: results/<study>_<optimizer>]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -22,24 +22,25 @@ pub struct StudyOptions {
     /// Metric in place of the study's own
     #[arg(long, value_name = "NAME")]
     metric: Option<String>,
-    /// Basis of the pca metric, in place of the study's own: the basis.json of another results folder, so that scores can be
-    /// compared, or `recordings` for what the recordings alone do
+    /// Basis of the pca metric in place of the study's own: the basis.json of another results folder, which makes the scores of
+    /// both comparable, or `recordings`, which fits the basis to the recordings alone
     #[arg(long, value_name = "FILE|recordings")]
     basis: Option<String>,
-    /// What a score is the mean over, in place of the study's own: valid (16 equally valid timesteps, substeps, starts and engines),
-    /// ensemble or ensemble:N (N of them with the study's noise; 16), single (one run, luck included)
+    /// Simulations that a score is the mean of, in place of the study's own: valid (16 equally valid timesteps, substeps, starts
+    /// and engines), ensemble:N (N of these, under the study's noise; without :N 16), single (one run, which includes numerical
+    /// scatter)
     #[arg(long, value_name = "RULE", value_parser = parse_score)]
     score: Option<ScoreRule>,
-    /// Simulate and compare only the first S seconds of every run, before one early error spoils the rest
+    /// Simulate and compare only the first S seconds of every run, so that small early errors do not dominate the rest
     #[arg(long, value_name = "S")]
     duration: Option<f64>,
     /// Seed in place of the study's own
     #[arg(long, value_name = "S")]
     seed: Option<u64>,
-    /// Check the fit with recordings it has not seen: K parts, each held out once
+    /// Check the fit by cross-validation: the recordings are split into K folds, each of which is held out once
     #[arg(long, value_name = "K", conflicts_with = "hold_out")]
     folds: Option<usize>,
-    /// Check the fit with this share of the recordings, which it does not see
+    /// Check the fit on this share of the recordings, which is held out from the fit
     #[arg(long, value_name = "FRACTION")]
     hold_out: Option<f64>,
     #[command(flatten)]
@@ -52,7 +53,7 @@ pub struct StudyOptions {
     print: Print,
 }
 
-/// Repeats of `--score ensemble`.
+/// Number of repeats of `--score ensemble` without a number.
 const REPEATS: usize = 16;
 
 fn parse_score(text: &str) -> std::result::Result<ScoreRule, String> {
@@ -68,7 +69,7 @@ fn parse_score(text: &str) -> std::result::Result<ScoreRule, String> {
     }
 }
 
-/// What `--basis` names.
+/// The rule for the basis that `--basis` names.
 fn basis_rule(text: &str) -> Result<BasisRule> {
     match text {
         "recordings" => Ok(BasisRule::Recordings),
@@ -102,14 +103,14 @@ impl StudyOptions {
             .filter(|name| overrides.set.value(name).is_some())
             .map(|name| {
                 Code::NoEffect.warning(format!(
-                    "{name} was set, but the study varies it: the study's range counts"
+                    "{name} was set, but the study varies it: the study's range is used"
                 ))
             });
         terminal::print_warnings(&overruled.collect::<Vec<_>>());
         Ok(study)
     }
 
-    /// Takes the folder that was asked for, or `results/<study>`, with `suffix` where that is not empty.
+    /// Locks the folder of `--output`; without this option `results/<study>` followed by `suffix`.
     pub fn folder(&self, study: &Study, suffix: &str) -> Result<ResultsFolder> {
         let name = || format!("{}{suffix}", study.definition().name);
         let folder = match &self.output {
@@ -162,13 +163,13 @@ impl StudyOptions {
         if report.best.is_none() {
             return Err(Error::invalid("every point diverged, so there is no best one")
                 .at_file(&self.study)
-                .hint("check the robot with `realgap simulate`, then a shorter timestep or more substeps"));
+                .hint("check the robot with `realgap simulate`, then try a shorter timestep or more substeps"));
         }
         Ok(())
     }
 }
 
-/// More pictures of one kind than these are counted, not named.
+/// Up to this many profile pictures are named; more are only counted.
 const NAMED: usize = 6;
 
 /// Names of the pictures in a folder.

@@ -1,4 +1,4 @@
-//! `realgap sense belief`: what a robot believes about a distance after some readings.
+//! `realgap sense belief`: a Bayes filter estimates a distance from readings.
 
 use realgap::results::draw_belief;
 use realgap::sensing::belief::{BeliefOptions, BeliefReport};
@@ -6,13 +6,16 @@ use realgap::sensing::range::{ReadingLog, find_sensor};
 
 use super::kit::*;
 
-/// What is believed about a distance after some readings: of a sensor's model, and of a real log beside it
+/// Estimate a distance from several readings of a range sensor with a Bayes filter
 ///
-/// A discrete Bayes filter (paper 000, algorithm 1) takes readings of many trials into account: those that the model
-/// draws, and those of a real log at the same distances, in its order. Printed are the mean standard deviation of the
-/// beliefs, how often a belief's 90 % interval holds the true distance, the common area of the two mean beliefs, and
-/// what a Kalman filter would believe where the mean is linear. Where a reading is impossible at every distance, the
-/// belief begins again from the uniform one.
+/// Use it to see how sure a robot can be of a distance, and whether a sensor's model gives the same certainty as the
+/// real sensor.
+///
+/// A discrete Bayes filter (paper 000, algorithm 1) processes the readings of many trials: readings that are drawn
+/// from the model, and readings of a real log (--log) at the same distances, in the log's order. The command prints
+/// the mean standard deviation of the beliefs, how often the 90 % interval of a belief contains the true distance,
+/// the common area of the two mean beliefs, and the estimate of a Kalman filter where the model's mean is linear.
+/// Where a reading is impossible at every distance, the belief is reset to the uniform one.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -26,16 +29,16 @@ pub struct Belief {
     /// True distances, in the model's unit [default: near both ends of its range]
     #[arg(long, value_name = "D", value_delimiter = ',')]
     distances: Vec<f64>,
-    /// Trials
+    /// Number of trials
     #[arg(long, value_name = "N", default_value_t = 200)]
     trials: usize,
-    /// Readings of a trial
+    /// Readings per trial
     #[arg(long, value_name = "N", default_value_t = 10)]
     readings: usize,
-    /// Cells of the grid over the sensor's range
+    /// Grid cells over the sensor's range
     #[arg(long, value_name = "N", default_value_t = 401)]
     cells: usize,
-    /// How much closer the robot comes from one reading to the next, in the model's unit
+    /// Distance by which the robot approaches between two readings, in the model's unit
     #[arg(
         long,
         value_name = "D",
@@ -43,13 +46,13 @@ pub struct Belief {
         allow_negative_numbers = true
     )]
     approach: f64,
-    /// Standard deviation of that
+    /// Standard deviation of --approach, in the model's unit
     #[arg(long, value_name = "D", default_value_t = 0.0)]
     approach_sd: f64,
     /// Seed of the simulated readings
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
-    /// Draw the beliefs at the first distance into this .png or .svg (as figures 5 and 6)
+    /// Draw the beliefs at the first distance into this .png or .svg (as figures 5 and 6 of paper 000)
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
     #[command(flatten)]

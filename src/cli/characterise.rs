@@ -7,50 +7,55 @@ use realgap::unit::LengthUnit;
 
 use super::kit::*;
 
-/// Make a range sensor's model of a log: mean and spread over the distance, with intervals
+/// Fit a model of a range sensor to a log of readings: mean and spread over the distance
 ///
-/// The log is CSV with the columns distance_cm (or _m, _mm) and reading_cm (or _m, _mm, or any other ending for the
-/// sensor's own unit), one row a reading; where known also incidence_deg, offset_deg, material, t_s and session
-/// (days, mountings). An empty reading, nan and inf are readings that never came, and so is a length of 0 or below,
-/// with a warning. With three sessions or more their spread is told, and intervals hold for the next one.
+/// Use it on readings that were logged at known distances. The model can then be simulated: by `realgap sense draw`,
+/// and by vehicles and controllers that name its file.
 ///
-/// Forms are chosen by how well they foretell the readings at distances that were left out (paper 000, section 4);
-/// pairs within a standard error of the best count as equal, and fewer parameters win. Printed are the parameters with
-/// intervals (--level), how often nothing or nonsense came, whether the form misses the mean readings (χ²), whether readings
-/// are normal (Anderson and Darling), and how many readings are enough: the share of readings that lie in another bin
-/// of the histogram than in an endless log, by size.
+/// The log is a CSV file with one row per reading and the columns distance_cm (or _m, _mm) and reading_cm (or _m,
+/// _mm; any other ending is the sensor's own unit). Add the columns incidence_deg, offset_deg, material, t_s and
+/// session (days, mountings) where they are known. An empty reading, nan and inf count as missing readings, and so
+/// does a length of 0 or below, with a warning. With three or more sessions, the spread between sessions is printed,
+/// and the intervals hold for a further session.
+///
+/// The forms of mean and spread are chosen by how well they predict readings at distances that were left out (paper
+/// 000, section 4). Pairs of forms within one standard error of the best count as equal, and of these the pair with
+/// the fewest parameters wins. The command prints the parameters with intervals (--level), how often a reading was
+/// missing or nonsensical, whether the form misses the mean readings (χ²), whether readings are normally distributed
+/// (Anderson-Darling test), and how many readings are enough: the share of readings that lie in another bin of the
+/// histogram than in an infinitely long log, by the size of the log.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   realgap sense characterise log.csv -o sensor.ron --plot sensor.png")]
 pub struct Characterise {
-    /// The log
+    /// The log (.csv)
     log: PathBuf,
     /// Form of the mean over the distance: linear, power, exponential, table or auto
     #[arg(long, value_name = "FORM", default_value = "auto")]
     model: String,
-    /// Form of the spread
+    /// Form of the spread over the distance, as for --model
     #[arg(long, value_name = "FORM", default_value = "auto")]
     spread: String,
     /// Unit of a column `distance` whose name does not say it
     #[arg(long, value_name = "UNIT", default_value = "m")]
     unit: LengthUnit,
-    /// Only readings off this material
+    /// Use only readings from this material
     #[arg(long, value_name = "NAME")]
     material: Option<String>,
     /// Column that names sessions, days or mountings, where it is not called `session`
     #[arg(long, value_name = "COLUMN")]
     session: Option<String>,
-    /// Level of all intervals
+    /// Confidence level of all intervals
     #[arg(long, value_name = "SHARE", default_value_t = LEVEL)]
     level: f64,
     /// Width of a bin of the histograms, in the reading's unit [default: a fifth of the spread]
     #[arg(long, value_name = "WIDTH")]
     bin: Option<f64>,
-    /// Share of the readings in another bin below which a histogram counts as stopped
+    /// Share of the readings in a different bin below which a histogram counts as converged
     #[arg(long, value_name = "SHARE", default_value_t = 0.125)]
     tolerance: f64,
-    /// Seed of the study of how many readings are enough
+    /// Seed of the analysis of how many readings are enough
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
     /// Write the model into this .ron file
@@ -59,17 +64,17 @@ pub struct Characterise {
     /// Draw mean and spread over the distance into this .png or .svg (as figure 4 of paper 000)
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// Draw histograms at three distances into this .png or .svg (as figure 3)
+    /// Draw histograms at three distances into this .png or .svg (as figure 3 of paper 000)
     #[arg(long, value_name = "FILE")]
     histograms: Option<PathBuf>,
-    /// The distances of the histograms, in the log's unit [default: near both ends and the middle]
+    /// Distances of the histograms, in the log's unit [default: near both ends and in the middle]
     #[arg(long, value_name = "D", value_delimiter = ',', requires = "histograms")]
     at: Vec<f64>,
     #[command(flatten)]
     telling: Telling,
 }
 
-/// The form of this name; `auto` leaves it open.
+/// The form of this name; `None` for `auto`, which lets the data choose.
 fn form(option: &str, name: &str) -> Result<Option<&'static dyn Form>> {
     if name == "auto" {
         return Ok(None);

@@ -1,4 +1,4 @@
-//! `realgap check`: is a file of ours sound, and what is in it?
+//! `realgap check`: validates files and prints what they contain.
 
 mod controller;
 mod dynamics;
@@ -21,12 +21,16 @@ use super::kit::*;
 use super::option::Format;
 use report::{FileReport, Motion, Outcome, Varied};
 
-/// Validate morphologies, genomes, studies, searches, parameter files and trajectories, and print what they hold
+/// Validate files of realgap and recordings, and print what they contain
 ///
-/// What is wrong is said with where it stands and what to do about it. Of a study it says how many simulations it asks
-/// for and about how long they take, from a slice of one. A drawn robot shows plates in vermillion with the way of a
-/// positive angle; where a module is glued onto a driven face, a band around the cube's end shows it, orange for a face
-/// that spins, yellow for one that bends.
+/// Use it before any other command, on robots, genomes, studies, searches, parameter files, arenas, sensors,
+/// controllers, scenes and recordings. An error names the place in the file, what was found there, and how to correct
+/// it. For a study, the command prints the number of simulations and an estimate of their time, measured on a part of
+/// one simulation.
+///
+/// --plot draws a robot with its plates in vermillion and the direction of positive angles. Where a module is glued
+/// onto a driven face, a band around the end of the cube marks that face: orange where it spins, yellow where it
+/// bends.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -40,7 +44,8 @@ pub struct Check {
     files: Vec<PathBuf>,
     #[command(flatten)]
     reading: ReadingOptions,
-    /// Check controllers for this robot: what its sensors sit on, its servos, and that every robot of it starts clear of walls
+    /// Check controllers against this robot: the modules that carry sensors, the names of servos, and that every robot starts clear
+    /// of walls
     #[arg(long, value_name = "FILE")]
     robot: Option<PathBuf>,
     /// Draw the robot or arena into this file (.png or .svg); for one morphology, genome, arena or controller
@@ -49,15 +54,15 @@ pub struct Check {
     /// How to print
     #[arg(long, value_enum, default_value_t)]
     format: Format,
-    /// With --format json: masses, poses and mass matrix of a robot at so many random coordinates of its joints
+    /// With --format json: masses, poses and mass matrix of a robot at N sets of joint coordinates
     #[arg(long, value_name = "N", default_value_t = 0, hide = true)]
     dynamics: usize,
 }
 
-/// Most characters of a text that a file holds.
+/// Texts from files are cut to this many characters.
 const SHOWN: usize = 1000;
 
-/// What a sound file holds: for people, and for machines.
+/// The contents of a valid file: lines for people, and details for JSON.
 struct Contents {
     kind: Kind,
     lines: Vec<String>,
@@ -176,7 +181,7 @@ fn describe(
         Some(Kind::Controller) => controller::describe(&source, robot),
         Some(Kind::Scene) => sensing::scene(&source),
         Some(Kind::Sensorgraph) => sensing::sensorgraph(path),
-        _ => Err(Error::invalid("not a file of ours")
+        _ => Err(Error::invalid("not a file that realgap knows")
             .at_file(path)
             .allowed("a morphology (modules, glue), a genome (modules, genes), a study (morphology, parameters), a search (strategy), a parameter file (parameters) or a meta.ron (robot, source)")),
     }
@@ -233,9 +238,9 @@ fn morphology(source: &Source, dynamics: usize) -> Result<Contents> {
 }
 
 fn genome(source: &Source) -> Result<Contents> {
-    let specimen = Individual::parse(source)?;
-    let modules = specimen.genome.len();
-    let (outcome, misfit) = match specimen.develop() {
+    let individual = Individual::parse(source)?;
+    let modules = individual.genome.len();
+    let (outcome, misfit) = match individual.develop() {
         Ok(robot) => (
             format!(
                 "develops into a robot of {:.4} kg with {}",
@@ -254,13 +259,13 @@ fn genome(source: &Source) -> Result<Contents> {
         lines: vec![
             format!(
                 "  genome \"{}\": {}",
-                specimen.name,
+                individual.name,
                 counted(modules, "module")
             ),
             format!("  {outcome}"),
         ],
         details: report::Contents::Genome {
-            name: specimen.name,
+            name: individual.name,
             modules,
             misfit,
         },
@@ -309,15 +314,15 @@ fn study(path: &Path) -> Result<Contents> {
                 let (points, all) = (counted(points, "point"), counted(runs, "simulation"));
                 lines.push(format!("  {given}, {points}, {all}"));
                 lines.push(format!(
-                    "  about {cost_s:.0} CPU s for a sweep ({one:.3} s a point and setting, from a slice of one on this machine just now)"
+                    "  about {cost_s:.0} CPU s for a sweep ({one:.3} s per point and setting, estimated from a part of one simulation on this machine)"
                 ));
                 (simulations, cpu_s) = (Some(runs), Some(cost_s));
             } else {
                 lines.push(format!(
-                    "  {given}, more points than a sweep can look at: see realgap tune"
+                    "  {given}, more points than a sweep can simulate: use realgap tune"
                 ));
                 lines.push(format!(
-                    "  about {one:.3} CPU s a point, from a slice of one on this machine just now"
+                    "  about {one:.3} CPU s per point, estimated from a part of one simulation on this machine"
                 ));
             }
             warnings = study.warnings().to_vec();
@@ -365,7 +370,7 @@ fn search(path: &Path) -> Result<Contents> {
                 counted(search.repeats(), "repeat"),
                 search.duration_s()
             ),
-            format!("  made large: {}", search.objective().label()),
+            format!("  maximises: {}", search.objective().label()),
         ],
         details: report::Contents::Search {
             strategy: search.strategy().name(),

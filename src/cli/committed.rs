@@ -1,8 +1,8 @@
-//! Files of the repository that tests make: they must be what the program says today.
+//! Files of the repository that tests generate: they must equal what the program generates now.
 
 use std::path::Path;
 
-/// Compares a committed file with what it should hold; with REALGAP_BLESS=1 it is written.
+/// Compares a committed file with the generated text; with REALGAP_BLESS=1 the file is written.
 pub fn must_hold(path: &str, text: &str, test: &str) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
     if std::env::var_os("REALGAP_BLESS").is_some_and(|value| value == "1") {
@@ -11,6 +11,6 @@ pub fn must_hold(path: &str, text: &str, test: &str) {
     let found = std::fs::read_to_string(&file).unwrap_or_default();
     assert!(
         found == text,
-        "{path} is not what the program says; REALGAP_BLESS=1 cargo test {test} writes it"
+        "{path} is out of date; REALGAP_BLESS=1 cargo test {test} writes it"
     );
 }

@@ -14,11 +14,12 @@ use super::kind::{Kind, explain};
 use super::kit::*;
 use super::option::TimeOption;
 
-/// Compare trajectories with a reference, real with simulated or real with real
+/// Compare trajectories with a reference: real with simulated, or real with real
 ///
-/// Every trajectory is resampled to 182 points uniform in time, moved to start at the origin and turned so that its net
-/// displacement lies on +x (paper 003, section 2.2); then each metric measures the distance. `displacement` and `shape`
-/// are the two parts of a path's distance: how far it leads, and all the rest. Numbers of `pca` depend on what is
+/// Use it to measure how far single runs are from a recording, without a study. Every trajectory is resampled to 182
+/// points uniform in time, moved to start at the origin and turned so that its net displacement lies on +x (paper
+/// 003, section 2.2); then each metric measures the distance. `displacement` is the part of a path's distance that
+/// comes from its net displacement, `shape` is the remaining part. Values of `pca` depend on which trajectories are
 /// compared together, unless --save-basis and --basis let comparisons share a basis.
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
@@ -33,7 +34,7 @@ pub struct Compare {
     /// The trajectories to compare with it
     #[arg(required = true, value_name = "TRAJECTORY")]
     trajectories: Vec<PathBuf>,
-    /// Metric, or `all` that need positions only (rotation and pose are asked for by name)
+    /// Name of a metric, or `all` for the metrics that need positions only (rotation and pose must be named)
     #[arg(long, default_value = "all", value_name = "NAME")]
     metric: String,
     /// Keep this many principal components
@@ -51,7 +52,7 @@ pub struct Compare {
     /// Body length of the robot in metres, for the metric `pose`
     #[arg(long, value_name = "M")]
     body_length: Option<f64>,
-    /// When two paths are compared: at equal fractions of their durations, or at equal times, as far as the shortest lasts
+    /// Compare paths at equal fractions of their durations, or at equal times up to the end of the shortest path
     #[arg(long, value_enum, default_value_t)]
     time: TimeOption,
     #[command(flatten)]
@@ -61,8 +62,8 @@ pub struct Compare {
     /// Draw the aligned trajectories into this .png or .svg
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// Draw the aligned trajectories over time, with their heights and distances from the reference, into this .png or .svg: what
-    /// --plot does not show of straight walkers and of tosses
+    /// Draw the aligned trajectories over time, with their heights and their distances from the reference, into this .png or .svg;
+    /// useful for straight paths and for tosses
     #[arg(long, value_name = "FILE")]
     over_time: Option<PathBuf>,
     /// Draw every trajectory as a dot in the plane of the first two principal components into this .png or .svg
@@ -70,7 +71,7 @@ pub struct Compare {
     plane: Option<PathBuf>,
 }
 
-/// Colours tell so many dots apart, and the reference.
+/// Up to this many trajectories have a colour and a name of their own in the plane.
 const NAMED_DOTS: usize = 5;
 
 /// A trajectory in every metric.
@@ -104,7 +105,7 @@ pub struct Scored {
     warnings: Vec<Warning>,
 }
 
-/// What pictures say of recordings that are none of hardware, behind a semicolon.
+/// The note of pictures whose recordings are stand-ins and not hardware; it begins with a semicolon.
 fn stand_in(reference: &Recording, others: &[Recording]) -> String {
     let source = Source::of(std::iter::once(reference).chain(others));
     match source {
@@ -137,7 +138,7 @@ impl Compare {
         components.check().map_err(Error::into_usage)?;
         if chosen.is_none() && self.body_length.is_some() {
             return Err(Error::usage("--body-length belongs to --metric pose").hint(
-                "`all` are the metrics of positions; pose and rotation are asked for by name",
+                "`all` covers the metrics of positions only; name pose or rotation instead",
             ));
         }
         let files = 1 + self.trajectories.len();
@@ -155,7 +156,7 @@ impl Compare {
         let mut said = Vec::new();
         for recording in std::iter::once(&reference).chain(&others) {
             for warning in &recording.warnings {
-                // Which file is read in its own way matters where others are not.
+                // This warning is about one file, so it names the file.
                 said.push(match warning.code {
                     Code::ReadAs => warning
                         .code
@@ -219,7 +220,7 @@ impl Compare {
             });
             return terminal::print_answers(&rows.collect::<Vec<_>>());
         }
-        // Metrics down, trajectories across: a dozen columns of figures would not fit a terminal.
+        // Metrics are rows and trajectories are columns, because a dozen columns of numbers would not fit a terminal.
         let names = rows.iter().map(|row| (row.trajectory.clone(), Side::Right));
         let mut table =
             TextTable::new([("metric".to_owned(), Side::Left)].into_iter().chain(names));
@@ -313,7 +314,7 @@ impl Compare {
         };
         if metric.needs().spread {
             return Err(Error::usage(format!(
-                "the metric `{}` needs repeats of the real run, and here is one reference",
+                "the metric `{}` needs repeats of the real run, but this is a single reference",
                 metric.name()
             ))
             .hint("use it in a study: realgap sweep STUDY --metric pca-whitened"));

@@ -6,7 +6,9 @@ use realgap::simulation::parameter;
 
 use super::kit::*;
 
-/// Print completions for a shell
+/// Print a script that completes commands, options and parameter names in a shell
+///
+/// Use it once for each shell; the shell reads the script when it starts.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -26,11 +28,11 @@ impl Completions {
     }
 }
 
-/// A command and all below it, whose `--set` offers the names of parameters.
+/// The command and its subcommands, with parameter names as completions of `--set`.
 fn with_names(command: Command) -> Command {
     let offer = |arg: clap::Arg| match arg.get_long() {
         Some("set") => {
-            // A shell that has the name goes on with its value.
+            // The completion ends with `=`, so that the user continues with the value.
             let begun = parameter::all().map(|p| &*format!("{}=", p.name).leak());
             arg.value_parser(PossibleValuesParser::new(begun))
         }

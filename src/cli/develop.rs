@@ -8,14 +8,14 @@ use realgap::simulation::{Settling, settle};
 use realgap::unit::decimals;
 
 use super::genome::named;
-use super::kind::read_specimen;
+use super::kind::read_individual;
 use super::kit::*;
 
-/// Build the robot of a genome, or say why it cannot be built
+/// Build the robot of a genome, or print why it cannot be built
 ///
-/// Every gene turns the part built so far, turns its own module and glues it on top; `realgap robot genome random` makes
-/// one to start from. The robot is then put down in the simulator: one that keeps moving or falls over is
-/// flagged. `-o` writes a morphology for all other commands.
+/// Use it to turn a genome into a morphology that all other commands read (-o). Every gene turns the robot built so
+/// far, turns its own module and glues it on top; `realgap robot genome random` makes a genome to start from. The
+/// robot is then put down in the simulator, and a robot that keeps moving or falls over gets a warning.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -87,13 +87,13 @@ pub enum DevelopReport {
 impl Develop {
     pub fn run(self) -> Result<()> {
         output::check_pictures(&self.plot)?;
-        let specimen = read_specimen(&self.genome)?;
-        let robot = match specimen.develop() {
+        let individual = read_individual(&self.genome)?;
+        let robot = match individual.develop() {
             Ok(robot) => robot,
             Err(misfit) => {
                 if self.print.is_json() {
                     terminal::print_answer(&DevelopReport::Misfit {
-                        name: specimen.name,
+                        name: individual.name,
                         develops: false,
                         reason: misfit.code(),
                         message: misfit.to_string(),
@@ -107,7 +107,7 @@ impl Develop {
             output::write_ron(path, &robot.to_ron()?)?;
         }
         terminal::print_warnings(&flags(&robot, &settling));
-        self.print(&specimen, &robot, &settling)?;
+        self.print(&individual, &robot, &settling)?;
         if let Some(plot) = &self.plot {
             portrait::draw(&robot, plot)?;
             terminal::note(format!("drawn: {}", plot.display()));
@@ -115,7 +115,12 @@ impl Develop {
         Ok(())
     }
 
-    fn print(&self, specimen: &Individual, robot: &Morphology, settling: &Settling) -> Result<()> {
+    fn print(
+        &self,
+        individual: &Individual,
+        robot: &Morphology,
+        settling: &Settling,
+    ) -> Result<()> {
         let summary = robot.summary();
         let size = summary.size_m();
         if self.print.is_json() {
@@ -132,7 +137,7 @@ impl Develop {
                 toppled: settling.is_toppled(),
                 settle_s: settling.taken_s,
                 tilt_rad: settling.tilt_rad,
-                genes: named(&specimen.genome),
+                genes: named(&individual.genome),
                 warnings: flags(robot, settling),
                 output: self.output.clone(),
                 version: env!("CARGO_PKG_VERSION"),
@@ -187,7 +192,7 @@ impl Develop {
             terminal::table(&table),
             match (settling.is_at_rest(), settling.is_toppled()) {
                 (true, false) => format!("at rest on the floor after {:.2} s", settling.taken_s),
-                (true, true) => "at rest, but not as it was put down".to_owned(),
+                (true, true) => "at rest, but toppled on the way".to_owned(),
                 (false, _) => "does not come to rest on the floor".to_owned(),
             },
         ];
@@ -199,7 +204,7 @@ impl Develop {
     }
 }
 
-/// What is allowed but probably not meant, of the robot and of how it stands.
+/// Warnings about the robot and about how it settles: what is allowed, but probably not intended.
 fn flags(robot: &Morphology, settling: &Settling) -> Vec<Warning> {
     let name = |index: usize| &robot.modules()[index].name;
     let blocked = robot.blocked_plates().into_iter().map(|(plate, other)| {

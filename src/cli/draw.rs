@@ -1,12 +1,12 @@
-//! `realgap sense draw`: a log of what a sensor's model reads.
+//! `realgap sense draw`: simulates readings of a range sensor.
 
 use realgap::sensing::range::{DrawOptions, DrawnLog, find_sensor};
 
 use super::kit::*;
 
-/// Draw a log of readings from a range sensor's model: a stand-in for a real log, with known truth
+/// Simulate readings of a range sensor and write them as a log: a stand-in for a real log, with known truth
 ///
-/// The log can be given to `realgap sense characterise` and `realgap sense belief`. Distances are in the model's own unit.
+/// Use it to test the analysis of a log where the true distances and the true model are known. The log can be given to `realgap sense characterise` and `realgap sense belief`. Distances are in the model's own unit.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -36,10 +36,10 @@ pub struct Draw {
     /// Seed of the readings
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
-    /// Sessions, each of which reads all distances
+    /// Number of sessions; each session reads all distances
     #[arg(long, value_name = "N", default_value_t = 1)]
     sessions: u32,
-    /// Standard deviation of what a session adds to all its readings, in the reading's unit [default: the model's]
+    /// Standard deviation of the offset that a session adds to all its readings, in the reading's unit [default: the model's]
     #[arg(long, value_name = "SD", requires = "sessions")]
     session_sd: Option<f64>,
     /// The log to write (.csv)

@@ -13,13 +13,14 @@ use super::kit::*;
 use super::option::{MOST_REPEATS, ModelErrorOption};
 use super::page;
 
-/// Repeat a study's experiment under its noise: what will really happen, and how sure may we be?
+/// Repeat a study's experiment under its noise, and print how the outcomes are distributed
 ///
-/// The `noise` section of the study says how repeats differ. Printed are the distribution of the displacement, the
-/// behaviours (groups of repeats that do the same) with their probabilities, and, where there are recordings,
-/// whether these contradict such confidences. The folder gets ensemble.json, repeats.csv, ensemble.png and .svg; docs/results.md
-/// says how to read them. Repeat K is the same whatever --repeats is. Where every recording has its own start (`start:
-/// FromRecording`), there is one ensemble a recording; --limit-recordings bounds the work.
+/// Use it after a sweep or a tuning, to predict further real runs and to test these predictions against recordings.
+/// The `noise` section of the study says how repeats differ. The command prints the distribution of the displacement,
+/// the behaviours (groups of repeats that do the same) with their probabilities, and, where there are recordings,
+/// whether they contradict these probabilities. The folder gets ensemble.json, repeats.csv, ensemble.png and .svg;
+/// docs/results.md explains them. Repeat K is the same for every value of --repeats. Where every recording has its
+/// own start (`start: FromRecording`), every recording has its own ensemble; --limit-recordings bounds the work.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -62,10 +63,12 @@ impl Ensemble {
         self.of_store(None)
     }
 
-    /// What shards can share.
+    /// The work that can be divided into shards.
     pub fn work(&self) -> Result<Work> {
         if self.only.is_some() {
-            return Err(Error::usage("one repeat alone is nothing to be shared").field("--only"));
+            return Err(
+                Error::usage("a single repeat cannot be divided into shards").field("--only"),
+            );
         }
         let (study, options) = self.read()?;
         Ok(Work::Ensemble(Box::new(study), options))
@@ -73,7 +76,7 @@ impl Ensemble {
 
     fn read(&self) -> Result<(Repeatable, EnsembleOptions)> {
         let overrides = Overrides {
-            // Nothing is scored by the study's metric here, so none can refuse a recording.
+            // The study's metric scores nothing here, so it must not reject a recording: rms accepts every path.
             metric: Some(comparison::by_name("rms")?),
             ..self.values.over(self.recordings.overrides()?)?
         };
@@ -92,7 +95,7 @@ impl Ensemble {
         Ok((study, options))
     }
 
-    /// As [`Ensemble::run`], of the repeats in a store.
+    /// As [`Ensemble::run`], with the repeats that a store already holds.
     pub fn of_store(self, store: Option<&Path>) -> Result<()> {
         let (study, options) = self.read()?;
         terminal::print_warnings(&study.warnings);
@@ -128,16 +131,16 @@ impl Ensemble {
         })?;
         if !report.complete {
             return Err(Error::interrupted(format!(
-                "interrupted after {} of {total} repeats; what there is is reported as incomplete",
+                "interrupted after {} of {total} repeats; the results so far are marked as incomplete",
                 report.repeats()
             ))
             .at_file(folder.path())
-            .hint("run the command again; the same repeats come out the same"));
+            .hint("run the command again; finished repeats come out the same"));
         }
         if report.is_lost() {
             return Err(Error::invalid("every repeat diverged")
                 .at_file(&self.study)
-                .hint("check the robot with `realgap simulate`, then a shorter timestep or more substeps"));
+                .hint("check the robot with `realgap simulate`, then try a shorter timestep or more substeps"));
         }
         Ok(())
     }
@@ -146,13 +149,15 @@ impl Ensemble {
 /// Simulates one repeat alone and writes its motion.
 fn replay(study: &Repeatable, options: &EnsembleOptions, number: u64, file: &Path) -> Result<()> {
     let [_] = study.cases.as_slice() else {
-        return Err(Error::usage("which recording's repeat?")
-            .field("--only")
-            .found(format!(
-                "{} recordings with a start each",
-                study.cases.len()
-            ))
-            .hint("name one with --recordings"));
+        return Err(Error::usage(
+            "every recording has its own start, so --only needs one recording",
+        )
+        .field("--only")
+        .found(format!(
+            "{} recordings with a start each",
+            study.cases.len()
+        ))
+        .hint("name one with --recordings"));
     };
     trajectory::check_output(file)?;
     output::check(file)?;

@@ -12,15 +12,15 @@ use super::kit::*;
 use super::odds::OddsOption;
 use super::option::STARTS;
 
-/// Simulate a study once per recording with given values and report pose errors over the recordings
+/// Simulate every recording of a study once with given values, and print the pose errors
 ///
-/// One simulation a recording; mean, median and standard error of position and rotation, and how many end over 45° off.
-/// Nothing is fitted here. Check what was fitted on some recordings with others: `--every 2 --offset 1` takes the
-/// odd-numbered ones.
+/// Use it to check values on recordings that they were not fitted on: `--every 2 --offset 1` takes the odd-numbered
+/// ones. Nothing is fitted here. The command prints the mean, median and standard error of position and rotation
+/// errors, and how many runs end more than 45° off.
 ///
-/// --odds says how likely each final pose is (the face that is down, and the quarter turn of every hinge), scored by
-/// Brier and log score, how far the runs are off on average, how often the end lies in the 50, 80 and 90 % regions, and
-/// how often what had a probability happened.
+/// --odds estimates the probability of each final pose (the face that is down, and the quarter turn of every hinge)
+/// and scores these probabilities: the Brier score and the log score, how far the runs are off on average, how often
+/// the end lies in the 50, 80 and 90 % regions, and how often an event with a given probability happened.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -49,7 +49,7 @@ pub struct Evaluate {
     telling: Telling,
 }
 
-/// An evaluation with the odds beside it.
+/// An evaluation, with the odds where `--odds` was given.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Evaluated {
@@ -80,13 +80,13 @@ impl Evaluate {
             )
             .at_file(&without.path)
             .hint(format!(
-                "paths alone are judged by: realgap gap {study}, realgap ensemble {study}"
+                "for recordings without orientations use: realgap gap {study}, realgap ensemble {study}"
             )));
         }
-        // The report is of pose errors, or of joints where there is nothing else, whatever the study optimises.
+        // The report gives pose errors, or joint errors where only joints were recorded, whatever metric the study optimises.
         overrides.metric = Some(if is_of_joints { &Joints } else { &Pose });
         let study = read_study(&self.study, &overrides)?;
-        // Every value is in the study's own set by now.
+        // The study already holds all values.
         let values = ParameterSet::new();
         let (total, run) = (study.cases().len(), self.jobs.run());
         if is_of_joints {
@@ -119,7 +119,7 @@ impl Evaluate {
         self.telling.print.answer(&found, || printed)
     }
 
-    /// The error of whole runs beside that of windows.
+    /// Adds the error over whole runs to the error over windows.
     fn add_whole_runs(&self, result: &mut JointEvaluation, overrides: Overrides) -> Result<()> {
         let overrides = Overrides {
             whole_runs: true,

@@ -1,4 +1,4 @@
-//! The shipped examples, inside of the program: who has installed it needs no copy of the repository.
+//! The shipped examples, compiled into the program, so that users need no copy of the repository.
 
 /// A file by its folder and name, with what is in it.
 type Shipped = (&'static str, &'static str, &'static [u8]);
@@ -9,7 +9,8 @@ macro_rules! shipped {
     };
 }
 
-/// By path; a test holds the list to what is there. Of the recordings all that a shipped study or a page's command reads.
+/// The files by folder. A test checks that the list is complete: all files of these folders, and all recordings that a shipped study
+/// or a command in the docs reads.
 const SHIPPED: &[Shipped] = shipped![
     "arenas": "cartons.ron" "flat.ron" "paper000.ron" "pen.ron";
     "controllers": "tripod_avoid.ron" "two_tripods.ron";

@@ -6,13 +6,15 @@ use super::example_file::files;
 use super::kit::*;
 
 commands! {
-    /// The shipped robots, studies, recordings and arenas: list them, or copy them to where you can change them
+    /// List the shipped robots, studies, recordings and arenas, or copy them into a folder
     Examples:
     List(List),
     Copy(CopyOptions),
 }
 
 /// List the shipped examples
+///
+/// Use it to see which robots, studies, recordings and arenas come with the program.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -28,24 +30,28 @@ impl List {
 }
 
 /// Copy the shipped examples into a folder
+///
+/// Use it to try the commands on files that you can change.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   realgap study examples copy here")]
 pub struct CopyOptions {
-    /// Into this folder
+    /// The folder to copy into
     folder: PathBuf,
 }
 
 impl CopyOptions {
-    /// Copies all of them or none: a file that is there already stays.
+    /// Copies all files, or none where one of them exists already.
     pub fn run(self) -> Result<()> {
         let mut places = files().map(|(path, _)| self.folder.join(path));
         let there = places.find(|path| path.exists());
         if let Some(path) = there {
-            return Err(Error::conflict("this file is there already, and stays")
-                .at_file(path)
-                .hint("copy into an empty folder"));
+            return Err(
+                Error::conflict("this file exists already and is not replaced")
+                    .at_file(path)
+                    .hint("copy into an empty folder"),
+            );
         }
         for (path, bytes) in files() {
             let path = self.folder.join(path);

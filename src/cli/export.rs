@@ -8,8 +8,8 @@ use super::option::recording_unused;
 
 /// Write a robot for another simulator: MJCF for MuJoCo, URDF for ROS and PyBullet
 ///
-/// What the format cannot carry is said on standard error and in comments of the file. Values of `--set` and
-/// `--parameters` (a calibrated floor, say) are written into the file.
+/// Use it to run a robot in another simulator. Values of `--set` and `--parameters` (a calibrated floor, say) are
+/// written into the file. What the format cannot express is listed on standard error and in comments of the file.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -43,7 +43,7 @@ impl Export {
         }
         if self.output.is_none() && !exported.files.is_empty() {
             terminal::note(format!(
-                "{} meshes belong beside this file: -o FILE writes them",
+                "{} meshes belong to this file: -o FILE writes them beside it",
                 exported.files.len()
             ));
         }

@@ -1,4 +1,4 @@
-//! The folder that a command writes its results into: locked from before the work to the last file, and watched meanwhile.
+//! The results folder of a command: it is locked until the last file is written, and checked every second.
 
 use std::path::Path;
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
@@ -11,9 +11,9 @@ use realgap::store::FolderLock;
 
 use super::{interrupt, terminal};
 
-/// How often the folder is looked after.
+/// How often the folder is checked.
 const PERIOD: Duration = Duration::from_secs(1);
-/// How long the work may take to end by itself once the folder is lost.
+/// How long the work may take to stop once the folder is gone.
 const GRACE: Duration = Duration::from_millis(1500);
 
 /// A results folder in use.
@@ -27,9 +27,10 @@ impl ResultsFolder {
     /// Makes and locks the folder, for results of this kind.
     ///
     /// # Errors
-    /// A folder that cannot be written, that another process writes into, or that holds files of others with the names of results.
+    /// A folder that cannot be written, that another process writes into, or that holds files with
+    /// the names of results that realgap did not write.
     pub fn take(folder: &Path, kind: Kind) -> Result<Self> {
-        // From here on Ctrl-C is answered with what there is.
+        // From here on, Ctrl-C stops the run, and the results so far are written.
         interrupt::stop_flag();
         check_folder(folder, kind)?;
         let lock = FolderLock::make(folder)?;
@@ -40,7 +41,7 @@ impl ResultsFolder {
                 let Err(error) = watched.check() else {
                     continue;
                 };
-                // Nothing that is simulated now can be kept.
+                // Results can no longer be stored, so the run must stop.
                 interrupt::stop();
                 if ended.recv_timeout(GRACE) == Err(RecvTimeoutError::Timeout) {
                     terminal::print_error(&error);
@@ -56,7 +57,7 @@ impl ResultsFolder {
         })
     }
 
-    /// The lock, for what stores its results as they come.
+    /// The lock, for a store that writes results during the run.
     pub fn lock(&self) -> &FolderLock {
         &self.lock
     }
@@ -66,17 +67,17 @@ impl ResultsFolder {
         self.lock.folder()
     }
 
-    /// Whether the folder is still there, before anything is written into it.
+    /// Checks that the folder still exists, before anything is written into it.
     ///
     /// # Errors
-    /// It was removed or made read-only meanwhile.
+    /// The folder was removed or made read-only during the run.
     pub fn check(&self) -> Result<()> {
         self.lock.check()
     }
 }
 
 impl ResultsFolder {
-    /// Writes what the run took.
+    /// Writes the time that the run took.
     ///
     /// # Errors
     /// A full disk or an unwritable folder.
@@ -90,14 +91,14 @@ impl ResultsFolder {
     }
 }
 
-/// CPU seconds of all threads so far, where the system tells.
+/// CPU seconds of all threads so far, where the operating system reports them.
 #[cfg(unix)]
 fn process_cpu_s() -> Option<f64> {
     let now = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
     Some(now.tv_sec as f64 + 1e-9 * now.tv_nsec as f64)
 }
 
-/// CPU seconds of all threads so far, where the system tells.
+/// CPU seconds of all threads so far, where the operating system reports them.
 #[cfg(not(unix))]
 fn process_cpu_s() -> Option<f64> {
     None

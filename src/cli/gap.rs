@@ -1,4 +1,4 @@
-//! `realgap gap`: how many noise floors is the simulation away from reality, and until when may it be trusted?
+//! `realgap gap`: the distance between simulation and reality in noise floors.
 
 use realgap::calibration::{Overrides, Study, read_noise};
 use realgap::comparison::{Components, DEFAULT_METRIC, Metric, by_name};
@@ -11,16 +11,18 @@ use super::kit::*;
 use super::option::{MOST_REPEATS, TimeOption, metric_option};
 use super::page;
 
-/// How many noise floors is the simulation away from reality, and until when may it be trusted?
+/// Measure how many noise floors the simulation is away from reality, and until when to trust it
 ///
-/// The noise floor is the distance between repeats of the same real run; the gap is that between simulation and
-/// reality; the gap ratio is one over the other: at 1 the simulation is as far as repeats are from each other. An
-/// energy test says whether both are drawn alike. Where the study has noise, the repeats under it say how likely a real
-/// run lies inside what was predicted, over time. The folder gets gap.json, confidence.png, rmse.png and .svg;
-/// docs/results.md says how to read them.
+/// Use it to judge a simulation with given values against repeats of real runs. The noise floor is the distance
+/// between repeats of the same real run; the gap is the distance between simulation and reality; the gap ratio is the
+/// gap divided by the noise floor. At a ratio of 1, the simulation is as far from the recordings as the recordings
+/// are from each other. An energy test tells whether simulated and real runs are drawn alike, i.e. from one
+/// distribution. Where the study has noise, repeats under this noise give the probability, over time, that a real run
+/// lies inside the predicted region. The folder gets gap.json, confidence.png, rmse.png and .svg; docs/results.md
+/// explains them.
 ///
-/// Without a study it is the noise floor of the recordings alone, for each set of repeats: those of a column that
-/// --group names, whose column `run` tells the repeats of a set apart.
+/// Without a study, the command prints the noise floor of the recordings alone, for each set of repeats: --group
+/// names the column whose values are the sets, and the column `run` separates the repeats of a set.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -33,12 +35,12 @@ pub struct Gap {
     values: Values,
     #[command(flatten)]
     recordings: Recordings,
-    /// Without a study: column of a long-format CSV whose values are sets of repeats, told apart by the column `run`
-    /// [default: condition, where there is one]
+    /// Without a study: column of a long-format CSV whose values name the sets of repeats; the column `run` separates the repeats
+    /// of a set [default: condition, where there is one]
     #[arg(long, value_name = "COLUMN", conflicts_with = "study")]
     group: Option<String>,
-    /// Without a study: compare the runs of a set at equal fractions of their durations, or at equal times, as far as the shortest
-    /// lasts; a study always compares at equal times
+    /// Without a study: compare the runs of a set at equal fractions of their durations, or at equal times up to the end of the
+    /// shortest run; a study always compares at equal times
     #[arg(long, value_enum, conflicts_with = "study")]
     time: Option<TimeOption>,
     /// Metric, repeatable [default: the study's (or pca), rms and displacement]
@@ -47,7 +49,7 @@ pub struct Gap {
     /// Noise from this file in place of the study's
     #[arg(long, value_name = "FILE", requires = "study")]
     noise: Option<PathBuf>,
-    /// Number of repeats under noise of each start
+    /// Number of repeats under noise, for each start
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=MOST_REPEATS))]
     repeats: u32,
     /// Seed of noise and permutations [default: the study's]
@@ -57,7 +59,7 @@ pub struct Gap {
     page: PageOption,
     #[command(flatten)]
     jobs: Jobs,
-    /// Folder for the results [default: results/<study>_gap; without a study nothing is written unless named]
+    /// Folder for the results [default: results/<study>_gap; without a study and this option, nothing is written]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -69,7 +71,7 @@ impl Gap {
         self.of_store(None)
     }
 
-    /// As [`Gap::run`], of the runs in a store.
+    /// As [`Gap::run`], with the runs that a store already holds.
     pub fn of_store(self, store: Option<&Path>) -> Result<()> {
         match &self.study {
             Some(study) => self.with_study(study, store),
@@ -77,18 +79,18 @@ impl Gap {
         }
     }
 
-    /// What shards can share.
+    /// The work that can be divided into shards.
     pub fn work(&self) -> Result<Work> {
         let Some(study) = &self.study else {
             return Err(Error::usage(
-                "without a study nothing is simulated, so nothing can be shared",
+                "without a study nothing is simulated, so there is no work for shards",
             ));
         };
         let (study, options) = self.read(study)?;
         Ok(Work::Gap(Box::new(study), options))
     }
 
-    /// The metrics asked for, or `first` and two that everybody understands.
+    /// The metrics of `--metric`; without this option `first`, rms and displacement.
     fn metrics(&self, first: &'static dyn Metric) -> Result<Vec<&'static dyn Metric>> {
         let mut metrics: Vec<&'static dyn Metric> = Vec::new();
         let asked: Vec<&str> = if self.metrics.is_empty() {
@@ -110,7 +112,7 @@ impl Gap {
             metric: metric_option(self.metrics.first().map(String::as_str))?,
             ..self.values.over(self.recordings.overrides()?)?
         };
-        // Before the study is read: a wrong name is a wrong use, whatever the file says.
+        // This is checked before the study is read: an unknown metric is wrong usage even where the file is invalid, too.
         self.metrics(by_name(DEFAULT_METRIC)?)?;
         let study = read_study(path, &overrides)?;
         let definition = study.definition();
@@ -158,10 +160,10 @@ impl Gap {
         })?;
         if !found.complete {
             return Err(Error::interrupted(
-                "interrupted before the last repeat; what there is is reported as incomplete",
+                "interrupted before the last repeat; the results so far are marked as incomplete",
             )
             .at_file(folder.path())
-            .hint("run the command again; the same repeats come out the same"));
+            .hint("run the command again; finished repeats come out the same"));
         }
         Ok(())
     }

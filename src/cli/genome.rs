@@ -41,7 +41,9 @@ pub fn named(genome: &Genome) -> Vec<BTreeMap<&'static str, f64>> {
         .collect()
 }
 
-/// Draw a random genome, every number as likely
+/// Draw a random genome; every number is uniformly distributed
+///
+/// Use it to get a genome for `realgap robot develop`, or robots to test other commands with.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -50,7 +52,7 @@ pub struct Random {
     /// Number of modules
     #[arg(long, value_name = "N", default_value_t = 3)]
     modules: usize,
-    /// Same seed, same genome
+    /// Seed of the draw: the same seed gives the same genome
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
     /// Name of the robot [default: random_<modules>_<seed>]
@@ -81,17 +83,17 @@ impl Random {
             .name
             .unwrap_or_else(|| format!("random_{}_{}", self.modules, self.seed));
         Morphology::check_name(&name).map_err(Error::into_usage)?;
-        let mut specimen = Individual::new(name, genome);
-        let usual = specimen.development.max_modules;
-        specimen.development.max_modules = usual.max(self.modules);
-        let misfit = specimen.develop().err();
+        let mut individual = Individual::new(name, genome);
+        let usual = individual.development.max_modules;
+        individual.development.max_modules = usual.max(self.modules);
+        let misfit = individual.develop().err();
         if let Some(misfit) = &misfit {
             terminal::note(format!(
                 "note: this genome does not develop: {misfit} [{}]",
                 misfit.code()
             ));
         }
-        let text = specimen.to_ron()?;
+        let text = individual.to_ron()?;
         match &self.output {
             Some(path) => output::write_ron(path, &text)?,
             None if self.format == GenomeFormat::Json => {}
@@ -99,9 +101,9 @@ impl Random {
         }
         if self.format == GenomeFormat::Json {
             terminal::print_answer(&GenomeReport {
-                genes: named(&specimen.genome),
-                modules: specimen.genome.len(),
-                name: specimen.name,
+                genes: named(&individual.genome),
+                modules: individual.genome.len(),
+                name: individual.name,
                 seed: self.seed,
                 develops: misfit.is_none(),
                 reason: misfit.map(|misfit| misfit.code()),

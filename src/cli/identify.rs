@@ -1,4 +1,4 @@
-//! `realgap study identify`: what free flight tells before any contact model can spoil it.
+//! `realgap study identify`: parameters from free flight, which do not depend on a contact model.
 
 use std::collections::BTreeMap;
 
@@ -16,22 +16,28 @@ use super::kind::read_definition;
 use super::kit::*;
 use super::terminal::Answer;
 
-/// How an apparent gravity other than the stated one is read.
+/// Explanations of an apparent gravity that differs from the stated one.
 const READINGS: &[Choice<LengthReading>] = &[
     (
         "length-scale",
         LengthReading::LengthScale,
-        "Recorded lengths are off by a factor",
+        "Recorded lengths are wrong by a factor",
     ),
-    ("gravity", LengthReading::Gravity, "Gravity is another"),
+    (
+        "gravity",
+        LengthReading::Gravity,
+        "Gravity differs from the stated one",
+    ),
 ];
 
 /// Estimate centre of mass, apparent gravity, velocity lag and start states from free flight alone
 ///
-/// In flight p + R c is a parabola, whatever happens on the floor later. Intervals are 95 %, bootstrap over
-/// recordings. -o writes the values for --parameters of sweep and evaluate, in true lengths. Last comes which face ends
-/// down, how often, beside one simulation of each recording with the study's values and what was identified; contact
-/// is in those simulations alone, so friction and restitution are worth giving (--parameters best.ron).
+/// Use it before fitting friction and restitution to recordings of tosses: contact cannot distort these values. In
+/// flight, p + R c follows a parabola (p: tracked point, R: orientation, c: centre of mass in the body). Intervals
+/// are 95 %, by bootstrap over recordings. -o writes the values, in true lengths, for --parameters of sweep and
+/// evaluate. At the end, the command prints how often each face ends down, in the recordings and in one simulation of
+/// each recording with the study's values and the identified ones. Only these simulations involve contact, so
+/// friction and restitution should be given for them (--parameters best.ron).
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -47,7 +53,7 @@ pub struct Identify {
     /// Write body.com_offset_{x,y,z}_m and recording.length_scale (or gravity_m_s2) into this file
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// What another gravity than the stated one means
+    /// How to explain an apparent gravity that differs from the stated one
     #[arg(long = "as", value_parser = choice(READINGS), default_value = "length-scale")]
     reading: LengthReading,
     #[command(flatten)]
@@ -59,7 +65,7 @@ impl Identify {
         output::check_all(&self.output)?;
         let overrides = Overrides {
             set: self.values.parameter_set()?,
-            // Nothing is compared here; what tossed bodies are compared by asks least of a study's recordings.
+            // Nothing is compared here, so the metric only has to accept the recordings: the metric of tossed bodies requires the least.
             metric: Some(&Pose),
             ..self.recordings.overrides()?
         };
@@ -70,7 +76,7 @@ impl Identify {
             Some(_) => e,
             None => e.at_file(&self.study),
         };
-        // For `--parameters`.
+        // A file for `--parameters`.
         let file = |flying: usize, parameters: &BTreeMap<String, f64>| BestFile {
             study: None,
             description: format!(
@@ -121,7 +127,7 @@ fn words_of_joints(found: &JointIdentification) -> String {
     let mut table = TextTable::new([
         ("parameter", Side::Left),
         ("stated", Side::Right),
-        ("flight says", Side::Right),
+        ("from flight", Side::Right),
         ("2.5 %", Side::Right),
         ("97.5 %", Side::Right),
         ("left of prior", Side::Right),
@@ -183,7 +189,7 @@ fn words_of_joints(found: &JointIdentification) -> String {
     )
 }
 
-/// What JSON holds: the identification, and the simulated odds beside the real ones.
+/// The answer as JSON: the identification, with the simulated and the real odds of the resting faces.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Identified<'a> {
@@ -193,7 +199,7 @@ pub struct Identified<'a> {
     resting_odds: Option<&'a RestingOdds>,
 }
 
-/// Simulated resting faces with what was identified, where there is something to simulate, and the warnings about it.
+/// Resting faces in simulations with the identified values, and warnings; `None` where nothing can be simulated.
 fn simulate_rest(
     study: Definition,
     found: &Identification,

@@ -1,4 +1,4 @@
-//! `realgap robot import`: a robot of another program.
+//! `realgap robot import`: reads a robot of another program.
 
 use realgap::file::{Source, read_limited};
 use realgap::robot::import::{AssumedLaw, Note, Options};
@@ -8,55 +8,56 @@ use super::option::Format;
 
 /// Largest file of a robot, bytes.
 const MOST_BYTES: u64 = 16_000_000;
-/// How a file begins that this command wrote.
+/// The first words of a file that this command wrote.
 const HEAD: &str = "// Imported by realgap from ";
 
-/// Read a robot from a URDF or an MJCF, and write it in RON
+/// Read a robot from a URDF or an MJCF file, and write it in RON
 ///
-/// Links become bodies with their masses, inertias and shapes (meshes as their hulls, which the RON holds), joints with their limits
-/// and friction, motors and servos. What was left out, changed or assumed is said on standard error, each with its remedy.
+/// Use it to simulate a robot that exists as URDF or MJCF. Links become bodies with their masses, inertias and
+/// shapes; meshes become convex hulls, which the RON file holds. Joints keep their limits and friction, motors become
+/// servos. What was left out, changed or assumed is listed on standard error, each with a remedy.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   realgap robot import robot.urdf -o robot.ron
   realgap robot import scene.xml --mounted -o arm.ron")]
 pub struct Import {
-    /// The URDF or MJCF
+    /// The URDF or MJCF file
     robot: PathBuf,
     /// Write to this file instead of standard output
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Where a package is: package://NAME/... is DIR/...; several times for several
+    /// Folder of a package: package://NAME/... is read from DIR/... (repeatable)
     #[arg(long, value_name = "NAME=DIR", value_parser = package)]
     package: Vec<(String, PathBuf)>,
-    /// Hold the root where it is; else only what is fixed to a link `world` is held
+    /// Hold the root in place; without this option, only a robot that is fixed to a link `world` is held
     #[arg(long)]
     mounted: bool,
-    /// Leave joints without the servos whose limits a URDF states
+    /// Import joints without servos, even where a URDF states limits of a motor
     #[arg(long)]
     passive: bool,
-    /// What the servos are whose limits a URDF states
+    /// Control law of servos for which a URDF states only limits
     #[arg(long, value_parser = choice(LAWS), default_value = "velocity", conflicts_with = "passive")]
     law: AssumedLaw,
-    /// Most convex hulls that a mesh becomes, for what is hollow or bent: each costs time in every step
+    /// Largest number of convex hulls per mesh; hollow and bent meshes need several, and each costs time in every step
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=64))]
     hulls: u16,
-    /// How to print what there is to say; json goes to standard output and needs -o
+    /// How to print the report; json goes to standard output and needs -o
     #[arg(long, value_enum, default_value_t)]
     format: Format,
 }
 
-/// What servos may be.
+/// Control laws to choose from.
 const LAWS: &[Choice<AssumedLaw>] = &[
     (
         "velocity",
         AssumedLaw::Velocity,
-        "Each turns to its command at 20 1/s times its error, whatever the load",
+        "Speed is 20 1/s times the error of the angle, whatever the load",
     ),
     (
         "torque",
         AssumedLaw::Torque,
-        "Each is a spring with damping, which gives way under load",
+        "A spring with damping, which yields under load",
     ),
 ];
 
@@ -67,7 +68,7 @@ fn package(text: &str) -> std::result::Result<(String, PathBuf), String> {
     }
 }
 
-/// What `realgap robot import --format json` says.
+/// The report that `realgap robot import --format json` prints.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Report {
@@ -79,7 +80,7 @@ pub struct Report {
     bodies: usize,
     /// Number of joints that move.
     joints: usize,
-    /// Number of driven ones.
+    /// Number of joints that are driven.
     actuators: usize,
     /// Mass, kg.
     mass_kg: f64,
@@ -124,7 +125,7 @@ impl Import {
         Ok(())
     }
 
-    /// What there is to say at the end.
+    /// Prints the report, or a summary with the next commands.
     fn finish(&self, robot: &Morphology, notes: Vec<Note>, path: &Path) -> Result<()> {
         let summary = robot.summary();
         if self.format == Format::Json {
@@ -149,7 +150,7 @@ impl Import {
     }
 }
 
-/// The XML of a robot; bytes that are no UTF-8 are said.
+/// The XML of a robot; a note says where its bytes are not UTF-8.
 ///
 /// # Errors
 /// A file that cannot be read, or is too large.
@@ -160,7 +161,7 @@ pub(super) fn source(file: &Path) -> Result<Source> {
         Err(error) => {
             let at = error.utf8_error().valid_up_to();
             terminal::note(format!(
-                "changed: byte {at} is no UTF-8: such bytes are read as ?; save the file as UTF-8"
+                "changed: byte {at} is not UTF-8: such bytes are read as ?; save the file as UTF-8"
             ));
             String::from_utf8_lossy(error.as_bytes()).into_owned()
         }
@@ -168,7 +169,7 @@ pub(super) fn source(file: &Path) -> Result<Source> {
     Ok(Source::new(file, xml.trim_start_matches('\u{feff}')))
 }
 
-/// The robot's text, in whose first lines stands what there is to say of its import.
+/// The robot as RON text, whose first lines are comments with the notes of the import.
 ///
 /// # Errors
 /// Numbers that RON cannot hold.

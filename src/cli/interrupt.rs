@@ -1,26 +1,26 @@
-//! Signals: the first Ctrl-C asks for an orderly end, the second ends at once; whoever tells the program to end is obeyed within
-//! two seconds, whatever it is doing.
+//! Signals. The first Ctrl-C asks for an orderly end, the second ends the program at once. After SIGTERM, SIGQUIT or SIGHUP, the
+//! program ends within two seconds.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 static STOP: AtomicBool = AtomicBool::new(false);
-/// Whether anybody looks at the flag.
+/// Whether a run checks the flag.
 static IS_POLLED: AtomicBool = AtomicBool::new(false);
 
-/// How long an orderly end may take where somebody told the program to end.
+/// How long an orderly end may take after SIGTERM, SIGQUIT or SIGHUP.
 const GRACE: Duration = Duration::from_millis(1500);
 
-/// What a signal wants.
+/// The kind of end that a signal asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Wish {
-    /// Ctrl-C: a person who can press it again.
+    /// Ctrl-C: there is no deadline, because the user can press it again.
     End,
-    /// From a system that kills next: SIGTERM, SIGQUIT, SIGHUP.
+    /// SIGTERM, SIGQUIT or SIGHUP: the system kills the process next.
     EndSoon,
 }
 
-/// A flag that Ctrl-C (or a polite kill) sets.
+/// The flag that Ctrl-C or SIGTERM sets.
 pub fn stop_flag() -> &'static AtomicBool {
     IS_POLLED.store(true, Ordering::Relaxed);
     &STOP
@@ -40,18 +40,18 @@ fn received(wish: Wish) {
         std::thread::spawn(|| {
             std::thread::sleep(GRACE);
             super::terminal::note(
-                "error: told to end, before what was under way was finished; what was stored is safe (--resume)",
+                "error: a signal ended the program before the run was finished; stored results are safe (continue with --resume)",
             );
             std::process::exit(130);
         });
     }
 }
 
-/// Listens from now on, on a thread of its own. To be called before any other thread begins.
+/// Starts a thread that listens for signals. It must be called before any other thread starts.
 #[cfg(unix)]
 pub fn listen() {
     use nix::sys::signal::{SigSet, Signal};
-    // A file that may not grow is an error of the write then, not the end of the program.
+    // With SIGXFSZ blocked, a file beyond the allowed size is an error of the write and does not end the program.
     let mut too_large = SigSet::empty();
     too_large.add(Signal::SIGXFSZ);
     let _as_before = too_large.thread_block();
@@ -59,11 +59,11 @@ pub fn listen() {
     for signal in [Signal::SIGINT, Signal::SIGTERM, Signal::SIGQUIT] {
         signals.add(signal);
     }
-    // `nohup` has a program go on when its terminal is closed.
+    // Under `nohup` a program must continue when its terminal is closed.
     if !is_ignored(Signal::SIGHUP as u32) {
         signals.add(Signal::SIGHUP);
     }
-    // Blocked for this thread and all that it begins, they wait for the one that asks for them.
+    // The signals are blocked for this thread and for all threads that it starts, so that only the listener receives them.
     if signals.thread_block().is_err() {
         return;
     }
@@ -89,7 +89,7 @@ fn is_ignored(signal: u32) -> bool {
     mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
 }
 
-/// Listens from now on, on a thread of its own.
+/// Starts a thread that listens for Ctrl-C.
 #[cfg(not(unix))]
 pub fn listen() {
     // Without a listener Ctrl-C ends the program at once, which loses nothing that is stored.

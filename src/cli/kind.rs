@@ -1,4 +1,4 @@
-//! Which kind of file of ours this is, so that a mix-up is answered with what it is and what to do with it.
+//! The kind of a file, so that an error about a wrong file says what the file is and which command reads it.
 
 use std::path::{Path, PathBuf};
 
@@ -29,7 +29,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// What a RON text looks like from its outermost fields; `None` for anything else.
+    /// The kind of a RON text by its outermost fields; `None` for any other text.
     pub fn of_ron(source: &Source) -> Option<Self> {
         let has = |field: &str| source.locate(field).is_some();
         // A genome has modules, a study and a search have parameters too, so they come first.
@@ -55,7 +55,7 @@ impl Kind {
         .find_map(|(field, kind)| has(field).then_some(kind))
     }
 
-    /// As files are called in messages.
+    /// The name of the kind in messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Morphology => "morphology",
@@ -82,7 +82,7 @@ impl Kind {
         format!("{article} {name}")
     }
 
-    /// What can be done with a file of this kind.
+    /// A hint which commands read a file of this kind.
     fn hint(self, path: &Path) -> String {
         let path = path.display();
         match self {
@@ -137,13 +137,13 @@ pub fn read_morphology(path: &Path) -> Result<Morphology> {
 }
 
 /// Reads a genome.
-pub fn read_specimen(path: &Path) -> Result<Individual> {
+pub fn read_individual(path: &Path) -> Result<Individual> {
     Individual::read(path).map_err(|error| explain(path, Kind::Genome, error))
 }
 
 /// Reads a study for its repeats.
 pub fn read_repeatable(path: &Path, overrides: &Overrides) -> Result<Repeatable> {
-    let (path, overrides) = &behind(path, overrides)?;
+    let (path, overrides) = &resolve_study(path, overrides)?;
     Repeatable::read(path, overrides).map_err(|error| explain(path, Kind::Study, error))
 }
 
@@ -175,16 +175,16 @@ pub fn read_study(path: &Path, overrides: &Overrides) -> Result<Study> {
 
 /// Reads a study and its recordings without making them ready to run.
 pub fn read_definition(path: &Path, overrides: &Overrides) -> Result<Definition> {
-    let (path, overrides) = &behind(path, overrides)?;
+    let (path, overrides) = &resolve_study(path, overrides)?;
     Definition::read(path, overrides).map_err(|error| explain(path, Kind::Study, error))
 }
 
-/// The study that is meant: a parameter file that names the study of its values stands for that study with these values.
-fn behind(path: &Path, overrides: &Overrides) -> Result<(PathBuf, Overrides)> {
+/// The study and its overrides: a parameter file that names its study stands for that study with the file's values.
+fn resolve_study(path: &Path, overrides: &Overrides) -> Result<(PathBuf, Overrides)> {
     let Some(study) = study_of(path) else {
         return Ok((path.to_path_buf(), overrides.clone()));
     };
-    // What is asked for besides holds against what the file has, its draws included.
+    // Values from options replace the file's values and its draws.
     let own = read_best(path)?.with_values(&overrides.set);
     let mut overrides = overrides.clone();
     overrides.set = own.values;

@@ -1,15 +1,16 @@
-//! `realgap cluster merge`: put the shards of a plan together, and answer.
+//! `realgap cluster merge`: merges the shards of a plan, and writes the results.
 
 use realgap::plan::{Merged, Plan, Round};
 
 use super::kit::*;
 use super::{Command, shell, work};
 
-/// Put together what the shards of a plan have made; in the end, write the answer
+/// Merge the rows that a plan's shards have computed; after the last round, write the results
 ///
-/// Every row is compared with its checksum. Shards that are missing, damaged or of another plan are named, and the others are
-/// merged all the same; merging twice changes nothing. Where a round is whole, the next one is found out, and the shards are
-/// run again. After the last, PLAN/results is what the command itself would have written.
+/// Use it after the shards of a round have run. Every row is compared with its checksum. Missing, damaged and foreign
+/// shards are named, and all others are merged; merging twice changes nothing. When a round is complete, the next
+/// round is planned, and the shards must be run again. After the last round, PLAN/results holds the files that the
+/// command itself would have written.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -32,7 +33,7 @@ impl Merge {
         let run = self.jobs.stoppable();
         let (merged, before, next) = work.merge(&plan, &run)?;
         drop(work);
-        // Of a machine only the answer is wanted.
+        // With `--format json`, standard output holds the answer only.
         let say = |text: String| match self.print.is_json() {
             false => terminal::print(text),
             true => terminal::note(&text),
@@ -40,7 +41,7 @@ impl Merge {
         if merged.new + merged.known > 0 {
             let known = match merged.known {
                 0 => String::new(),
-                known => format!(", {known} were known to the bit"),
+                known => format!(", {known} were merged before, with equal bytes"),
             };
             say(format!(
                 "{} of {}: {} merged{known}",
@@ -59,24 +60,21 @@ impl Merge {
             return Err(self.missing(&plan, &merged, &next)?);
         }
         say(format!(
-            "round {} is whole; {} to be made in the next: run the shards again\n  realgap cluster run {} --shard {}",
+            "round {} is complete; the next one has {}: run the shards again\n  realgap cluster run {} --shard {}",
             next.number - 1,
-            match next.to - next.from {
-                1 => "1 row is".to_owned(),
-                rows => format!("{rows} rows are"),
-            },
+            counted(next.to - next.from, "row"),
             shell::path(&self.plan),
             plan.status()?.pending(),
         ));
         Ok(())
     }
 
-    /// A round that is not whole: which shards are to be looked after, and how.
+    /// The error of an incomplete round: which shards are missing, and what to do.
     fn missing(&self, plan: &Plan, merged: &Merged, round: &Round) -> Result<Error> {
         let status = plan.status()?;
         let mut found = Vec::new();
         if !merged.running.is_empty() {
-            found.push(format!("at work: {}", numbers(&merged.running)));
+            found.push(format!("still running: {}", numbers(&merged.running)));
         }
         found.extend(
             merged
@@ -87,19 +85,20 @@ impl Merge {
         let left = round.to - round.from - round.merged;
         let damaged = !merged.refused.is_empty();
         Ok(Error::conflict(format!(
-            "round {} is not whole: {left} of {} rows are missing",
+            "round {} is incomplete: {left} of {} rows are missing",
             round.number,
             round.to - round.from
         ))
         .at_file(&self.plan)
         .found(match found.is_empty() {
-            true => "shards that have not been run to their end".to_owned(),
+            true => "shards that have not been run to the end".to_owned(),
             false => found.join("\n           "),
         })
         .hint(format!(
             "{}run: realgap cluster run {} --shard {}; then merge again",
             match damaged {
-                true => "remove the folders of damaged shards (what they did is made again), then ",
+                true =>
+                    "remove the folders of damaged shards (their rows are computed again), then ",
                 false => "",
             },
             shell::path(&self.plan),
@@ -107,7 +106,7 @@ impl Merge {
         )))
     }
 
-    /// Runs the command itself in the folder of the results, where every row is there already.
+    /// Runs the planned command in the results folder, where all rows are stored already.
     fn answer(&self, plan: &Plan) -> Result<()> {
         let mut words = plan.draft().command.clone();
         let results = plan.results();

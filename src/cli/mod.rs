@@ -1,11 +1,11 @@
 //! The command line: one file per subcommand, each one library call plus printing.
 
-/// Declares commands: the type that clap reads them into, and what runs them.
+/// Declares commands: the type that clap parses them into, and the method that runs them.
 macro_rules! commands {
     ($(#[$about:meta])* $name:ident: $($(#[$meta:meta])* $variant:ident($options:ty),)*) => {
         $(#[$about])*
         #[derive(Debug, clap::Subcommand)]
-        #[allow(clippy::large_enum_variant, reason = "there is one, as long as the program runs")]
+        #[allow(clippy::large_enum_variant, reason = "the program holds a single value of it")]
         pub enum $name {
             $($(#[$meta])* #[command(help_template = $crate::cli::LAYOUT)] $variant($options),)*
         }
@@ -21,7 +21,7 @@ macro_rules! commands {
     };
 }
 
-/// What almost every command is written with.
+/// Imports of almost every command.
 mod kit {
     pub use std::path::{Path, PathBuf};
 
@@ -65,6 +65,7 @@ mod genome;
 mod identify;
 mod import;
 mod interrupt;
+mod invocation;
 mod kind;
 mod merge;
 mod mujoco;
@@ -104,7 +105,6 @@ mod terminal;
 mod tune;
 mod verify;
 mod vision;
-mod word;
 mod work;
 
 use std::ffi::OsString;
@@ -128,37 +128,37 @@ struct Cli {
 }
 
 const EXAMPLES: &str = "\
-The usual way through:
-  realgap start runs/*.csv robot.ron                a study of your own recordings
-  realgap check morphologies/tripod.ron             what is in this file, and is it sound?
-  realgap simulate morphologies/tripod.ron -o a.csv one run, written as a trajectory
+The usual order of commands:
+  realgap start runs/*.csv robot.ron                a study of your own data
+  realgap check morphologies/tripod.ron             is it valid, what is in it?
+  realgap simulate morphologies/tripod.ron -o a.csv one run as a trajectory
   realgap replay morphologies/tripod.ron            watch it move, in a browser
   realgap compare real.csv a.csv --plot gap.png     how far apart are the two?
-  realgap sweep sweeps/tripod_floor.ron             which friction and restitution fit best?
+  realgap sweep sweeps/tripod_floor.ron             which friction fits best?
   realgap report results/tripod_floor               the same answer as one page
-  realgap tune sweeps/tripod_floor.ron              with a quarter of the simulations
-  realgap gap sweeps/tripod_floor.ron               how many noise floors between the two?
-  realgap predict morphologies/tripod.ron           how far will it go, how likely?
-  realgap search sweeps/best_tripod_gait.ron        which gait takes it farthest, on any floor?";
+  realgap tune sweeps/tripod_floor.ron              with fewer simulations
+  realgap gap sweeps/tripod_floor.ron               how large is the gap left?
+  realgap predict morphologies/tripod.ron           how far will it go?
+  realgap search sweeps/best_tripod_gait.ron        which gait goes farthest?";
 
 const NOTES: &str = "\
-`-` where one file is meant is standard input; behind -o it is standard output.
-Exit codes: 0 fine, 1 failed, 2 wrong usage, 130 interrupted (the work so far is saved).";
+In place of a file, `-` means standard input; after -o it means standard output.
+Exit codes: 0 success, 1 failure, 2 wrong usage, 130 interrupted (results kept).";
 
 const ROBOT: &str = "\
 Examples:
-  realgap robot import robot.urdf -o robot.ron               # any robot, in RON
-  realgap robot export robot.ron --format mjcf -o robot.xml  # for MuJoCo
-  realgap robot genome random --modules 5 -o genome.ron      # ten numbers a module
-  realgap robot develop genome.ron -o robot.ron              # and the robot they say";
+  realgap robot import robot.urdf -o robot.ron          # a robot in RON
+  realgap robot export robot.ron --format mjcf -o a.xml # for MuJoCo
+  realgap robot genome random --modules 5 -o genome.ron # ten numbers a module
+  realgap robot develop genome.ron -o robot.ron         # builds its robot";
 
 const STUDY: &str = "\
 Examples:
-  realgap study new study > study.ron                       # a commented file to fill in
-  realgap study parameters                                  # what can be tuned?
-  realgap study sensitivity sweeps/tripod_floor.ron         # what of it matters?
-  realgap study identify sweeps/cube_toss_fit.ron           # what does free flight tell?
-  realgap study results results/tripod_floor                # the points of a sweep";
+  realgap study new study -o study.ron              # a commented template
+  realgap study parameters                          # what can be varied?
+  realgap study sensitivity sweeps/tripod_floor.ron # which of it matters?
+  realgap study identify sweeps/cube_toss_fit.ron   # values from free flight
+  realgap study results results/tripod_floor        # the points of a sweep";
 
 const SENSE: &str = "\
 Examples:
@@ -170,14 +170,14 @@ const CLUSTER: &str = "\
 Examples:
   realgap cluster plan sweeps/tripod_floor.ron --shards 9 -o plan
   realgap cluster run plan --shard 0                        # on any machine
-  realgap cluster merge plan                                # and so on, until the answer
-  realgap cluster submit slurm plan                         # or Slurm does it";
+  realgap cluster merge plan                                # after every round
+  realgap cluster submit slurm plan                         # or let Slurm do all of it";
 
-/// How the help of a command is laid out: examples before everything that takes long to read.
+/// The layout of a command's help: examples stand before usage and options.
 const LAYOUT: &str = "{about}{after-help}\n\n{usage-heading} {usage}\n\n{all-args}";
 
 commands! {
-    /// What there is to do; in the help a question stands above the first command that answers it.
+    /// The commands. In the help, a question stands above the first command that answers it.
     Command:
     Start(start::Start),
     Check(check::Check),
@@ -192,6 +192,7 @@ commands! {
     Ensemble(ensemble::Ensemble),
     Search(search::Search),
     Report(report::ReportCommand),
+    Verify(verify::Verify),
     #[command(subcommand, after_help = ROBOT)]
     Robot(RobotCommand),
     #[command(subcommand, after_help = STUDY)]
@@ -201,13 +202,11 @@ commands! {
     #[command(subcommand, after_help = CLUSTER)]
     Cluster(ClusterCommand),
     #[command(hide = true)]
-    Verify(verify::Verify),
-    #[command(hide = true)]
     Completions(completions::Completions),
 }
 
 commands! {
-    /// Robots from genomes and for other programs: import, export, develop, genome
+    /// Import, export and build robots: import, export, develop, genome
     RobotCommand:
     Import(import::Import),
     Export(export::Export),
@@ -217,7 +216,7 @@ commands! {
 }
 
 commands! {
-    /// Around a study: record, results, identify, sensitivity, parameters, new, schema, examples
+    /// Prepare and inspect studies: record, results, identify, sensitivity, parameters, new, schema, examples
     StudyCommand:
     Record(record::Record),
     Results(results::Results),
@@ -248,7 +247,7 @@ commands! {
 }
 
 commands! {
-    /// One run on many machines: plan, run, merge, status, submit
+    /// Distribute one run over many machines: plan, run, merge, status, submit
     ClusterCommand:
     Plan(plan::PlanCommand),
     Run(run::Run),
@@ -258,21 +257,22 @@ commands! {
     Submit(submit::Submit),
 }
 
-/// Questions, each above the first of the commands that answer it.
-const QUESTIONS: [(&str, &str); 6] = [
+/// Questions, each with the first of the commands that answer it.
+const QUESTIONS: [(&str, &str); 7] = [
     ("start", "How do I begin with my own recordings?"),
-    ("check", "Is it sound, and what does it do?"),
+    ("check", "Is my file valid, and what does the robot do?"),
     ("compare", "How far is the simulation from reality?"),
     ("sweep", "What closes the gap, and how sure may I be?"),
     ("predict", "What will a robot do, and which does it best?"),
-    ("robot", "And, with commands of their own:"),
+    ("verify", "Can I trust the simulator itself?"),
+    ("robot", "Groups of commands:"),
 ];
 
-/// Widest line of the list of commands, and where its text begins.
+/// Width of the list of commands, and the column where its text begins.
 const WIDTH: usize = 80;
 const INDENT: usize = 13;
 
-/// How the help is laid out: examples, then the commands by question.
+/// The layout of the help: examples, then the commands by question.
 fn help() -> String {
     let mut list = String::new();
     let top = Command::augment_subcommands(clap::Command::new("realgap"));
@@ -298,12 +298,12 @@ fn help() -> String {
     )
 }
 
-/// How a command ends that does not fail.
+/// The exit code of a command that does not fail.
 trait Ending {
     fn code(self) -> u8;
 }
 
-/// Most commands have nothing to say.
+/// Most commands exit with 0.
 impl Ending for () {
     fn code(self) -> u8 {
         0
@@ -316,10 +316,10 @@ impl Ending for u8 {
     }
 }
 
-/// Parses the words, the program's name first, runs the command and prints the error if there is one; how it ends.
+/// Parses the arguments (the program's name first), runs the command, prints its error if there is one, and returns the exit code.
 pub fn run(words: impl Iterator<Item = OsString>) -> u8 {
     interrupt::listen();
-    let ended = stream::kept(word::today(word::keep(words))).and_then(|words| {
+    let ended = stream::kept(invocation::record(words)).and_then(|words| {
         let cli = Cli::try_parse_from(words)
             .unwrap_or_else(|error| advice::with_decimal_point(error).exit());
         if cli.force {

@@ -1,4 +1,4 @@
-//! Finalists of a search once more in MuJoCo, by the script that tools/rerun_finalists.py is.
+//! Runs the finalists of a search in MuJoCo, too, with the script tools/rerun_finalists.py.
 
 use std::process::Command;
 
@@ -8,7 +8,7 @@ use serde::Deserialize;
 
 use super::kit::*;
 
-/// The scripts, so that an installed program has them.
+/// The scripts, compiled into the program.
 const SCRIPTS: [(&str, &str); 2] = [
     (
         "rerun_finalists.py",
@@ -17,7 +17,7 @@ const SCRIPTS: [(&str, &str); 2] = [
     ("standin.py", include_str!("../../tools/standin.py")),
 ];
 
-/// What the script says of one robot.
+/// The script's result for one robot.
 #[derive(Debug, Deserialize)]
 struct Seen {
     robot: String,
@@ -30,8 +30,8 @@ struct Said {
     robots: Vec<Seen>,
 }
 
-/// Runs the finalists whose files are in `folder` in MuJoCo with this Python, and ranks them anew: one that walks otherwise
-/// there does not survive.
+/// Runs the finalists whose files are in `folder` in MuJoCo with this Python, and ranks them again: a robot whose displacement
+/// differs too much there does not survive.
 pub fn rerun(
     python: &str,
     folder: &Path,
@@ -42,7 +42,7 @@ pub fn rerun(
     std::fs::create_dir_all(&scratch)
         .map_err(|e| Error::io("make a folder for the script", &scratch, &e))?;
     let said = run(python, folder, &scratch);
-    // What is left there matters to nobody.
+    // A failure is ignored, because the folder is temporary.
     let _removed = std::fs::remove_dir_all(&scratch);
     let said = said?;
     let reruns = finalists.into_iter().map(|finalist| {

@@ -1,24 +1,25 @@
-//! `realgap study new`: a file to start from.
+//! `realgap study new`: writes a template.
 
 use realgap::file::write_atomic;
 
 use super::kit::*;
 
-/// Write a commented file to start from
+/// Write a commented template of a robot, study, search, arena, noise or meta file
 ///
-/// Every field stands there with what it means; what you do not need can go. `realgap check FILE` says whether it is sound.
+/// Use it to start a file of your own. Every field is listed with its meaning; fields that you do not need can be
+/// deleted. `realgap check FILE` validates the result.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   realgap study new study -o study.ron")]
 pub struct New {
-    /// What
+    /// Kind of file
     #[arg(value_parser = choice(TEMPLATES))]
     kind: (&'static str, &'static str),
     /// The file [default: KIND.ron]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Print it in place of writing a file
+    /// Print the template instead of writing a file
     #[arg(long, conflicts_with = "output")]
     print: bool,
 }
@@ -29,14 +30,14 @@ macro_rules! templates {
     };
 }
 
-/// The files that there are, each with its name.
+/// The templates, each with its name.
 const TEMPLATES: &[Choice<(&str, &str)>] = templates! {
     "robot" "Modules, servos, gait";
-    "study" "Recordings, and what is varied to match them";
+    "study" "Recordings, and the parameters to vary";
     "search" "A search for the best robot";
     "arena" "Walls, boxes, radio stations";
     "noise" "How repeats differ";
-    "meta" "What recordings are, beside them";
+    "meta" "Description of the recordings in its folder";
 };
 
 impl New {
@@ -50,9 +51,11 @@ impl New {
             .output
             .unwrap_or_else(|| PathBuf::from(format!("{name}.ron")));
         if file.exists() && !output::is_forced() {
-            return Err(Error::conflict("this file is there already, and stays")
-                .at_file(file)
-                .hint("name another with -o, or look at the template with --print"));
+            return Err(
+                Error::conflict("this file exists already and is not replaced")
+                    .at_file(file)
+                    .hint("name another file with -o, or print the template with --print"),
+            );
         }
         write_atomic(&file, text.as_bytes())?;
         terminal::print(format!(

@@ -1,4 +1,4 @@
-//! `realgap evaluate --odds`: a probability for every pose that a recording may end in.
+//! `realgap evaluate --odds`: probabilities of the final poses of recordings.
 
 use realgap::calibration::{Study, read_noise};
 use realgap::optimization::RunOptions;
@@ -8,10 +8,11 @@ use realgap::simulation::parameter::ParameterSet;
 
 use super::kit::*;
 
-/// Whether and how odds are asked for.
+/// Options of the odds.
 #[derive(Debug, Args)]
 pub struct OddsOption {
-    /// Run every recording that ends at rest N times under noise and other numerics, and score the odds of its final pose
+    /// Simulate every recording that ends at rest N times under noise and other numerical settings, and score the odds of its final
+    /// pose
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "64", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     odds: Option<u32>,
     /// Noise of the odds from this file in place of the study's
@@ -26,12 +27,12 @@ pub struct OddsOption {
 }
 
 impl OddsOption {
-    /// The picture that is drawn of them.
+    /// The file of the reliability diagram.
     pub fn plot(&self) -> Option<&PathBuf> {
         self.plot.as_ref()
     }
 
-    /// The odds, drawn where that is asked for; `None` where nobody asks.
+    /// The odds, with their diagram where `--plot` is given; `None` without `--odds`.
     pub fn odds(&self, study: &Study, file: &Path, run: RunOptions<'_>) -> Result<Option<Odds>> {
         let Some(runs) = self.odds else {
             return Ok(None);
@@ -54,7 +55,7 @@ impl OddsOption {
         };
         let total = study.cases().len();
         let odds = progress::during(total, "odds", run, |run| {
-            // Every value is in the study's own set by now.
+            // The study already holds all values.
             Odds::new(study, &ParameterSet::new(), &options, run)
         })?;
         terminal::print_warnings(&odds.warnings[study.warnings().len()..]);

@@ -9,7 +9,7 @@ use clap::{Args, ValueEnum};
 use realgap::calibration::{Fitted, Mode, Overrides, Part};
 use realgap::comparison::{self, Metric};
 use realgap::identification::StartState;
-use realgap::search::read_indistinguishable;
+use realgap::search::read_posterior;
 use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::simulation::{ENGINES, Experiment, JointFormulation, Solver, engine_by_name};
 use realgap::warning::Code;
@@ -19,7 +19,7 @@ use super::reading::ReadingOptions;
 use super::terminal::Answer;
 use super::{interrupt, terminal};
 
-/// Most repeats: the distances of all pairs are held in memory.
+/// Largest number of repeats: the distances of all pairs are held in memory.
 pub const MOST_REPEATS: i64 = 5000;
 
 /// How results are printed.
@@ -32,7 +32,7 @@ pub enum Format {
     Json,
 }
 
-/// Whether people or a machine read what is printed.
+/// The format of the output: a table for people, or JSON for machines.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct Print {
     /// How to print
@@ -41,7 +41,7 @@ pub struct Print {
 }
 
 impl Print {
-    /// Whether a machine reads it.
+    /// Whether the output is JSON.
     pub fn is_json(self) -> bool {
         self.format == Format::Json
     }
@@ -55,13 +55,13 @@ impl Print {
         Ok(())
     }
 
-    /// As [`Print::answer`], of an answer that has its own words.
+    /// As [`Print::answer`], for an answer that implements `Display`.
     pub fn value(self, answer: &(impl Answer + Display)) -> Result<()> {
         self.answer(answer, || answer.to_string())
     }
 }
 
-/// A choice of an option: its name, what it stands for, and its line of help.
+/// A choice of an option: its name, its value, and its line of help.
 pub type Choice<T> = (&'static str, T, &'static str);
 
 /// Reads one of these choices.
@@ -79,7 +79,7 @@ where
     });
     PossibleValuesParser::new(names).map(move |typed| {
         let chosen = choices.iter().find(|(name, ..)| *name == typed);
-        // The parser lets nothing else through.
+        // The parser accepts no other names.
         chosen.unwrap_or(&choices[0]).1.clone()
     })
 }
@@ -94,19 +94,23 @@ pub enum TimeOption {
     Absolute,
 }
 
-/// How parts are jointed.
+/// Formulations of joints.
 pub const JOINTS: &[Choice<JointFormulation>] = &[
     (
         "auto",
         JointFormulation::Auto,
-        "Multibody where a light part carries a heavy one, impulse for others and for more than 12 hinges",
+        "Multibody where a light part carries a heavy one; impulse otherwise, and for more than 12 hinges",
     ),
     (
         "multibody",
         JointFormulation::Multibody,
         "Reduced coordinates",
     ),
-    ("impulse", JointFormulation::Impulse, "Constraints"),
+    (
+        "impulse",
+        JointFormulation::Impulse,
+        "Constraints between free bodies",
+    ),
 ];
 
 /// Help of `--timestep`, with the default that is used.
@@ -129,7 +133,7 @@ fn substeps_help() -> String {
 /// Help of `--joint` of one run, with the default that is used.
 fn joint_help() -> String {
     let default = format!("{:?}", Solver::default().joint).to_lowercase();
-    format!("How parts are jointed [default: {default}, or solver.joint where it is set]")
+    format!("Formulation of joints [default: {default}, or solver.joint where it is set]")
 }
 
 /// Which state of a recording a run starts from.
@@ -151,10 +155,10 @@ pub const STARTS: &[Choice<StartState>] = &[
     ),
 ];
 
-/// Headings of the help: options that are found together.
+/// Headings of the help; options below one heading belong together.
 const RECORDINGS: &str = "Which recordings";
 const VALUES: &str = "Values of parameters";
-const SOLVER: &str = "How it is simulated";
+const SOLVER: &str = "Settings of the solver";
 
 /// Which recordings, and how they are read.
 #[derive(Debug, Clone, Args)]
@@ -162,7 +166,7 @@ pub struct Recordings {
     /// Recordings in place of the study's own; quote the glob (repeatable)
     #[arg(long, help_heading = RECORDINGS, value_name = "GLOB")]
     recordings: Vec<String>,
-    /// Use only every N-th recording, in order of their paths: a part for fitting, the others for checking
+    /// Use only every N-th recording in the order of their paths, e.g. to fit on some recordings and check on others
     #[arg(long, help_heading = RECORDINGS, value_name = "N", value_parser = parse_count)]
     every: Option<NonZeroUsize>,
     /// Where --every starts, 0 to N-1
@@ -181,7 +185,7 @@ fn parse_count(text: &str) -> std::result::Result<NonZeroUsize, String> {
 }
 
 impl Recordings {
-    /// These recordings, everything else as the study says.
+    /// Overrides with these recordings; everything else is as in the study.
     pub fn overrides(&self) -> Result<Overrides> {
         Ok(Overrides {
             recordings: self.recordings.clone(),
@@ -203,38 +207,39 @@ pub fn metric_option(name: Option<&str>) -> Result<Option<&'static dyn Metric>> 
         .map_err(Error::into_usage)
 }
 
-/// Whether other models are tried.
+/// Whether the model error is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub enum Switch {
-    /// Try them
+    /// Simulate other models
     #[default]
     On,
-    /// Spare their time
+    /// Skip them, which saves time
     Off,
 }
 
-/// How far models that are as valid part.
+/// Options of the model error: how far the results of equally valid models differ.
 #[derive(Debug, Clone, Args)]
 pub struct ModelErrorOption {
-    /// Try models that are as valid: other steps, contacts at their limit, the other kind of joint (about as many runs again)
+    /// Also simulate equally valid models: other timesteps and substeps, contacts at the limit of hardness, the other formulation
+    /// of joints (about as many runs again)
     #[arg(long, value_name = "SWITCH", value_enum, default_value_t)]
     model_error: Switch,
-    /// Results folder of a sweep or tuning whose indistinguishable points take part as models, too
+    /// Results folder of a sweep or tuning whose posterior draws (indistinguishable.csv) are simulated as further models
     #[arg(long, value_name = "DIR")]
-    indistinguishable: Option<PathBuf>,
+    posterior: Option<PathBuf>,
 }
 
 impl ModelErrorOption {
-    /// The points that take part; `None` where no other model is to be tried.
+    /// The posterior draws that are simulated as models; `None` where the model error is off.
     pub fn points(&self) -> Result<Option<Vec<ParameterSet>>> {
-        match (self.model_error, &self.indistinguishable) {
+        match (self.model_error, &self.posterior) {
             (Switch::Off, Some(_)) => Err(Error::usage(
-                "nothing takes part in a model error that is off",
+                "--posterior adds models to the model error, which is off",
             )
-            .field("--indistinguishable")
+            .field("--posterior")
             .hint("leave --model-error on")),
             (Switch::Off, None) => Ok(None),
-            (Switch::On, Some(folder)) => read_indistinguishable(folder).map(Some),
+            (Switch::On, Some(folder)) => read_posterior(folder).map(Some),
             (Switch::On, None) => Ok(Some(Vec::new())),
         }
     }
@@ -243,12 +248,12 @@ impl ModelErrorOption {
 /// How many threads work in parallel.
 #[derive(Debug, Clone, Args)]
 pub struct Jobs {
-    /// Threads, at most 256 or four a core [default: all cores]
+    /// Number of threads, at most 256 or four per core [default: all cores]
     #[arg(short, long, value_name = "N", value_parser = parse_jobs)]
     jobs: Option<NonZeroUsize>,
 }
 
-/// More threads than this only fight for the cores.
+/// More threads than this only compete for the cores.
 fn most_jobs() -> usize {
     let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     (4 * cores).max(256)
@@ -263,14 +268,14 @@ fn parse_jobs(text: &str) -> std::result::Result<NonZeroUsize, String> {
 }
 
 impl Jobs {
-    /// As asked for, or one a core.
+    /// The number of `--jobs`; without this option one per core.
     pub fn count(&self) -> usize {
         self.jobs
             .or_else(|| std::thread::available_parallelism().ok())
             .map_or(1, NonZeroUsize::get)
     }
 
-    /// A run on so many threads, which nobody watches.
+    /// The options of a run on these threads, without progress.
     pub fn run(&self) -> RunOptions<'static> {
         RunOptions {
             jobs: self.count(),
@@ -278,7 +283,7 @@ impl Jobs {
         }
     }
 
-    /// As [`Jobs::run`], which Ctrl-C ends with what there is.
+    /// As [`Jobs::run`]; Ctrl-C ends the run, and its results so far are kept.
     pub fn stoppable(&self) -> RunOptions<'static> {
         RunOptions {
             stop: Some(interrupt::stop_flag()),
@@ -287,13 +292,13 @@ impl Jobs {
     }
 }
 
-/// What becomes of results that are there already.
+/// What to do with results that exist already.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct Before {
-    /// Go on with an interrupted run
+    /// Continue an interrupted run
     #[arg(long, conflicts_with = "restart")]
     resume: bool,
-    /// Throw old results in the folder away and start anew
+    /// Delete old results in the folder and start again
     #[arg(long)]
     restart: bool,
 }
@@ -317,31 +322,31 @@ pub struct Values {
     /// Take parameters from a file such as the `best.ron` of a sweep (repeatable)
     #[arg(long = "parameters", help_heading = VALUES, value_name = "FILE")]
     parameters: Vec<PathBuf>,
-    /// Which engine simulates: --set solver.engine by name [default: rapier, unless the file says otherwise]
+    /// Physics engine by name, the same as --set solver.engine [default: rapier, unless the file says otherwise]
     #[arg(long, help_heading = VALUES, value_name = "NAME", value_parser = engine)]
     engine: Option<Assignment>,
 }
 
-/// The engine of a name; else what there is.
+/// The engine of this name; otherwise an error that lists the engines.
 fn engine(name: &str) -> std::result::Result<Assignment, String> {
     let chosen = engine_by_name(name).map_err(|error| error.to_string())?;
     let index = ENGINES.iter().position(|engine| *engine == chosen);
     parse_assignment(&format!("solver.engine={}", index.unwrap_or_default()))
 }
 
-/// clap prints the message itself, so the error is given as plain text.
+/// clap prints the message itself, so the error is returned as plain text.
 fn parse_assignment(text: &str) -> std::result::Result<Assignment, String> {
     text.parse().map_err(|error: Error| error.to_string())
 }
 
 impl Values {
-    /// What the files say with what is set after them: all values, what their fits left possible and were fitted on.
+    /// The values of the files, overridden by `--set` and `--engine`, with the posterior draws and the fitted recordings of the files.
     pub fn fitted(&self) -> Result<Fitted> {
         let set = self.set.iter().chain(&self.engine).copied();
         Ok(Fitted::read(&self.parameters)?.with_values(&set.collect()))
     }
 
-    /// All of this in place of what a study says.
+    /// Overrides with these values in place of the study's.
     pub fn over(&self, overrides: Overrides) -> Result<Overrides> {
         let Fitted {
             values: set,
@@ -356,7 +361,7 @@ impl Values {
         })
     }
 
-    /// The experiment with all values, those that have no effect there, and what to say of them; no recording is read.
+    /// The experiment with all values, and warnings about values without effect; no recording is read.
     pub fn apply(&self, experiment: &Experiment) -> Result<(Experiment, Vec<Warning>)> {
         let values = self.parameter_set()?;
         let mut warnings = values.without_effect(experiment);
@@ -392,7 +397,7 @@ impl SolverOptions {
     }
 }
 
-/// Values about recordings, where there are none.
+/// Warnings about values `recording.*` where no recording is read.
 pub fn recording_unused(values: &ParameterSet) -> Vec<Warning> {
     let idle = values
         .iter()

@@ -1,4 +1,4 @@
-//! The one file that a command writes: nothing of anybody's is replaced unsaid, and `-` is standard output.
+//! Writes the file that a command produces. A file that realgap did not write is replaced with `--force` only.
 
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use realgap::{Error, Result};
 
 /// Set by `--force`.
 static FORCE: AtomicBool = AtomicBool::new(false);
-/// What stands in files that this program writes, near their beginning.
+/// Texts near the beginning of files that this program wrote.
 const MARKS: [&str; 8] = [
     "Written by realgap",
     // In a PNG.
@@ -17,17 +17,17 @@ const MARKS: [&str; 8] = [
     "exported by realgap",
     "content=\"realgap",
     "\"generator\":\"realgap",
-    "(realgap identify)",
+    "(realgap study identify)",
     "\"schema_version\"",
     // In a JSON Schema.
     "\"title\": \"realgap ",
 ];
-/// So much of a file is looked at.
+/// Number of bytes of a file that are searched for these texts.
 const LOOKED_AT: u64 = 16_384;
-/// What a log of robots in motion begins with: the program that wrote it follows.
+/// First bytes of an MCAP file; the name of the program that wrote it follows.
 const MCAP: &[u8] = b"\x89MCAP0\r\n";
 
-/// From now on whatever is there is replaced.
+/// From now on, existing files are replaced.
 pub fn force() {
     FORCE.store(true, Ordering::Relaxed);
 }
@@ -40,20 +40,20 @@ pub fn is_forced() -> bool {
 /// Checks before the work that a file can be written and replaces nothing that this program did not write.
 ///
 /// # Errors
-/// A missing or unwritable folder; a file that nothing in it shows to be ours.
+/// A missing or unwritable folder; a file whose content does not show that this program wrote it.
 pub fn check(path: &Path) -> Result<()> {
     check_writable(path)?;
     if is_forced() || !path.is_file() || is_ours(path) {
         return Ok(());
     }
     Err(
-        Error::conflict("this file is there already, and nothing in it says that realgap wrote it")
+        Error::conflict("this file exists already, and nothing in it shows that realgap wrote it")
             .at_file(path)
-            .hint("name another, or replace it with --force"),
+            .hint("name another file, or replace this one with --force"),
     )
 }
 
-/// The same of several files, or of none.
+/// As [`check`], for each of these files.
 pub fn check_all<'a>(paths: impl IntoIterator<Item = &'a PathBuf>) -> Result<()> {
     paths.into_iter().try_for_each(|path| check(path))
 }
@@ -85,7 +85,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     write_sealed(path, bytes, false)
 }
 
-/// Writes a text of ours in RON, with a first line that says so.
+/// Writes RON text, with a first line that names this program.
 ///
 /// # Errors
 /// As [`write`].
@@ -94,7 +94,7 @@ pub fn write_ron(path: &Path, text: &str) -> Result<()> {
     write(path, format!("{head}{text}").as_bytes())
 }
 
-/// Whether a file says that this program wrote it. Tables cannot say so; empty files are nobody's.
+/// Whether the content of a file shows that this program wrote it. A CSV table cannot show it; an empty file may be replaced.
 fn is_ours(path: &Path) -> bool {
     let mut start = Vec::new();
     let read =

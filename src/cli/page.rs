@@ -1,4 +1,4 @@
-//! The page that a command leaves in its results folder.
+//! The page that a command writes into its results folder.
 
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
@@ -23,9 +23,9 @@ use realgap::{Result, Warning};
 use super::option::Print;
 use super::{output, shell, terminal};
 
-/// More recorded robots over each other hide what moves.
+/// Most recorded robots in a replay; more would hide the simulated one.
 const GHOSTS: usize = 3;
-/// Options that change nothing of what a command finds: how many take a value.
+/// Options that do not change the results of a command, with the number of their values.
 const WITHOUT_EFFECT: [(&str, usize); 8] = [
     ("--jobs", 1),
     ("-j", 1),
@@ -46,8 +46,8 @@ pub struct PageOption {
 }
 
 impl PageOption {
-    /// Writes `report.html` into a finished results folder; what to say about it. What cannot be shown is a warning: the results
-    /// are there.
+    /// Writes `report.html` into a finished results folder and returns the words about it. An error is only a warning, because the
+    /// results are complete.
     pub fn write(self, folder: &Path, keep: impl FnOnce() -> Kept) -> &'static str {
         if self.no_report {
             for name in [PAGE_FILE, Kept::FILE] {
@@ -71,10 +71,10 @@ impl PageOption {
     }
 }
 
-/// How a command without a folder tells what it found: printed, and as a page.
+/// The output of a command without a results folder: it is printed, and written as a page.
 #[derive(Debug, Clone, Args)]
 pub struct Telling {
-    /// Write what was found, with the pictures drawn of it, as one page (.html)
+    /// Also write the answer and its pictures as one page (.html)
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     #[command(flatten)]
@@ -113,7 +113,7 @@ impl Telling {
         write_atomic(file, page.page()?.as_bytes())
     }
 
-    /// Tells a value that prints itself: its page, then the warnings that were not said yet, then what it says.
+    /// Outputs an answer: writes its page, prints these warnings, then prints the answer.
     pub fn value<'a>(
         &self,
         kind: &'static str,
@@ -134,26 +134,26 @@ fn write(folder: &Path, kept: &Kept) -> Result<()> {
     write_sealed(&folder.join(PAGE_FILE), page.as_bytes(), true)
 }
 
-/// The command that one of another name carries out to its end.
+/// The command that pages name in place of the running one: `cluster merge` finishes a planned command.
 static STANDS_FOR: OnceLock<Vec<String>> = OnceLock::new();
 
-/// Conclusion that what runs now finds what the command of these words finds, and that pages shall name that.
+/// Lets pages name this command in place of the running one, because both give the same results.
 pub fn stands_for(words: &[String]) {
     let words = std::iter::once("realgap".to_owned()).chain(words.iter().cloned());
     let _first = STANDS_FOR.set(words.collect());
 }
 
-/// The words of the command, the program's name first.
+/// The arguments of the command, the program's name first.
 fn typed() -> impl Iterator<Item = String> {
     let own = || {
-        let words = super::word::typed().iter();
+        let words = super::invocation::typed().iter();
         words.map(|word| word.to_string_lossy().into_owned())
     };
     let words = STANDS_FOR.get().cloned();
     words.unwrap_or_else(|| own().collect()).into_iter()
 }
 
-/// The command that finds the same again: without the program's path and what changes no result.
+/// The command that reproduces the results: without the program's path, and without options that do not change results.
 fn command(words: impl Iterator<Item = String>) -> String {
     let mut kept = vec!["realgap".to_owned()];
     let mut words = words.skip(1);
@@ -170,7 +170,7 @@ fn command(words: impl Iterator<Item = String>) -> String {
     kept.join(" ")
 }
 
-/// What a study's page shows beside its results.
+/// Data that the page of a study shows in addition to its results.
 pub fn of_study(study: &Study, answer: &Answer) -> Kept {
     let definition = study.definition();
     let Some(case) = study.cases().first() else {
@@ -189,7 +189,7 @@ pub fn of_study(study: &Study, answer: &Answer) -> Kept {
         best_xy_m: best.map_or_else(Vec::new, |best| {
             best.path_xy_m.iter().map(rounded).collect()
         }),
-        // Whoever interrupts does not want to wait for one more simulation.
+        // After an interruption, no further simulation is started.
         replay: experiment
             .filter(|_| answer.ending == Ending::Complete)
             .and_then(|experiment| seen(definition, &experiment, &recordings)),
@@ -197,7 +197,7 @@ pub fn of_study(study: &Study, answer: &Answer) -> Kept {
     }
 }
 
-/// What the page of a gap shows beside it: the first start's run without noise.
+/// Data that the page of a gap shows in addition: the run of the first start without noise.
 pub fn of_gap(study: &Study) -> Kept {
     let definition = study.definition();
     let Some(case) = study.cases().first() else {
@@ -211,12 +211,12 @@ pub fn of_gap(study: &Study) -> Kept {
     }
 }
 
-/// A place in hundredths of millimetres.
+/// A position, rounded to hundredths of a millimetre.
 fn rounded(place_m: &[f64; 2]) -> [f64; 2] {
     place_m.map(|m| (m * 1e5).round() / 1e5)
 }
 
-/// The recordings of a case: as they are compared, and as they are seen.
+/// The recordings of a case: as prepared paths, and as recordings for the replay.
 fn recorded(definition: &Definition, case: &Case, scale: f64) -> (Vec<KeptPath>, Vec<Recording>) {
     let (mut paths, mut seen) = (Vec::new(), Vec::new());
     for target in case.targets.iter().take(KEPT_RECORDINGS) {
@@ -235,7 +235,7 @@ fn recorded(definition: &Definition, case: &Case, scale: f64) -> (Vec<KeptPath>,
         if seen.len() < GHOSTS && is_seen(&target.motion, &case.experiment) {
             seen.push(Recording {
                 trajectory: target.motion.clone(),
-                // They are as long as the file, the motion as long as the study.
+                // Bodies are left out, because they last as long as the file, and the motion only as long as the study.
                 bodies: Vec::new(),
                 ..recording.clone()
             });
@@ -244,12 +244,12 @@ fn recorded(definition: &Definition, case: &Case, scale: f64) -> (Vec<KeptPath>,
     (paths, seen)
 }
 
-/// Whether a recording tells where the robot was: joints alone do where it is held.
+/// Whether a recording determines where the robot was; joints alone do so only for a robot that is held.
 fn is_seen(motion: &Trajectory, experiment: &Experiment) -> bool {
     !motion.is_of_joints() || experiment.assembly.world_from_mount.is_some()
 }
 
-/// Recordings of a case to be seen beside its run, in true lengths.
+/// Recordings of a case for its replay, in true lengths.
 pub fn recordings_of(study: &Repeatable, case: &RepeatCase) -> Vec<Recording> {
     let scale = case.experiment.recording_length_scale;
     let is_of_case = |r: &&Recording| case.real.iter().any(|(name, _)| *name == r.name);
@@ -267,7 +267,7 @@ pub fn recordings_of(study: &Repeatable, case: &RepeatCase) -> Vec<Recording> {
         .collect()
 }
 
-/// What the page of repeats shows beside them: the first start's run without noise.
+/// Data that the page of repeats shows in addition: the run of the first start without noise.
 pub fn of_repeats(study: &Repeatable) -> Kept {
     let Some(case) = study.cases.first() else {
         return Kept::default();
@@ -281,7 +281,7 @@ pub fn of_repeats(study: &Repeatable) -> Kept {
     }
 }
 
-/// What the page of one robot shows beside its results.
+/// Data that the page of one robot shows in addition to its results.
 pub fn of_robot(experiment: &Experiment, robot: &Morphology) -> Kept {
     Kept {
         duration_s: experiment.duration_s,
@@ -290,7 +290,7 @@ pub fn of_robot(experiment: &Experiment, robot: &Morphology) -> Kept {
     }
 }
 
-/// What the page of a search shows beside its results: its best side by side.
+/// Data that the page of a search shows in addition to its results: its best robots side by side.
 pub fn of_robots(robots: &[(Experiment, &Morphology)]) -> Kept {
     let runs: Vec<_> = robots
         .iter()
@@ -304,7 +304,7 @@ pub fn of_robots(robots: &[(Experiment, &Morphology)]) -> Kept {
     }
 }
 
-/// One more run of a study beside its recordings.
+/// One more run of a study together with its recordings.
 fn seen(
     definition: &Definition,
     experiment: &Experiment,
@@ -314,7 +314,7 @@ fn seen(
     moving(experiment, &definition.morphology, recordings, is_settled)
 }
 
-/// One more run, with all parts; nothing where it diverges or has no parts.
+/// One more run with all parts; `None` where it diverges or has no parts.
 fn moving(
     experiment: &Experiment,
     robot: &Morphology,
@@ -341,7 +341,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_command_to_run_again_leaves_out_what_changes_nothing() {
+    fn the_command_to_run_again_leaves_out_options_that_do_not_change_results() {
         let typed =
             "./realgap sweep a.ron --jobs 3 --points=5 -o out --resume --format=json --set x=1";
         let words = typed.split(' ').map(str::to_owned);

@@ -1,10 +1,12 @@
-//! `realgap study parameters`: the registry.
+//! `realgap study parameters`: lists the registry of parameters.
 
 use realgap::simulation::parameter::{self, Nudge, Scale};
 
 use super::kit::*;
 
 /// List every parameter that can be set, swept or tuned, with unit, bounds, default and meaning
+///
+/// Use it to find names for `--set` and for the `parameters` of a study.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -14,7 +16,7 @@ pub struct Parameters {
     print: Print,
 }
 
-/// What `realgap study sensitivity` changes a parameter by.
+/// The step by which `realgap study sensitivity` changes a parameter.
 fn step(nudge: Nudge) -> String {
     match nudge {
         Nudge::Share(share) => format!("{:.0} %", 100.0 * share),
@@ -38,7 +40,7 @@ pub struct ParameterRow {
     default: Option<f64>,
     /// Whether it is a whole number.
     whole: bool,
-    /// What `realgap study sensitivity` changes it by.
+    /// The step by which `realgap study sensitivity` changes it.
     small_step: String,
     /// Whether it is searched on a logarithmic scale.
     log: bool,

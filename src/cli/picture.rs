@@ -1,4 +1,4 @@
-//! `realgap sense picture`: what a simulated camera sees in a room.
+//! `realgap sense picture`: renders pictures of a room with a simulated camera.
 
 mod motion;
 
@@ -13,18 +13,22 @@ use motion::Moving;
 
 use super::kit::*;
 
-/// Take pictures with a simulated camera: a scene's posters, boxes and lights, seen through a lens and a sensor
+/// Render pictures of a scene with a simulated camera, including its lens and sensor
 ///
-/// Writes NAME.png for every viewpoint of the scene, or of a robot in motion, and beside them what `realgap sense
-/// vision` needs: views.ron (what is where), template.png and alphabet.png. The same seed gives the same bytes.
+/// Use it to try image processing on simulated pictures, alone or next to real ones (`realgap sense vision compare`).
 ///
-/// --ride takes a camera along on a body: a mount of the scene says where it sits, where it looks, and where in the
-/// room the motion begins; a mount with a `body` rides on that part of a file of `simulate --parts`, else on the
-/// tracked module. A picture is called after its time, t_004.000.png. A camera inside of the body that carries it sees
-/// only that body's shadow. --watch stands at the scene's viewpoints instead and writes side_t_000.500.png and so on.
-/// --robot puts the robot into the pictures, and of a study what else is in its scene; it needs a run of all parts, or
-/// orientations and the angles of all joints, or a robot of one part. What moves while the camera exposes is smeared,
-/// as its own motion is. A run that leads through a wall or below the floor is refused.
+/// The command writes NAME.png for every viewpoint of the scene, or for every time of a robot's motion, and in the
+/// same folder the files that `realgap sense vision` needs: views.ron (which feature is where), template.png and
+/// alphabet.png. The same seed gives the same bytes.
+///
+/// --ride mounts the camera on a moving body. A mount of the scene says where the camera sits, where it looks, and
+/// where in the room the motion begins; a mount with a `body` rides on that part of a file of `simulate --parts`, any
+/// other mount on the tracked module. Each picture is named after its time, e.g. t_004.000.png. A camera inside of
+/// the body that carries it sees only that body's shadow. --watch takes the pictures from the scene's viewpoints
+/// instead, and names them side_t_000.500.png and so on. --robot adds the robot to the pictures and, where it names a
+/// study, the other bodies of the study's scene; it needs a run of all parts, or orientations and the angles of all
+/// joints, or a robot of one part. What moves during the exposure is blurred, and so is everything where the camera
+/// moves. A run that leads through a wall or below the floor is refused.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("moving").args(["ride", "watch"])))]
 #[command(after_help = "\
@@ -36,34 +40,34 @@ Examples:
 pub struct Picture {
     /// The scene (scenes/*.ron)
     scene: PathBuf,
-    /// Which of its cameras, or a .ron file with one (`realgap sense vision tune` writes it)
+    /// Camera of the scene, or a .ron file with a camera (`realgap sense vision tune` writes it)
     #[arg(long, value_name = "NAME", default_value = "model")]
     camera: String,
-    /// Which of its lights
+    /// Light of the scene
     #[arg(long, value_name = "NAME", default_value = "well")]
     light: String,
     /// Only this viewpoint; may be given several times
     #[arg(long, value_name = "NAME")]
     view: Vec<String>,
-    /// Ride along: a mount of the scene, in place of its viewpoints
+    /// Take the pictures from this mount of the scene, on the moving body, in place of the viewpoints
     #[arg(long, value_name = "NAME", requires = "run", conflicts_with_all = ["view", "repeats"])]
     ride: Option<String>,
-    /// Watch a robot from the viewpoints: a mount of the scene, which says where its motion begins
+    /// Take pictures of a moving robot from the viewpoints; this mount of the scene says where its motion begins
     #[arg(long, value_name = "NAME", requires_all = ["run", "robot"], conflicts_with = "repeats")]
     watch: Option<String>,
-    /// The motion to ride along or to watch (`realgap simulate -o` or `--parts` writes it)
+    /// Trajectory of the motion (`realgap simulate -o` or `--parts` writes it)
     #[arg(long, value_name = "FILE", requires = "moving")]
     run: Option<PathBuf>,
-    /// The robot that moves, or a study of it with what else is in its scene: it is in the pictures, too
+    /// The robot to show in the pictures, or a study, whose robot and scene are shown
     #[arg(long, value_name = "MORPHOLOGY|STUDY", requires = "moving")]
     robot: Option<PathBuf>,
-    /// A picture every so many seconds of the motion
+    /// Time between two pictures, in seconds of the motion
     #[arg(long, value_name = "S", default_value_t = 1.0, requires = "moving")]
     every: f64,
-    /// Pictures of every viewpoint, called NAME_1, NAME_2 and so on
+    /// Number of pictures from every viewpoint, named NAME_1, NAME_2 and so on
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     repeats: Option<u16>,
-    /// Seed of the camera's noise and places
+    /// Seed of the camera's noise and of its errors of position
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
     /// The folder to write into
@@ -73,7 +77,7 @@ pub struct Picture {
     reading: ReadingOptions,
 }
 
-/// A camera of the scene, or of a file of its own.
+/// A camera of the scene, or the camera of a file.
 pub(super) fn camera_named(scene: &Scene, name: &str) -> Result<Camera> {
     if Path::new(name).extension().is_some_and(|e| e == "ron") {
         return Camera::read(name);
@@ -84,12 +88,12 @@ pub(super) fn camera_named(scene: &Scene, name: &str) -> Result<Camera> {
         .map_err(|e| e.field("--camera").into_usage())
 }
 
-/// What the pictures of a viewpoint are counted from: each has a number of its own.
+/// The number before the first picture of a viewpoint; every picture has its own number, which seeds its noise.
 fn numbered(view: usize) -> u64 {
     1000 * view as u64
 }
 
-/// Width of the template, pixels: about as the logo is seen from three metres.
+/// Width of the template, pixels: about the width of the logo when it is seen from three metres.
 const TEMPLATE_PX: usize = 96;
 
 impl Picture {
@@ -163,7 +167,7 @@ impl Picture {
         Ok(())
     }
 
-    /// The viewpoints that are asked for, each with its number in the scene.
+    /// The viewpoints that `--view` names, each with its number in the scene.
     fn views<'a>(&self, scene: &'a Scene) -> impl Iterator<Item = (usize, &'a View)> {
         let all = scene.views.iter().enumerate();
         all.filter(|(_, view)| self.view.is_empty() || self.view.contains(&view.name))
@@ -179,7 +183,7 @@ impl Picture {
                     None => view.name.clone(),
                     Some(_) => format!("{}_{repeat}", view.name),
                 };
-                // A view's pictures do not depend on which others are taken.
+                // The pictures of a view must not depend on the other views.
                 let number = numbered(index) + u64::from(repeat);
                 let (picture, pose) =
                     take(scene, album.camera, view, album.light, self.seed, number)?;
@@ -190,7 +194,7 @@ impl Picture {
     }
 }
 
-/// The folder that pictures go into, and with what they are taken.
+/// The output folder, with the camera and the light of its pictures.
 struct Album<'a> {
     camera: &'a Camera,
     light: &'a Light,
@@ -200,12 +204,12 @@ struct Album<'a> {
 }
 
 impl Album<'_> {
-    /// So many pictures will come.
+    /// Sets the number of pictures of the progress bar.
     fn expect(&self, pictures: usize) {
         self.bar.set_length(pictures as u64);
     }
 
-    /// Writes a picture of a room, and what is to be found in it.
+    /// Writes a picture, and records which features it shows where.
     fn keep(&mut self, picture: &Bitmap, room: &Scene, view: &View) -> Result<()> {
         picture.write_png(self.folder.join(format!("{}.png", view.name)))?;
         let known = known(room, self.camera, &view.pose, &view.name);

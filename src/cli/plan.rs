@@ -1,4 +1,4 @@
-//! `realgap cluster plan`: cut a long run into shards.
+//! `realgap cluster plan`: divides a long run into shards.
 
 use realgap::plan::{Plan, PlanDraft, time};
 
@@ -6,12 +6,13 @@ use super::kit::*;
 use super::work::{absolute, check_arguments, parse, work_of};
 use super::{kind, shell};
 
-/// Cut a sweep, a tuning, a search, an ensemble or a gap into shards that many machines can run
+/// Divide a sweep, a tuning, a search, an ensemble or a gap into shards for many machines
 ///
-/// The plan is a folder that all machines see. `realgap cluster run PLAN --shard I` makes a part of the rows, `realgap
-/// cluster merge PLAN` puts the parts together, says what is to be made next, and in the end writes PLAN/results: byte
-/// for byte what one machine would have written. `realgap cluster submit slurm PLAN` lets Slurm do all of that. Options
-/// of the command itself follow after --. A few runs are measured first, so that the plan says what it will cost.
+/// Use it where one machine would take too long, and all machines see one disk. The plan is a folder. `realgap
+/// cluster run PLAN --shard I` computes a part of the rows. `realgap cluster merge PLAN` merges the parts, plans the
+/// next round, and at the end writes PLAN/results: byte for byte what one machine would have written. `realgap
+/// cluster submit slurm PLAN` lets Slurm do all of that. Options of the planned command follow after --. A few runs
+/// are measured first, to estimate the cost.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -23,28 +24,28 @@ pub struct PlanCommand {
     /// Folder for the plan, on a disk that all machines see
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// In how many shards every round is cut
+    /// Number of shards in every round
     #[arg(long, value_name = "N", required_unless_present = "shard_minutes")]
     shards: Option<usize>,
-    /// In so many that each takes about so many minutes of one core
+    /// Choose the number of shards so that each takes about this many minutes of one core
     #[arg(long, value_name = "MINUTES", conflicts_with = "shards")]
     shard_minutes: Option<f64>,
-    /// What to do with a study [default: sweep]
+    /// Command to plan for a study [default: sweep]
     #[arg(long = "as", value_name = "COMMAND", value_parser = PLANNED)]
     command: Option<String>,
-    /// Do not measure what it will cost
+    /// Do not measure runs to estimate the cost
     #[arg(long, conflicts_with = "shard_minutes")]
     no_measure: bool,
     #[command(flatten)]
     jobs: Jobs,
     #[command(flatten)]
     print: Print,
-    /// Options of the command itself
+    /// Options of the planned command
     #[arg(last = true, value_name = "OPTIONS")]
     arguments: Vec<String>,
 }
 
-/// What can be cut into shards.
+/// Commands that can be divided into shards.
 const PLANNED: [&str; 5] = ["sweep", "tune", "search", "ensemble", "gap"];
 
 impl PlanCommand {
@@ -74,7 +75,7 @@ impl PlanCommand {
             (Some(shards), ..) => shards,
             (None, Some(minutes), Some(cost)) if minutes > 0.0 => cost.shards_of(60.0 * minutes),
             _ => {
-                return Err(Error::usage("a shard takes some time")
+                return Err(Error::usage("a shard needs a positive duration")
                     .field("--shard-minutes")
                     .allowed("more than 0"));
             }
@@ -95,7 +96,7 @@ impl PlanCommand {
         }
         let folder = shell::path(&self.output);
         let mut lines = vec![format!(
-            "{command} of {} in {}, at first {}",
+            "{command} of {} in {}; {} in the first round",
             work.name(),
             counted(shards, "shard"),
             counted(round.to, "row"),
@@ -110,7 +111,7 @@ impl PlanCommand {
             lines.push(format!("  {cost}"));
             let all = cost.cpu_s() / shards.min(round.to.max(1)) as f64;
             lines.push(format!(
-                "  with all of them at once, on a core each: {}, and what the merges take",
+                "  with all shards at once, one core each: {}, plus the time of the merges",
                 time(all)
             ));
         }
@@ -118,9 +119,9 @@ impl PlanCommand {
             "  a shard:        realgap cluster run {folder} --shard 0"
         ));
         lines.push(format!("  after a round:  realgap cluster merge {folder}"));
-        lines.push(format!("  how far it is:  realgap cluster status {folder}"));
+        lines.push(format!("  progress:       realgap cluster status {folder}"));
         lines.push(format!(
-            "  or all of it:   realgap cluster submit slurm {folder} --go"
+            "  or everything:  realgap cluster submit slurm {folder} --go"
         ));
         terminal::print(lines.join("\n"));
         Ok(())

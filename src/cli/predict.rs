@@ -10,10 +10,12 @@ use super::kit::*;
 use super::option::{MOST_REPEATS, ModelErrorOption};
 use super::page;
 
-/// Say what a robot will do before anybody builds it: how far, which behaviours, how likely
+/// Predict what a robot will do before it is built: how far, which behaviours, how likely
 ///
-/// Simulates repeats of one run from rest under noise and prints the prediction card: displacement quantiles,
-/// behaviours with probabilities, the probability of success. -o writes prediction.json, repeats.csv and pictures.
+/// Use it for a robot without recordings; for a study with recordings use `realgap ensemble`. The command simulates
+/// repeats of one run from rest under noise, and prints the prediction card: quantiles of the displacement,
+/// behaviours with their probabilities, and the probability of success. -o writes prediction.json, repeats.csv and
+/// pictures.
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 #[command(after_help = "\
@@ -28,7 +30,8 @@ pub struct Predict {
     /// Length of each run, seconds
     #[arg(long, value_name = "S", default_value_t = 20.0)]
     duration: f64,
-    /// How repeats differ, a file as a study's `noise` section [default: a robot that nobody has measured, see docs/results.md]
+    /// How repeats differ: a file with the fields of a study's `noise` section [default: a noise preset for robots without
+    /// measurements, see docs/results.md]
     #[arg(long, value_name = "FILE")]
     noise: Option<PathBuf>,
     /// Number of repeats
@@ -37,7 +40,7 @@ pub struct Predict {
     /// Seed of all draws
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
-    /// Net displacement that counts as success, metres [default: half of the run without noise]
+    /// Net displacement that counts as success, metres [default: half of the net displacement without noise]
     #[arg(long, value_name = "M")]
     success_m: Option<f64>,
     #[command(flatten)]
@@ -80,7 +83,7 @@ impl Predict {
             Some(file) => (read_noise(file)?, file.display().to_string()),
             None => {
                 warnings.push(Code::EstimatedNoise.warning(
-                    "the noise is an estimate for a robot that nobody has measured; name your own with --noise",
+                    "the noise is a default preset for robots without measurements; give your own with --noise",
                 ));
                 (Noise::unmeasured_robot(), "estimate".to_owned())
             }
@@ -99,7 +102,7 @@ impl Predict {
             };
             run.install(|| run_each(&experiment, &draws, run))?
         })?;
-        // Two more runs, which somebody who has just stopped this one does not wait for.
+        // The divergence rate needs two more runs, which are left out after an interruption.
         let growth = match repeats.is_complete() {
             true => DivergenceRate::of(&experiment)?,
             false => None,
@@ -138,7 +141,7 @@ impl Predict {
         })?;
         if !repeats.is_complete() {
             return Err(Error::interrupted(format!(
-                "interrupted after {} of {} repeats; the card is of those",
+                "interrupted after {} of {} repeats; the card covers only these",
                 repeats.repeats.len(),
                 repeats.asked
             )));
@@ -146,7 +149,7 @@ impl Predict {
         if card.prediction.displacement_m.is_none() {
             return Err(Error::invalid("every repeat diverged")
                 .at_file(&self.morphology)
-                .hint("check the robot with `realgap simulate`, then a shorter timestep or more substeps"));
+                .hint("check the robot with `realgap simulate`, then try a shorter timestep or more substeps"));
         }
         Ok(())
     }

@@ -12,7 +12,7 @@ use realgap::optimization::{Progress, RunOptions};
 use realgap::plan::time;
 use realgap::simulation::RunHooks;
 
-/// How often a log hears how far the work is.
+/// How often the progress is printed where standard error is not a terminal.
 const MINUTE: Duration = Duration::from_secs(60);
 
 /// Does some work under a bar of `total` steps.
@@ -58,23 +58,23 @@ pub fn during_one<T>(duration_s: f64, run: impl FnOnce(RunHooks<'_>) -> Result<T
     done
 }
 
-/// What keeps a bar where the run is.
+/// A callback that moves the bar with the run.
 pub fn follow(bar: &ProgressBar) -> impl Fn(Progress) + Sync + '_ {
     let begun = AtomicBool::new(false);
     move |progress| {
         if let Some(what) = progress.finishing {
-            // A full bar would stand there as if nothing happened any more.
+            // A full bar would look as if the program had stopped, so a spinner replaces it.
             if let Ok(style) = ProgressStyle::with_template("{msg} {spinner} {elapsed}") {
                 bar.set_style(style);
             }
             bar.set_message(what);
-            // What follows has no steps: a count of what is over would stand still, and time left would grow.
+            // The remaining work has no steps: the count would stand still, and the time left would grow.
             bar.unset_length();
             return;
         }
         bar.set_length(progress.total as u64);
         if !begun.swap(true, Ordering::Relaxed) {
-            // Rate and time left count from here, not from what an earlier run did.
+            // Rate and time left are computed from here, without the steps of an earlier run.
             bar.set_position(progress.done as u64);
             bar.reset_eta();
         }
@@ -82,7 +82,7 @@ pub fn follow(bar: &ProgressBar) -> impl Fn(Progress) + Sync + '_ {
     }
 }
 
-/// Something that turns while another program works.
+/// A spinner for the time in which another program works.
 pub fn spinner(what: &str) -> ProgressBar {
     let spinner = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(8));
     if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}, {elapsed}") {
@@ -115,7 +115,7 @@ pub fn bar(total: usize, what: &str) -> ProgressBar {
     bar
 }
 
-/// Conclusion once a minute how far a bar is that nobody sees.
+/// Prints the progress of an invisible bar once a minute.
 fn tell_by_the_minute(bar: &ProgressBar) {
     let watched = bar.downgrade();
     let begun = Instant::now();
@@ -123,7 +123,7 @@ fn tell_by_the_minute(bar: &ProgressBar) {
         let (mut next, mut first) = (MINUTE, None);
         while let Some(bar) = watched.upgrade().filter(|bar| !bar.is_finished()) {
             let done = bar.position();
-            // What an earlier run did was not done in this time.
+            // Steps of an earlier run do not count for the pace.
             let first = *first.get_or_insert(done);
             let taken = begun.elapsed();
             if taken >= next {

@@ -1,4 +1,4 @@
-//! `realgap sense radio`: from logged strengths to a radio model, and what becomes of messages.
+//! `realgap sense radio`: fits and evaluates models of signal strength, and simulates messages.
 
 use realgap::results::{draw_error_map, draw_strength_map};
 use realgap::sensing::arena::{Anchor, Arena};
@@ -11,10 +11,11 @@ use realgap::sensing::radio::{
 use super::kit::*;
 
 commands! {
-    /// Fit how strong radio signals arrive, hold it against other logs, and send messages (paper 002, section IV)
+    /// Fit and evaluate models of radio signal strength, and simulate messages (paper 002, section IV)
     ///
-    /// A log is CSV with x_m, y_m and a column of strengths for every anchor (anchor_1_dbm …; empty where nothing was heard). Walls, with
-    /// thickness and material, and the anchors' places come from an arena; realgap counts the walls between robot and anchor.
+    /// A log is a CSV file with x_m, y_m and a column of signal strengths for every anchor (anchor_1_dbm …; empty
+    /// where nothing was received). Walls, with thickness and material, and the places of the anchors come from an
+    /// arena; realgap counts the walls between robot and anchor.
     RadioCommand:
     Fit(Fit),
     Evaluate(Evaluate),
@@ -54,35 +55,37 @@ const BASES: &[Choice<LogBase>] = &[
     ),
 ];
 
-/// Fit a radio model to logged strengths
+/// Fit a model of radio signal strength to a log
 ///
-/// `walls` is equation 2 of paper 002: P(d₀) − 10 n log(d/d₀) − min(nW, C) WAF; `thickness` has a loss for every metre
-/// of wall, `materials` one for each class. `auto` takes the model, and the number C of walls that count, whose errors
-/// are smallest at places (squares of a metre) that were left out. The numbers of paper 002 need `--log-base e`.
+/// Use it on strengths that were logged at known places; `realgap sense radio evaluate` then checks the model on
+/// another log. `walls` is equation 2 of paper 002: P(d₀) − 10 n log(d/d₀) − min(nW, C) WAF; `thickness` has a loss
+/// per metre of wall, `materials` a loss per class of material. `auto` chooses the model, and the number C of walls
+/// that count, whose errors are smallest at places (squares of a metre) that were left out. The numbers of paper 002
+/// need `--log-base e`.
 ///
-/// Printed are parameters with 90 % intervals, which count readings near each other as sharing their errors, whether
-/// the log determines them and why not, what a place and what a reading adds to a strength, and how near to the
-/// prediction 90 % of the strengths at new places lie. Strengths of 0 dBm or more, or under −120 dBm, count as not
-/// heard, with a warning.
+/// The command prints the parameters with 90 % intervals, which take into account that readings near each other share
+/// their errors; whether the log determines each parameter, and otherwise why not; the standard deviations that a
+/// place and a reading add to a strength; and how near to the prediction 90 % of the strengths at new places lie.
+/// Strengths of 0 dBm or more, or under −120 dBm, count as not received, with a warning.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   realgap sense radio fit poses.csv --arena arenas/flat.ron -o radio.ron")]
 pub struct Fit {
-    /// The log
+    /// The log (.csv)
     log: PathBuf,
     #[command(flatten)]
     place: Place,
-    /// Only rows of this session (column `session`)
+    /// Use only rows of this session (column `session`)
     #[arg(long, value_name = "NAME")]
     session: Option<String>,
-    /// free-space, log-distance, walls, thickness, materials, or auto: what foretells places that are left out best
+    /// free-space, log-distance, walls, thickness, materials, or auto, which chooses the model that predicts left-out places best
     #[arg(long, value_name = "NAME", default_value = "auto")]
     model: String,
     /// Base of the logarithm of distances: the exponent depends on it
     #[arg(long, value_parser = choice(BASES), default_value = "10")]
     log_base: LogBase,
-    /// Distance at which the strength is a parameter, metres
+    /// Reference distance d₀, at which the strength is a parameter, metres
     #[arg(long, value_name = "M", default_value_t = 1.0)]
     reference_distance: f64,
     /// Height of the robot's antenna, metres
@@ -95,34 +98,34 @@ pub struct Fit {
     telling: Telling,
 }
 
-/// Hold a radio model against a log that it has not seen, beside the guesses one would ask for
+/// Evaluate a radio model on a held-out log, and compare it with baselines
 ///
-/// Printed are the error in all and for each anchor, the share of strengths in the 90 % interval, and the errors of
-/// other guesses: the other models of the same fit, the mean strength, and the mean of the nearest readings of a log
-/// (--fingerprints).
+/// Use it on a log or session that the fit has not used. The command prints the error, over all anchors and for each
+/// one, the share of strengths in the 90 % interval, and the errors of the baselines: the other models of the same
+/// fit, the mean strength, and the mean of the nearest readings of a log (--fingerprints).
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   realgap sense radio evaluate poses.csv --session 2 --arena arenas/flat.ron \\
       --parameters radio.ron --fingerprints poses.csv --fingerprint-session 0")]
 pub struct Evaluate {
-    /// The log
+    /// The log (.csv)
     log: PathBuf,
     #[command(flatten)]
     place: Place,
     /// The model that `fit` wrote
     #[arg(long, value_name = "FILE")]
     parameters: PathBuf,
-    /// Only rows of this session
+    /// Use only rows of this session (column `session`)
     #[arg(long, value_name = "NAME")]
     session: Option<String>,
-    /// Also guess by the nearest places of this log (the one that was fitted)
+    /// Log for the baseline of nearest places (usually the log that was fitted)
     #[arg(long, value_name = "FILE")]
     fingerprints: Option<PathBuf>,
-    /// Only rows of this session of it
+    /// Use only rows of this session of --fingerprints
     #[arg(long, value_name = "NAME", requires = "fingerprints")]
     fingerprint_session: Option<String>,
-    /// How many of the nearest places
+    /// Number of nearest places in the baseline
     #[arg(
         long,
         value_name = "K",
@@ -130,14 +133,16 @@ pub struct Evaluate {
         requires = "fingerprints"
     )]
     neighbours: usize,
-    /// Draw what is not explained, place by place, into this .png or .svg
+    /// Draw the residuals at each place into this .png or .svg
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
     #[command(flatten)]
     telling: Telling,
 }
 
-/// Draw how strong an anchor's signal is everywhere
+/// Draw a map of the signal strength of one anchor
+///
+/// Use it to see where in an arena the anchor can be received.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -149,7 +154,7 @@ pub struct Map {
     /// The model that `fit` wrote
     #[arg(long, value_name = "FILE")]
     parameters: PathBuf,
-    /// Which anchor
+    /// Name of the anchor
     #[arg(long, value_name = "NAME")]
     anchor: String,
     /// Draw into this .png or .svg
@@ -157,10 +162,11 @@ pub struct Map {
     plot: PathBuf,
 }
 
-/// Send messages between two places and count what becomes of them
+/// Simulate messages between two places, and count how many arrive
 ///
-/// What is under −92 dBm does not arrive; of the rest as many are lost as --loss-half and --loss-width say. Shadowing
-/// and fading are drawn. The fate of a message depends on its number and --seed alone.
+/// Use it to see whether two robots can reach each other, and how late. A message weaker than −92 dBm does not
+/// arrive; of the others, the share that --loss-half and --loss-width give is lost. Shadowing and fading are drawn at
+/// random. The fate of a message depends on its number and --seed alone.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -180,7 +186,7 @@ pub struct Send {
         allow_hyphen_values = true
     )]
     from: Vec<f64>,
-    /// Where the receiver is
+    /// Where the receiver is, metres: X,Y or X,Y,Z
     #[arg(
         long,
         value_name = "X,Y",
@@ -188,7 +194,7 @@ pub struct Send {
         allow_hyphen_values = true
     )]
     to: Vec<f64>,
-    /// How many
+    /// Number of messages
     #[arg(long, value_name = "N", default_value_t = 1000)]
     messages: u64,
     /// Strength above the sensitivity at which half of the messages are lost, dB
@@ -205,10 +211,10 @@ pub struct Send {
     /// Mean time from sending to arriving, seconds
     #[arg(long, value_name = "S", default_value_t = 0.0)]
     latency: f64,
-    /// Its standard deviation, seconds
+    /// Standard deviation of --latency, seconds
     #[arg(long, value_name = "S", default_value_t = 0.0)]
     latency_sd: f64,
-    /// No shadowing and no fading
+    /// Leave out shadowing and fading
     #[arg(long)]
     no_noise: bool,
     /// Seed of shadowing, fading, losses and latencies
@@ -304,7 +310,7 @@ impl Map {
     }
 }
 
-/// A place from its option; a height that is not stated is that of a robot.
+/// The place that an option gives; without Z, the height is that of the robot's antenna.
 fn place(option: &str, values: &[f64], model: &RadioModel) -> Result<[f64; 3]> {
     match values {
         [x, y] if x.is_finite() && y.is_finite() => Ok(model.robot_at([*x, *y])),

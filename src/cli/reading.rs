@@ -7,10 +7,10 @@ use realgap::trajectory::{Axes, Columns, Crop, Only, QuaternionOrder, Reading};
 use realgap::unit::{AngleUnit, LengthUnit, TimeUnit};
 use realgap::{Error, Result};
 
-/// How the files are to be read, before what a study or a `meta.ron` beside them says (docs/recordings.md).
+/// How recordings are read. These options override the study and the `meta.ron` beside the files (docs/recordings.md).
 #[derive(Debug, Clone, Default, Args)]
 pub struct ReadingOptions {
-    /// A file that says how recordings are read, as a study's `reading` (- for none)
+    /// File with the fields of a study's `reading`, which says how recordings are read (- for none)
     #[arg(long = "reading", value_name = "FILE", help_heading = READING)]
     reading_files: Vec<PathBuf>,
     /// Unit of length: m, cm or mm
@@ -22,17 +22,17 @@ pub struct ReadingOptions {
     /// Unit of angle: rad or deg
     #[arg(long, value_name = "UNIT", help_heading = READING)]
     angle_unit: Vec<AngleUnit>,
-    /// Which column holds what, e.g. 't=%time in ns', 'x=pose.x in mm' or 'run=trial' (repeatable); t x y z qw qx qy qz heading
-    /// vx vy vz wx wy wz condition run
+    /// Column of a quantity, e.g. 't=%time in ns', 'x=pose.x in mm' or 'run=trial' (repeatable); quantities: t x y z qw qx qy qz
+    /// heading vx vy vz wx wy wz condition run
     #[arg(long, value_name = "WHAT=NAME", help_heading = READING)]
     column: Vec<String>,
-    /// Order of quaternions, by the places of their columns: wxyz or xyzw
+    /// Order of quaternions, as their columns stand: wxyz or xyzw
     #[arg(long, value_name = "ORDER", help_heading = READING)]
     quaternion: Vec<QuaternionOrder>,
-    /// Only this part, in seconds since the first sample, e.g. 2.5: or 0:20
+    /// Use only this part, in seconds since the first sample, e.g. 2.5: or 0:20
     #[arg(long, value_name = "FROM:TO", help_heading = READING)]
     crop: Vec<Crop>,
-    /// Only the rows in which a column has this value, e.g. robot=3
+    /// Use only the rows in which a column has this value, e.g. robot=3
     #[arg(long = "where", value_name = "COLUMN=VALUE", help_heading = READING)]
     whose: Vec<Only>,
     /// Sort samples by time
@@ -41,10 +41,10 @@ pub struct ReadingOptions {
     /// Leave out samples in which a number is missing
     #[arg(long, help_heading = READING)]
     skip_lost: bool,
-    /// Lines before the one that names the columns
+    /// Number of lines before the line with the names of the columns
     #[arg(long, value_name = "N", help_heading = READING)]
     skip_lines: Option<usize>,
-    /// Samples a second, of files that hold no times (KITTI)
+    /// Samples per second, for files without times (KITTI)
     #[arg(long, value_name = "HZ", help_heading = READING)]
     rate_hz: Vec<f64>,
     /// The topic whose poses are read (MCAP, bags of ROS 2), e.g. /odom
@@ -60,13 +60,13 @@ pub struct ReadingOptions {
 
 const READING: &str = "How recordings are read (docs/recordings.md)";
 
-/// The value for file `index` of `files`: one for all, or one each.
+/// The value for file `index` of `files`: the option is given once for all files, or once for each.
 fn pick<T: Clone>(all: &[T], option: &str, index: usize, files: usize) -> Result<Option<T>> {
     match all.len() {
         0 => Ok(None),
         1 => Ok(Some(all[0].clone())),
         count if count == files => Ok(Some(all[index].clone())),
-        count => Err(Error::usage("given neither once nor once a file")
+        count => Err(Error::usage("give this option once, or once per file")
             .field(option)
             .found(format!("{count} times"))
             .allowed(match files {
@@ -82,7 +82,7 @@ impl ReadingOptions {
         self.of_file(0, 1)
     }
 
-    /// How file `index` of `files` is read: options that are given once are for all, others for one file each.
+    /// How file `index` of `files` is read: an option that is given once is for all files, otherwise each is for one file.
     pub fn of_file(&self, index: usize, files: usize) -> Result<Reading> {
         let mut columns = Columns::default();
         for text in &self.column {
@@ -103,7 +103,7 @@ impl ReadingOptions {
             topic: pick(&self.topic, "topic", index, files)?,
             child_frame: pick(&self.child_frame, "child_frame", index, files)?,
             axes: pick(&self.axes, "axes", index, files)?,
-            // Said in a file only.
+            // The other fields can be set in a file only.
             ..Reading::default()
         };
         match pick(&self.reading_files, "reading", index, files)? {

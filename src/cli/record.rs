@@ -6,8 +6,8 @@ use super::kit::*;
 
 /// Make stand-in recordings: repeats of a simulation with start, servo and camera noise
 ///
-/// They take the place of real runs where there are none, so that a calibration can be tested on known
-/// truth. `meta.ron` beside them says that they are stand-ins and how they were made.
+/// Use it to test a calibration against known parameters where there are no real runs. `meta.ron` in the same folder
+/// says that the recordings are stand-ins and how they were made.
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 #[command(after_help = "\

@@ -1,4 +1,4 @@
-//! docs/cli.md: what `--help` says of every command, on one page.
+//! docs/cli.md: the help of every command on one page.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,15 +10,15 @@ use super::{Cli, NOTES, QUESTIONS};
 
 /// Widest line of prose.
 const WIDTH: usize = 100;
-/// An option is told once for all where so many commands, or groups of them, have it in the same words.
+/// An option is described once for all commands where at least this many commands or groups have it with the same help.
 const COMMON: usize = 3;
 
 const HEAD: &str = "\
 # The command line
 
-This page is made from the commands: it says what `realgap --help` and `realgap COMMAND --help` say.
-How to read what they print and write is in [docs/results.md][docs/results.md], which question leads
-to which command in [docs/questions.md][docs/questions.md].
+This page is generated from the commands; it has the text of `realgap --help` and
+`realgap COMMAND --help`. [docs/results.md][docs/results.md] explains what commands print and write,
+[docs/questions.md][docs/questions.md] which command answers which question.
 
 ";
 
@@ -26,7 +26,7 @@ const WARNINGS: &str = "\
 ## Warnings
 
 A warning is one sentence and a stable code; it is printed on standard error and stands in every
-JSON. Pages say for each what to do about it.
+JSON. Pages show what to do about each.
 
 | code | what it says | what to do about it |
 |---|---|---|
@@ -110,7 +110,7 @@ fn help_of(arg: &Arg) -> String {
     text
 }
 
-/// Plain words as Markdown: options, file names and what else holds signs of it as code, pages as links.
+/// Plain words as Markdown: options, file names and words with signs of Markdown become code, pages become links.
 fn marked(text: &str) -> String {
     let mut is_code = false;
     let mut words = Vec::new();
@@ -151,7 +151,7 @@ fn wrapped(text: &str) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Help as clap keeps it: paragraphs, and blocks of indented lines below a line that says what they are.
+/// The help text of clap as Markdown: paragraphs, and blocks of indented lines below a heading line.
 fn prose(text: &str) -> String {
     let mut page = String::new();
     let paragraphs = text.split("\n\n").map(str::trim_end);
@@ -177,7 +177,7 @@ fn table(rows: &[&Row]) -> String {
     format!("| | |\n|---|---|\n{lines}\n")
 }
 
-/// The text of a heading that the help's heading becomes.
+/// The Markdown heading for a heading of the help.
 fn title(heading: Option<&str>) -> &str {
     heading.map_or("Options of many commands", |heading| {
         heading.split(" (").next().unwrap_or(heading)
@@ -196,7 +196,7 @@ struct Page {
     rows: Vec<Row>,
 }
 
-/// Every command, those of a group behind it.
+/// Every command; the commands of a group follow after it.
 fn pages(parent: &Command, path: &str, depth: usize, found: &mut Vec<Page>) {
     for command in parent.get_subcommands().filter(|c| c.get_name() != "help") {
         let name = format!("{path}{}", command.get_name());
@@ -225,7 +225,7 @@ impl Page {
         self.command.has_subcommands()
     }
 
-    /// What its help says below the first line.
+    /// The help of the command below its first line.
     fn text(&mut self, common: &BTreeSet<Row>) -> String {
         let about = self.about();
         let mut text = format!("{} `{}`\n\n", "#".repeat(self.depth), self.name);
@@ -256,7 +256,7 @@ impl Page {
         text
     }
 
-    /// The options that are told once for all: those below a heading by it where all of them are there.
+    /// Links to the options that are described once for all commands; by their heading where the command has all of that heading.
     fn shared(&self, common: &BTreeSet<Row>) -> String {
         let is_global = |row: &Row| row.name == "--force";
         let mut names = Vec::new();
@@ -285,7 +285,7 @@ fn headings(rows: &BTreeSet<Row>) -> BTreeSet<Option<String>> {
     rows.iter().map(|row| row.heading.clone()).collect()
 }
 
-/// The rows of options that many commands have in the same words.
+/// The rows of options that many commands have with the same help.
 fn common(pages: &[Page]) -> BTreeSet<Row> {
     let mut users: BTreeMap<Row, BTreeSet<&str>> = BTreeMap::new();
     for page in pages.iter().filter(|page| !page.is_group()) {
@@ -365,7 +365,7 @@ fn reference() -> String {
     text + "\n" + &links
 }
 
-/// The pages that the text names, where a reader of files finds them.
+/// Link definitions of the pages that the text names.
 fn links(text: &str) -> String {
     let named = text
         .split("][")
@@ -379,12 +379,12 @@ fn links(text: &str) -> String {
 }
 
 #[test]
-fn the_page_of_the_command_line_is_what_the_commands_say() {
+fn the_page_of_the_command_line_equals_the_help_of_the_commands() {
     must_hold("docs/cli.md", &reference(), "--bin realgap reference");
 }
 
 #[test]
-fn every_example_is_understood() {
+fn every_example_is_parsed() {
     let mut root = Cli::command();
     root.build();
     let mut all = Vec::new();

@@ -1,4 +1,4 @@
-//! `realgap replay`: a robot in motion and its recorded runs, as a page, an animation, or a file for another program.
+//! `realgap replay`: shows a robot in motion and its recordings, as a page, an animation, or a file for another program.
 
 use realgap::calibration::{Overrides, RepeatCase, Repeatable, StartRule};
 use realgap::comparison;
@@ -13,16 +13,17 @@ use super::option::recording_unused;
 use super::page;
 use super::shell;
 
-/// Show a run in space, over its recordings: a page that needs no network, an animation, or a file for Foxglove or a 3D program
+/// Show a run in 3D with its recordings: as a web page, an animation, or a file for Foxglove or a 3D program
 ///
-/// Of a robot's file the run is simulated from rest, as `simulate` does, as long as the first recording. Of a study, or
-/// the best.ron of one, it is the study's own run: with its settings, its scene and, where runs start from a recording,
-/// that recording's start. Of a recorded or simulated run the motion is shown as it is: all parts where the file has
-/// them (`simulate --parts`), else what the tracked module's orientation and the joints tell, else a point.
+/// Use it to see what a robot does, and where the simulation leaves its recordings. A robot's file is simulated from
+/// rest, as `simulate` does, as long as the first recording. A study, or the best.ron of one, is simulated with its
+/// own settings and scene and, where runs start from a recording, from that recording's start. A recorded or
+/// simulated run is shown as it is: with all parts where the file has them (`simulate --parts`), otherwise with the
+/// parts that follow from the tracked module's orientation and the joints, otherwise as a point.
 ///
-/// Recorded runs are translucent as far as their poses are known, else a point with a line to the run. They are moved
-/// to the same start and turned about the vertical so that all go the same way, unless --as-recorded. What a page, an
-/// animation and a log hold: docs/pages.md
+/// Recorded runs are translucent as far as their poses are known, otherwise a point with a line to the run. They are
+/// moved to the same start and turned about the vertical so that all go the same way, unless --as-recorded.
+/// docs/pages.md describes the content of a page, an animation and a log.
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 #[command(after_help = "\
@@ -37,10 +38,10 @@ pub struct ReplayCommand {
     /// The robot that made the run; without it a point is shown
     #[arg(long, value_name = "MORPHOLOGY")]
     robot: Option<PathBuf>,
-    /// Recorded runs to be shown over it (repeatable)
+    /// Recordings to show together with the run (repeatable)
     #[arg(long, value_name = "RECORDING", num_args = 1..)]
     against: Vec<PathBuf>,
-    /// Of a study whose runs start from recordings: from which one, by its name [default: the first]
+    /// For a study whose runs start from recordings: name of the recording to start from [default: the first]
     #[arg(long, value_name = "RECORDING")]
     start: Option<String>,
     /// Keep recordings where their files say, instead of moving and turning them onto the run's start and direction
@@ -53,7 +54,7 @@ pub struct ReplayCommand {
     values: Values,
     #[command(flatten)]
     reading: ReadingOptions,
-    /// What is written, by its ending: .html (a page), .png (an animation), .mcap (Foxglove), .glb (glTF)
+    /// File to write; its ending chooses the format: .html (a page), .png (an animation), .mcap (Foxglove), .glb (glTF)
     #[arg(short, long, value_name = "FILE", default_value = "replay.html")]
     output: PathBuf,
 }
@@ -67,7 +68,7 @@ impl ReplayCommand {
         }
         if self.start.is_some() {
             return Err(
-                Error::usage("only a study says how runs start from recordings")
+                Error::usage("only runs of a study can start from a recording")
                     .field("--start")
                     .found(self.run.display()),
             );
@@ -130,7 +131,7 @@ impl ReplayCommand {
             reading: self.reading.reading()?,
             ..self.values.over(Overrides::default())?
         };
-        // Nothing is scored here, so what the study's metric would refuse is shown all the same.
+        // Nothing is scored here, so recordings that the study's metric would refuse are shown, too.
         let study = read_repeatable(&self.run, &overrides).or_else(|_| {
             overrides.metric = Some(comparison::by_name("rms")?);
             read_repeatable(&self.run, &overrides)
@@ -166,7 +167,7 @@ impl ReplayCommand {
         })
     }
 
-    /// The start that is asked for.
+    /// The case whose recording `--start` names.
     fn case<'a>(&self, study: &'a Repeatable) -> Result<&'a RepeatCase> {
         match &self.start {
             None => study
@@ -181,9 +182,11 @@ impl ReplayCommand {
     /// A run from a file.
     fn recorded(&self, recordings: &[Recording], files: &[&Path]) -> Result<()> {
         if self.duration.is_some() || self.values.parameter_set()?.iter().next().is_some() {
-            return Err(Error::usage("a run that is read is not simulated")
-                .at_file(&self.run)
-                .hint("leave --duration, --set and --parameters out, or name a robot's file"));
+            return Err(
+                Error::usage("this run is read from a file and not simulated")
+                    .at_file(&self.run)
+                    .hint("leave --duration, --set and --parameters out, or name a robot's file"),
+            );
         }
         let morphology = self.robot.as_deref().map(read_morphology).transpose()?;
         let run = trajectory::read(&self.run, self.reading.reading()?)?;
@@ -222,23 +225,23 @@ impl ReplayCommand {
     }
 }
 
-/// What a page is made of.
+/// The content of a replay.
 pub struct Shown<'a> {
     /// The robot.
     pub morphology: Option<&'a Morphology>,
     /// The run.
     pub film: &'a Film,
-    /// What the run is called.
+    /// The name of the run.
     pub name: &'a str,
-    /// What was simulated.
+    /// The experiment, where the run was simulated.
     pub experiment: Option<&'a Experiment>,
-    /// What it is shown against.
+    /// The recordings that are shown with it.
     pub recordings: &'a [Recording],
-    /// Whether recordings are laid onto the run.
+    /// Whether recordings are moved and turned onto the run.
     pub align: bool,
-    /// Of the run; those of the recordings are added.
+    /// Warnings of the run; the warnings of the recordings are added.
     pub warnings: &'a [Warning],
-    /// What was read.
+    /// The files that were read.
     pub files: &'a [&'a Path],
 }
 
@@ -297,7 +300,7 @@ pub fn diverged(divergence: &Divergence, file: &Path) -> Error {
         .hint("try a shorter --timestep or more --substeps; check masses, sizes and servo limits")
 }
 
-/// What a replay is written as, by the ending of its file.
+/// The format of a replay, by the ending of its file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Show {
     Page,
@@ -320,7 +323,7 @@ impl Show {
         }
     }
 
-    /// What opens it.
+    /// The program that opens it.
     fn viewer(self) -> &'static str {
         match self {
             Self::Page => "a browser",

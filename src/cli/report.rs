@@ -1,4 +1,4 @@
-//! `realgap report`: a results folder as one page.
+//! `realgap report`: writes a results folder as one page.
 
 use realgap::file::write_sealed;
 use realgap::report::folder_page;
@@ -8,11 +8,12 @@ use super::kit::*;
 use super::output::check_page;
 use super::shell::command_line;
 
-/// Show what a results folder holds: one HTML file that needs no network
+/// Write the results of a folder as one HTML page that needs no network
 ///
-/// Of a sweep or a tuning: the answer, the map of scores (a click on a point shows its path), verdicts, pictures, the numerical
-/// audit, warnings, versions and hashes. Of other results: their numbers and pictures. Everything comes from the files in the folder, which
-/// are compared with their check sums (SHA256SUMS) first.
+/// Use it to write the page again; other commands write it into their folder unless --no-report is given. The page of
+/// a sweep or a tuning shows the answer, the map of scores (a click on a point shows its path), verdicts, pictures,
+/// the numerical audit, warnings, versions and hashes; the page of other results shows their numbers and pictures.
+/// Everything comes from the files in the folder, whose checksums (SHA256SUMS) are verified first.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -23,7 +24,7 @@ pub struct ReportCommand {
     /// The page [default: report.html in the folder]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Accept files of the folder that were changed by hand: from now on they count as they are
+    /// Accept files of the folder that were changed by hand, and write new checksums of them
     #[arg(long)]
     accept: bool,
 }
@@ -31,7 +32,7 @@ pub struct ReportCommand {
 impl ReportCommand {
     pub fn run(self) -> Result<()> {
         if !self.folder.is_dir() {
-            return Err(Error::usage("this is no folder")
+            return Err(Error::usage("this is not a folder")
                 .at_file(&self.folder)
                 .hint(
                     "name a folder that sweep, tune, search, ensemble, gap or predict has written",

@@ -1,4 +1,4 @@
-//! `realgap study results`: what a results folder holds.
+//! `realgap study results`: lists the rows of a results folder.
 
 use realgap::Advice;
 use realgap::file::{Seal, versioned_json};
@@ -11,8 +11,9 @@ use super::kit::*;
 
 /// List the points or robots of a results folder, also while a run is still writing into it
 ///
-/// Everything comes from the folder's results.sqlite; the files of the study or search are not needed. Every row is checked against
-/// what was written, and then the folder's other files against their check sums.
+/// Use it to look at all trials of a sweep, a tuning or a search, or to hand them to another program. Everything
+/// comes from the folder's results.sqlite; the files of the study or search are not needed. Every row is compared
+/// with its checksum, and then the folder's other files with theirs.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -27,7 +28,7 @@ pub struct Results {
     /// Only the first N rows after sorting
     #[arg(long, value_name = "N")]
     top: Option<usize>,
-    /// One more column a recording
+    /// Add one column per recording
     #[arg(long)]
     per_recording: bool,
     /// How to print
@@ -55,7 +56,7 @@ impl Results {
     pub fn run(self) -> Result<()> {
         let listing = Listing::read(&self.folder).map_err(|error| match error.advice() {
             [Advice::Resume] => error,
-            // Who only looks has no other folder to choose.
+            // This command only reads, so advice to choose another folder does not apply.
             _ => error.without_advice(),
         })?;
         let mut listing = listing.sorted(self.sort.as_deref())?;
@@ -74,7 +75,7 @@ impl Results {
             Some(path) => output::write(path, &bytes)?,
             None => terminal::print(String::from_utf8_lossy(&bytes).trim_end()),
         }
-        // The rows are those of the store, whatever has become of the files beside it.
+        // The rows come from the store, so they are printed before the other files are checked.
         match Seal::read(&self.folder) {
             _ if FolderLock::is_held(&self.folder) => Ok(()),
             Ok(None) => Ok(()),
@@ -83,7 +84,7 @@ impl Results {
     }
 }
 
-/// Longest text in a table for people; anybody may have made the store.
+/// Longest text in a table; the store may come from an untrusted source.
 const SHOWN: usize = 120;
 
 fn table(listing: &Listing, rows: usize) -> String {
@@ -137,7 +138,7 @@ fn csv(listing: &Listing) -> Result<Vec<u8>> {
 #[cfg(feature = "parquet")]
 fn parquet(listing: &Listing, output: Option<&Path>) -> Result<Vec<u8>> {
     let Some(path) = output else {
-        return Err(Error::usage("Parquet is no text")
+        return Err(Error::usage("Parquet cannot be printed as text")
             .field("--format parquet")
             .hint("name a file with --output trials.parquet"));
     };

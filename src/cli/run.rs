@@ -1,14 +1,15 @@
-//! `realgap cluster run`: make the rows of some shards.
+//! `realgap cluster run`: computes the rows of some shards.
 
 use realgap::store::Share;
 
 use super::kit::*;
 use super::{shell, work};
 
-/// Make the rows of one shard of a plan, or of several, one after the other
+/// Compute the rows of one shard of a plan, or of several, one after the other
 ///
-/// A shard that was stopped or killed goes on where it was; one that is done has nothing to do. It writes into a store of its own,
-/// so any number of shards can run at the same time, on any machine that sees the plan's folder.
+/// Use it on every machine that takes part. A shard that was stopped or killed continues where it stopped; a finished
+/// shard has nothing to do. Every shard writes into a store of its own, so any number of shards can run at the same
+/// time, on any machine that sees the plan's folder.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -16,7 +17,7 @@ Examples:
 pub struct Run {
     /// Folder of the plan
     plan: PathBuf,
-    /// Which shards: 3, or 0-7, or 0-3,9
+    /// Numbers of the shards: 3, or 0-7, or 0-3,9
     #[arg(long = "shard", value_name = "NUMBERS", value_parser = parse_numbers, allow_hyphen_values = true)]
     shards: Numbers,
     #[command(flatten)]
@@ -45,12 +46,12 @@ impl Run {
         let (plan, work) = work::open(&self.plan)?;
         let of = plan.draft().shards;
         let highest = self.shards.0.iter().map(|(_, last)| *last).max();
-        // Before any work: one slip of the pen, one answer.
+        // All numbers are checked before any work begins.
         Share::new(highest.unwrap_or(0), of)?;
         let round = plan.round()?;
         if round.complete {
             terminal::print(format!(
-                "nothing is left to be made; what is left is: realgap cluster merge {}",
+                "nothing is left to compute; next: realgap cluster merge {}",
                 shell::path(&self.plan)
             ));
             return Ok(());
@@ -69,14 +70,14 @@ impl Run {
             let left = left?;
             if left > 0 {
                 return Err(Error::interrupted(format!(
-                    "shard {number} was interrupted with {} of {} left; the others are saved",
+                    "shard {number} was interrupted with {} of {} rows left; all others are saved",
                     left, rows
                 ))
                 .at_file(plan.shard_folder(round.number, number))
-                .hint("run the shard again: it goes on where it was"));
+                .hint("run the shard again: it continues where it stopped"));
             }
             terminal::print(format!(
-                "shard {number} of {of}, round {}: {} made",
+                "shard {number} of {of}, round {}: {} computed",
                 round.number,
                 counted(rows, "row")
             ));

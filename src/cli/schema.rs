@@ -1,15 +1,16 @@
-//! `realgap study schema`: what files and answers may hold, for editors and machines.
+//! `realgap study schema`: JSON Schemas of files and answers, for editors and programs.
 
 use realgap::file::{unknown_name, write_atomic};
 
 use super::form::SCHEMAS;
 use super::kit::*;
 
-/// Print the JSON Schema of a file or of an answer, or list all that there are
+/// Print the JSON Schema of a file or of an answer, or list all schemas
 ///
-/// Files are RON, and every command that reads one reads the same as JSON, too: that is what the schemas of files describe
-/// (docs/files.md has their fields for people). Schemas of answers describe what `--format json` prints and what results
-/// folders hold; each answer says its `schema_version`.
+/// Use it for editors, and for programs that read answers or write files of realgap. Files are RON, and every command
+/// that reads one also reads the same content as JSON: the schemas of files describe this JSON (docs/files.md lists
+/// the fields for people). The schemas of answers describe what `--format json` prints and what results folders hold;
+/// each answer has a field `schema_version`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -17,9 +18,9 @@ Examples:
   realgap study schema study
   realgap study schema -o schemas")]
 pub struct SchemaCommand {
-    /// Which one, e.g. study or sweep; without it, all are listed
+    /// Name of a schema, e.g. study or sweep; without it, all schemas are listed
     name: Option<String>,
-    /// Write all of them into this folder: files/NAME.json and answers/NAME.json
+    /// Write all schemas into this folder: files/NAME.json and answers/NAME.json
     #[arg(short, long, value_name = "DIR", conflicts_with = "name")]
     output: Option<PathBuf>,
 }
@@ -43,7 +44,7 @@ const FILES: &[(&str, &str)] = files![
     "radio" "scene" "camera" "views" "basis" "plan"
 ];
 
-/// All that there are.
+/// All schemas.
 fn shipped() -> impl Iterator<Item = Shipped> {
     let files = FILES.iter().map(|(name, text)| ("files", name, text));
     let answers = SCHEMAS.iter().map(|(name, text)| ("answers", name, text));
@@ -53,12 +54,12 @@ fn shipped() -> impl Iterator<Item = Shipped> {
 }
 
 impl Shipped {
-    /// What it is called in full.
+    /// The name with its folder.
     fn path(&self) -> String {
         format!("{}/{}", self.folder, self.name)
     }
 
-    /// What it is of, one sentence.
+    /// Its description, one sentence.
     fn doc(&self) -> String {
         let schema: serde_json::Value = serde_json::from_str(self.text).unwrap_or_default();
         schema["description"]
@@ -102,7 +103,7 @@ impl SchemaCommand {
                 terminal::print(format!("{count} in {}", folder.display()));
             }
             (None, None) => {
-                let mut table = TextTable::new([("schema", Side::Left), ("of", Side::Left)]);
+                let mut table = TextTable::new([("schema", Side::Left), ("describes", Side::Left)]);
                 for one in shipped() {
                     table.push([one.path(), one.doc()]);
                 }
@@ -123,10 +124,10 @@ mod tests {
     use crate::cli::committed::must_hold;
     use crate::cli::form::FORMS;
 
-    /// What runs these tests.
+    /// Arguments of `cargo test` that run these tests.
     const TEST: &str = "--features schema --bin realgap schema";
 
-    /// What stands in the files: the types' own schemas with a title.
+    /// The content of the files: the schemas of the types, with titles.
     fn made() -> Vec<(String, Value)> {
         let files = realgap::schema::files().into_iter().map(|kind| {
             let path = format!("files/{}", kind.name);
@@ -140,7 +141,7 @@ mod tests {
         files.chain(answers).collect()
     }
 
-    /// With title and description in front; of a list, the schema is that of its elements.
+    /// The schema with title and description in front; for a list, `schema` is that of its elements.
     fn titled(name: &str, doc: &str, schema: Value, is_list: bool) -> Value {
         let Value::Object(mut own) = schema else {
             panic!("{name}: no object");
@@ -166,7 +167,7 @@ mod tests {
         whole
     }
 
-    /// With the version that every answer says; numbers that are not finite are written as null.
+    /// The schema with the version that every answer has; numbers that are not finite are written as null.
     fn versioned(schema: Value) -> Value {
         let Value::Object(mut own) = nullable(schema) else {
             panic!("no object");
@@ -205,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn committed_schemas_are_what_the_types_say() {
+    fn committed_schemas_equal_those_of_the_types() {
         let made = made();
         let paths: Vec<&String> = made.iter().map(|(path, _)| path).collect();
         let shipped: Vec<String> = shipped().map(|one| one.path()).collect();
@@ -217,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn the_page_of_files_is_what_the_schemas_say() {
+    fn the_page_of_files_equals_the_schemas() {
         must_hold("docs/files.md", &realgap::schema::page(), TEST);
     }
 }

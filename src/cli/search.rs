@@ -1,4 +1,4 @@
-//! `realgap search`: the best robot, and how sure that is.
+//! `realgap search`: searches for the best robot.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -15,25 +15,26 @@ use super::mujoco;
 use super::option::recording_unused;
 use super::page;
 
-/// So many of the best are shown in motion.
+/// Number of the best robots that the page shows in motion.
 const SIDE_BY_SIDE: usize = 5;
 
-/// Search for the robot that walks best, by what will really happen
+/// Search for the best robot or gait by its predicted performance
 ///
-/// Every robot is simulated several times under noise, and under what tuning left open (--indistinguishable), in the
-/// tree solver unless the file says otherwise. The best are looked at again in Rapier with new draws, at half and
-/// double timestep and substeps, at the limit of hard contact and with the other joint kind at its own; one that does
-/// not walk the same there is marked and ranked last. Results reach the folder as they come; Ctrl-C saves, --resume
-/// goes on with the same bits.
+/// Use it to design a robot once its simulation is calibrated. Every robot is simulated several times under noise and
+/// with the posterior of the parameters (--posterior), in the tree solver unless the file says otherwise. The best
+/// are simulated again in Rapier with new draws, at half and double timestep and substeps, at the limit of hard
+/// contact, and with the other formulation of joints at its own limit; a robot that does not walk the same there is
+/// marked and ranked last. Results are stored as they come; Ctrl-C saves them, and --resume continues with the same
+/// bits.
 ///
 /// The folder gets history.csv, fitness.png, best/*.ron with a prediction card each (.json), gallery.png, paths.png,
-/// summary.json, and for map-elites archive.csv and archive.png; docs/results.md says how to read them.
+/// summary.json, and for map-elites archive.csv and archive.png; docs/results.md explains them.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   realgap check sweeps/best_robot.ron           # how many robots?
   realgap search sweeps/best_robot.ron
-  realgap search sweeps/best_robot.ron --indistinguishable results/tripod_floor")]
+  realgap search sweeps/best_robot.ron --posterior results/tripod_floor")]
 pub struct Search {
     /// The search, e.g. sweeps/best_robot.ron
     search: PathBuf,
@@ -42,10 +43,11 @@ pub struct Search {
     output: Option<PathBuf>,
     #[command(flatten)]
     values: Values,
-    /// Let every repeat use one of the points that cannot be told from the best of this results folder of sweep or tune
+    /// Results folder of a sweep or tuning: every repeat uses one of its posterior draws (indistinguishable.csv)
     #[arg(long, value_name = "DIR")]
-    indistinguishable: Option<PathBuf>,
-    /// Run the finalists in MuJoCo, too, with this Python (python3 unless named): one that walks otherwise there does not survive
+    posterior: Option<PathBuf>,
+    /// Also run the finalists in MuJoCo, with this Python (python3 unless named); a robot that walks differently there does not
+    /// survive
     #[arg(long, value_name = "PYTHON", num_args = 0..=1, require_equals = true, default_missing_value = "python3")]
     mujoco: Option<String>,
     /// Seed in place of the file's own
@@ -68,13 +70,13 @@ impl Search {
         let overrides = Overrides {
             set: fitted.values,
             draws: fitted.draws,
-            indistinguishable: self.indistinguishable.clone(),
+            indistinguishable: self.posterior.clone(),
             seed: self.seed,
         };
         read_search(&self.search, &overrides)
     }
 
-    /// What shards can share.
+    /// The work that can be divided into shards.
     pub fn work(&self) -> Result<Work> {
         Ok(Work::Search(Box::new(self.read()?)))
     }
@@ -87,7 +89,7 @@ impl Search {
         };
         let options = self.jobs.stoppable();
         let started = Instant::now();
-        // Nobody else writes here until the best are looked at again and everything is written.
+        // The folder stays locked until the finalists are simulated again and all files are written.
         let folder = ResultsFolder::take(&folder, Kind::Search)?;
         let results = self.simulate(&search, &folder, &options);
         folder.check()?;
@@ -181,7 +183,7 @@ impl Search {
         let show = |progress: Progress| {
             bar.set_position(progress.done as u64);
             if is_first.swap(false, Ordering::Relaxed) {
-                // Rate and time left count from here, not from what an earlier run did.
+                // Rate and time left are computed from here, without the steps of an earlier run.
                 bar.reset_eta();
             }
             if let Some(best) = progress.best {
@@ -198,13 +200,13 @@ impl Search {
     }
 }
 
-/// Looks at the best again, with a bar.
+/// Simulates the best robots again, with a bar.
 fn look_again(
     search: &search::Search,
     results: &SearchResults,
     options: &RunOptions<'_>,
 ) -> Result<Vec<Finalist>> {
-    let bar = progress::bar(search.finals().count, "looking at the best again");
+    let bar = progress::bar(search.finals().count, "simulating the best again");
     let show = |progress: Progress| bar.set_position(progress.done as u64);
     let options = RunOptions {
         progress: Some(&show),

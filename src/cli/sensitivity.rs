@@ -1,4 +1,4 @@
-//! `realgap study sensitivity`: which parameters matter at all?
+//! `realgap study sensitivity`: which parameters change the score.
 
 use realgap::calibration::{Overrides, Sensitivity as Effects, Study};
 use realgap::plot::{Bar, BarChart, Caption, draw_bars, number};
@@ -6,11 +6,12 @@ use realgap::plot::{Bar, BarChart, Caption, draw_bars, number};
 use super::kit::*;
 use super::option::metric_option;
 
-/// Change every parameter a little, one at a time, and see what it does to the score
+/// Change every parameter a little, one at a time, and print how the score changes
 ///
-/// Around the study's values, or those of --parameters best.ron. Each parameter moves by a step that a user would call
-/// small (`realgap study parameters` lists it). Below the score's own standard deviation from starts 1 mm and 1° off, a
-/// change is chance. Worth doing before a sweep: what has no effect cannot be fitted.
+/// Use it before a sweep: a parameter without effect on the score cannot be fitted. The changes start from the
+/// study's values, or from those of --parameters best.ron. Each parameter moves by a step that a user would call
+/// small (`realgap study parameters` lists it). A change below the score's own standard deviation, over starts 1 mm
+/// and 1° off, is chance.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -43,7 +44,9 @@ impl Sensitivity {
             ..self.recordings.overrides()?
         };
         let study = read_study(&self.study, &overrides)?;
-        let result = progress::during(0, "nudging", self.jobs.run(), |run| study.sensitivity(run))?;
+        let result = progress::during(0, "changing parameters", self.jobs.run(), |run| {
+            study.sensitivity(run)
+        })?;
         terminal::print_warnings(&result.warnings);
         if let Some(path) = &self.plot {
             draw_bars(&chart(&study, &result), path)?;

@@ -1,4 +1,4 @@
-//! `realgap sense graph`: logs of a scanner, polynomial models of what it reads at a place.
+//! `realgap sense graph`: polynomials that predict a scanner's readings from its pose.
 
 use realgap::results::{draw_segment, draw_visits, draw_way};
 use realgap::sensing::arena::Arena;
@@ -11,10 +11,10 @@ use realgap::sensing::range::find_sensor;
 use super::kit::*;
 
 commands! {
-    /// Make polynomials of what a scanner reads at a place, and hold them against a log they have not seen (paper 001)
+    /// Fit polynomials that predict a scanner's readings from its pose, and evaluate them (paper 001)
     ///
-    /// A log is CSV with t_s, x_m, y_m, heading_rad and a column for every beam (range_000_m, range_002_m … in degrees counter-clockwise
-    /// from straight ahead), or a CARMEN log with FLASER lines.
+    /// A log is a CSV file with t_s, x_m, y_m, heading_rad and a column for every beam (range_000_m, range_002_m … in
+    /// degrees counter-clockwise from straight ahead), or a CARMEN log with FLASER lines.
     SensorgraphCommand:
     Log(Log),
     Fit(Fit),
@@ -22,19 +22,19 @@ commands! {
     Print(PrintOut),
 }
 
-/// Which part of a log, and where its poses are.
+/// The part of a log that is used, and the source of its poses.
 #[derive(Debug, Clone, Args)]
 struct Part {
-    /// Poses over time in a file of their own (TUM text, or a trajectory's CSV), in place of the log's columns
+    /// File with the poses over time (TUM text, or a trajectory's CSV), in place of the log's columns
     #[arg(long, value_name = "FILE")]
     poses: Option<PathBuf>,
-    /// Begin after this share of the way, 0 to 1
+    /// Begin after this share of the path, 0 to 1
     #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
     from: f64,
-    /// End after this share of the way
+    /// End after this share of the path
     #[arg(long, value_name = "SHARE", default_value_t = 1.0)]
     to: f64,
-    /// Take the pose of this long before each scan, seconds: for logs whose clocks differ
+    /// Use the pose that is this many seconds before each scan, for logs whose clocks differ
     #[arg(
         long,
         value_name = "S",
@@ -55,7 +55,7 @@ impl Part {
             None => ScanLog::read(path)?,
         };
         if !(0.0 <= self.from && self.from < self.to && self.to <= 1.0) {
-            return Err(Error::usage("not a part of the way")
+            return Err(Error::usage("not a part of the path")
                 .field("--from, --to")
                 .found(format!("{} to {}", self.from, self.to))
                 .allowed("two increasing shares, 0 to 1"));
@@ -70,7 +70,7 @@ impl Part {
         };
         let part = log.part(self.from, self.to);
         if part.scans.is_empty() {
-            return Err(Error::usage("no scan lies in this part of the way").field("--from, --to"));
+            return Err(Error::usage("no scan lies in this part of the path").field("--from, --to"));
         }
         Ok(part)
     }
@@ -79,12 +79,12 @@ impl Part {
 /// A frame, or none where the log decides; clap would take `Option` for an option that may be missing.
 type FrameChoice = Option<Frame>;
 
-/// What foretells a scan.
+/// Frames of the prediction.
 const FRAMES: &[Choice<FrameChoice>] = &[
     (
         "auto",
         None,
-        "What foretells parts of the way that are left out better",
+        "The frame that predicts held-out parts of the path better",
     ),
     (
         "robot",
@@ -111,12 +111,12 @@ const FRAMES: &[Choice<FrameChoice>] = &[
 /// A rule that the options `--ratio` and `--terms` complete.
 type StopChoice = fn(f64, usize) -> Stop;
 
-/// When no more terms are taken.
+/// Rules that end the adding of terms.
 const STOPS: &[Choice<StopChoice>] = &[
     (
         "validation",
         |_, _| Stop::Validation,
-        "What foretells parts of the way that are left out best (the degree, too)",
+        "At the smallest error on held-out parts of the path (chooses the degree, too)",
     ),
     ("aic", |_, _| Stop::Aic, "Akaike's information criterion"),
     (
@@ -127,16 +127,21 @@ const STOPS: &[Choice<StopChoice>] = &[
     (
         "err",
         |ratio, _| Stop::Err(ratio),
-        "Once --ratio of the squares is explained",
+        "Once the share --ratio of the sum of squares is explained",
     ),
-    ("terms", |_, terms| Stop::Terms(terms), "At --terms"),
+    (
+        "terms",
+        |_, terms| Stop::Terms(terms),
+        "At the number --terms",
+    ),
 ];
 
-/// Let a simulated robot log scans in an arena: a stand-in for a real log, with known walls
+/// Simulate a robot that logs scans in an arena: a stand-in for a real log, with known walls
 ///
-/// It walks at random from where the arena says that robots start, away from what is near and by a random angle every 8
-/// s, or goes along `--way`, turning on the spot. A scan a second, where paper 001 has four, because 1400 scans then
-/// see the whole arena.
+/// Use it to test `realgap sense graph fit` where the truth is known. The robot walks at random from the start pose
+/// of the arena, turning away from near obstacles and by a random angle every 8 s; with `--way` it follows this path
+/// and turns on the spot. It takes one scan a second, where paper 001 has four, because 1400 scans then see the whole
+/// arena.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -148,19 +153,19 @@ pub struct Log {
     /// The log to write (.csv)
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Scans of the random walk
+    /// Number of scans of the random walk
     #[arg(long, value_name = "N", default_value_t = 1400, conflicts_with = "way")]
     samples: usize,
     /// Go along straight lines between these places, metres
     #[arg(long, value_name = "X,Y:X,Y…", value_parser = way, allow_hyphen_values = true)]
     way: Option<Way>,
-    /// What it sees with: a shipped sensor or a model's .ron file whose readings are lengths
+    /// Range sensor of the robot: a shipped sensor or a model's .ron file whose readings are lengths
     #[arg(long, value_name = "SENSOR", default_value = "laser")]
     sensor: String,
-    /// Beams of a scan
+    /// Number of beams of a scan
     #[arg(long, value_name = "N", default_value_t = Logger::default().beams)]
     beams: usize,
-    /// From the rightmost to the leftmost, degrees
+    /// Angle from the rightmost to the leftmost beam, degrees
     #[arg(long, value_name = "DEG", default_value_t = Logger::default().view_deg)]
     view: f64,
     /// Time from one scan to the next, seconds
@@ -177,7 +182,7 @@ pub struct Log {
     seed: u64,
 }
 
-/// Places to go to, metres.
+/// The places of a path, metres.
 #[derive(Debug, Clone)]
 struct Way(Vec<[f64; 2]>);
 
@@ -188,101 +193,105 @@ fn way(text: &str) -> std::result::Result<Way, String> {
         Some([number(x)?, number(y)?])
     };
     text.split(':')
-        .map(|part| place(part).ok_or_else(|| format!("`{part}` is no place, e.g. 1.5,2")))
+        .map(|part| place(part).ok_or_else(|| format!("`{part}` is not a place such as 1.5,2")))
         .collect::<std::result::Result<_, _>>()
         .map(Way)
 }
 
-/// Fit polynomials to a log
+/// Fit polynomials that predict the scan at a pose to a log of scans
 ///
-/// Beams become medians of segments (--width). `--frame robot` fits a polynomial in (x, y) for every range of headings
-/// and every segment, as paper 001; `world` one for each direction of the world, from all headings, and reads a segment
-/// between the two beside its middle. Terms are taken in the order in which they explain most (error reduction ratio),
-/// until --stop says enough. What a polynomial says is kept between the shortest and the longest range that it was
-/// fitted to.
+/// Use it to get a model of a scanner in one place; `realgap sense graph evaluate` then checks the model on another
+/// part of the log. The beams of each segment (--width) are replaced by their median. `--frame robot` fits a
+/// polynomial in (x, y) for every range of headings and every segment, as paper 001; `--frame world` fits one for
+/// each direction of the world, from all headings, and interpolates a segment between the two directions next to its
+/// middle. Terms are added in the order in which they explain most (error reduction ratio), until --stop ends it.
+/// Predictions are limited to the shortest and the longest range of the fitted data.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   realgap sense graph fit scans.csv --to 0.7 -o model.ron")]
 pub struct Fit {
-    /// The log
+    /// The log (.csv, or a CARMEN log)
     log: PathBuf,
     /// Write the model into this .ron file
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Largest degree
+    /// Largest degree of the polynomials
     #[arg(long, value_name = "N", default_value_t = 4)]
     degree: u32,
-    /// Ranges of headings, or directions of the world
+    /// Number of ranges of headings, or of directions of the world
     #[arg(long, value_name = "N", default_value_t = 12)]
     headings: usize,
     /// Width of a segment, degrees
     #[arg(long, value_name = "DEG", default_value_t = 30.0)]
     width: f64,
-    /// When no more terms are taken
+    /// Rule that ends the adding of terms
     #[arg(long, value_parser = choice(STOPS), default_value = "validation")]
     stop: StopChoice,
-    /// With `--stop err`: share of the squares
+    /// With `--stop err`: share of the sum of squares to explain
     #[arg(long, value_name = "SHARE", default_value_t = 0.99)]
     ratio: f64,
     /// With `--stop terms`: number of terms
     #[arg(long, value_name = "N", default_value_t = 5)]
     terms: usize,
-    /// What foretells a scan
+    /// Frame of the prediction
     #[arg(long, value_parser = choice(FRAMES), default_value = "auto")]
     frame: FrameChoice,
     #[command(flatten)]
     part: Part,
-    /// Draw where its scans were taken into this .png or .svg (as figures 4, 8 and 9 of paper 001)
+    /// Draw where the scans were taken into this .png or .svg (as figures 4, 8 and 9 of paper 001)
     #[arg(long, value_name = "FILE")]
     way: Option<PathBuf>,
-    /// Draw how often each place and heading was visited into this .png or .svg (as figures 5 to 7)
+    /// Draw how often each place and heading was visited into this .png or .svg (as figures 5 to 7 of paper 001)
     #[arg(long, value_name = "FILE")]
     visits: Option<PathBuf>,
     #[command(flatten)]
     telling: Telling,
 }
 
-/// Hold a model against a log that it has not seen, beside the guesses one would ask for
+/// Evaluate a model of a scanner on a held-out log, and compare it with baselines
 ///
-/// Printed is the mean absolute error beside those of guesses: each segment's mean, the nearest logged pose (a radian
-/// counts as a metre), the nearest logged place with its scan turned to the heading, ideal beams in an arena (--arena),
-/// and a number at random; Spearman's rank correlation with its p value, and Mann and Whitney's test against the random
-/// guess.
+/// Use it on a part of the log that the fit has not used (--from, --to). The command prints the mean absolute error
+/// of the model and of the baselines: each segment's mean, the nearest logged pose (a radian counts as a metre), the
+/// nearest logged place with its scan turned to the heading, ideal beams in an arena (--arena), and random numbers.
+/// It also prints Spearman's rank correlation with its p value, and the Mann-Whitney test against the random
+/// baseline.
 ///
-/// Neighbouring scans see nearly the same, so a way counts for less than its scans. The standard error of the whole is
-/// that of ten parts of the way, that of a segment is widened by the autocorrelation of its errors; the p value of a
-/// rank correlation is for as many pairs as the two series are worth (Bartlett 1935), and the test against the random
-/// guess takes one scan in `every`.
+/// Neighbouring scans see nearly the same, so a path counts for fewer scans than it has. The standard error of the
+/// whole is computed from ten parts of the path, that of a segment is widened by the autocorrelation of its errors.
+/// The p value of a rank correlation uses the effective number of pairs of the two series (Bartlett 1935), and the
+/// test against the random baseline takes one scan in `every`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   realgap sense graph evaluate scans.csv --from 0.7 --parameters model.ron")]
 pub struct Evaluate {
-    /// The log
+    /// The log (.csv, or a CARMEN log)
     log: PathBuf,
     /// The model that `fit` wrote
     #[arg(long, value_name = "FILE")]
     parameters: PathBuf,
-    /// Cast ideal beams in this arena, as one more guess
+    /// Arena for the baseline of ideal beams
     #[arg(long, value_name = "FILE")]
     arena: Option<PathBuf>,
     #[command(flatten)]
     part: Part,
-    /// Seed of the random guess
+    /// Seed of the random baseline
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
     /// Draw predicted and actual ranges of one segment along the way into this .png or .svg (as figures 12 to 15 of paper 001)
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// Which segment, from 0
+    /// Number of the segment to draw, from 0
     #[arg(long, value_name = "K", default_value_t = 0, requires = "plot")]
     segment: usize,
     #[command(flatten)]
     telling: Telling,
 }
 
-/// Print the polynomials of a model, or a function in another language
+/// Print the polynomials of a model, or generate a function from them in another language
+///
+/// Use it to read a model, or to run it on a robot without realgap.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -290,7 +299,7 @@ Examples:
 pub struct PrintOut {
     /// The model that `fit` wrote
     model: PathBuf,
-    /// As a function in this language: c, python, rust
+    /// Generate a function in this language: c, python or rust
     #[arg(long, value_name = "NAME")]
     language: Option<String>,
 }

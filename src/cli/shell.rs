@@ -1,10 +1,10 @@
-//! Commands as a shell wants them.
+//! Commands and paths, quoted for a shell.
 
 use std::path::Path;
 
-/// The command that runs now, as it would be typed.
+/// The running command, quoted for a shell.
 pub fn command_line() -> String {
-    let words = super::word::typed().iter().skip(1);
+    let words = super::invocation::typed().iter().skip(1);
     let words = words.map(|word| quoted(word.to_string_lossy().into_owned()));
     std::iter::once("realgap".to_owned())
         .chain(words)
@@ -12,7 +12,7 @@ pub fn command_line() -> String {
         .join(" ")
 }
 
-/// A word as a shell wants it.
+/// A word, quoted for a shell where that is necessary.
 pub fn quoted(word: String) -> String {
     let is_simple = |c: char| c.is_alphanumeric() || "_-./=,:+%@".contains(c);
     match word.chars().all(is_simple) && !word.is_empty() {
@@ -21,7 +21,7 @@ pub fn quoted(word: String) -> String {
     }
 }
 
-/// A path as one word.
+/// A path, quoted as one word.
 pub fn path(path: &Path) -> String {
     quoted(path.to_string_lossy().into_owned())
 }

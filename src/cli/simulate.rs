@@ -1,4 +1,4 @@
-//! `realgap simulate`: one run of one robot.
+//! `realgap simulate`: simulates one run of one robot.
 
 use realgap::file::Source;
 use realgap::report::SIMULATION;
@@ -13,13 +13,14 @@ use super::kit::*;
 use super::option::SolverOptions;
 use super::replay::{Shown, check_replay, diverged};
 
-/// Simulate one run of a robot from rest and print what it did
+/// Simulate one run of a robot from rest and print how it moved
 ///
-/// The robot is placed on the floor with its servos at their first command, comes to rest, and then follows its gait.
-/// `-o` writes the tracked module's motion (.csv with velocities, or .tum).
+/// Use it to try a robot, its gait or values of parameters, or to write a trajectory. The robot is placed on the
+/// floor with its servos at their first command, comes to rest, and then follows its gait. `-o` writes the tracked
+/// module's motion (.csv with velocities, or .tum).
 ///
-/// Walls of an arena are 0.5 m high, its circles have sixteen corners, and a robot that would start deeper than 5 mm in
-/// a wall is refused.
+/// Walls of an arena are 0.5 m high, its circles are polygons of sixteen corners, and a robot that would start deeper
+/// than 5 mm in a wall is refused.
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 #[command(after_help = "\
@@ -36,21 +37,21 @@ pub struct Simulate {
     duration: f64,
     #[command(flatten)]
     solver: SolverOptions,
-    /// Put the robot where this arena says that robots start, among its walls; the motion begins at (0, 0) all the same
+    /// Simulate among the walls of this arena, from its start pose; the motion is written with its start at (0, 0)
     #[arg(long, value_name = "FILE")]
     arena: Option<PathBuf>,
-    /// Let it read sensors and act on them as this controller's file says, in the file's arena and among others of its kind
+    /// Control the robot by its sensors, with the rules, the arena and the other robots of this controller file
     #[arg(long, value_name = "FILE", conflicts_with = "arena")]
     controller: Option<PathBuf>,
-    /// Draw what sensors and radio read with this seed; without one they read their mean
+    /// Seed of the noise of sensors and radio; without a seed they read their mean
     #[arg(long, value_name = "SEED", requires = "controller")]
     seed: Option<u64>,
-    /// Write what was read, heard and decided to this .csv file
+    /// Write readings, received messages and decisions to this .csv file
     #[arg(long, value_name = "FILE", requires = "controller")]
     decisions: Option<PathBuf>,
     #[command(flatten)]
     values: Values,
-    /// Say where the energy came from and went, and what going costs
+    /// Print the energy balance and the cost of transport
     #[arg(long)]
     energy: bool,
     /// Samples per second of the output
@@ -64,7 +65,7 @@ pub struct Simulate {
     /// hinges; origin at the centre of the part's first box, axes of the robot at zero angles)
     #[arg(long, value_name = "FILE")]
     parts: Option<PathBuf>,
-    /// Write what shows the run in space to this file: .html, .png, .mcap or .glb, as `replay` does
+    /// Write a replay of the run in space to this file: .html, .png, .mcap or .glb, as `replay` does
     #[arg(long, value_name = "FILE")]
     replay: Option<PathBuf>,
     #[command(flatten)]
@@ -91,25 +92,25 @@ pub struct SimulateReport {
     turned_rad: Option<f64>,
     /// Error of the servos, root mean square, radians.
     servo_rms_rad: f64,
-    /// Where the energy went, where that was asked.
+    /// Energy balance, where `--energy` was given.
     energy: Option<EnergyBalance>,
-    /// Energy that a metre of the way cost, J/m.
+    /// Energy per metre of net displacement, J/m.
     joules_per_metre: Option<f64>,
-    /// That energy over the weight: the mechanical cost of transport.
+    /// Energy per metre divided by the weight: the mechanical cost of transport.
     cost_of_transport: Option<f64>,
     /// CPU seconds.
     cpu_s: f64,
     /// Steps.
     steps: u64,
-    /// Steps before them, in which it came to rest.
+    /// Steps before the run, in which the robot came to rest.
     settle_steps: u64,
     /// Time simulated, seconds.
     simulated_s: f64,
-    /// Simulated seconds in a CPU second, those to settle included.
+    /// Simulated seconds per CPU second, including the time to come to rest.
     times_real_time: f64,
     /// Timestep, seconds.
     timestep_s: f64,
-    /// Solver substeps of each.
+    /// Solver substeps per step.
     substeps: usize,
     /// Engine and its version.
     engine: &'static str,
@@ -208,7 +209,7 @@ impl Simulate {
         }
     }
 
-    /// All parts into a file, and into a page.
+    /// Writes all parts into a file, and the replay.
     fn write_film(
         &self,
         morphology: &Morphology,
@@ -320,7 +321,7 @@ impl Simulate {
             lines.push(energy_line(energy));
             if let Some((joules_per_metre, transport)) = cost {
                 lines.push(format!(
-                    "  going costs       {joules_per_metre:.3} J/m, cost of transport {transport:.3}"
+                    "  energy per metre  {joules_per_metre:.3} J/m, cost of transport {transport:.3}"
                 ));
             }
         }

@@ -9,12 +9,12 @@ use super::kit::*;
 use super::shell;
 use super::work::absolute;
 
-const CHAIN: &str = r#"# The shards that a round still needs, and a merge after them, whatever became of them.
+const CHAIN: &str = r#"# Submits the shards that a round still needs, and a merge that follows whether or not they succeed.
 submit_round() { # RETRY ROUND
     local pending job
     pending=$("$realgap" cluster status "$plan" --pending) || exit 1
     if [ -z "$pending" ]; then
-        # Everything is made: what is left is to merge and to answer.
+        # All rows are computed: only the merge and the answer are left.
         sbatch --parsable "${options[@]}" --job-name="merge-$name" --output="$logs/merge_%j.txt" \
             "$here/merge.sh" "$1" "$2"
         return
@@ -61,8 +61,9 @@ submit_round 0 "$round"
 
 /// Write job scripts for Slurm into PLAN/slurm, and with --go submit them
 ///
-/// A round is an array of jobs, one a shard; a merge follows whatever became of them, and submits the shards that are still
-/// missing, or the next round, until PLAN/results is written. Jobs that are requeued go on where they were.
+/// Use it to run a whole plan on a cluster with Slurm. Every round is an array of jobs, one per shard. A merge
+/// follows whether or not these jobs succeed, and submits the shards that are still missing, or the next round, until
+/// PLAN/results is written. Jobs that are requeued continue where they stopped.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -70,10 +71,10 @@ Examples:
 pub struct Slurm {
     /// Folder of the plan
     plan: PathBuf,
-    /// Partition
+    /// Partition of Slurm
     #[arg(long, value_name = "NAME")]
     partition: Option<String>,
-    /// Account
+    /// Account of Slurm
     #[arg(long, value_name = "NAME")]
     account: Option<String>,
     /// Longest time of one job, as Slurm writes it
@@ -82,16 +83,16 @@ pub struct Slurm {
     /// Memory of one job, as Slurm writes it
     #[arg(long, value_name = "SIZE")]
     mem: Option<String>,
-    /// Processors of one job, and so threads
+    /// Processors of one job, which is also its number of threads
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     cpus: u16,
-    /// How often what failed in a round is begun again
+    /// How often shards that failed in a round are submitted again
     #[arg(long, value_name = "N", default_value_t = 3)]
     retries: usize,
     /// Any other option of sbatch, e.g. --sbatch=--nodelist=n1 (repeatable)
     #[arg(long = "sbatch", value_name = "OPTION", allow_hyphen_values = true)]
     options: Vec<String>,
-    /// Submit, too
+    /// Also submit the jobs
     #[arg(long)]
     go: bool,
 }
@@ -110,7 +111,7 @@ impl Slurm {
             return Err(Error::invalid("Slurm did not take the jobs")
                 .at_file(&script)
                 .found(done)
-                .hint("what it said stands above; try `sinfo`"));
+                .hint("its message stands above; try `sinfo`"));
         }
         Ok(())
     }
@@ -118,7 +119,7 @@ impl Slurm {
     /// Writes `slurm/` into the plan's folder: `submit.sh` begins, `shard.sh` and `merge.sh` are jobs. The path of `submit.sh`.
     ///
     /// # Errors
-    /// Paths or options with characters that no script should hold; an unwritable folder.
+    /// Paths or options with control characters; an unwritable folder.
     fn scripts(&self, plan: &Plan) -> Result<PathBuf> {
         let program =
             std::env::current_exe().map_err(|e| Error::io("find this program", "realgap", &e))?;
@@ -142,7 +143,7 @@ impl Slurm {
         let text = |path: &Path| quoted(&path.to_string_lossy());
         let head = format!(
             "#!/bin/bash\n\
-             # Written by realgap cluster submit self.\n\
+             # Written by realgap cluster submit slurm.\n\
              set -u\n\
              realgap={}\n\
              plan={}\n\
@@ -171,7 +172,7 @@ impl Slurm {
     }
 }
 
-/// A text as one word of a shell, whatever is in it.
+/// A text, quoted as one word of a shell.
 fn quoted(text: &str) -> Result<String> {
     if text.chars().any(char::is_control) {
         return Err(Error::usage("a script cannot hold this")
@@ -186,7 +187,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn whatever_a_path_holds_is_one_word() {
+    fn any_path_is_quoted_as_one_word() {
         assert_eq!(quoted("a b").unwrap(), "'a b'");
         assert_eq!(quoted("it's $(rm)").unwrap(), r"'it'\''s $(rm)'");
         assert!(quoted("a\nb").is_err());

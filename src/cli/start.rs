@@ -1,4 +1,4 @@
-//! `realgap start`: from somebody's files to a study, every guess said with its evidence.
+//! `realgap start`: makes a study of the user's files, and prints every guess with its evidence.
 
 mod joint;
 mod path;
@@ -16,23 +16,24 @@ use realgap::trajectory::{
 use super::kit::*;
 use super::shell;
 
-/// Make a study of your own recordings and your robot: how the files are to be read is found out, said and written down
+/// Make a study of your own recordings and your robot, and detect how the files must be read
 ///
-/// Names of columns tell what they hold and in which unit, the usual interval the unit of time, free fall (9.81 m/s²
-/// everywhere) the unit of length and which way is up, else the floor and the robot's size do. Lost and unsorted
-/// samples, holes, waiting before the motion, several objects in a file and mirrored axes are noticed. Every guess is
-/// printed with what it was seen from, and stands in the study's `reading`.
+/// Use it first with your own data. Names of columns give their quantities and units, the usual interval between
+/// samples gives the unit of time, and free fall (9.81 m/s² everywhere) gives the unit of length and the vertical
+/// axis; without free fall, the floor and the robot's size give them. Lost and unsorted samples, gaps, waiting before
+/// the motion, several objects in a file and mirrored axes are detected. Every guess is printed with its evidence,
+/// and stands in the study's `reading`.
 ///
-/// What the files do not tell is asked for on a terminal; elsewhere the error names the option that answers. A robot
-/// without joints goes on from where it was seen first, any other starts at rest. Then the study is checked, and the
-/// next command named.
+/// What the files do not determine is asked for on a terminal; elsewhere the error names the option that answers. A
+/// robot without joints starts from its first recorded state, any other robot starts at rest. Then the study is
+/// checked, and the next command is printed.
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 #[command(after_help = "\
 Examples:
   realgap start runs/*.csv --cube 0.1 0.37
   realgap start runs/*.csv robot.urdf -o study.ron
-  realgap sweep study.ron                   # what it leads to")]
+  realgap sweep study.ron                   # the next command")]
 pub struct Start {
     /// Recordings (.csv, .tum, .mcap, ...), and the robot (.ron, .urdf or .xml)
     #[arg(required = true, value_name = "FILE")]
@@ -42,28 +43,28 @@ pub struct Start {
     cube: Option<Vec<f64>>,
     #[command(flatten)]
     reading: ReadingOptions,
-    /// The study; a robot made by --cube is written beside it
+    /// File of the study; a robot made by --cube is written beside it
     #[arg(short, long, value_name = "FILE", default_value = "study.ron")]
     output: PathBuf,
 }
 
-/// What a study says beside its files; STUDY stands for the study's own.
+/// The text of a study beside its file names; STUDY stands for the study's own path.
 struct Draft {
-    /// Comments that begin it.
+    /// Comments at its beginning.
     head: String,
     /// Its fields before the parameters.
     before: String,
-    /// A line a parameter.
+    /// One line per parameter.
     parameters: String,
     /// Its fields after them.
     after: String,
-    /// What else was taken to be so, and what that was seen from.
+    /// Further assumptions, each with its evidence.
     clues: Vec<(&'static str, String)>,
     /// The command that comes next.
     next: String,
 }
 
-/// Files and what they are of.
+/// The recordings and their robot.
 struct Subject {
     recordings: Vec<PathBuf>,
     robot_file: PathBuf,
@@ -98,14 +99,14 @@ impl Start {
         terminal::print_warnings(checked.warnings());
         let clues = said(&guess, &draft).map(|(what, because)| format!("  {what}: {because}"));
         let mut lines = vec![format!(
-            "{} of {}, read so:",
+            "{} of {}, read as follows:",
             counted(recordings.len(), "recording"),
             subject.robot.name()
         )];
         lines.extend(clues);
         lines.extend(alike(&recordings));
         lines.push(format!(
-            "written {}, which is sound; next: realgap {}",
+            "written {}, which is valid; next: realgap {}",
             self.output.display(),
             draft
                 .next
@@ -115,13 +116,13 @@ impl Start {
         Ok(())
     }
 
-    /// Tells recordings and robot apart.
+    /// Separates the recordings from the robot.
     fn subject(&self) -> Result<Subject> {
         let is_robot = |path: &PathBuf| {
             is_foreign(path) || path.extension().is_some_and(|ending| ending == "ron")
         };
         let (robots, recordings): (Vec<_>, Vec<_>) = self.files.iter().cloned().partition(is_robot);
-        // A file of another kind is called what it is, before it is counted among the robots.
+        // A file of another kind is reported as such, before robots are counted.
         for file in robots.iter().filter(|file| !is_foreign(file)) {
             read_morphology(file)?;
         }
@@ -142,7 +143,9 @@ impl Start {
                 let count = all.len() + usize::from(self.cube.is_some());
                 return Err(Error::usage("recordings of one study are of one robot")
                     .found(counted(count, "robot"))
-                    .hint("name the one that was recorded; for each robot a start of its own"));
+                    .hint(
+                        "name the robot that was recorded; call `realgap start` once per robot",
+                    ));
             }
         };
         Ok(Subject {
@@ -171,7 +174,7 @@ impl Start {
         Ok(file)
     }
 
-    /// A path as the study names it.
+    /// A path as it stands in the study.
     fn named(&self, path: &Path) -> Result<String> {
         let is_here = self
             .output
@@ -204,7 +207,7 @@ impl Start {
             ),
         };
         Ok(format!(
-            "{}Study(\n    description: \"made by realgap start\",\n    morphology: {},\n    recordings: [\n{names}    ],\n{clues}{reading}{}    parameters: [ // `realgap study parameters` lists all that there are\n{}    ],\n{})\n",
+            "{}Study(\n    description: \"made by realgap start\",\n    morphology: {},\n    recordings: [\n{names}    ],\n{clues}{reading}{}    parameters: [ // `realgap study parameters` lists all parameters\n{}    ],\n{})\n",
             draft.head,
             self.named(&subject.robot_file)?,
             draft.before,
@@ -215,7 +218,7 @@ impl Start {
     }
 }
 
-/// Every guess and what it was seen from.
+/// Every guess with its evidence.
 fn said<'a>(
     guess: &'a InferredReading,
     draft: &'a Draft,
@@ -228,7 +231,7 @@ fn said<'a>(
     of_files.chain(of_robot)
 }
 
-/// How far prepared paths lie from each other: whoever made the recordings knows whether they are repeats.
+/// The largest distance between prepared paths, from which the user can judge whether the recordings are repeats of one run.
 fn alike(recordings: &[Recording]) -> Option<String> {
     let prepared = recordings
         .iter()
@@ -248,7 +251,7 @@ fn alike(recordings: &[Recording]) -> Option<String> {
         return None;
     }
     Some(format!(
-        "  repeats of one run, or not: from one start and turned alike, paths lie up to {:.0} % of their reach apart",
+        "  are these repeats of one run? With the same start and heading, their paths lie up to {:.0} % of their reach apart",
         100.0 * farthest_m / reach_m
     ))
 }
@@ -271,7 +274,7 @@ fn answer(open: &Ambiguity, known: &mut Reading) -> Result<()> {
         ),
     };
     if !std::io::stdin().is_terminal() || !std::io::stderr().is_terminal() {
-        return Err(Error::usage("the recordings do not tell everything")
+        return Err(Error::usage("the recordings leave a question open")
             .found(&open.found)
             .allowed(question)
             .hint(format!("answer with {option}")));

@@ -1,11 +1,13 @@
-//! `realgap cluster status`: how far a plan is.
+//! `realgap cluster status`: the progress of a plan.
 
 use realgap::plan::{Plan, ShardState, Status};
 
 use super::kit::*;
 use super::shell;
 
-/// How far the shards of a plan are
+/// Print the progress of a plan's shards
+///
+/// Use it while shards run, and in scripts (--pending, --round, --answered).
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -14,20 +16,20 @@ Examples:
 pub struct StatusCommand {
     /// Folder of the plan
     plan: PathBuf,
-    /// Print nothing but the shards that are still to be run, as Slurm writes arrays (0-3,7); nothing where there are none
+    /// Print only the shards that are still to run, as Slurm writes arrays (0-3,7); empty where none is left
     #[arg(long, conflicts_with_all = ["round", "answered", "format"])]
     pending: bool,
-    /// Print nothing but the number of the round under way, or `complete`
+    /// Print only the number of the current round, or `complete`
     #[arg(long, conflicts_with_all = ["answered", "format"])]
     round: bool,
-    /// Print nothing but the folder of the results, once they are written
+    /// Print only the folder of the results, once they are written
     #[arg(long, conflicts_with = "format")]
     answered: bool,
     #[command(flatten)]
     print: Print,
 }
 
-/// Shards are listed one by one up to so many.
+/// Up to this many shards are listed one by one.
 const LISTED: usize = 40;
 
 impl StatusCommand {
@@ -64,7 +66,7 @@ impl StatusCommand {
                 )
             } else if round.complete {
                 format!(
-                    "all {} rows are merged; the answer is written by: realgap cluster merge {}",
+                    "all {} rows are merged; to write the results: realgap cluster merge {}",
                     status.merged,
                     shell::path(&self.plan)
                 )

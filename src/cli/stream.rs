@@ -1,5 +1,5 @@
-//! `-` and pipes where one file is meant: what comes out of a pipe is kept in a file, which can be read twice, and what goes to
-//! standard output is a file until it is whole.
+//! `-` and pipes in place of files. Input is copied into a temporary file, which can be read twice. Output is written into a
+//! temporary file, and copied to standard output once it is complete.
 
 use std::ffi::OsString;
 use std::io::{Read, Write as _};
@@ -13,19 +13,19 @@ use realgap::{Error, Result};
 
 use super::terminal;
 
-/// Most bytes of a stream.
+/// Largest number of bytes of a stream.
 const MOST: u64 = 1 << 30;
-/// How long a pipe may wait for somebody who writes into it.
+/// How long to wait for a program that writes into a pipe.
 const PATIENCE: Duration = Duration::from_secs(10);
-/// What goes to standard output.
+/// Name of the temporary file for standard output.
 const OUTPUT: &str = "standard_output.csv";
-/// Where streams are kept, once there are any.
+/// The folder of the temporary files, once there are any.
 static FOLDER: OnceLock<PathBuf> = OnceLock::new();
 
-/// The words with files in place of streams. `--reading -` means no file.
+/// The arguments with files in place of streams. `--reading -` means no file.
 ///
 /// # Errors
-/// A pipe that nobody writes into, a full disk.
+/// A pipe into which no program writes, a full disk.
 pub fn kept(mut words: Vec<OsString>) -> Result<Vec<OsString>> {
     for index in 1..words.len() {
         let (before, word) = (&words[index - 1], &words[index]);
@@ -48,16 +48,16 @@ pub fn kept(mut words: Vec<OsString>) -> Result<Vec<OsString>> {
     Ok(words)
 }
 
-/// Hands out what was written for standard output, and removes what was kept.
+/// Copies the file for standard output to standard output, and removes the temporary files.
 ///
 /// # Errors
-/// A standard output that takes nothing.
+/// Standard output that cannot be written.
 pub fn finish() -> Result<()> {
     let Some(folder) = FOLDER.get() else {
         return Ok(());
     };
     let written = std::fs::read(folder.join(OUTPUT));
-    // What is left there matters to nobody.
+    // A failure is ignored, because the folder is temporary.
     let _removed = std::fs::remove_dir_all(folder);
     match written {
         Ok(bytes) => std::io::stdout()
@@ -77,7 +77,7 @@ fn folder() -> Result<&'static Path> {
     Ok(folder)
 }
 
-/// A file with these bytes, with the ending of what they look like.
+/// Writes these bytes into a file, with an ending that fits their content.
 fn keep(index: usize, bytes: Vec<u8>) -> Result<OsString> {
     let text = String::from_utf8_lossy(&bytes[..bytes.len().min(10_000)]).into_owned();
     let lines = text.lines().map(str::trim_start);
@@ -106,7 +106,7 @@ fn read(path: &Path, stream: impl Read) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// What comes out of a pipe, where anybody writes into it.
+/// Reads a pipe, if a program writes into it.
 fn read_pipe(path: &Path) -> Result<Vec<u8>> {
     let (send, opened) = mpsc::channel();
     let pipe = path.to_path_buf();
@@ -116,10 +116,10 @@ fn read_pipe(path: &Path) -> Result<Vec<u8>> {
             path,
             file.map_err(|e| Error::io("read the pipe", path, &e))?,
         ),
-        Err(_) => Err(Error::invalid("nobody writes into this pipe")
+        Err(_) => Err(Error::invalid("no program writes into this pipe")
             .at_file(path)
             .found(format!("nothing within {} s", PATIENCE.as_secs()))
-            .hint("begin what writes into it first, or name a file")),
+            .hint("start the program that writes into it first, or name a file")),
     }
 }
 

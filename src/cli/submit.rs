@@ -1,9 +1,9 @@
-//! `realgap cluster submit`: let an engine that people have run a plan.
+//! `realgap cluster submit`: runs a plan with a job scheduler.
 
 use super::slurm::Slurm;
 
 commands! {
-    /// Let Slurm run a plan: arrays of shards, a merge after each, retries, and the answer
+    /// Run a whole plan with a job scheduler: shards, merges, retries, and the results
     Submit:
     Slurm(Slurm),
 }

@@ -1,4 +1,4 @@
-//! `realgap sweep`: the main job.
+//! `realgap sweep`: simulates a grid of parameters.
 
 use std::time::Instant;
 
@@ -7,13 +7,14 @@ use realgap::plan::Work;
 use super::answer::StudyOptions;
 use super::kit::*;
 
-/// Simulate every combination of a study's parameters and find what matches reality best
+/// Simulate every combination of a study's parameters and find the values that match reality best
 ///
-/// The grid is simulated, then again, with other equally valid settings, the points that may be the best. Results reach
-/// the folder as they come; Ctrl-C saves and draws what there is, --resume goes on and ends with the same bytes. The
-/// folder gets points.csv, scores.csv, profiles.csv, summary.json, best.ron, a heat map (or curve), the profile of each
-/// parameter and trajectories.png; docs/results.md says how to read them. `realgap tune` needs far fewer simulations
-/// where there are more than two or three parameters.
+/// Use it for one or two parameters; where there are more than two or three, `realgap tune` needs far fewer
+/// simulations. The grid is simulated; then the points that may be the best are simulated again with other equally
+/// valid settings. Results are stored as they come; Ctrl-C saves them and draws the results so far, and --resume
+/// continues and ends with the same bytes. The folder gets points.csv, scores.csv, profiles.csv, summary.json,
+/// best.ron, a heat map (or curve), the profile of each parameter and trajectories.png; docs/results.md explains
+/// them.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -29,7 +30,7 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// What shards can share.
+    /// The work that can be divided into shards.
     pub fn work(&self) -> Result<Work> {
         Ok(Work::Sweep(Box::new(self.options.study(self.points)?)))
     }

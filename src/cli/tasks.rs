@@ -1,4 +1,4 @@
-//! `realgap sense tasks`: how long tasks take, real against simulated.
+//! `realgap sense tasks`: compares real and simulated task times.
 
 use realgap::results::{draw_task_curves, draw_task_times};
 use realgap::sensing::task::{Goal, TaskComparison, TaskLog, time_to_reach};
@@ -10,19 +10,21 @@ use super::kit::*;
 commands! {
     /// Compare how long tasks take in reality and in simulation (paper 002, section V)
     ///
-    /// A log is CSV, one row a trial: duration_s, where some were given up `finished` (1 or 0), and any columns that name conditions
-    /// (robot, mode, difficulty …). Columns called trial, run, subject, participant, operator, id, repeat or session only number trials.
+    /// A log is a CSV file with one row per trial: duration_s; `finished` (1 or 0) where some trials were given up;
+    /// and any columns that name conditions (robot, mode, difficulty …). Columns called trial, run, subject,
+    /// participant, operator, id, repeat or session only number trials.
     TasksCommand:
     Compare(Compare),
     Time(Time),
 }
 
-/// Medians, tests, effects and orders of conditions, real against simulated
+/// Compare real and simulated task times: medians, tests, effect sizes and the order of conditions
 ///
-/// For every condition of both logs: medians with 90 % intervals (Kaplan and Meier, since a trial that was given up
-/// took longer than it lasted), their ratio, Cliff's δ with a bootstrap interval, and Mann and Whitney's test, or the
-/// log-rank test where trials were given up. For every column: whether both worlds put its values into the same order,
-/// and how often they would if trials were drawn again.
+/// Use it to see whether a simulation puts conditions into the same order as reality. For every condition of both
+/// logs, the command prints medians with 90 % intervals (Kaplan-Meier, since a trial that was given up took longer
+/// than it lasted), their ratio, Cliff's δ with a bootstrap interval, and the Mann-Whitney test, or the log-rank test
+/// where trials were given up. For every column, it prints whether both logs put its values into the same order, and
+/// how often they would if trials were drawn again.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -30,15 +32,15 @@ Examples:
 pub struct Compare {
     /// The real trials
     real: PathBuf,
-    /// The simulated ones
+    /// The simulated trials
     simulated: PathBuf,
     /// Draw medians and quartiles of every condition into this .png or .svg (as figure 13 of paper 002)
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// Draw the share that is not finished over time into this .png or .svg (Kaplan and Meier)
+    /// Draw the share of unfinished trials over time into this .png or .svg (Kaplan-Meier)
     #[arg(long, value_name = "FILE")]
     curves: Option<PathBuf>,
-    /// Seed of the intervals
+    /// Seed of the bootstrap
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
     #[command(flatten)]
@@ -46,6 +48,8 @@ pub struct Compare {
 }
 
 /// Print when trajectories first reach a place, as a log of task times
+///
+/// Use it to make a log for `realgap sense tasks compare`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -54,7 +58,7 @@ pub struct Time {
     /// Trajectories (.csv or .tum)
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// The place, metres
+    /// The place to reach, metres
     #[arg(
         long,
         value_name = "X,Y",
@@ -63,10 +67,10 @@ pub struct Time {
         required = true
     )]
     reach: Vec<f64>,
-    /// How near is there, metres
+    /// Distance from the place that counts as reached, metres
     #[arg(long, value_name = "M", default_value_t = 0.1)]
     within: f64,
-    /// A column for all rows: NAME=VALUE
+    /// Add this column to all rows: NAME=VALUE
     #[arg(long, value_name = "NAME=VALUE")]
     condition: Vec<String>,
 }

@@ -1,4 +1,4 @@
-//! Printing: colours only on a terminal that wants them, broken pipes are no error.
+//! Printing: colours only on a terminal that wants them; a broken pipe is not an error.
 
 use std::borrow::Cow;
 use std::io::{IsTerminal, Write};
@@ -27,21 +27,21 @@ pub fn stdout_wants_colour() -> bool {
     wants_colour(std::io::stdout().is_terminal())
 }
 
-/// A table as standard output wants it, without the line feed at its end.
+/// A table, formatted for standard output, without the line feed at its end.
 pub fn table(table: &TextTable) -> String {
     let text = table.render(stdout_wants_colour());
     text.trim_end().to_owned()
 }
 
-/// Set where a file goes to standard output: what is said of it goes to standard error.
+/// Set where a file is written to standard output: messages then go to standard error.
 static IS_TAKEN: AtomicBool = AtomicBool::new(false);
 
-/// Keeps standard output for a file.
+/// Reserves standard output for a file.
 pub fn leave_stdout() {
     IS_TAKEN.store(true, Ordering::Relaxed);
 }
 
-/// The folder that streams are kept in: nobody has named it, so nobody reads of it.
+/// The folder of temporary files for streams. The user has not named it, so messages do not show it.
 static UNNAMED: OnceLock<String> = OnceLock::new();
 
 /// Leaves this folder out of what is printed.
@@ -59,8 +59,8 @@ fn without_unnamed(text: &str) -> Cow<'_, str> {
 /// Set when standard output refused something, e.g. on a full disk.
 static OUTPUT_LOST: AtomicBool = AtomicBool::new(false);
 
-/// Writes text and a newline to standard output; a reader that has gone away is no error, a full disk is. Names in it may come
-/// from anybody's files: control characters are escaped, except for bold headers where colours are wanted.
+/// Writes text and a newline to standard output; a reader that has gone away is not an error, a full disk is one. Names in the text
+/// may come from untrusted files: control characters are escaped, except for bold headers where colours are wanted.
 pub fn print(text: impl AsRef<str>) {
     if IS_TAKEN.load(Ordering::Relaxed) {
         return note(text);
@@ -90,7 +90,7 @@ pub fn output_lost() -> bool {
     OUTPUT_LOST.load(Ordering::Relaxed)
 }
 
-/// Text with its control characters escaped, except for line feeds, tabs and these sequences of our own.
+/// Text with its control characters escaped, except for line feeds, tabs and the sequences in `own`.
 fn harmless(text: &str, own: &[&str]) -> String {
     let mut safe = String::with_capacity(text.len());
     let mut rest = text;
@@ -113,7 +113,7 @@ pub fn note(text: impl AsRef<str>) {
     labelled("", text.as_ref());
 }
 
-/// Writes a label of our own and a text to standard error.
+/// Writes a label, which may hold colours, and a text to standard error.
 fn labelled(label: &str, text: &str) {
     let text = without_unnamed(text);
     let _ = writeln!(std::io::stderr(), "{label}{}", escaped_lines(&text));
@@ -147,7 +147,7 @@ pub fn print_warnings<'a>(warnings: impl IntoIterator<Item = &'a Warning>) {
 /// Prints an answer for machines.
 ///
 /// # Errors
-/// None for answers of ours.
+/// None for the answers of this program.
 pub fn print_answer<A: Answer>(answer: &A) -> realgap::Result<()> {
     versioned_json(answer).map(print)
 }
@@ -155,7 +155,7 @@ pub fn print_answer<A: Answer>(answer: &A) -> realgap::Result<()> {
 /// As [`print_answer`], several in a list.
 ///
 /// # Errors
-/// None for answers of ours.
+/// None for the answers of this program.
 pub fn print_answers<A: Answer>(answers: &[A]) -> realgap::Result<()> {
     versioned_json(&answers).map(print)
 }

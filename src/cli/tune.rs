@@ -9,24 +9,25 @@ use realgap::plan::Work;
 use super::answer::StudyOptions;
 use super::kit::*;
 
-/// Let an optimizer find what matches reality best, with far fewer simulations than a sweep
+/// Let an optimizer find the values that match reality best, with far fewer simulations than a sweep
 ///
-/// Any number of parameters, within the ranges of the study. The same study, optimizer, seed and budget give the same
-/// bits for any number of threads and after any interruption; a larger budget with --resume goes on. Points that
-/// diverge count as worse than any other. It ends when the budget is spent, when the optimizer has nothing more to try
-/// (a grid), or with --patience. The folder gets what a sweep writes, and convergence.png and trials.csv.
+/// Use it for more than two or three parameters, or where simulations are slow. Any number of parameters may vary,
+/// within the ranges of the study. The same study, optimizer, seed and budget give the same bits for any number of
+/// threads and after any interruption; a larger budget with --resume continues the run. Points that diverge count as
+/// worse than any other. The run ends when the budget is spent, when the optimizer has no more points to try (a
+/// grid), or by --patience. The folder gets the files of a sweep, convergence.png and trials.csv.
 #[derive(Debug, Args)]
 #[command(after_help = optimizers())]
 pub struct Tune {
     #[command(flatten)]
     options: StudyOptions,
-    /// Who chooses the points (listed below)
+    /// Optimizer that chooses the points (listed above)
     #[arg(long, value_name = "NAME", default_value = "cma-es")]
     optimizer: String,
-    /// Most points to evaluate, the first design included
+    /// Largest number of points to evaluate, including the first design
     #[arg(long, value_name = "N", default_value_t = 100)]
     budget: usize,
-    /// Stop after N points in a row without a better one
+    /// Stop after N points in a row that are not better than the best
     #[arg(long, value_name = "N")]
     patience: Option<usize>,
 }
@@ -34,13 +35,13 @@ pub struct Tune {
 const EXAMPLES: &str = "  realgap tune sweeps/tripod_floor.ron --budget 100
   realgap tune sweeps/tripod_floor.ron --metric rms --optimizer bayesian --folds 5";
 
-/// Examples, and who may choose the points.
+/// Examples, and the list of optimizers.
 fn optimizers() -> String {
     let lines = OPTIMIZERS
         .iter()
         .map(|optimizer| format!("  {:<15} {}", optimizer.name(), optimizer.doc()));
     format!(
-        "Examples:\n{EXAMPLES}\n\nOptimizers:\n{}\n\nThe pca metric freezes its basis on a first design of 64 points, which counts.",
+        "Examples:\n{EXAMPLES}\n\nOptimizers:\n{}\n\nThe pca metric fits its basis to a first design of 64 points, which are part of\nthe budget.",
         lines.collect::<Vec<_>>().join("\n")
     )
 }
@@ -54,7 +55,7 @@ impl Tune {
         })
     }
 
-    /// What shards can share.
+    /// The work that can be divided into shards.
     pub fn work(&self) -> Result<Work> {
         let study = Box::new(self.options.study(None)?);
         Ok(Work::Tune(study, self.tuning()?))

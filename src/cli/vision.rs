@@ -1,4 +1,4 @@
-//! `realgap sense vision`: what is found in pictures, and whether it is the same in simulated and in real ones.
+//! `realgap sense vision`: compares features of simulated and real pictures.
 
 use realgap::results::draw_vision;
 use realgap::vision::camera::Scene;
@@ -12,26 +12,28 @@ use super::kit::*;
 use super::picture::camera_named;
 
 commands! {
-    /// Compare simulated pictures with real ones by what image processing finds in them (paper 002)
+    /// Compare simulated pictures with real ones by the features that image processing finds in them (paper 002)
     ///
-    /// Four extractors: edges (Canny), a template (correlation in the Fourier domain), a contour (a greedy snake), and text. What is to be
-    /// found where is said by views.ron in the folder of simulated pictures; `realgap sense picture` writes it.
+    /// Four extractors: edges (Canny), a template (correlation in the Fourier domain), a contour (a greedy snake),
+    /// and text. views.ron in the folder of simulated pictures says which feature is where; `realgap sense picture`
+    /// writes it.
     VisionCommand:
     Compare(Compare),
     Extract(Extract),
     Tune(Tune),
 }
 
-/// Is a simulated picture nearer to a real one than a badly lit real one is?
+/// Measure whether simulated pictures are nearer to real ones than badly lit real pictures are
 ///
-/// Pictures (.png, .jpg; at most 32 megapixels) are paired by name. Several real pictures of a view are called NAME_1,
-/// NAME_2 and so on; their distances to each other are the noise floor. Intervals (90 %) are by bootstrap over views,
-/// the answer by Wilcoxon's signed-rank test with the rank-biserial correlation as the size of the effect.
+/// Use it to decide whether image processing can be developed on the simulated pictures. Pictures (.png, .jpg; at
+/// most 32 megapixels) are paired by name. Several real pictures of a view are called NAME_1, NAME_2 and so on; their
+/// distances to each other are the noise floor. 90 % intervals are computed by bootstrap over views, the answer by
+/// Wilcoxon's signed-rank test with the rank-biserial correlation as effect size.
 ///
-/// Nobody puts a camera down twice at the same place: one picture is therefore turned and shifted over the other by
-/// what views.ron says of each, never scaled. Else simulated pictures look better than they are, because two real ones
-/// part by two misplacements and not by one. Where the real pictures have no views.ron of their own, that is not
-/// possible, and a warning says so.
+/// A camera cannot be put down twice at exactly the same place. Therefore one picture is turned and shifted over the
+/// other by the camera poses in their views.ron, never scaled. Otherwise simulated pictures would look better than
+/// they are, because two real pictures differ by two errors of position and not by one. Where the real pictures have
+/// no views.ron of their own, this is not possible, and a warning says so.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -44,16 +46,16 @@ pub struct Compare {
     /// Folder of real pictures of the same views, badly lit
     #[arg(long, value_name = "DIR")]
     badly_lit: Option<PathBuf>,
-    /// Only this extractor; may be given several times [default: edges, template, contour and text]
+    /// Use only this extractor; may be given several times [default: edges, template, contour and text]
     #[arg(long, value_name = "NAME")]
     extractor: Vec<String>,
-    /// Draw edges, template, contour and text as .png and .svg into this folder (as figures 5, 6, 8 and 11)
+    /// Draw edges, template, contour and text as .png and .svg into this folder (as figures 5, 6, 8 and 11 of paper 002)
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Whether where each camera stood counts (view) or is taken out by what views.ron says of each picture (own)
+    /// Whether differences between camera positions count (view), or are removed with the poses in views.ron (own)
     #[arg(long, value_parser = choice(RELATIVE), default_value = "own")]
     relative_to: RelativeTo,
-    /// Print every view, too
+    /// Also print every view
     #[arg(long)]
     views: bool,
     /// Seed of the bootstrap
@@ -63,17 +65,19 @@ pub struct Compare {
     telling: Telling,
 }
 
-/// What places and poses are told relative to.
+/// Frames to which places and poses are relative.
 const RELATIVE: &[Choice<RelativeTo>] =
     &[("own", RelativeTo::Own, ""), ("view", RelativeTo::View, "")];
 
 /// Show what one extractor finds in pictures, step by step
+///
+/// Use it to see why two pictures differ in `realgap sense vision compare`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   realgap sense vision extract desk.png --extractor contour -o steps.png")]
 pub struct Extract {
-    /// The pictures; views.ron beside each says what is to be found in it
+    /// The pictures; views.ron in the same folder says what to look for
     #[arg(required = true, value_name = "PICTURE")]
     pictures: Vec<PathBuf>,
     /// edges, template, contour or text; tesseract in a build with `--features tesseract`
@@ -82,18 +86,19 @@ pub struct Extract {
     /// The view of views.ron [default: the picture's name]
     #[arg(long, value_name = "NAME")]
     view: Option<String>,
-    /// Draw the steps side by side into this .png, a row for each picture (as figures 2, 3, 4, 7, 9, 10 and 12)
+    /// Draw the steps side by side into this .png, a row for each picture (as figures 2, 3, 4, 7, 9, 10 and 12 of paper 002)
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
 
-/// Find the settings of the camera that took real pictures of a known room
+/// Fit the settings of a simulated camera to real pictures of a known room
 ///
-/// First, from corners of the room that are found in the pictures: field of view, distortion, and where each was really
-/// taken. Then, from what the pictures look like, exposure, gain, read noise and blur; and from what compressing them
-/// once more changes, JPEG quality. Intervals (90 %) are by how much views differ; views that are held out judge. What
-/// the pictures do not say is called not determined: a gain that the camera sets itself, a quality of pictures that
-/// were scaled since. Exposure means electrons: it is as right as the scene's light.
+/// Use it to make simulated pictures comparable with those of your own camera. First, corners of the room that are
+/// found in the pictures give the field of view, the distortion, and where each picture was taken. Then the
+/// appearance of the pictures gives exposure, gain, read noise and blur, and a second compression gives the JPEG
+/// quality. 90 % intervals are computed from the differences between views; views that are held out check the result.
+/// A setting that the pictures do not determine is called so: a gain that the camera sets itself, or the quality of
+/// pictures that were scaled since. Exposure is given in electrons, so it is as right as the scene's light.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -107,16 +112,16 @@ pub struct Tune {
     /// The camera to begin with: one of the scene, or a .ron file
     #[arg(long, value_name = "NAME", default_value = "model")]
     camera: String,
-    /// Which of the scene's lights
+    /// Light of the scene
     #[arg(long, value_name = "NAME", default_value = "well")]
     light: String,
-    /// A view that only judges; may be given several times [default: every third of six or more]
+    /// A view to hold out from the fit; may be given several times [default: every third of six or more]
     #[arg(long, value_name = "NAME")]
     hold_out: Vec<String>,
-    /// Standard deviation of where the camera was put down, each axis, centimetres
+    /// Standard deviation of the camera's position along each axis, centimetres
     #[arg(long, value_name = "CM", default_value_t = 2.0)]
     place_sd: f64,
-    /// How often all pictures may be simulated in the search, about
+    /// About how often all pictures may be simulated in the search
     #[arg(long, value_name = "N", default_value_t = 400, value_parser = clap::value_parser!(u32).range(20..=100_000))]
     budget: u32,
     /// Seed of the simulated noise and of the search
@@ -140,7 +145,7 @@ fn extractor_named(name: &str) -> Result<&'static dyn Extractor> {
 }
 
 impl Compare {
-    /// Those that are named, each once, in the order of the registry.
+    /// The extractors that `--extractor` names, each once, in the order of the registry.
     fn extractors(&self) -> Result<Vec<&'static dyn Extractor>> {
         if self.extractor.is_empty() {
             return Ok(own_extractors());
@@ -198,7 +203,7 @@ impl Tune {
     pub fn run(self) -> Result<()> {
         output::check_all(&self.output)?;
         if !(self.place_sd > 0.0 && self.place_sd <= 1000.0) {
-            return Err(Error::invalid("not a deviation of places")
+            return Err(Error::invalid("not a standard deviation of positions")
                 .field("--place-sd")
                 .found(self.place_sd)
                 .allowed("above 0 to 1000 cm")
@@ -250,7 +255,7 @@ impl Extract {
         Ok(())
     }
 
-    /// Conclusion what is found in one picture; the steps.
+    /// Prints what is found in one picture, and returns the steps.
     fn look_at(&self, extractor: &dyn Extractor, path: &Path) -> Result<Vec<Step>> {
         let picture = Grey::read(path)?;
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty());

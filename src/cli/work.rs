@@ -1,4 +1,4 @@
-//! Commands whose work can be shared: from a plan's arguments to the library's [`Work`], and to the command itself.
+//! Commands that can be divided into shards: a plan's arguments become a command, and its [`Work`] in the library.
 
 use clap::Parser as _;
 use realgap::plan::{Plan, Work};
@@ -6,7 +6,7 @@ use realgap::plan::{Plan, Work};
 use super::kit::*;
 use super::{Cli, Command};
 
-/// Options that a plan decides itself.
+/// Options that a plan sets itself.
 const OWN: [&str; 7] = [
     "-o",
     "--output",
@@ -17,7 +17,7 @@ const OWN: [&str; 7] = [
     "--jobs",
 ];
 
-/// Checks that nothing among a command's arguments is the plan's business.
+/// Checks that the arguments of a command hold no option that the plan sets itself.
 ///
 /// # Errors
 /// Such an option.
@@ -36,7 +36,7 @@ pub fn check_arguments(arguments: &[String]) -> Result<()> {
     }
 }
 
-/// The command that these arguments say.
+/// Parses these arguments as a command.
 ///
 /// # Errors
 /// Arguments that are no command.
@@ -57,7 +57,7 @@ pub fn parse(arguments: &[String]) -> Result<Command> {
 /// The work of a command.
 ///
 /// # Errors
-/// A command that cannot be shared, a study that cannot be read.
+/// A command that cannot be divided into shards, a study that cannot be read.
 pub fn work_of(command: &Command) -> Result<Work> {
     match command {
         Command::Sweep(sweep) => sweep.work(),
@@ -65,16 +65,16 @@ pub fn work_of(command: &Command) -> Result<Work> {
         Command::Search(search) => search.work(),
         Command::Ensemble(ensemble) => ensemble.work(),
         Command::Gap(gap) => gap.work(),
-        _ => Err(Error::usage("this command cannot be cut into shards")
+        _ => Err(Error::usage("this command cannot be divided into shards")
             .allowed("sweep, tune, search, ensemble, gap")),
     }
 }
 
-/// The plan in a folder and its work, with the place that its paths begin at made the current one. The plan's own path is
-/// absolute then.
+/// The plan in a folder and its work. The folder in which the plan was made becomes the current folder, because the plan's paths
+/// are relative to it; the plan's own path is made absolute.
 ///
 /// # Errors
-/// As [`Plan::read`] and [`work_of`]; a place that is not on this machine.
+/// As [`Plan::read`] and [`work_of`]; a folder that is not on this machine.
 pub fn open(folder: &Path) -> Result<(Plan, Work)> {
     let plan = Plan::read(&absolute(folder)?)?;
     let place = &plan.draft().directory;

@@ -1,4 +1,4 @@
-//! JSON Schemas: what files and answers may hold, from the types that read and write them.
+//! JSON Schemas of files and answers, generated from the types that read and write them.
 //!
 //! A RON file as JSON: brackets with names are objects, brackets and lists without are arrays, a name alone is a text, a
 //! name with brackets an object with that one key, and what may be left out may be `null`. Everything that reads a RON
@@ -26,7 +26,7 @@ pub struct FileKind {
     pub name: &'static str,
     /// What it is, one sentence.
     pub doc: &'static str,
-    /// Whether people write it, in RON; else the program does, in JSON.
+    /// Whether users write it, in RON; otherwise the program writes it, in JSON.
     pub is_ron: bool,
     /// What it may hold.
     pub schema: Schema,
@@ -49,13 +49,13 @@ fn json<T: JsonSchema>(name: &'static str, doc: &'static str) -> FileKind {
     }
 }
 
-/// The schema of what a type is written as.
+/// The schema of the JSON that a type is written as.
 pub fn answer<T: JsonSchema>() -> Schema {
     let settings = SchemaSettings::draft2020_12().for_serialize();
     settings.into_generator().into_root_schema_for::<T>()
 }
 
-/// Every kind of file, those first that people begin with.
+/// Every kind of file; those that users begin with come first.
 pub fn files() -> Vec<FileKind> {
     vec![
         ron::<morphology::MorphologyFile>(
@@ -68,17 +68,20 @@ pub fn files() -> Vec<FileKind> {
         ),
         ron::<calibration::StudyFile>(
             "study",
-            "A study: recordings, and what is varied to match them.",
+            "A study: recordings, a robot, and the parameters to vary.",
         ),
         ron::<simulation::Noise>(
             "noise",
             "Noise: how repeats differ; part of a study or a search, or a file of its own.",
         ),
         ron::<search::SearchFile>("search", "A search for the best robot."),
-        ron::<trajectory::Meta>("meta", "`meta.ron` beside recordings: what they are."),
+        ron::<trajectory::Meta>(
+            "meta",
+            "`meta.ron`: a description of the recordings in its folder.",
+        ),
         ron::<trajectory::Reading>(
             "reading",
-            "How files of others are to be read; part of a study or of `meta.ron`, or a file of its own.",
+            "How files of other programs are read; part of a study or of `meta.ron`, or a file of its own.",
         ),
         ron::<genome::IndividualFile>(
             "genome",
@@ -95,7 +98,7 @@ pub fn files() -> Vec<FileKind> {
         ron::<simulation::VehicleFile>("vehicle", "A robot on two wheels."),
         ron::<simulation::ControllerFile>(
             "controller",
-            "What a robot reads and hears in a run, and does about it.",
+            "A controller: sensors and radio of a robot, and the rules by which it acts on them.",
         ),
         ron::<range::RangeModel>(
             "sensor",
@@ -103,7 +106,7 @@ pub fn files() -> Vec<FileKind> {
         ),
         ron::<graph::Sensorgraph>(
             "sensorgraph",
-            "Polynomials that foretell a sensor's readings, as `realgap sense graph fit` finds them.",
+            "Polynomials that predict a scanner's readings, as `realgap sense graph fit` finds them.",
         ),
         ron::<radio::RadioModel>(
             "radio",
@@ -116,7 +119,7 @@ pub fn files() -> Vec<FileKind> {
         ),
         ron::<vision::ViewsFile>(
             "views",
-            "`views.ron` beside pictures: what is to be seen in each.",
+            "`views.ron`: the features that each picture in its folder shows.",
         ),
         json::<comparison::SavedBasis>(
             "basis",

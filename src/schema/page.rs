@@ -41,18 +41,18 @@ pub fn page() -> String {
         };
         let _ = write!(page, "{}\n\n", text.trim_end());
     }
-    let mut told = BTreeSet::new();
+    let mut described = BTreeSet::new();
     let kinds = files();
-    // What is a file of its own has its own place.
+    // A type that is a file of its own is described in its own section.
     let fields = |kind: &FileKind| kind.schema.get("properties").cloned();
     let roots: Vec<Value> = kinds.iter().filter_map(fields).collect();
     for kind in &kinds {
-        one(&mut page, kind, &roots, &mut told);
+        one(&mut page, kind, &roots, &mut described);
     }
     format!("{}\n", page.trim_end())
 }
 
-fn one(page: &mut String, kind: &FileKind, roots: &[Value], told: &mut BTreeSet<String>) {
+fn one(page: &mut String, kind: &FileKind, roots: &[Value], described: &mut BTreeSet<String>) {
     let Value::Object(root) = Value::from(kind.schema.clone()) else {
         return;
     };
@@ -74,12 +74,12 @@ fn one(page: &mut String, kind: &FileKind, roots: &[Value], told: &mut BTreeSet<
         let Some(Value::Object(definition)) = definitions.get(&name) else {
             continue;
         };
-        // What stood under an earlier file in just this way is not told again.
+        // A type that was described in the same words under an earlier file is not described again.
         let whole = format!("{name} {}", Value::Object(definition.clone()));
-        if !here.insert(name.clone()) || told.contains(&whole) {
+        if !here.insert(name.clone()) || described.contains(&whole) {
             continue;
         }
-        told.insert(whole);
+        described.insert(whole);
         if let Some(own) = definition.get("properties")
             && roots.iter().any(|root| root == own)
         {
@@ -187,7 +187,7 @@ fn describe_field(
     let _ = writeln!(page, "{}", wrapped(line.trim_end(), bullet, &indent));
 }
 
-/// What a value is, in words.
+/// The kind of a value, in words.
 fn kind_of(schema: &Value, waiting: &mut VecDeque<String>) -> String {
     if let Some(target) = schema.get("$ref").and_then(Value::as_str) {
         let name = target.trim_start_matches("#/$defs/");
@@ -245,7 +245,7 @@ fn kind_of(schema: &Value, waiting: &mut VecDeque<String>) -> String {
     }
 }
 
-/// A default that is worth a word.
+/// The text of a default; `None` for an empty one, which is not shown.
 fn shown(default: &Value) -> Option<String> {
     match default {
         Value::Null | Value::Object(_) => None,
@@ -288,7 +288,7 @@ fn plain(doc: &str) -> String {
     first.replace("[`", "`").replace("`]", "`")
 }
 
-/// The name of a type without what only our code needs.
+/// The name of a type for readers: without the suffixes of the code.
 fn called(name: &str) -> String {
     let letters = name.trim_end_matches(|c: char| c.is_ascii_digit());
     letters.trim_end_matches("File").to_lowercase()

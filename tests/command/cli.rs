@@ -6,7 +6,7 @@ use crate::common;
 use common::{project, realgap, text};
 
 #[test]
-fn help_teaches_the_way_through_and_is_quick() {
+fn help_shows_the_usual_order_of_commands() {
     let out = realgap().arg("--help").assert().success();
     let help = text(&out.get_output().stdout);
     for word in [
@@ -55,7 +55,7 @@ fn every_shipped_file_is_sound() {
     assert!(report.contains("441 points"), "{report}");
 }
 
-/// A clone of this repository alone must do: paths in shipped files stay inside it.
+/// A clone of this repository must be enough: paths in shipped files stay inside of it.
 #[test]
 fn no_shipped_file_points_outside_of_the_repository() {
     let project = project().canonicalize().unwrap();
@@ -131,7 +131,7 @@ fn a_passive_cube_goes_nowhere() {
 }
 
 #[test]
-fn compare_speaks_the_golden_columns() {
+fn compare_prints_the_golden_columns() {
     let curves = project().join("crates/path/tests/golden/curves");
     let out = realgap()
         .args(["compare", "--format", "json"])
@@ -148,7 +148,7 @@ fn compare_speaks_the_golden_columns() {
     assert_eq!(rows[1]["trajectory"], "scaled");
     let rms = rows[1]["rms_m"].as_f64().unwrap();
     assert!((rms / 0.116806236 - 1.0).abs() < 1e-6, "{rms}");
-    // Every metric that positions are enough for is there by itself.
+    // Every metric that needs positions only is printed by default.
     let row = rows[1].as_object().unwrap();
     for metric in realgap::comparison::position_metrics() {
         assert!(row[metric.column()].is_number(), "{}", metric.name());
@@ -207,7 +207,7 @@ fn files_in_centimetres_are_read_as_such() {
 
 #[test]
 fn no_colour_codes_reach_a_pipe() {
-    let out = realgap().args(["parameters"]).assert().success();
+    let out = realgap().args(["study", "parameters"]).assert().success();
     assert!(!out.get_output().stdout.contains(&0x1b));
     let out = realgap().args(["check", "nowhere.ron"]).assert().code(1);
     assert!(!out.get_output().stderr.contains(&0x1b));
@@ -247,7 +247,7 @@ fn a_simulation_that_diverges_is_an_error_with_advice() {
 fn output_that_cannot_be_written_is_a_failure() {
     let full = std::fs::File::create("/dev/full").unwrap();
     let status = std::process::Command::new(env!("CARGO_BIN_EXE_realgap"))
-        .arg("parameters")
+        .args(["study", "parameters"])
         .stdout(full)
         .stderr(std::process::Stdio::null())
         .status()
@@ -256,7 +256,7 @@ fn output_that_cannot_be_written_is_a_failure() {
 }
 
 #[test]
-fn a_setting_without_effect_is_said() {
+fn a_setting_without_effect_gets_a_warning() {
     let out = realgap()
         .args("simulate morphologies/cube.ron --duration 0.1 --set servo.gain=3".split(' '))
         .args(["--set", "recording.length_scale=2"])
@@ -313,40 +313,40 @@ fn values_from_options_that_cannot_be_used_are_wrong_usage() {
 }
 
 #[test]
-fn a_mixed_up_file_is_called_what_it_is() {
+fn an_error_names_the_kind_of_a_wrong_file() {
     let cases = [
         (
-            "simulate",
+            &["simulate"][..],
             "sweeps/tripod_self.ron",
             "a study",
             "realgap sweep",
         ),
         (
-            "export",
+            &["robot", "export", "--format", "urdf"],
             "sweeps/cube_toss_best.ron",
             "a parameter file",
             "--parameters",
         ),
         (
-            "sweep",
+            &["sweep"],
             "morphologies/cube.ron",
             "a morphology",
             "realgap simulate",
         ),
         (
-            "evaluate",
+            &["evaluate"],
             "morphologies/cube.ron",
             "a morphology",
             "realgap simulate",
         ),
         (
-            "identify",
+            &["study", "identify"],
             "sweeps/cube_toss_best.ron",
             "a parameter file",
             "--parameters",
         ),
         (
-            "sweep",
+            &["sweep"],
             "real_trajectories/tripod_mujoco/run_00.csv",
             "a trajectory",
             "realgap compare",
@@ -354,18 +354,15 @@ fn a_mixed_up_file_is_called_what_it_is() {
     ];
     for (command, file, kind, hint) in cases {
         let mut call = realgap();
-        call.arg(command).arg(project().join(file));
-        if command == "export" {
-            call.args(["--format", "urdf"]);
-        }
+        call.args(command).arg(project().join(file));
         let error = text(&call.assert().code(2).get_output().stderr);
         assert!(
             error.contains(&format!("found:   {kind}")),
-            "{command}: {error}"
+            "{command:?}: {error}"
         );
-        assert!(error.contains(hint), "{command}: {error}");
+        assert!(error.contains(hint), "{command:?}: {error}");
     }
-    // What is broken stays broken: a file of the right kind keeps its own error.
+    // A broken file of the right kind keeps its own error.
     let folder = tempfile::tempdir().unwrap();
     let broken = folder.path().join("robot.ron");
     std::fs::write(&broken, "(name: \"x\", modules: [])").unwrap();
@@ -375,7 +372,7 @@ fn a_mixed_up_file_is_called_what_it_is() {
 }
 
 #[test]
-fn a_folder_is_not_checked_but_its_files_may_be() {
+fn check_refuses_a_folder_and_suggests_its_files() {
     let out = realgap()
         .arg("check")
         .arg(project().join("sweeps"))
@@ -389,7 +386,7 @@ fn a_folder_is_not_checked_but_its_files_may_be() {
 }
 
 #[test]
-fn check_tells_machines_what_it_tells_people() {
+fn check_prints_the_same_contents_as_json() {
     let out = realgap()
         .arg("check")
         .arg(project().join("morphologies/tripod.ron"))
@@ -410,11 +407,11 @@ fn check_tells_machines_what_it_tells_people() {
 }
 
 #[test]
-fn record_tells_machines_what_it_wrote() {
+fn record_prints_what_it_wrote_as_json() {
     let folder = tempfile::tempdir().unwrap();
     let runs = folder.path().join("runs");
     let out = realgap()
-        .arg("record")
+        .args(["study", "record"])
         .arg(project().join("morphologies/cube.ron"))
         .args("--repeats 1 --duration 0.2 --set floor.friction=0.4".split(' '))
         .args(["--format", "json", "-o"])
@@ -431,7 +428,7 @@ fn record_tells_machines_what_it_wrote() {
 }
 
 #[test]
-fn simulate_tries_its_output_before_the_work() {
+fn simulate_checks_its_output_file_before_the_work() {
     let folder = tempfile::tempdir().unwrap();
     let started = std::time::Instant::now();
     let out = realgap()
@@ -469,7 +466,7 @@ fn help_shows_the_defaults_that_are_used() {
     }
 }
 
-/// What a picture from above does not show.
+/// Heights and distances over time, which a picture from above does not show.
 #[test]
 fn trajectories_are_drawn_over_time_with_heights_and_distances() {
     let folder = tempfile::tempdir().unwrap();

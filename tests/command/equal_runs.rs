@@ -1,4 +1,4 @@
-//! Equal runs leave equal folders, byte for byte, whatever the threads: what differs stands in `timing.json`.
+//! Equal runs write equal folders, byte for byte, for any number of threads; only `timing.json` differs.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -21,18 +21,39 @@ fn commands_that_write_one_file_write_the_same_bytes_again() {
         ),
         (
             "recordings",
-            vec!["record", robot, "--repeats", "2", "--duration", "0.5", "-o"],
+            vec![
+                "study",
+                "record",
+                robot,
+                "--repeats",
+                "2",
+                "--duration",
+                "0.5",
+                "-o",
+            ],
         ),
-        ("robot.xml", vec!["export", robot, "--format", "mjcf", "-o"]),
+        (
+            "robot.xml",
+            vec!["robot", "export", robot, "--format", "mjcf", "-o"],
+        ),
         (
             "genome.ron",
-            vec!["genome", "random", "--modules", "3", "--seed", "2", "-o"],
+            vec![
+                "robot",
+                "genome",
+                "random",
+                "--modules",
+                "3",
+                "--seed",
+                "2",
+                "-o",
+            ],
         ),
         ("robot.png", vec!["check", robot, "--plot"]),
         ("paths.svg", vec!["compare", run, other, "--plot"]),
         (
             "bars.png",
-            vec!["sensitivity", &study, "--jobs", "2", "--plot"],
+            vec!["study", "sensitivity", &study, "--jobs", "2", "--plot"],
         ),
         (
             "repeat.csv",
@@ -102,7 +123,7 @@ fn every_command_writes_the_same_bytes_for_any_number_of_threads() {
             let out = tempfile::tempdir_in(folder.path()).unwrap();
             let mut command = realgap();
             command.args(&args).args(more).args(["--jobs", jobs, "-o"]);
-            // The same path each time: it may stand in a result.
+            // The path is the same each time, because it may be part of a result.
             command.arg("out").current_dir(out.path());
             let root = common::project();
             for (name, place) in [

@@ -1,4 +1,4 @@
-//! Files that anybody may have made: nothing of them is skipped in silence, steers a terminal or leads out of a folder.
+//! Untrusted files: no content is skipped silently, controls a terminal or leads out of a folder.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -66,7 +66,7 @@ fn every_match_of_recordings_counts_or_is_an_error_that_names_it() {
         spoil(&at);
         let error = count().unwrap_err().to_string();
         assert!(error.contains(name), "{error}");
-        // The command says so, too, and does nothing.
+        // The command prints the same error and does nothing.
         let out = folder.path().join("out");
         let mut sweep = realgap();
         sweep.arg("sweep").arg(&study).arg("-o").arg(&out);
@@ -82,7 +82,7 @@ fn every_match_of_recordings_counts_or_is_an_error_that_names_it() {
     assert!(error.contains("not UTF-8"), "{error}");
     std::fs::remove_file(&unreadable).unwrap();
     assert_eq!(count().unwrap(), 3);
-    // What lies beside them says what they are, or why that cannot be read.
+    // A meta.ron that cannot be read is an error.
     std::fs::remove_file(runs.join("meta.ron")).unwrap();
     symlink("nowhere", runs.join("meta.ron")).unwrap();
     let error = count().unwrap_err().to_string();
@@ -90,7 +90,7 @@ fn every_match_of_recordings_counts_or_is_an_error_that_names_it() {
 }
 
 #[test]
-fn names_that_lead_elsewhere_are_refused_wherever_they_become_a_path() {
+fn names_that_lead_out_of_a_folder_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let sound = std::fs::read_to_string(quick_study(folder.path(), 2)).unwrap();
     let long = format!("{}.ron", "x".repeat(101));
@@ -110,7 +110,7 @@ fn names_that_lead_elsewhere_are_refused_wherever_they_become_a_path() {
             refused.to_string().contains("not a usable name"),
             "{refused}"
         );
-        // Said by the command without a control character, and without a folder.
+        // The command prints the error without control characters, and makes no folder.
         let said = realgap().arg("sweep").arg("--").arg(&path).assert().code(1);
         let error = text(&said.get_output().stderr);
         assert!(
@@ -186,7 +186,7 @@ fn a_key_that_is_given_twice_is_an_error_with_its_line() {
 }
 
 #[test]
-fn nothing_in_a_file_steers_the_terminal() {
+fn no_content_of_a_file_controls_the_terminal() {
     let folder = tempfile::tempdir().unwrap();
     let put = |name: &str, content: &str| {
         let path = folder.path().join(name);
@@ -238,7 +238,7 @@ fn nothing_in_a_file_steers_the_terminal() {
             let said = text(&said.stdout) + &text(&said.stderr);
             let steers = |c: char| c != '\n' && (c.is_control() || c == '\u{202e}');
             assert!(!said.contains(steers), "{}: {said:?}", path.display());
-            // Machines get everything.
+            // JSON is not cut.
             assert!(
                 said.len() < 8000 || format == "json",
                 "{}: {} bytes",
@@ -260,7 +260,7 @@ fn nothing_in_a_file_steers_the_terminal() {
 }
 
 #[test]
-fn a_picture_of_others_is_not_replaced_and_one_of_ours_is_drawn_again() {
+fn a_foreign_picture_is_not_replaced_and_an_own_picture_is_drawn_again() {
     let folder = tempfile::tempdir().unwrap();
     let runs =
         ["run_00.csv", "run_01.csv"].map(|run| format!("real_trajectories/tripod_standin/{run}"));
@@ -284,7 +284,7 @@ fn a_picture_of_others_is_not_replaced_and_one_of_ours_is_drawn_again() {
 }
 
 #[test]
-fn files_of_others_are_never_replaced_or_removed() {
+fn foreign_files_are_never_replaced_or_removed() {
     let folder = tempfile::tempdir().unwrap();
     let study = quick_study(folder.path(), 2);
     let run = |out: &Path, more: &[&str]| {
@@ -292,7 +292,7 @@ fn files_of_others_are_never_replaced_or_removed() {
         sweep.arg("sweep").arg(&study).arg("-o").arg(out).args(more);
         sweep.output().unwrap()
     };
-    // A file with the name of a result, where nobody has written results.
+    // A file with the name of a result, in a folder without results.
     let out = folder.path().join("mine");
     std::fs::create_dir(&out).unwrap();
     std::fs::write(out.join("best.ron"), "mine").unwrap();
@@ -303,7 +303,7 @@ fn files_of_others_are_never_replaced_or_removed() {
     }
     assert_eq!(common::read(&out, "best.ron"), "mine");
     assert_eq!(std::fs::read_dir(&out).unwrap().count(), 1);
-    // A database of others, which --restart must not throw away.
+    // A foreign database, which --restart must not delete.
     let out = folder.path().join("database");
     std::fs::create_dir(&out).unwrap();
     rusqlite::Connection::open(out.join("results.sqlite"))
@@ -314,7 +314,7 @@ fn files_of_others_are_never_replaced_or_removed() {
     let refused = run(&out, &["--restart"]);
     assert_eq!(refused.status.code(), Some(1), "{}", text(&refused.stderr));
     assert_eq!(std::fs::read(out.join("results.sqlite")).unwrap(), before);
-    // Beside results, whatever else is there stays, also when they are thrown away.
+    // Other files in a results folder are kept, also when the results are deleted.
     let out = folder.path().join("shared");
     assert!(run(&out, &[]).status.success());
     for name in ["notes.txt", "heatmap_of_mine.png", "best.txt"] {
@@ -327,7 +327,7 @@ fn files_of_others_are_never_replaced_or_removed() {
 }
 
 #[test]
-fn what_asks_for_too_much_is_refused_with_what_is_allowed() {
+fn values_that_are_too_large_are_refused_with_the_allowed_range() {
     let folder = tempfile::tempdir().unwrap();
     let study = quick_study(folder.path(), 2).display().to_string();
     let search = folder.path().join("search.ron");
@@ -371,7 +371,7 @@ fn what_asks_for_too_much_is_refused_with_what_is_allowed() {
 }
 
 #[test]
-fn check_estimates_from_a_slice_whatever_the_study() {
+fn check_estimates_the_time_of_any_study_from_a_part_of_a_simulation() {
     let folder = tempfile::tempdir().unwrap();
     let study = quick_study(folder.path(), 100);
     let slow = std::fs::read_to_string(&study).unwrap().replace(
@@ -387,12 +387,12 @@ fn check_estimates_from_a_slice_whatever_the_study() {
         .success();
     let report: serde_json::Value = serde_json::from_slice(&said.get_output().stdout).unwrap();
     let cpu_s = report[0]["contents"]["cpu_s"].as_f64().unwrap();
-    // A single point of it takes hours, let alone ten thousand of them.
+    // A single point of this study takes hours, and it has ten thousand.
     assert!(cpu_s > 1e6, "{cpu_s}");
 }
 
 #[test]
-fn nonsense_that_runs_is_said_with_what_to_change() {
+fn implausible_values_get_a_warning_with_a_remedy() {
     let folder = tempfile::tempdir().unwrap();
     let robot = folder.path().join("robot.ron");
     std::fs::write(
@@ -432,7 +432,7 @@ fn nonsense_that_runs_is_said_with_what_to_change() {
 }
 
 #[test]
-fn a_store_that_somebody_else_made_does_not_steer_the_terminal_nor_a_spreadsheet() {
+fn an_untrusted_store_controls_neither_the_terminal_nor_a_spreadsheet() {
     let folder = tempfile::tempdir().unwrap();
     let mut store = Store::<Trial>::create(folder.path(), &Fingerprint::new()).unwrap();
     let list = |name: &str| serde_json::json!([name]).to_string();
@@ -456,7 +456,7 @@ fn a_store_that_somebody_else_made_does_not_steer_the_terminal_nor_a_spreadsheet
     drop(store);
     let list = |format: &str| {
         let mut command = realgap();
-        command.arg("results").arg(folder.path());
+        command.args(["study", "results"]).arg(folder.path());
         let said = command
             .args(["--per-recording", "--format", format])
             .assert();

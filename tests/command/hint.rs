@@ -1,4 +1,4 @@
-//! Who has made a slip is told which one, in words that are true, and what to do about it.
+//! Errors of users: the message names the mistake correctly, and says how to correct it.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -11,7 +11,7 @@ use realgap::calibration::{Definition, Overrides, Study};
 use realgap::optimization::{Progress, RunOptions};
 use realgap::unit::Unit;
 
-/// What the command says on standard error, and its exit code.
+/// Standard error of the command, and its exit code.
 fn said(arguments: &[&str]) -> (String, i32) {
     let out = realgap().args(arguments).output().unwrap();
     (text(&out.stderr), out.status.code().unwrap())
@@ -29,7 +29,7 @@ fn refused(arguments: &[&str], words: &[&str]) {
     }
 }
 
-/// What `check` says of a file with this text.
+/// The error of `check` for a file with this text.
 fn checked(folder: &Path, body: &str) -> String {
     let path = folder.join("file.ron");
     std::fs::write(&path, body).unwrap();
@@ -41,7 +41,7 @@ fn tripod() -> String {
 }
 
 #[test]
-fn a_count_of_nothing_is_wrong_usage_with_what_is_allowed() {
+fn a_count_of_zero_is_wrong_usage_with_the_allowed_range() {
     let study = "sweeps/tripod_floor.ron";
     refused(&["sweep", study, "--jobs", "0"], &["allowed: 1 to"]);
     for option in ["--every", "--limit-recordings"] {
@@ -69,22 +69,22 @@ fn a_count_of_nothing_is_wrong_usage_with_what_is_allowed() {
 }
 
 #[test]
-fn a_file_where_a_folder_is_meant_is_called_so() {
+fn a_file_in_place_of_a_folder_is_named_in_the_error() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("results");
     std::fs::write(&file, "mine").unwrap();
     let study = "sweeps/tripod_floor.ron";
-    for [command, what] in [
-        ["sweep", study],
-        ["tune", study],
-        ["ensemble", study],
-        ["gap", study],
-        ["search", "sweeps/best_robot.ron"],
-        ["record", "morphologies/cube.ron"],
-        ["predict", "morphologies/cube.ron"],
+    for command in [
+        &["sweep", study][..],
+        &["tune", study],
+        &["ensemble", study],
+        &["gap", study],
+        &["search", "sweeps/best_robot.ron"],
+        &["study", "record", "morphologies/cube.ron"],
+        &["predict", "morphologies/cube.ron"],
     ] {
         refused(
-            &[command, what, "-o", file.to_str().unwrap()],
+            &[command, &["-o", file.to_str().unwrap()]].concat(),
             &["results need a folder", "found:   a file", "-o"],
         );
     }
@@ -92,24 +92,24 @@ fn a_file_where_a_folder_is_meant_is_called_so() {
 }
 
 #[test]
-fn every_command_says_which_kind_of_file_it_was_given() {
+fn every_command_names_the_kind_of_a_wrong_file() {
     let (robot, study) = ("morphologies/cube.ron", "sweeps/tripod_floor.ron");
     for (command, file, found) in [
-        ("simulate", study, "a study"),
-        ("predict", study, "a study"),
-        ("record", study, "a study"),
-        ("develop", robot, "a morphology"),
-        ("sweep", robot, "a morphology"),
-        ("tune", robot, "a morphology"),
-        ("ensemble", robot, "a morphology"),
-        ("gap", robot, "a morphology"),
-        ("sensitivity", robot, "a morphology"),
-        ("search", study, "a study"),
+        (&["simulate"][..], study, "a study"),
+        (&["predict"], study, "a study"),
+        (&["study", "record"], study, "a study"),
+        (&["robot", "develop"], robot, "a morphology"),
+        (&["sweep"], robot, "a morphology"),
+        (&["tune"], robot, "a morphology"),
+        (&["ensemble"], robot, "a morphology"),
+        (&["gap"], robot, "a morphology"),
+        (&["study", "sensitivity"], robot, "a morphology"),
+        (&["search"], study, "a study"),
     ] {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("out");
-        let mut arguments = vec![command, file];
-        if command == "record" {
+        let mut arguments = [command, &[file]].concat();
+        if command == ["study", "record"] {
             arguments.extend(["-o", out.to_str().unwrap()]);
         }
         refused(&arguments, &[&format!("found:   {found}"), "hint:"]);
@@ -144,7 +144,7 @@ fn a_decimal_comma_is_recognized() {
             "{error}"
         );
     }
-    // Where the comma is: line 5, at the number.
+    // The error names the place of the comma: line 5, at the number.
     assert!(found("side_m: 0.06", "side_m: 0,06").contains("file.ron:5:24: "));
 }
 
@@ -184,7 +184,7 @@ fn a_name_given_twice_is_found_before_the_name_that_it_replaced() {
 }
 
 #[test]
-fn a_default_is_to_blame_where_it_stands() {
+fn an_invalid_default_is_reported_at_the_place_of_the_default() {
     let folder = tempfile::tempdir().unwrap();
     for (from, to, field) in [
         ("side_m: 0.06", "side_m: -0.06", "5:24: defaults.side_m: "),
@@ -206,7 +206,7 @@ fn a_default_is_to_blame_where_it_stands() {
 }
 
 #[test]
-fn it_is_said_where_a_relative_path_starts() {
+fn the_error_says_to_which_folder_a_relative_path_belongs() {
     let folder = tempfile::tempdir().unwrap();
     let study = std::fs::read_to_string(project().join("sweeps/tripod_floor.ron")).unwrap();
     let error = checked(folder.path(), &study);
@@ -236,9 +236,17 @@ fn it_is_said_where_a_relative_path_starts() {
 }
 
 #[test]
-fn a_random_genome_is_there_for_machines_too() {
+fn a_random_genome_can_be_printed_as_json() {
     let out = realgap()
-        .args(["genome", "random", "--modules", "2", "--format", "json"])
+        .args([
+            "robot",
+            "genome",
+            "random",
+            "--modules",
+            "2",
+            "--format",
+            "json",
+        ])
         .assert()
         .success();
     let genome: serde_json::Value = serde_json::from_slice(&out.get_output().stdout).unwrap();
@@ -248,7 +256,7 @@ fn a_random_genome_is_there_for_machines_too() {
 }
 
 #[test]
-fn units_and_names_are_for_readers() {
+fn reports_print_readable_units_and_names() {
     // Every report writes a unit through this.
     assert_eq!(serde_json::to_string(&Unit::Metre).unwrap(), "\"m\"");
     assert_eq!(serde_json::to_string(&Unit::One).unwrap(), "\"1\"");
@@ -265,11 +273,11 @@ fn units_and_names_are_for_readers() {
 }
 
 #[test]
-fn who_only_looks_is_not_told_to_run() {
+fn a_command_that_only_reads_gives_no_advice_about_runs() {
     let folder = tempfile::tempdir().unwrap();
     let store = folder.path().join("results.sqlite");
     std::fs::write(&store, "no database").unwrap();
-    let (error, code) = said(&["results", folder.path().to_str().unwrap()]);
+    let (error, code) = said(&["study", "results", folder.path().to_str().unwrap()]);
     assert_eq!(code, 1);
     for option in ["--resume", "--restart", "-o"] {
         assert!(!error.contains(option), "{error}");
@@ -304,7 +312,7 @@ fn progress_does_not_stand_still_at_the_end() {
 }
 
 #[test]
-fn errors_of_poses_are_not_asked_of_paths_without_orientations() {
+fn evaluate_refuses_paths_without_orientations_and_suggests_other_commands() {
     let study = project().join("sweeps/two_wheel_us1.ron");
     let (error, code) = said(&["evaluate", study.to_str().unwrap()]);
     assert_eq!(code, 1, "{error}");

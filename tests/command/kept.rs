@@ -1,11 +1,11 @@
-//! A file of the user's stays as it is, whatever command is told to write there.
+//! No command replaces a file of the user.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::path::Path;
 
 use crate::common::{project, realgap, text};
 
-/// Where a file of the user's lies, and the command that would write there; `@` is the project's folder.
+/// The path of a file of the user, and the command that would write there; `@` is the project's folder.
 const COMMANDS: &[(&str, &str)] = &[
     (
         "run.csv",

@@ -1,4 +1,4 @@
-//! What every command says and writes.
+//! Output and files of every command.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 mod cli;

@@ -1,4 +1,4 @@
-//! Whoever has installed the program has files to start from.
+//! Templates and examples inside of the installed program.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -20,7 +20,7 @@ fn every_template_is_sound_as_it_is_written() {
     let new = |kind: &str, place: &std::path::Path| {
         let file = place.join(format!("{kind}.ron"));
         realgap()
-            .args(["new", kind, "-o"])
+            .args(["study", "new", kind, "-o"])
             .arg(&file)
             .assert()
             .success();
@@ -29,16 +29,16 @@ fn every_template_is_sound_as_it_is_written() {
     new("meta", &runs);
     for kind in ["robot", "arena", "noise", "search", "study"] {
         let file = new(kind, folder.path());
-        // A noise is no file by itself.
+        // `check` does not know a noise file by itself.
         if kind == "noise" {
             continue;
         }
         let said = realgap().arg("check").arg(&file).output().unwrap();
         assert!(said.status.success(), "{kind}: {}", text(&said.stderr));
-        // A file that is there stays.
+        // An existing file is not replaced.
         let before = std::fs::read(&file).unwrap();
         let said = realgap()
-            .args(["new", kind, "-o"])
+            .args(["study", "new", kind, "-o"])
             .arg(&file)
             .output()
             .unwrap();
@@ -59,11 +59,11 @@ fn every_template_is_sound_as_it_is_written() {
 }
 
 #[test]
-fn the_examples_inside_of_the_program_are_those_of_the_repository() {
+fn the_examples_in_the_program_equal_those_of_the_repository() {
     let folder = tempfile::tempdir().unwrap();
     let copy = |code: i32| {
         let said = realgap()
-            .args(["examples", "copy"])
+            .args(["study", "examples", "copy"])
             .arg(folder.path().join("mine"))
             .output()
             .unwrap();
@@ -103,9 +103,9 @@ fn the_examples_inside_of_the_program_are_those_of_the_repository() {
         }
     }
     assert_eq!(copied.keys().cloned().collect::<BTreeSet<_>>(), there);
-    // A second copy would replace what somebody has changed.
+    // A second copy is refused, because it would replace files that the user may have changed.
     copy(1);
-    // Who has installed the program has all that its studies read.
+    // The copied examples contain all files that the studies read.
     let mine = folder.path().join("mine");
     let studies = there.iter().filter(|path| path.starts_with("sweeps"));
     let said = realgap()

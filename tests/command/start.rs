@@ -1,4 +1,4 @@
-//! From somebody's own files to a verdict in three commands, and what a newcomer gets wrong on the way.
+//! From a user's own files to a verdict in three commands, and common mistakes on this path.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use common::{realgap, text};
 
-/// Three real tosses as another program wrote them: millimetres, milliseconds, y up, names of its own, two lines before them.
+/// Three real tosses as another program wrote them: millimetres, milliseconds, y up, names of its own, two lines before the header.
 fn foreign_tosses(folder: &Path) -> Vec<PathBuf> {
     let own = common::project().join("real_trajectories/cube_tosses");
     ["toss_003", "toss_015", "toss_026"]
@@ -90,7 +90,7 @@ fn three_commands_lead_from_own_files_to_a_verdict() {
 }
 
 #[test]
-fn what_a_newcomer_gets_wrong_is_asked_or_refused_with_what_to_do() {
+fn common_mistakes_are_asked_about_or_refused_with_a_remedy() {
     let folder = tempfile::tempdir().unwrap();
     let study = folder.path().join("mine.ron");
     let files = foreign_tosses(folder.path());
@@ -198,7 +198,7 @@ fn what_a_newcomer_gets_wrong_is_asked_or_refused_with_what_to_do() {
             "metres and kilograms",
         ),
         (CUBE.to_vec(), vec![own_study], "a study, not a morphology"),
-        // What falls freely is not what stands on the floor and walks.
+        // A recording in free fall is not one of a robot that stands on the floor and walks.
         (
             vec![],
             vec![files[0].clone(), robot.clone()],
@@ -233,7 +233,7 @@ fn what_a_newcomer_gets_wrong_is_asked_or_refused_with_what_to_do() {
         );
         assert!(!study.exists());
     }
-    // The size of the robot tells what nothing else does.
+    // Only the size of the robot determines the unit.
     let (code, said) = start(&CUBE, &[plain], &study);
     assert!(
         code == 0 && said.contains("lengths are in metres"),
@@ -242,7 +242,7 @@ fn what_a_newcomer_gets_wrong_is_asked_or_refused_with_what_to_do() {
 }
 
 #[test]
-fn of_several_bodies_in_one_file_the_first_is_the_robot_and_that_is_said() {
+fn the_first_of_several_bodies_is_the_robot_and_the_output_says_so() {
     let folder = tempfile::tempdir().unwrap();
     let study = folder.path().join("mine.ron");
     let pushes = common::project().join("real_trajectories/cube_pushes");
@@ -257,7 +257,7 @@ fn of_several_bodies_in_one_file_the_first_is_the_robot_and_that_is_said() {
 }
 
 #[test]
-fn what_only_the_robot_can_tell_is_doubted() {
+fn guesses_that_contradict_the_robot_are_doubted() {
     let folder = tempfile::tempdir().unwrap();
     let study = folder.path().join("mine.ron");
     let files = foreign_tosses(folder.path());
@@ -301,7 +301,7 @@ fn what_only_the_robot_can_tell_is_doubted() {
         assert!(!said.contains(word), "{said}");
     }
     std::fs::remove_file(&study).unwrap();
-    // Quaternions whose columns leave open which is which.
+    // Names of quaternion columns that do not tell which component is which.
     let renamed: Vec<PathBuf> = (0..)
         .zip(&files)
         .map(|(index, file)| {
@@ -331,7 +331,7 @@ fn what_only_the_robot_can_tell_is_doubted() {
 }
 
 #[test]
-fn a_robot_among_trajectories_and_a_file_that_is_not_there_are_called_so() {
+fn errors_name_a_robot_among_trajectories_and_a_missing_file() {
     let toss = "real_trajectories/cube_tosses/toss_003.csv";
     for (words, says) in [
         (
@@ -354,7 +354,7 @@ fn a_robot_among_trajectories_and_a_file_that_is_not_there_are_called_so() {
 }
 
 #[test]
-fn boxes_with_a_free_hinge_go_on_from_where_they_were_seen_first() {
+fn boxes_with_a_free_hinge_start_from_their_first_recorded_state() {
     let folder = tempfile::tempdir().unwrap();
     let study = folder.path().join("mine.ron");
     let root = common::project();
@@ -368,7 +368,7 @@ fn boxes_with_a_free_hinge_go_on_from_where_they_were_seen_first() {
     assert!(written.contains("start: FromRecording"), "{written}");
 }
 
-/// A forearm as a URDF states it: a free base, limits of its motor, not what its servo is.
+/// A forearm as a URDF: a free base, and limits of a motor without the law of its servo.
 const FOREARM: &str = r#"<robot name="forearm">
 <link name="base"><inertial><mass value="0.2"/><inertia ixx="1e-4" iyy="1e-4" izz="1e-4" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <link name="lower"><inertial><origin xyz="0.1 0 0"/><mass value="0.3"/><inertia ixx="1e-4" iyy="1e-3" izz="1e-3" ixy="0" ixz="0" iyz="0"/></inertial></link>
@@ -411,7 +411,7 @@ fn joint_logs_and_a_urdf_become_a_fit_of_the_servos() {
         robot.contains("Imported by realgap") && robot.contains("Torque("),
         "{robot}"
     );
-    // What it wrote is what the next command takes.
+    // The next command reads the file that it wrote.
     let out = folder.path().join("out");
     let words = ["--optimizer", "gauss-newton", "--budget", "7", "-o"];
     realgap()
@@ -423,7 +423,7 @@ fn joint_logs_and_a_urdf_become_a_fit_of_the_servos() {
         .success();
     assert!(common::read(&out, "best.ron").contains("servo.elbow_flex.stiffness_nm_rad"));
 
-    // One servo, one column of goals: whose they are needs no name.
+    // With one servo and one column of goals, the column needs no name of a joint.
     let rows: String = (0..100)
         .map(|i| {
             format!(
@@ -445,7 +445,7 @@ fn joint_logs_and_a_urdf_become_a_fit_of_the_servos() {
         "{said}{written}"
     );
 
-    // Nobody's joints, and a robot that a study alone cannot hold, are said with what to do.
+    // Columns of unknown joints, and a robot that must be held, are errors with a remedy.
     let other = put(
         "other.csv",
         &format!("t_s,knee_command_rad,knee_rad\n{rows}"),

@@ -52,7 +52,7 @@ fn the_command_prints_every_check_and_says_by_its_exit_code_whether_all_passed()
 }
 
 #[test]
-fn what_the_checks_decide_themselves_cannot_be_set() {
+fn parameters_that_the_checks_set_themselves_are_refused() {
     let output = realgap(&["--set", "floor.friction=0.4"]);
     assert_eq!(output.status.code(), Some(2));
     let message = String::from_utf8(output.stderr).unwrap();

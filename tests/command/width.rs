@@ -1,4 +1,4 @@
-//! What is printed as a table fits a terminal of 80 columns, and a vehicle is not said to be simulated by an engine.
+//! Tables fit a terminal of 80 columns, and the output about a vehicle does not mention a physics engine.
 
 use crate::common::{project, realgap, text};
 
@@ -86,7 +86,7 @@ fn no_table_of_a_command_is_wider_than_eighty_columns() {
 }
 
 #[test]
-fn a_vehicle_is_not_told_what_an_engine_would_do() {
+fn the_output_about_a_vehicle_mentions_no_physics_engine() {
     let folder = tempfile::tempdir().unwrap();
     let out = realgap()
         .current_dir(project())

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 /// Widths of windows: a phone, a laptop with something beside, a whole screen.
 const WIDTHS: [u32; 3] = [390, 1100, 1440];
 
-/// Texts of pictures that lie on each other or are cut, and numbers with digits that nobody set.
+/// Finds texts of pictures that overlap or are cut, and numbers with excess digits.
 const FAULTS: &str = r#"(() => {
   const faults = [], isPage = document.contentType === "text/html";
   const page = document.documentElement.clientWidth;
@@ -47,7 +47,7 @@ pub struct Browser {
     from: BufReader<ChildStdout>,
     last: u64,
     session: String,
-    /// What the console, the page and the policy complained about.
+    /// Errors of the console, the page and the content policy.
     pub complaints: Vec<String>,
     /// Addresses that were asked for.
     pub asked: Vec<String>,
@@ -55,7 +55,7 @@ pub struct Browser {
 }
 
 impl Browser {
-    /// A browser of this machine; none, said so, where there is none.
+    /// A browser of this machine; `None`, with a note, where there is none.
     pub fn start() -> Option<Self> {
         let known = ["chromium", "chromium-browser", "google-chrome"];
         let found = known.into_iter().find(|name| {
@@ -63,7 +63,7 @@ impl Browser {
             version.is_ok_and(|output| output.status.success())
         });
         let Some(program) = found else {
-            super::skipped("no chromium here: pages are not opened");
+            super::skipped("Chromium is not installed: pages are not opened");
             return None;
         };
         let profile = tempfile::tempdir().unwrap();
@@ -142,7 +142,7 @@ impl Browser {
             "Runtime.consoleAPICalled" => self.complaints.push(of["args"].to_string()),
             "Log.entryAdded" => {
                 let text = of["entry"].to_string();
-                // How long the software renderer takes is no fault of the page.
+                // Messages about the speed of the software renderer are not errors of the page.
                 if !text.contains("GL Driver Message") {
                     self.complaints.push(text);
                 }
@@ -241,7 +241,7 @@ impl Browser {
         }
     }
 
-    /// Asserts that the page asked for nothing but itself and that nobody complained.
+    /// Asserts that the page requested no other address and caused no error.
     pub fn is_quiet(&mut self, what: &str) {
         let twice = "(() => { const all = [...document.querySelectorAll('[id]')].map(e => e.id); return all.filter((id, k) => all.indexOf(id) !== k); })()";
         assert_eq!(

@@ -22,7 +22,7 @@ pub fn realgap() -> Command {
     command
 }
 
-/// Starts the command in the project's folder, what it says to be read later.
+/// Starts the command in the project's folder; its output is read later.
 pub fn start(args: &[&str]) -> Child {
     std::process::Command::new(env!("CARGO_BIN_EXE_realgap"))
         .args(args)
@@ -33,7 +33,7 @@ pub fn start(args: &[&str]) -> Child {
         .unwrap()
 }
 
-/// Starts a command on a file of ours that writes a folder, on one thread.
+/// Starts a command that writes a folder, on one thread.
 pub fn start_on_one_thread(command: &str, file: &Path, out: &Path) -> Child {
     let [file, out] = [file, out].map(|path| path.to_str().unwrap());
     start(&[command, file, "--jobs", "1", "-o", out])
@@ -46,7 +46,7 @@ pub fn search_file(folder: &Path, body: &str) -> PathBuf {
     path
 }
 
-/// The body of a search of seconds.
+/// The body of a search that takes seconds.
 pub const SMALL_SEARCH: &str = "strategy: Evolution(population: 6, generations: 3, variation: (max_modules: 3)), duration_s: 1.0, repeats: 3,
     parameters: [(name: \"floor.friction\", low: 0.4, high: 0.6)],
     finalists: (count: 2, repeats: 5),";

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use serde_json::{Map, Value, json};
 
-/// A RON text as the JSON that means the same (docs/files.md); `names` are those of structs, which say nothing.
+/// A RON text as the JSON that means the same (docs/files.md); `names` are names of structs, which do not change the value.
 struct Ron<'a> {
     rest: &'a str,
     names: BTreeSet<String>,
@@ -61,7 +61,7 @@ impl Ron<'_> {
                 name if self.names.contains(name) => self.brackets(),
                 _ => {
                     let inner = self.brackets();
-                    // One thing in brackets is that thing.
+                    // A single value in brackets is that value.
                     match inner {
                         Value::Array(mut all) if all.len() == 1 => json!({ word: all.remove(0) }),
                         inner => json!({ word: inner }),
@@ -152,7 +152,7 @@ pub fn as_json(ron: &str, schema: &Value) -> Value {
     let structs = definitions
         .iter()
         .filter(|(_, one)| one.get("properties").is_some());
-    // A variant may be called as the struct in it: then the name does say something.
+    // A variant may have the name of the struct in it; this name must be kept.
     let variants = definitions
         .values()
         .filter_map(|one| one["oneOf"].as_array());
@@ -168,7 +168,7 @@ pub fn as_json(ron: &str, schema: &Value) -> Value {
             .filter(|name| !variants.contains(name))
             .collect(),
     };
-    // The outermost name says nothing either.
+    // The outermost name does not change the value.
     reader.word();
     reader.value()
 }

@@ -1,4 +1,4 @@
-//! Holds JSON to the committed schemas. Only what our schemas use is known; anything else is an error of the test.
+//! Validates JSON against the committed schemas. Only keywords that these schemas use are known; others are an error of the test.
 
 use std::collections::BTreeSet;
 
@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 
 use super::project;
 
-/// What describes, and holds nothing to anything.
+/// Keywords that only describe.
 const ANNOTATIONS: &[&str] = &[
     "$schema",
     "$defs",
@@ -23,7 +23,7 @@ pub fn schema(path: &str) -> Value {
     serde_json::from_str(&text).unwrap()
 }
 
-/// What a command printed with `--format json`, or a file of a results folder, held to the schema of its form.
+/// Validates the output of `--format json`, or a file of a results folder, against the schema of this answer.
 pub fn answer(name: &str, text: &str) -> Value {
     let value: Value = serde_json::from_str(text).unwrap_or_else(|e| panic!("{e}: {text}"));
     if let Err(fault) = held(&schema(&format!("answers/{name}")), &value) {
@@ -32,10 +32,10 @@ pub fn answer(name: &str, text: &str) -> Value {
     value
 }
 
-/// Whether a value is as a schema says, and all that it holds is described.
+/// Whether a value is valid, and the schema describes all of its keys.
 ///
 /// # Errors
-/// Where it is not, and how.
+/// The place in the value, and its fault.
 pub fn held(schema: &Value, value: &Value) -> Result<(), String> {
     whole(&Checker { root: schema }, schema, value, "")
 }
@@ -44,7 +44,7 @@ struct Checker<'a> {
     root: &'a Value,
 }
 
-/// A value in its place: every key has to be described by somebody.
+/// Validates a value; every key must be described by a schema.
 fn whole(checker: &Checker<'_>, schema: &Value, value: &Value, at: &str) -> Result<(), String> {
     let known = checker.look(schema, value, at)?;
     if let Value::Object(fields) = value {

@@ -1,4 +1,4 @@
-//! What the tests of every crate share: where things are, and what is said of what is not there.
+//! Shared parts of the tests of every crate: paths, and notes about data or programs that are not installed.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 #![allow(dead_code, reason = "every test binary uses its own part")]
 
@@ -19,10 +19,10 @@ pub fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// The real recordings, which are not part of the repository; says so where they are absent.
+/// The real recordings, which are not part of the repository; prints a note where they are absent.
 ///
 /// # Panics
-/// Where they are absent and `REALGAP_REQUIRE_DATA` is set: who has them must not pass without having used them.
+/// Where they are absent and `REALGAP_REQUIRE_DATA` is set, so that tests cannot pass without the data.
 pub fn shared_data(folder: &str) -> Option<PathBuf> {
     let path = project().join("../shared/data").join(folder);
     if path.is_dir() {
@@ -37,12 +37,12 @@ pub fn shared_data(folder: &str) -> Option<PathBuf> {
     None
 }
 
-/// Whether an environment variable says something.
+/// Whether an environment variable is set and not empty.
 fn is_set(variable: &str) -> bool {
     std::env::var_os(variable).is_some_and(|value| !value.is_empty())
 }
 
-/// Whether the tests that take longest are asked for by `REALGAP_LONG`, as `.ci/run` does; says so where they are not.
+/// Whether `REALGAP_LONG` enables the longest tests, as in `.ci/run`; prints a note where it does not.
 pub fn is_long_run(what: &str) -> bool {
     let is_asked = is_set("REALGAP_LONG");
     if !is_asked {
@@ -59,7 +59,7 @@ pub fn study(folder: &Path, body: &str) -> PathBuf {
 }
 
 /// The contacts and joints that the tripod's own stand-ins were recorded with (as sweeps/tripod_self.ron), for a study
-/// file: like is fitted with like, at a quarter of the cost of the defaults.
+/// file: the fit has the same model, at a quarter of the cost of the defaults.
 pub const STANDIN_NUMERICS: &str = "timestep_s: 0.004166666666666667,
     substeps: 8,
     joint: Impulse,
@@ -98,7 +98,7 @@ fn study_of_tripod(folder: &Path, points: usize, more: &str) -> PathBuf {
     )
 }
 
-/// A Python that can import this package and numpy (`REALGAP_PYTHON`, else `python3`); says so where there is none.
+/// A Python that can import this package and numpy (`REALGAP_PYTHON`, else `python3`); prints a note where there is none.
 pub fn python_with(package: &str) -> Option<String> {
     let python = std::env::var("REALGAP_PYTHON").unwrap_or_else(|_| "python3".to_owned());
     let importable = std::process::Command::new(&python)
@@ -113,7 +113,7 @@ pub fn python_with(package: &str) -> Option<String> {
     importable.then_some(python)
 }
 
-/// Conclusion that a test did nothing, also where it passes.
+/// Prints that a test did nothing, also where it passes.
 pub fn skipped(reason: &str) {
     use std::io::Write as _;
     // Not `eprintln!`, which the test harness hides where a test passes.
@@ -153,7 +153,7 @@ pub fn must_be_equal(whole: &Path, other: &Path) {
     }
 }
 
-/// Values of other programs that the tests of this crate are held to.
+/// Reference values of other programs for the tests of this crate.
 pub fn golden() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden")
 }

@@ -1,4 +1,4 @@
-//! The pages of `docs/` hold together: links lead somewhere, as files and in rustdoc, and nothing is left out.
+//! The pages of `docs/` are consistent: links are valid, as files and in rustdoc, and every page is part of the guide.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -39,7 +39,7 @@ fn prose(text: &str) -> String {
     outside.join("\n").split('`').step_by(2).collect()
 }
 
-/// What stands between `open` and `close`, wherever both are found.
+/// All texts between `open` and `close`.
 fn between<'a>(text: &'a str, open: &str, close: char) -> Vec<&'a str> {
     text.split(open)
         .skip(1)

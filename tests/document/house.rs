@@ -1,4 +1,4 @@
-//! Rules of the house that no `Cargo.toml` can say.
+//! Rules of the project that `Cargo.toml` cannot express.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ const OWNED: &[(&str, &[&str])] = &[
     ("rapier3d-f64", &["simulation"]),
     ("plotters", &["drawing"]),
     ("rusqlite", &["store"]),
-    // The facade's is for tests alone, and a dependency of tests cannot be optional.
+    // The facade needs it for tests only, and a dependency of tests cannot be optional.
     ("parquet", &["store", "realgap"]),
     ("ruzstd", &["core"]),
     ("lz4_flex", &["core"]),
@@ -81,7 +81,7 @@ fn library(folder: &Path, files: &mut Vec<PathBuf>) {
     }
 }
 
-/// The command line's options are its own: an error says what can be done ([`realgap::Advice`]), the command line how.
+/// The command line's options are its own: an error holds advice ([`realgap::Advice`]), and the command line names the option for it.
 #[test]
 fn the_library_names_no_option_of_the_command_line() {
     let is_option = |line: &str| {
@@ -95,7 +95,7 @@ fn the_library_names_no_option_of_the_command_line() {
     library(&common::project().join("src"), &mut files);
     library(&common::project().join("crates"), &mut files);
     assert!(files.len() > 200, "only {} files were found", files.len());
-    // Cargo's own options are for who builds the library; these words are said to another program.
+    // Options of Cargo are for users who build the library; the other words are arguments of another program.
     let of_others = ["features", "\"--version\"", "\"--psm\"", "xmllint"];
     let mut offences = Vec::new();
     for file in files {
@@ -112,7 +112,8 @@ fn the_library_names_no_option_of_the_command_line() {
     assert!(offences.is_empty(), "{}", offences.join("\n"));
 }
 
-/// Words that state something about reality. Who shows a report shows its claims (`realgap::claim`) and says nothing of its own.
+/// Words that state something about reality. Code that shows a report shows its claims (`realgap::claim`) and makes no statements of
+/// its own.
 const CLAIMED: [&str; 7] = [
     " honest",
     "narrowed down",
@@ -124,7 +125,7 @@ const CLAIMED: [&str; 7] = [
 ];
 
 #[test]
-fn who_shows_a_report_makes_no_claims_of_its_own() {
+fn code_that_shows_a_report_makes_no_claims_of_its_own() {
     let mut files = Vec::new();
     for folder in [
         "crates/page/src/report",

@@ -1,11 +1,11 @@
-//! What is built in may be used by everybody who may use this: no licence among the dependencies asks for more than a notice.
+//! Licences of dependencies: none requires more than a notice.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
 
 use std::process::Command;
 
-/// Licences that ask for nothing but their own text beside what is passed on.
+/// Licences that require only that their text is passed on.
 const FREE: [&str; 12] = [
     "MIT",
     "Apache-2.0",
@@ -59,7 +59,7 @@ fn every_dependency_is_free_to_use() {
 }
 
 #[test]
-fn expressions_are_read_as_they_are_meant() {
+fn licence_expressions_are_parsed_correctly() {
     assert!(is_free("MIT/Apache-2.0"));
     assert!(is_free("(MIT OR Apache-2.0) AND Unicode-3.0"));
     assert!(is_free("MIT OR LGPL-2.1-or-later"));

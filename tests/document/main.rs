@@ -1,4 +1,4 @@
-//! What is written about the program is true.
+//! Documentation, licences and schemas agree with the program.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 #[path = "../common/mod.rs"]

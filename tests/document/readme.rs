@@ -19,7 +19,7 @@ fn programs(readme: &str) -> Vec<String> {
 }
 
 #[test]
-fn every_command_of_the_readme_works_where_it_is_shipped() {
+fn every_command_of_the_readme_works_with_the_shipped_examples() {
     if !crate::common::is_long_run("the commands of the README") {
         return;
     }

@@ -1,4 +1,4 @@
-//! Files and answers are as their schemas say.
+//! Files and answers are valid by their schemas.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -11,7 +11,7 @@ use common::schema::{answer, held, schema};
 use common::{SMALL_SEARCH, project, quick_study, realgap, search_file, text};
 use serde_json::Value;
 
-/// Holds a RON or JSON file to the schema of its kind.
+/// Validates a RON or JSON file by the schema of its kind.
 fn file_held(kind: &str, text: &str) -> Result<(), String> {
     let schema = schema(&format!("files/{kind}"));
     let value = match text.trim_start().starts_with('{') {
@@ -51,7 +51,7 @@ fn kind_of(file: &Path, text: &str) -> String {
 }
 
 #[test]
-fn shipped_files_are_as_the_schema_of_their_kind_says() {
+fn shipped_files_are_valid_by_their_schemas() {
     let mut kinds = BTreeSet::new();
     for folder in [
         "assets/templates",
@@ -93,7 +93,7 @@ fn shipped_files_are_as_the_schema_of_their_kind_says() {
 }
 
 #[test]
-fn what_a_file_may_not_hold_its_schema_refuses() {
+fn schemas_refuse_wrong_fields_and_values() {
     let robot = std::fs::read_to_string(project().join("morphologies/tripod.ron")).unwrap();
     assert!(file_held("robot", &robot).is_ok());
     for (good, bad) in [
@@ -108,7 +108,7 @@ fn what_a_file_may_not_hold_its_schema_refuses() {
     }
 }
 
-/// What the command prints, which must succeed.
+/// The output of a command, which must succeed.
 fn run(args: &[&str]) -> String {
     let output = realgap().args(args).output().unwrap();
     assert!(
@@ -120,7 +120,7 @@ fn run(args: &[&str]) -> String {
 }
 
 #[test]
-fn what_commands_on_robots_and_paths_print_is_as_its_schema_says() {
+fn answers_about_robots_and_paths_are_valid_by_their_schemas() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let robot = "morphologies/tripod.ron";
@@ -128,13 +128,19 @@ fn what_commands_on_robots_and_paths_print_is_as_its_schema_says() {
     let (genome, runs) = (path("genome.ron"), path("runs"));
     let json = |args: &[&str]| run(&[args, &["--format", "json"]].concat());
 
-    answer("parameters", &json(&["parameters"]));
-    answer("genome", &json(&["genome", "random", "-o", &genome]));
+    answer("parameters", &json(&["study", "parameters"]));
+    answer(
+        "genome",
+        &json(&["robot", "genome", "random", "-o", &genome]),
+    );
     file_held("genome", &std::fs::read_to_string(&genome).unwrap()).unwrap();
-    answer("develop", &json(&["develop", &genome]));
+    answer("develop", &json(&["robot", "develop", &genome]));
     let (urdf, imported) = (path("tripod.urdf"), path("imported.ron"));
-    run(&["export", robot, "--format", "urdf", "-o", &urdf]);
-    answer("import", &json(&["import", &urdf, "-o", &imported]));
+    run(&["robot", "export", robot, "--format", "urdf", "-o", &urdf]);
+    answer(
+        "import",
+        &json(&["robot", "import", &urdf, "-o", &imported]),
+    );
     let wrong = path("wrong.ron");
     let doubled = std::fs::read_to_string(&genome)
         .unwrap()
@@ -184,6 +190,7 @@ fn what_commands_on_robots_and_paths_print_is_as_its_schema_says() {
         ]),
     );
     let recorded = json(&[
+        "study",
         "record",
         robot,
         "--duration",
@@ -211,16 +218,22 @@ fn what_commands_on_robots_and_paths_print_is_as_its_schema_says() {
     let both = format!("{}/run_0*.csv", path("runs"));
     answer("floor", &json(&["gap", "--recordings", &both]));
     answer("verify", &json(&["verify", "--joint", "multibody"]));
-    answer("belief", &json(&["belief", "infrared", "--trials", "3"]));
+    answer(
+        "belief",
+        &json(&["sense", "belief", "infrared", "--trials", "3"]),
+    );
     let log = path("sensed.csv");
     run(&["sense", "infrared", "--readings", "20", "-o", &log]);
     let model = path("model.ron");
-    answer("characterise", &json(&["characterise", &log, "-o", &model]));
+    answer(
+        "characterise",
+        &json(&["sense", "characterise", &log, "-o", &model]),
+    );
     file_held("sensor", &std::fs::read_to_string(&model).unwrap()).unwrap();
 }
 
 #[test]
-fn what_studies_and_searches_answer_and_leave_is_as_its_schema_says() {
+fn answers_and_files_of_studies_and_searches_are_valid_by_their_schemas() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let study = quick_study(folder.path(), 3);
@@ -240,7 +253,7 @@ fn what_studies_and_searches_answer_and_leave_is_as_its_schema_says() {
     assert_eq!(left(&sweep, "summary.json").trim(), said.trim());
     file_held("parameters", &left(&sweep, "best.ron")).unwrap();
     file_held("basis", &left(&sweep, "basis.json")).unwrap();
-    answer("results", &json(&["results", &sweep]));
+    answer("results", &json(&["study", "results", &sweep]));
     let tune = path("tune");
     answer(
         "sweep",
@@ -256,8 +269,8 @@ fn what_studies_and_searches_answer_and_leave_is_as_its_schema_says() {
             "--no-report",
         ]),
     );
-    answer("results", &json(&["results", &tune]));
-    answer("sensitivity", &json(&["sensitivity", study]));
+    answer("results", &json(&["study", "results", &tune]));
+    answer("sensitivity", &json(&["study", "sensitivity", study]));
     let floor = [
         "--set",
         "floor.friction=0.4",
@@ -296,18 +309,19 @@ fn what_studies_and_searches_answer_and_leave_is_as_its_schema_says() {
         &json(&["search", search, "-o", &best, "--no-report"]),
     );
     answer("search", &left(&best, "summary.json"));
-    answer("results", &json(&["results", &best]));
+    answer("results", &json(&["study", "results", &best]));
 
     pictures(folder.path());
 
     let plan = path("plan");
     answer(
+        "cluster",
         "status",
-        &json(&["plan", study, "-o", &plan, "--shards", "2"]),
+        &json(&["cluster", "plan", study, "-o", &plan, "--shards", "2"]),
     );
     file_held("plan", &left(&plan, "plan.json")).unwrap();
-    run(&["run", &plan, "--shard", "0"]);
-    answer("status", &json(&["status", &plan]));
+    run(&["cluster", "run", &plan, "--shard", "0"]);
+    answer("status", &json(&["cluster", "status", &plan]));
 }
 
 /// A small camera in the shipped room, found from pictures of another.
@@ -324,7 +338,9 @@ fn pictures(folder: &Path) {
     let path = |name: &str| folder.join(name).to_str().unwrap().to_owned();
     let (real, found) = (path("real"), path("camera.ron"));
     let scene = scene.to_str().unwrap();
-    run(&["picture", scene, "--camera", "standin", "-o", &real]);
+    run(&[
+        "sense", "picture", scene, "--camera", "standin", "-o", &real,
+    ]);
     file_held(
         "views",
         &std::fs::read_to_string(format!("{real}/views.ron")).unwrap(),
@@ -340,9 +356,9 @@ fn pictures(folder: &Path) {
     file_held("camera", &std::fs::read_to_string(&found).unwrap()).unwrap();
 }
 
-/// Of whatever a command prints, some test holds it to its schema; the same of what it writes for people to keep.
+/// Every answer is validated against its schema in some test.
 #[test]
-fn no_schema_stands_there_unused() {
+fn every_schema_is_used_by_a_test() {
     let mut tests = String::new();
     for pattern in ["tests/*.rs", "tests/*/*.rs"] {
         let pattern = project().join(pattern);
@@ -372,19 +388,19 @@ fn no_schema_stands_there_unused() {
 #[test]
 fn the_command_lists_prints_and_writes_every_schema() {
     let folder = tempfile::tempdir().unwrap();
-    let list = run(&["schema"]);
+    let list = run(&["study", "schema"]);
     assert!(
         list.contains("files/study") && list.contains("answers/sweep"),
         "{list}"
     );
-    let printed: Value = serde_json::from_str(&run(&["schema", "study"])).unwrap();
+    let printed: Value = serde_json::from_str(&run(&["study", "schema", "study"])).unwrap();
     assert_eq!(printed, schema("files/study"));
     assert_eq!(
-        run(&["schema", "answers/genome"]),
-        run(&["schema", "answers/genome.json"])
+        run(&["study", "schema", "answers/genome"]),
+        run(&["study", "schema", "answers/genome.json"])
     );
     let out = folder.path().to_str().unwrap();
-    run(&["schema", "-o", out]);
+    run(&["study", "schema", "-o", out]);
     let written = std::fs::read(folder.path().join("answers/gap.json")).unwrap();
     let shipped = std::fs::read(project().join("schemas/answers/gap.json")).unwrap();
     assert_eq!(written, shipped);
@@ -392,7 +408,7 @@ fn the_command_lists_prints_and_writes_every_schema() {
         ("genome", "files/genome or answers/genome"),
         ("studdy", "did you mean `study`?"),
     ] {
-        let said = realgap().args(["schema", name]).output().unwrap();
+        let said = realgap().args(["study", "schema", name]).output().unwrap();
         assert_eq!(said.status.code(), Some(2), "{name}");
         assert!(
             text(&said.stderr).contains(expected),

@@ -1,4 +1,4 @@
-//! The tutorial does what it says: every command in it is run, in its order, in an empty folder.
+//! Every command of the tutorial is run, in its order, in an empty folder.
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
@@ -47,7 +47,7 @@ fn promised(page: &str) -> Vec<&str> {
 }
 
 #[test]
-fn every_command_works_and_writes_what_the_text_promises() {
+fn every_command_works_and_writes_the_files_that_the_text_names() {
     if !common::is_long_run("the commands of the tutorial") {
         return;
     }

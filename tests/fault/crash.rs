@@ -1,4 +1,4 @@
-//! Nothing is lost: kill −9, a full disk, a second process, a changed study.
+//! Results survive kill −9, a full disk, a second process and a changed study.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -229,7 +229,15 @@ fn writers(folder: &Path, out: &Path) -> Vec<Vec<String>> {
         vec!["ensemble", &study, "--repeats", "2", "--noise", &noise],
         vec!["gap", &study, "--repeats", "2", "--noise", &noise],
         vec!["predict", robot, "--repeats", "2", "--duration", "0.1"],
-        vec!["record", robot, "--repeats", "2", "--duration", "0.1"],
+        vec![
+            "study",
+            "record",
+            robot,
+            "--repeats",
+            "2",
+            "--duration",
+            "0.1",
+        ],
     ]
     .map(|args| {
         let args = args.into_iter().map(str::to_owned);
@@ -240,7 +248,7 @@ fn writers(folder: &Path, out: &Path) -> Vec<Vec<String>> {
 }
 
 #[test]
-fn every_command_that_writes_a_folder_waits_for_nobody_and_says_who_holds_it_since_when() {
+fn every_command_refuses_a_locked_folder_and_names_the_process_that_holds_it() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let _held = FolderLock::make(&out).unwrap();
@@ -292,12 +300,12 @@ fn a_run_killed_in_its_first_moments_can_be_started_and_resumed() {
             let mut done = sweep(&out, options).output().unwrap();
             let error = text(&done.stderr);
             if !done.status.success() && error.contains("unfinished") {
-                // It had got as far as its first points, which a plain start protects.
+                // The killed run had stored its first points, which a start without --resume protects.
                 assert!(!resumes, "{error}");
                 done = sweep(&out, &["--resume"]).output().unwrap();
             }
             if !done.status.success() && error.contains("there is nothing to resume") {
-                // Its folder was there, its store was not yet.
+                // The folder existed, but its store did not.
                 assert!(resumes && error.contains("start the run first"), "{error}");
                 done = sweep(&out, &[]).output().unwrap();
             }
@@ -308,7 +316,7 @@ fn a_run_killed_in_its_first_moments_can_be_started_and_resumed() {
 }
 
 #[test]
-fn what_is_complete_is_used_again_and_a_killed_second_run_takes_nothing_away() {
+fn complete_results_are_used_again_and_survive_a_killed_second_run() {
     let folder = tempfile::tempdir().unwrap();
     let study = quick_study(folder.path(), 3);
     let out = folder.path().join("out");
@@ -346,7 +354,7 @@ fn what_is_complete_is_used_again_and_a_killed_second_run_takes_nothing_away() {
     }
     std::fs::remove_file(out.join("heatmap.png")).unwrap();
     run("sweep", &[]).success();
-    // Drawn again, of the same bits.
+    // The pictures are drawn again, with the same bytes.
     assert!(out.join("heatmap.png").exists());
     let again = (
         read(&out, "points.csv"),
@@ -357,7 +365,7 @@ fn what_is_complete_is_used_again_and_a_killed_second_run_takes_nothing_away() {
 }
 
 #[test]
-fn a_smaller_budget_than_what_is_stored_uses_all_of_it() {
+fn a_smaller_budget_uses_all_stored_points() {
     let folder = tempfile::tempdir().unwrap();
     let study = crude_study(folder.path(), 3);
     let out = folder.path().join("out");

@@ -1,4 +1,4 @@
-//! Whatever a file holds, it is read or refused in words: no panic, no endless message, nothing that steers a terminal.
+//! Any file is read or refused with an error: no panic, no endless message, no control of the terminal.
 //!
 //! Shipped files are mutated and read again, as what they are and as what they are not. Every round has a seed of its own and can
 //! be repeated; those that once found a fault stay in `FOUND`.
@@ -22,7 +22,7 @@ use realgap::{Error, Result};
 /// Rounds that once found a fault.
 const FOUND: &[u64] = &[];
 
-/// What people get wrong, and what attackers try.
+/// Texts of common mistakes and of attacks.
 const TOKENS: &[&str] = &[
     "0",
     "-0.0",
@@ -197,7 +197,7 @@ fn mutate(mut bytes: Vec<u8>, other: &[u8], rng: &mut dyn Rng) -> Vec<u8> {
     bytes
 }
 
-/// Reads a file as everything that it may be taken for.
+/// Reads a file as every kind of file.
 fn read(path: &Path, bytes: &[u8], simulates: bool) -> Vec<Error> {
     let source = || Source::from_bytes(path, bytes.to_vec(), "file");
     let mut errors = Vec::new();
@@ -285,12 +285,12 @@ fn rounds(seeds: impl Iterator<Item = u64>, simulates_every: u64) {
 }
 
 #[test]
-fn a_mutated_file_is_read_or_refused_in_words() {
+fn a_mutated_file_is_read_or_refused_with_an_error() {
     rounds(FOUND.iter().copied().chain(0..1500), 50);
 }
 
 #[test]
 #[ignore = "minutes; the short one runs always"]
-fn many_mutated_files_are_read_or_refused_in_words() {
+fn many_mutated_files_are_read_or_refused_with_an_error() {
     rounds(1500..200_000, 20);
 }

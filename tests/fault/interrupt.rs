@@ -1,4 +1,4 @@
-//! A run is ended by Ctrl-C, by the system, or because its folder is gone: what it has is kept.
+//! A run that is ended by Ctrl-C, by the system, or by the loss of its folder keeps its results.
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
@@ -18,7 +18,7 @@ fn signal(process: &Child, name: &str) {
     assert!(sent.unwrap().success());
 }
 
-/// Waits until somebody holds the folder.
+/// Waits until a process holds the folder.
 fn wait_for_lock(folder: &Path) {
     let started = Instant::now();
     while !folder.join(".lock").exists() {
@@ -64,7 +64,7 @@ fn ctrl_c_saves_draws_and_exits_with_130() {
 }
 
 #[test]
-fn told_to_end_the_program_ends_also_in_the_middle_of_a_run_of_an_hour() {
+fn sigterm_ends_the_program_in_the_middle_of_a_run_of_an_hour() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["-TERM", "-QUIT", "-HUP"] {
         // Under `nohup` the program goes on, as it should.
@@ -93,7 +93,7 @@ fn told_to_end_the_program_ends_also_in_the_middle_of_a_run_of_an_hour() {
 }
 
 #[test]
-fn what_repeats_have_said_by_the_time_of_ctrl_c_is_kept() {
+fn repeats_that_are_finished_at_ctrl_c_are_kept() {
     let folder = tempfile::tempdir().unwrap();
     let study = quick_study(folder.path(), 2).display().to_string();
     let noise = folder.path().join("noise.ron");

@@ -1,4 +1,4 @@
-//! Kills, damage, several machines: nothing is lost, and nothing is another without a word.
+//! Kills, damage and several machines: no results are lost, and no change of results goes unnoticed.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 #[path = "../common/mod.rs"]

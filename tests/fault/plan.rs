@@ -1,4 +1,4 @@
-//! A run cut into shards ends with the bytes of one machine's, whatever happens to the shards on the way.
+//! A run that is divided into shards writes the same bytes as one machine, even when shards are killed or damaged.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -15,13 +15,9 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// Runs the command with these words; its exit code, and all that it said.
+/// Runs the command with these arguments; returns its exit code and its whole output.
 fn say(words: &[&str]) -> (i32, String) {
-    let mut command = realgap();
-    if ["run", "merge", "status"].contains(&words[0]) {
-        command.arg("cluster");
-    }
-    let said = command.args(words).output().unwrap();
+    let said = realgap().args(words).output().unwrap();
     let all = text(&said.stdout) + &text(&said.stderr);
     (said.status.code().unwrap(), all)
 }
@@ -36,17 +32,17 @@ fn fine(words: &[&str]) -> String {
 /// there were.
 fn run_to_the_end(plan: &str) -> usize {
     for round in 0..40 {
-        let pending = fine(&["status", plan, "--pending"]);
+        let pending = fine(&["cluster", "status", plan, "--pending"]);
         if pending.is_empty() {
-            assert!(!fine(&["status", plan, "--answered"]).is_empty());
+            assert!(!fine(&["cluster", "status", plan, "--answered"]).is_empty());
             return round;
         }
-        // The last begins.
+        // The last shard runs first.
         for (number, shard) in [2, 0, 1].iter().enumerate() {
             let (shard, jobs) = (shard.to_string(), (number % 2 + 1).to_string());
-            fine(&["run", plan, "--shard", &shard, "--jobs", &jobs]);
+            fine(&["cluster", "run", plan, "--shard", &shard, "--jobs", &jobs]);
         }
-        fine(&["merge", plan, "--jobs", "2"]);
+        fine(&["cluster", "merge", plan, "--jobs", "2"]);
     }
     panic!("{plan} has no end");
 }
@@ -60,6 +56,7 @@ fn same_bytes(folder: &Path, command: &str, file: &Path, options: &[&str]) -> us
     words.extend(options);
     fine(&words);
     let mut words = vec![
+        "cluster",
         "plan",
         file,
         "--as",
@@ -166,6 +163,7 @@ fn two_of_three(folder: &Path) -> (PathBuf, String) {
     let plan = folder.join("plan");
     let name = plan.to_str().unwrap().to_owned();
     let words = [
+        "cluster",
         "plan",
         study.to_str().unwrap(),
         "--shards",
@@ -178,33 +176,36 @@ fn two_of_three(folder: &Path) -> (PathBuf, String) {
         said.contains("runs of") && said.contains("CPU each"),
         "{said}"
     );
-    fine(&["run", &name, "--shard", "0-1"]);
+    fine(&["cluster", "run", &name, "--shard", "0-1"]);
     (plan, name)
 }
 
 #[test]
-fn what_is_missing_twice_there_damaged_or_of_others_is_named_and_the_rest_is_merged() {
+fn missing_duplicate_damaged_and_foreign_shards_are_named_and_the_rest_is_merged() {
     let folder = tempfile::tempdir().unwrap();
     let (plan, name) = two_of_three(folder.path());
     let round = plan.join("shards/round_0000");
     // Missing: shard 2.
-    let (code, said) = say(&["merge", &name]);
+    let (code, said) = say(&["cluster", "merge", &name]);
     assert_eq!(code, 1, "{said}");
     assert!(said.contains("3 of 9 rows are missing"), "{said}");
     assert!(
         said.contains(&format!("realgap cluster run {name} --shard 2")),
         "{said}"
     );
-    assert_eq!(fine(&["status", &name, "--pending"]).trim(), "2");
+    assert_eq!(fine(&["cluster", "status", &name, "--pending"]).trim(), "2");
 
     // Twice there: shard 1 under another name. Nothing changes.
     copy(&round.join("shard_00001"), &round.join("shard_00001_copy"));
-    let (_, said) = say(&["merge", &name]);
-    assert!(said.contains("9 were known to the bit"), "{said}");
+    let (_, said) = say(&["cluster", "merge", &name]);
+    assert!(
+        said.contains("9 were merged before, with equal bytes"),
+        "{said}"
+    );
     std::fs::remove_dir_all(round.join("shard_00001_copy")).unwrap();
 
     // Damaged: a byte of shard 2.
-    fine(&["run", &name, "--shard", "2"]);
+    fine(&["cluster", "run", &name, "--shard", "2"]);
     let store = round.join("shard_00002/results.sqlite");
     let whole = std::fs::read(&store).unwrap();
     let mut damaged = whole.clone();
@@ -213,7 +214,7 @@ fn what_is_missing_twice_there_damaged_or_of_others_is_named_and_the_rest_is_mer
         *byte ^= 0x55;
     }
     std::fs::write(&store, damaged).unwrap();
-    let (code, said) = say(&["merge", &name]);
+    let (code, said) = say(&["cluster", "merge", &name]);
     assert!(code == 1 && said.contains("shard_00002"), "{said}");
     assert!(
         said.contains("damaged") || said.contains("malformed"),
@@ -224,23 +225,23 @@ fn what_is_missing_twice_there_damaged_or_of_others_is_named_and_the_rest_is_mer
     std::fs::remove_dir_all(round.join("shard_00002")).unwrap();
     let other = Fingerprint::new().with("realgap", "0.0.1");
     drop(Store::<Trial>::create(&round.join("shard_00002"), &other).unwrap());
-    let (code, said) = say(&["merge", &name]);
+    let (code, said) = say(&["cluster", "merge", &name]);
     assert!(code == 1 && said.contains("stored 0.0.1"), "{said}");
-    let (code, said) = say(&["run", &name, "--shard", "2"]);
+    let (code, said) = say(&["cluster", "run", &name, "--shard", "2"]);
     assert!(code == 1 && said.contains("stored 0.0.1"), "{said}");
 
     // Done at last, with the note of the round lost.
     std::fs::remove_dir_all(round.join("shard_00002")).unwrap();
-    fine(&["run", &name, "--shard", "2"]);
+    fine(&["cluster", "run", &name, "--shard", "2"]);
     std::fs::remove_file(plan.join("round.json")).unwrap();
-    let said = fine(&["merge", &name, "--tidy"]);
+    let said = fine(&["cluster", "merge", &name, "--tidy"]);
     assert!(said.contains("3 new rows merged"), "{said}");
     assert!(plan.join("results/best.ron").exists());
     assert!(!round.exists());
-    assert!(fine(&["status", &name]).contains("complete, 9 rows"));
+    assert!(fine(&["cluster", "status", &name]).contains("complete, 9 rows"));
     // Once more, and nothing happens.
-    fine(&["merge", &name]);
-    assert!(fine(&["run", &name, "--shard", "1"]).contains("nothing is left"));
+    fine(&["cluster", "merge", &name]);
+    assert!(fine(&["cluster", "run", &name, "--shard", "1"]).contains("nothing is left"));
 }
 
 #[test]
@@ -252,7 +253,7 @@ fn a_study_that_changes_under_its_plan_is_noticed_by_the_shard() {
         .unwrap()
         .replace("to: 0.9", "to: 0.8");
     std::fs::write(&study, changed).unwrap();
-    let (code, said) = say(&["run", &name, "--shard", "2"]);
+    let (code, said) = say(&["cluster", "run", &name, "--shard", "2"]);
     assert_eq!(code, 1);
     assert!(
         said.contains("parameter floor.friction") && said.contains("plan.json"),
@@ -267,18 +268,24 @@ fn wrong_numbers_and_options_are_wrong_usage() {
     let study = folder.path().join("study.ron");
     let study = study.to_str().unwrap();
     for (words, said) in [
-        (vec!["run", &name, "--shard", "3"], "0 to 2"),
-        (vec!["run", &name, "--shard", "-1"], "whole numbers from 0"),
+        (vec!["cluster", "run", &name, "--shard", "3"], "0 to 2"),
         (
-            vec!["plan", study, "--shards", "0", "-o", "x"],
+            vec!["cluster", "run", &name, "--shard", "-1"],
+            "whole numbers from 0",
+        ),
+        (
+            vec!["cluster", "plan", study, "--shards", "0", "-o", "x"],
             "1 to 100000",
         ),
         (
-            vec!["plan", study, "--shards", "2", "-o", "x", "--", "--resume"],
+            vec![
+                "cluster", "plan", study, "--shards", "2", "-o", "x", "--", "--resume",
+            ],
             "decides this itself",
         ),
         (
             vec![
+                "cluster",
                 "plan",
                 study,
                 "--shards",
@@ -290,15 +297,16 @@ fn wrong_numbers_and_options_are_wrong_usage() {
             ],
             "--polits",
         ),
-        (vec!["plan", study, "-o", "x"], "--shards"),
+        (vec!["cluster", "plan", study, "-o", "x"], "--shards"),
     ] {
         let (code, all) = say(&words);
         assert!(code == 2 && all.contains(said), "{words:?}: {code} {all}");
     }
     assert!(!common::project().join("x").exists());
-    let (code, said) = say(&["merge", study]);
+    let (code, said) = say(&["cluster", "merge", study]);
     assert!(code == 1, "{said}");
     let (code, said) = say(&[
+        "cluster",
         "run",
         plan.parent().unwrap().to_str().unwrap(),
         "--shard",

@@ -1,4 +1,4 @@
-//! A results folder says what was written into it: whatever changed since is refused by everything that reads it.
+//! Checksums of a results folder: every command that reads a changed file refuses it.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -26,25 +26,18 @@ fn say(words: &[&str]) -> (bool, String) {
     )
 }
 
-/// What reads a file of the folder as it is named here; pictures are shown on the page alone.
+/// The commands that read this file of the folder; pictures are read by the page only.
 fn readers(out: &str, study: &str, file: &str) -> Vec<Vec<String>> {
-    let mut all = vec![vec!["report", out], vec!["results", out]];
+    let mut all = vec![vec!["report", out], vec!["study", "results", out]];
     let at = format!("{out}/{file}");
     let page = format!("{out}/../replay.html");
     let noise = format!("{out}/../noise.ron");
     let repeats = ["--noise", &noise, "--repeats", "2", "-o"];
     let other = format!("{out}/../other");
     let evaluated = ["evaluate", study, "--parameters", &at];
-    let ensemble = [
-        "ensemble",
-        study,
-        "--model-error",
-        "on",
-        "--indistinguishable",
-        out,
-    ];
+    let ensemble = ["ensemble", study, "--model-error", "on", "--posterior", out];
     let search = format!("{out}/../quick.ron");
-    let searched = ["search", &search, "--indistinguishable", out, "-o", &other];
+    let searched = ["search", &search, "--posterior", out, "-o", &other];
     match file {
         "best.ron" => {
             all.push(evaluated.to_vec());
@@ -61,7 +54,7 @@ fn readers(out: &str, study: &str, file: &str) -> Vec<Vec<String>> {
 }
 
 #[test]
-fn a_changed_digit_a_lost_line_and_a_lost_file_are_refused_by_whoever_reads_them() {
+fn every_command_refuses_a_changed_digit_a_lost_line_and_a_lost_file() {
     let folder = tempfile::tempdir().unwrap();
     common::search_file(folder.path(), common::SMALL_SEARCH);
     let noise = "(start_heading_rad: Normal(0.02))";
@@ -79,7 +72,7 @@ fn a_changed_digit_a_lost_line_and_a_lost_file_are_refused_by_whoever_reads_them
     ] {
         assert!(files.contains(&expected), "{expected}: {sealed}");
     }
-    assert!(say(&["report", name]).0 && say(&["results", name]).0);
+    assert!(say(&["report", name]).0 && say(&["study", "results", name]).0);
     for (number, file) in [
         "points.csv",
         "page.json",
@@ -115,18 +108,18 @@ fn a_changed_digit_a_lost_line_and_a_lost_file_are_refused_by_whoever_reads_them
         }
         std::fs::write(&path, whole).unwrap();
     }
-    // Without check sums nothing says what was written.
+    // Without checksums, changes cannot be detected, so the folder is refused.
     std::fs::remove_file(out.join("SHA256SUMS")).unwrap();
     let (fine, said) = say(&["report", name]);
     assert!(!fine && said.contains("no SHA256SUMS"), "{said}");
     let (fine, said) = say(&[
         "search",
         &format!("{name}/../quick.ron"),
-        "--indistinguishable",
+        "--posterior",
         name,
     ]);
     assert!(!fine && said.contains("--accept"), "{said}");
-    // The command itself writes what was changed once more, and a change that is meant is accepted.
+    // The command itself writes the changed files again, and `report --accept` accepts an intended change.
     realgap()
         .args(["sweep", &study, "--score", "single", "-o"])
         .arg(&out)
@@ -141,5 +134,5 @@ fn a_changed_digit_a_lost_line_and_a_lost_file_are_refused_by_whoever_reads_them
     std::fs::remove_file(out.join("heatmap.png")).unwrap();
     assert!(!say(&["report", name]).0);
     assert!(say(&["report", name, "--accept"]).0);
-    assert!(say(&["report", name]).0 && say(&["results", name]).0);
+    assert!(say(&["report", name]).0 && say(&["study", "results", name]).0);
 }

@@ -1,5 +1,5 @@
-//! A real Slurm runs plans to the end, whatever is killed on the way. Controller and node run on this machine, as root, for as
-//! long as a test does.
+//! A real Slurm runs plans to the end, even when jobs and nodes are killed. Its controller and node run on this machine, as root,
+//! during the test.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -35,7 +35,7 @@ fn free_port() -> u16 {
 }
 
 impl Cluster {
-    /// Starts one, or says why there is none.
+    /// Starts a cluster, or prints why it cannot.
     fn start(folder: &Path) -> Option<Self> {
         let is_root = Command::new("id").arg("-u").output().unwrap().stdout == b"0\n";
         if program("slurmctld").is_none() || program("slurmd").is_none() || !is_root {
@@ -115,7 +115,7 @@ impl Cluster {
         }
     }
 
-    /// What the jobs have said.
+    /// The output of the jobs.
     fn logs(&self) -> String {
         let mut all = String::new();
         let plan = self.folder.parent().unwrap().join("plan");
@@ -131,7 +131,15 @@ impl Cluster {
 
     fn submit(&self, plan: &str) {
         let said = realgap()
-            .args(["submit", "slurm", plan, "--go", "--partition", "main"])
+            .args([
+                "cluster",
+                "submit",
+                "slurm",
+                plan,
+                "--go",
+                "--partition",
+                "main",
+            ])
             .env("SLURM_CONF", self.folder.join("slurm.conf"))
             .output()
             .unwrap();
@@ -175,7 +183,10 @@ fn daemon(folder: &Path, name: &str, words: &[&str]) -> Child {
 }
 
 fn status(plan: &str, what: &str) -> String {
-    let said = realgap().args(["status", plan, what]).output().unwrap();
+    let said = realgap()
+        .args(["cluster", "status", plan, what])
+        .output()
+        .unwrap();
     assert!(said.status.success(), "{}", text(&said.stderr));
     text(&said.stdout).trim().to_owned()
 }
@@ -201,7 +212,16 @@ fn a_search_goes_through_its_generations_and_a_sweep_through_requeues_and_dead_n
     let search = search.to_str().unwrap();
     run(&["search", search, "-o", &at("search")]);
     let plan = at("plan");
-    run(&["plan", search, "--shards", "3", "--no-measure", "-o", &plan]);
+    run(&[
+        "cluster",
+        "plan",
+        search,
+        "--shards",
+        "3",
+        "--no-measure",
+        "-o",
+        &plan,
+    ]);
     cluster.submit(&plan);
     cluster.wait_for_the_answer(&plan);
     must_be_equal(
@@ -221,6 +241,7 @@ fn a_search_goes_through_its_generations_and_a_sweep_through_requeues_and_dead_n
     run(&[&["sweep", study, "-o", &at("sweep")][..], &options].concat());
     run(&[
         &[
+            "cluster",
             "plan",
             study,
             "--shards",
@@ -253,7 +274,7 @@ fn a_search_goes_through_its_generations_and_a_sweep_through_requeues_and_dead_n
     cluster.node.kill().unwrap();
     cluster.node.wait().unwrap();
     cluster.node = daemon(&cluster.folder, "slurmd", &["-D", "-N", &cluster.host]);
-    // A requeued job waits for two minutes unless it is told not to.
+    // A requeued job waits for two minutes unless it is released.
     cluster.wait("the plan is answered", || {
         for job in cluster
             .slurm(&["squeue", "-h", "-r", "-t", "PD", "-o", "%i"])
@@ -277,7 +298,7 @@ fn a_search_goes_through_its_generations_and_a_sweep_through_requeues_and_dead_n
     a_full_disk_costs_nothing_but_time(&cluster, folder.path(), study, &options);
 }
 
-/// A small file system over a folder, for as long as a test needs it.
+/// A small file system that is mounted over a folder during a test.
 struct SmallDisk(PathBuf);
 
 impl SmallDisk {
@@ -305,7 +326,7 @@ impl Drop for SmallDisk {
     }
 }
 
-/// The sweep once more, its shards on a disk that is full until somebody makes room.
+/// The sweep once more, with its shards on a disk that is full until the test frees space.
 fn a_full_disk_costs_nothing_but_time(
     cluster: &Cluster,
     folder: &Path,
@@ -314,6 +335,7 @@ fn a_full_disk_costs_nothing_but_time(
 ) {
     let plan = folder.join("plan").to_str().unwrap().to_owned();
     let cut = [
+        "cluster",
         "plan",
         study,
         "--shards",

@@ -10,10 +10,10 @@ mod finished;
 
 use finished::{study, tamper};
 
-/// `results` lists so many lines from a folder that cannot be written, where the system lets a test make one.
+/// `study results` lists so many lines from a folder that cannot be written, where the system lets a test make one.
 fn read_only(folder: &Path, lines: usize) {
     let results = format!(
-        "mount --bind '{0}' '{0}' && mount -o remount,ro,bind '{0}' || exit 77; exec '{1}' results '{0}' --format csv",
+        "mount --bind '{0}' '{0}' && mount -o remount,ro,bind '{0}' || exit 77; exec '{1}' study results '{0}' --format csv",
         folder.display(),
         env!("CARGO_BIN_EXE_realgap")
     );

@@ -1,4 +1,4 @@
-//! Robots as pictures. With `REALGAP_PICTURES=/some/folder` they stay there to be looked at.
+//! Pictures of robots. `REALGAP_PICTURES=/some/folder` keeps them there for inspection.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -102,7 +102,7 @@ fn shipped_robots_of_all_kinds_can_be_drawn() {
 }
 
 #[test]
-fn a_portrait_has_a_box_for_all_that_can_be_touched() {
+fn a_portrait_has_a_box_for_every_collision_shape() {
     let tripod = portrait(&shipped("tripod"), "");
     let count = |kind| {
         tripod
@@ -131,7 +131,7 @@ fn a_portrait_has_a_box_for_all_that_can_be_touched() {
 }
 
 #[test]
-fn no_robot_too_many_and_no_numbers_are_answered() {
+fn empty_and_too_large_galleries_are_refused_and_invalid_numbers_are_drawn() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("x.png");
     assert!(draw_gallery(&gallery(Vec::new(), 3), &path).is_err());
@@ -143,9 +143,9 @@ fn no_robot_too_many_and_no_numbers_are_answered() {
     draw("gallery_broken", &gallery(vec![broken], 1));
 }
 
-/// Every module is named where it is seen, the tracked one marked, every servo with what it is told.
+/// A portrait shows the name of every module, the mark of the tracked one, and the commands of every servo.
 #[test]
-fn a_portrait_names_modules_and_draws_what_servos_are_told() {
+fn a_portrait_names_modules_and_draws_commands_of_servos() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("tripod.svg");
     realgap::results::portrait::draw(&shipped("tripod"), &file).unwrap();

@@ -1,4 +1,4 @@
-//! What people read of pages and pictures, in a real browser at three widths: nothing lies on something else, nothing is cut.
+//! Legibility of pages and pictures in a real browser at three widths: no text overlaps another or is cut.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -89,7 +89,7 @@ fn no_text_of_a_page_lies_on_another_or_is_cut() {
         ]);
         open(&mut browser, &out.join("report.html"));
         browser.is_legible(name);
-        // Whatever point is chosen, its charts are drawn anew.
+        // The charts are drawn again for every chosen point.
         browser.value("document.getElementById('heat')?.querySelector('[data-point]').dispatchEvent(new Event('click'))");
         browser.is_legible(&format!("{name}, the first point"));
         // The best point, alone or between others, has a path beside the recorded ones.
@@ -125,7 +125,7 @@ fn no_text_of_a_page_lies_on_another_or_is_cut() {
 }
 
 #[test]
-fn joints_are_shown_over_time_with_what_is_left_between_them() {
+fn joints_are_shown_over_time_with_their_residuals() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("arm");
     let tune = [
@@ -190,7 +190,7 @@ fn joints_are_shown_over_time_with_what_is_left_between_them() {
 }
 
 #[test]
-fn what_decides_is_seen_without_scrolling_and_contents_stand_beside() {
+fn the_answer_is_seen_without_scrolling_and_contents_stand_beside_it() {
     let Some(mut browser) = Browser::start() else {
         return;
     };
@@ -209,7 +209,7 @@ fn what_decides_is_seen_without_scrolling_and_contents_stand_beside() {
     ];
     run(&[&gap[..], &["-o", out.to_str().unwrap()]].concat());
     open(&mut browser, &out.join("report.html"));
-    // Whether both are drawn alike stands beside the name of the metric, on a phone, too.
+    // The p value for drawn alike stands next to the name of the metric, also on a phone.
     let seen = "[...document.querySelectorAll('#metrics td:nth-child(2)')].every(cell => { \
         const scroll = cell.closest('.scroll').getBoundingClientRect(), box = cell.getBoundingClientRect(); \
         return box.right <= Math.min(scroll.right, innerWidth) && box.left >= scroll.left; })";

@@ -1,4 +1,4 @@
-//! Pages in a real browser: what is chosen is shown, one time moves everything, nothing is asked of a network.
+//! Pages in a real browser: a chosen point is shown, one slider of time moves all plots, and no network is used.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -121,7 +121,7 @@ fn a_click_in_the_map_changes_the_path_and_one_time_moves_every_plot() {
     );
     assert_eq!(browser.value("document.getElementById('clock').textContent.startsWith('0.17 s') || document.getElementById('clock').textContent.startsWith('0.18 s')"), json!(true));
 
-    // In space it is drawn once somebody sees it.
+    // The view in space is drawn only once it is visible.
     assert_eq!(browser.value("typeof realgap.draw"), json!("undefined"));
     browser.value("document.getElementById('replay').scrollIntoView({ behavior: 'instant' })");
     browser.wait("typeof realgap.draw === 'function'");
@@ -233,7 +233,7 @@ fn a_replay_plays_steps_and_remembers_its_moment() {
 }
 
 #[test]
-fn a_browser_runs_nothing_that_others_wrote_into_a_folder() {
+fn a_browser_runs_no_foreign_text_of_a_folder() {
     let Some(mut browser) = Browser::start() else {
         return;
     };
@@ -277,7 +277,7 @@ fn a_browser_runs_nothing_that_others_wrote_into_a_folder() {
         .collect();
     assert!(asked.is_empty(), "{asked:?}");
     assert!(!std::fs::read_to_string(&page).unwrap().contains('\u{202e}'));
-    // What should be a number is one, or the report is refused by name.
+    // A text in place of a number is refused with the name of the file.
     let report = json!({ "metrics": [{ "floor": { "value": hostile } }] });
     std::fs::write(folder.path().join("gap.json"), report.to_string()).unwrap();
     let out = realgap()

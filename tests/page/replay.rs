@@ -1,4 +1,4 @@
-//! Replays: one file that asks no network, holds what was simulated, and runs nothing of others.
+//! Replays: one file that needs no network, holds the simulated motion, and runs no foreign text.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -17,7 +17,7 @@ use realgap::trajectory::{self, Reading, Trajectory, write_with_bodies};
 use realgap::warning::Code;
 
 const RUNS: &str = "real_trajectories/tripod_standin";
-/// What names, descriptions and files of others may try.
+/// A hostile text for names, descriptions and files.
 const HOSTILE: &str = "</script><script>document.title='run'</script><img src=x onerror=alert(1)>]]>\"'&\u{202e}{{answer}}";
 
 fn tripod() -> Morphology {
@@ -82,7 +82,7 @@ fn a_film_is_the_run_and_parts_follow_from_the_joints() {
 }
 
 #[test]
-fn an_arm_whose_joints_alone_were_recorded_is_shown_as_it_was() {
+fn an_arm_with_recorded_joints_only_is_shown_in_its_recorded_poses() {
     let arm = Morphology::read(common::project().join("morphologies/so101_arm.ron")).unwrap();
     let experiment = two_seconds(&arm);
     let (_, film) = film(&experiment).unwrap();
@@ -228,7 +228,7 @@ fn a_run_of_a_file_is_shown_with_all_its_parts() {
 }
 
 #[test]
-fn a_page_that_cannot_be_made_says_so_before_the_work() {
+fn a_page_that_cannot_be_written_is_an_error_before_the_work() {
     for (args, said) in [
         (
             vec!["replay", "morphologies/tripod.ron", "-o", "page.txt"],
@@ -263,7 +263,7 @@ fn a_page_that_cannot_be_made_says_so_before_the_work() {
     }
 }
 
-/// A page whose every foreign text is hostile.
+/// A page in which every foreign text is hostile.
 fn hostile_page() -> String {
     let robot = tripod();
     let experiment = two_seconds(&robot);
@@ -289,7 +289,7 @@ fn hostile_page() -> String {
 }
 
 #[test]
-fn nothing_of_others_becomes_markup() {
+fn no_foreign_text_becomes_markup() {
     let page = hostile_page();
     assert!(!page.contains("<img") && !page.contains("<script>document.title"));
     assert!(!page.contains('\u{202e}'));
@@ -303,7 +303,7 @@ fn nothing_of_others_becomes_markup() {
 }
 
 #[test]
-fn a_browser_runs_nothing_of_a_hostile_page() {
+fn a_browser_runs_no_foreign_script_of_a_hostile_page() {
     let Some(mut browser) = Browser::start() else {
         return;
     };

@@ -1,4 +1,4 @@
-//! Reports: a results folder as one page that holds the folder's own numbers and runs nothing of others.
+//! Reports: a results folder as one page that shows the numbers of the folder and runs no foreign text.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -47,7 +47,7 @@ fn report(folder: &Path) -> String {
 fn a_sweeps_page_holds_its_answer_its_map_and_where_it_comes_from() {
     let folder = tempfile::tempdir().unwrap();
     swept(folder.path());
-    // The sweep wrote it; what is asked for later says the same, and that it was.
+    // The sweep writes the page; `realgap report` writes the same page, but for the command that made it.
     let written = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
     let page = report(folder.path());
     let before_command = |page: &str| page.split("<dt>this page</dt>").next().unwrap().to_owned();
@@ -72,7 +72,7 @@ fn a_sweeps_page_holds_its_answer_its_map_and_where_it_comes_from() {
     let hash = summary["provenance"]["morphology sha256"].as_str().unwrap();
     assert!(page.contains(hash) && page.contains("comes nearest to the stand-in for reality"));
 
-    // Whatever others write into the folder's files is text.
+    // Foreign content of the files stays text.
     let hostile =
         "</script><script>document.title='run'</script><img src=x onerror=alert(1)>\u{202e}";
     let mut changed = summary;
@@ -103,7 +103,7 @@ fn a_sweeps_page_holds_its_answer_its_map_and_where_it_comes_from() {
     );
 }
 
-/// What a command leaves in its folder, and what a browser says of it.
+/// The page that a command writes into its folder, opened in a browser.
 fn told(args: &[&str], browser: Option<&mut Browser>) -> String {
     let out = tempfile::tempdir().unwrap();
     let folder = out.path().join("out");
@@ -130,7 +130,7 @@ fn told(args: &[&str], browser: Option<&mut Browser>) -> String {
         browser.is_legible(&args.join(" "));
         browser.are_legible(&folder);
     }
-    // Whoever wants none gets none, and no old one stays.
+    // With --no-report no page is written, and an old page is removed.
     if args[0] == "gap" {
         let args = [args, &["--no-report"]].concat();
         realgap()
@@ -145,7 +145,7 @@ fn told(args: &[&str], browser: Option<&mut Browser>) -> String {
 }
 
 #[test]
-fn every_command_with_a_folder_tells_its_story_there() {
+fn every_command_with_a_folder_writes_a_page_with_its_answer() {
     let file = tempfile::tempdir().unwrap();
     let study = common::quick_study(file.path(), 2).display().to_string();
     let search = common::search_file(file.path(), common::SMALL_SEARCH)
@@ -211,7 +211,7 @@ fn every_command_with_a_folder_tells_its_story_there() {
 }
 
 #[test]
-fn a_folder_without_results_says_what_it_should_hold() {
+fn a_folder_without_results_is_an_error_that_says_what_it_should_hold() {
     let folder = tempfile::tempdir().unwrap();
     let output = realgap().arg("report").arg(folder.path()).output().unwrap();
     assert_eq!(output.status.code(), Some(1));
@@ -225,11 +225,13 @@ fn a_folder_without_results_says_what_it_should_hold() {
 }
 
 #[test]
-fn a_command_without_a_folder_writes_a_page_where_it_is_asked() {
+fn a_command_without_a_folder_writes_a_page_with_report() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name).display().to_string();
     let (page, plot) = (at("belief.html"), at("belief.png"));
-    let args = ["belief", "infrared", "--trials", "3", "--plot", &plot];
+    let args = [
+        "sense", "belief", "infrared", "--trials", "3", "--plot", &plot,
+    ];
     let output = realgap()
         .args(args)
         .args(["--report", &page])

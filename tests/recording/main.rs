@@ -1,4 +1,4 @@
-//! Recordings that people really have, and files of others' formats.
+//! Recordings as users have them, and files of other programs' formats.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 #[path = "../common/mod.rs"]

@@ -9,7 +9,7 @@ use common::{realgap, text};
 fn a_random_genome_becomes_a_robot_that_check_and_simulate_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
-    let random = ["genome", "random", "--modules", "3", "--seed", "1"];
+    let random = ["robot", "genome", "random", "--modules", "3", "--seed", "1"];
     let out = realgap().args(random).assert().success();
     realgap()
         .args(random)
@@ -27,7 +27,7 @@ fn a_random_genome_becomes_a_robot_that_check_and_simulate_read() {
     );
 
     realgap()
-        .arg("develop")
+        .args(["robot", "develop"])
         .arg(path("g.ron"))
         .arg("-o")
         .arg(path("robot.ron"))
@@ -58,7 +58,7 @@ fn a_random_genome_becomes_a_robot_that_check_and_simulate_read() {
         .success();
 
     let out = realgap()
-        .arg("develop")
+        .args(["robot", "develop"])
         .arg(path("g.ron"))
         .args(["--format", "json"])
         .assert()
@@ -78,7 +78,7 @@ fn a_genome_that_does_not_develop_says_why_and_fails() {
     let genes = "[[1, 0, 0, 0.7, 0, 0, 1, 1, 0, 0], [1, 0, 0, 0.9, 0, 0, 1, 1, 0, 0]]";
     std::fs::write(&path, format!("Genome(modules: 2, genes: {genes})")).unwrap();
     let out = realgap()
-        .arg("develop")
+        .args(["robot", "develop"])
         .arg(&path)
         .args(["--format", "json"])
         .assert()
@@ -110,9 +110,9 @@ fn check_draws_a_robot() {
 #[test]
 fn wrong_use_exits_with_2() {
     for arguments in [
-        &["genome", "random", "--modules", "0"][..],
-        &["genome", "random", "--modules", "201"],
-        &["genome", "conquer"],
+        &["robot", "genome", "random", "--modules", "0"][..],
+        &["robot", "genome", "random", "--modules", "201"],
+        &["robot", "genome", "conquer"],
         &[
             "check",
             "morphologies/cube.ron",
@@ -124,7 +124,7 @@ fn wrong_use_exits_with_2() {
         realgap().args(arguments).assert().code(2);
     }
     realgap()
-        .args(["develop", "x.ron", "--plot", "x.pdf"])
+        .args(["robot", "develop", "x.ron", "--plot", "x.pdf"])
         .assert()
         .failure();
 }

@@ -15,6 +15,7 @@ fn the_command_line_writes_the_file_and_says_what_is_missing() {
     };
     let robot = "morphologies/tripod.ron";
     let to_file = run(&[
+        "robot",
         "export",
         robot,
         "--format",
@@ -28,10 +29,12 @@ fn the_command_line_writes_the_file_and_says_what_is_missing() {
         said.contains("urdf does not carry: gait and servo law"),
         "{said}"
     );
-    let to_stdout = run(&["export", robot, "--format", "urdf"]);
+    let to_stdout = run(&["robot", "export", robot, "--format", "urdf"]);
     assert_eq!(to_stdout.stdout, std::fs::read(&file).unwrap());
     assert_eq!(
-        run(&["export", robot, "--format", "sdf"]).status.code(),
+        run(&["robot", "export", robot, "--format", "sdf"])
+            .status
+            .code(),
         Some(2)
     );
 }

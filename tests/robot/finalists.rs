@@ -1,4 +1,4 @@
-//! The best robots of a search, looked at again: against what the search started from, and in another engine.
+//! The finalists of a search: compared with the robot that the search started from, and in another engine.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -45,7 +45,7 @@ fn the_robot_that_a_search_starts_from_gets_the_draws_that_rank_the_finalists() 
 }
 
 #[test]
-fn robots_of_which_the_search_draws_the_first_have_no_baseline_and_success_is_of_something() {
+fn a_search_without_a_start_robot_has_no_baseline_and_every_success_has_its_distance() {
     let folder = tempfile::tempdir().unwrap();
     let said = search(folder.path(), SMALL_SEARCH, &[]).success();
     assert!(!text(&said.get_output().stdout).contains("started from"));
@@ -58,7 +58,7 @@ fn robots_of_which_the_search_draws_the_first_have_no_baseline_and_success_is_of
 }
 
 #[test]
-fn a_robot_that_walks_otherwise_in_mujoco_does_not_survive() {
+fn a_robot_that_walks_differently_in_mujoco_does_not_survive() {
     let Some(python) = python_with("mujoco") else {
         return;
     };

@@ -1,4 +1,4 @@
-//! What `export` writes, `import` reads.
+//! `robot import` reads the files of `robot export`.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::path::Path;
@@ -9,19 +9,19 @@ use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, JointFormulation, JointState, watch};
 
 #[test]
-fn what_is_exported_comes_back_with_the_same_masses_moments_and_places() {
+fn an_exported_robot_is_imported_with_the_same_masses_moments_and_places() {
     for name in ["elbow", "tripod", "chain3"] {
         let folder = tempfile::tempdir().unwrap();
         let urdf = folder.path().join("robot.urdf");
         let shipped = format!("morphologies/{name}.ron");
         realgap()
-            .args(["export", &shipped, "--format", "urdf", "-o"])
+            .args(["robot", "export", &shipped, "--format", "urdf", "-o"])
             .arg(&urdf)
             .assert()
             .success();
         let ron = folder.path().join("robot.ron");
         realgap()
-            .arg("import")
+            .args(["robot", "import"])
             .arg(&urdf)
             .arg("-o")
             .arg(&ron)
@@ -65,7 +65,10 @@ fn what_is_exported_comes_back_with_the_same_masses_moments_and_places() {
 
 #[test]
 fn a_file_that_is_not_there_is_named_and_not_made() {
-    let said = realgap().args(["import", "no_such.urdf"]).output().unwrap();
+    let said = realgap()
+        .args(["robot", "import", "no_such.urdf"])
+        .output()
+        .unwrap();
     assert_eq!(said.status.code(), Some(1));
     assert!(text(&said.stderr).contains("no_such.urdf"));
     assert!(!Path::new("no_such.urdf").exists());
@@ -75,7 +78,7 @@ const LINK: &str = r#"<inertial><mass value="0.2"/><inertia ixx="1e-4" iyy="2e-4
     <collision><geometry><box size="0.1 0.06 0.04"/></geometry></collision>"#;
 
 #[test]
-fn what_realgap_did_not_write_is_not_replaced() {
+fn files_that_realgap_did_not_write_are_not_replaced() {
     let folder = tempfile::tempdir().unwrap();
     let (urdf, ron) = (folder.path().join("r.urdf"), folder.path().join("r.ron"));
     std::fs::write(
@@ -86,7 +89,7 @@ fn what_realgap_did_not_write_is_not_replaced() {
     std::fs::write(&ron, "// mine").unwrap();
     let import = |more: &[&str]| {
         let said = realgap()
-            .arg("import")
+            .args(["robot", "import"])
             .arg(&urdf)
             .arg("-o")
             .arg(&ron)
@@ -115,10 +118,13 @@ fn what_realgap_did_not_write_is_not_replaced() {
         let said = process.output().unwrap();
         assert!(said.status.success(), "{command}: {}", text(&said.stderr));
     }
-    // What it wrote itself it replaces, and the report is JSON where that is asked for.
+    // It replaces files that it wrote itself, and prints the report as JSON with --format json.
     let (code, said) = import(&["--format", "json"]);
     assert!(code == Some(0) && said.contains("\"notes\""), "{said}");
-    let missing = realgap().args(["import", "no_such.urdf"]).output().unwrap();
+    let missing = realgap()
+        .args(["robot", "import", "no_such.urdf"])
+        .output()
+        .unwrap();
     assert_eq!(missing.status.code(), Some(1));
     assert!(text(&missing.stderr).contains("no_such.urdf") && !Path::new("no_such.urdf").exists());
 }

@@ -157,7 +157,7 @@ fn a_lone_passive_cube_is_legal_and_goes_nowhere() {
 }
 
 #[test]
-fn what_cannot_be_searched_is_refused_with_its_place() {
+fn an_invalid_search_is_refused_with_the_place_of_the_error() {
     let good = "duration_s: 1.0, strategy: Evolution(population: 4),";
     for (body, words) in [
         (
@@ -234,7 +234,7 @@ fn what_cannot_be_searched_is_refused_with_its_place() {
     }
 }
 
-/// Everything that must not depend on how a search was run.
+/// All results that must not depend on how a search was run.
 fn results(folder: &Path) -> String {
     let mut best: Vec<PathBuf> = std::fs::read_dir(folder.join("best"))
         .unwrap()
@@ -314,7 +314,7 @@ fn threads_and_kill_9_do_not_change_a_bit_and_everything_is_written() {
 }
 
 #[test]
-fn in_memory_and_in_a_folder_the_bits_are_the_same_also_after_an_interruption() {
+fn results_in_memory_and_in_a_folder_are_equal_also_after_an_interruption() {
     let folder = tempfile::tempdir().unwrap();
     let search = search(SMALL_SEARCH);
     let whole = search.run(&RunOptions::default()).unwrap();
@@ -336,7 +336,7 @@ fn in_memory_and_in_a_folder_the_bits_are_the_same_also_after_an_interruption() 
         .run_in(folder.path(), Mode::Resume, &RunOptions::default())
         .unwrap();
     assert_eq!(resumed, whole);
-    // What is complete is used as it is.
+    // Complete results are used without a new simulation.
     let first = std::sync::Mutex::new(None);
     let hear = |progress: Progress| {
         first.lock().unwrap().get_or_insert(progress.done);
@@ -436,7 +436,7 @@ fn ctrl_c_saves_draws_and_exits_with_130() {
 }
 
 #[test]
-fn speed_per_energy_can_be_searched_for_and_cards_say_what_going_costs() {
+fn speed_per_energy_can_be_searched_for_and_cards_show_the_cost_of_transport() {
     let search = search(
         "strategy: Grid(genes: [(gene: \"frequency\", values: [0.3, 0.6])]),
          start: Morphology(\"../morphologies/tripod.ron\"), duration_s: 4.0, repeats: 2,

@@ -13,7 +13,7 @@ fn the_command_prints_a_table_json_and_pictures() {
     let run = |more: &[&str]| {
         let mut command = common::realgap();
         command
-            .args(["vision", "compare"])
+            .args(["sense", "vision", "compare"])
             .arg(&simulated)
             .arg(&real);
         let done = command
@@ -36,7 +36,7 @@ fn the_command_prints_a_table_json_and_pictures() {
     assert_eq!(json["extractors"][0]["verdict"]["answer"], "nearer");
     let sheet = root.path().join("steps.png");
     let done = common::realgap()
-        .args(["vision", "extract", "--extractor", "contour", "-o"])
+        .args(["sense", "vision", "extract", "--extractor", "contour", "-o"])
         .arg(&sheet)
         .arg(simulated.join("view1.png"))
         .output()

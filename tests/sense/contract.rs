@@ -3,7 +3,7 @@
 
 #[test]
 #[cfg(feature = "tesseract")]
-fn where_the_program_is_not_installed_that_is_said_before_any_picture_is_read() {
+fn a_program_that_is_not_installed_is_an_error_before_any_picture_is_read() {
     for args in [
         [
             "extract",
@@ -21,7 +21,11 @@ fn where_the_program_is_not_installed_that_is_said_before_any_picture_is_read() 
         ],
     ] {
         let mut command = crate::common::realgap();
-        let done = command.arg("vision").args(args).env("PATH", "").output();
+        let done = command
+            .args(["sense", "vision"])
+            .args(args)
+            .env("PATH", "")
+            .output();
         let said = crate::common::text(&done.unwrap().stderr);
         for word in ["tesseract is not installed", "apt install", "leave out"] {
             assert!(said.contains(word), "{word} is missing in {said}");

@@ -15,7 +15,8 @@ fn the_commands_fit_evaluate_and_print() {
         common::text(&output.stdout)
     };
     run(&[
-        "sensorgraph",
+        "sense",
+        "graph",
         "fit",
         &path("scans.csv"),
         "--to",
@@ -33,7 +34,8 @@ fn the_commands_fit_evaluate_and_print() {
         assert!(drawn("visits.svg").contains(axis), "{axis}");
     }
     let json = run(&[
-        "sensorgraph",
+        "sense",
+        "graph",
         "evaluate",
         &path("scans.csv"),
         "--from",
@@ -59,10 +61,11 @@ fn the_commands_fit_evaluate_and_print() {
     }
     assert!(found["mean_absolute_error_m"].as_f64() < found["baseline_constant_m"].as_f64());
     assert!(folder.path().join("way.png").is_file());
-    assert!(run(&["sensorgraph", "print", &path("model.ron")]).contains("direction 30 deg:"));
+    assert!(run(&["sense", "graph", "print", &path("model.ron")]).contains("direction 30 deg:"));
     assert!(
         run(&[
-            "sensorgraph",
+            "sense",
+            "graph",
             "print",
             &path("model.ron"),
             "--language",
@@ -71,7 +74,8 @@ fn the_commands_fit_evaluate_and_print() {
         .contains("double sensorgraph_range_m")
     );
     let bic = run(&[
-        "sensorgraph",
+        "sense",
+        "graph",
         "fit",
         &path("scans.csv"),
         "--stop",
@@ -85,7 +89,8 @@ fn the_commands_fit_evaluate_and_print() {
     assert_eq!(bic["polynomials"], 144);
     let output = common::realgap()
         .args([
-            "sensorgraph",
+            "sense",
+            "graph",
             "fit",
             &path("scans.csv"),
             "--from",

@@ -1,4 +1,4 @@
-//! `realgap radio` at the terminal: what it prints, and what it refuses.
+//! `realgap sense radio` as a command: its output and its errors.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -52,6 +52,7 @@ fn the_command_fits_evaluates_maps_and_sends() {
     }
     std::fs::write(&log, &text).unwrap();
     let (code, json, said) = run(&[
+        "sense",
         "radio",
         "fit",
         &log,
@@ -68,6 +69,7 @@ fn the_command_fits_evaluates_maps_and_sends() {
     let fitted = answer("radio-fit", &json);
     assert_eq!(fitted["readings"], 200);
     let (code, json, said) = run(&[
+        "sense",
         "radio",
         "evaluate",
         &log,
@@ -91,6 +93,7 @@ fn the_command_fits_evaluates_maps_and_sends() {
     assert_eq!(seen["anchors"][1]["anchor"], "4");
     assert_eq!(
         run(&[
+            "sense",
             "radio",
             "map",
             "--arena",
@@ -107,6 +110,7 @@ fn the_command_fits_evaluates_maps_and_sends() {
     );
     assert!(std::fs::read_to_string(&map).unwrap().contains("anchor 4"));
     let send = [
+        "sense",
         "radio",
         "send",
         "--arena",
@@ -127,7 +131,7 @@ fn the_command_fits_evaluates_maps_and_sends() {
 }
 
 #[test]
-fn bad_logs_arenas_and_models_are_refused_with_what_is_allowed() {
+fn bad_logs_arenas_and_models_are_refused_with_the_allowed_values() {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| {
         let path = folder.path().join(name);
@@ -136,7 +140,7 @@ fn bad_logs_arenas_and_models_are_refused_with_what_is_allowed() {
     };
     let flat = "arenas/flat.ron";
     let refused = |log: &str, arena: &str, more: &[&str], expected: &[&str]| {
-        let mut args = vec!["radio", "fit", log, "--arena", arena];
+        let mut args = vec!["sense", "radio", "fit", log, "--arena", arena];
         args.extend(more);
         let (code, _, said) = run(&args);
         assert_eq!(
@@ -227,6 +231,7 @@ fn bad_logs_arenas_and_models_are_refused_with_what_is_allowed() {
     refused(&good, &twice, &[], &["twice.ron:1", "name of its own"]);
     let bad = write("bad.ron", r#"(propagation: "walls", values: [-40, 2])"#);
     let (code, _, said) = run(&[
+        "sense",
         "radio",
         "evaluate",
         &good,
@@ -238,9 +243,9 @@ fn bad_logs_arenas_and_models_are_refused_with_what_is_allowed() {
     assert!(code == 1 && said.contains("wall_loss_db"), "{said}");
 }
 
-/// What can be fitted for all that is fitted, with a warning, and without being sure of anything that six strengths cannot say.
+/// Doubtful input is fitted with a warning, and parameters that six strengths cannot determine are marked as not determined.
 #[test]
-fn doubtful_logs_and_arenas_are_warned_of() {
+fn doubtful_logs_and_arenas_get_warnings() {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| {
         let path = folder.path().join(name);
@@ -265,7 +270,9 @@ fn doubtful_logs_and_arenas_are_warned_of() {
         "(from_m: (0.5, 1), to_m: (1.8, 1), thickness_m: 0.3), (from_m: (0, 4.5), to_m: (10, 4.5), thickness_m: 0.1)",
     );
     let fitted = |log: &str, arena: &str, more: &[&str], warnings: &[&str]| {
-        let mut args = vec!["radio", "fit", log, "--arena", arena, "--format", "json"];
+        let mut args = vec![
+            "sense", "radio", "fit", log, "--arena", arena, "--format", "json",
+        ];
         args.extend(more);
         let (code, json, said) = run(&args);
         assert_eq!(code, 0, "{said}");
@@ -280,7 +287,9 @@ fn doubtful_logs_and_arenas_are_warned_of() {
         (&6.into(), &2.into())
     );
     fitted(&good, &walled, &[], &["anchor-in-wall", "few-places"]);
-    let (code, _, said) = run(&["radio", "fit", &good, "--arena", &open, "--model", "walls"]);
+    let (code, _, said) = run(&[
+        "sense", "radio", "fit", &good, "--arena", &open, "--model", "walls",
+    ]);
     assert!(
         code == 1 && said.contains("no link crosses a wall") && said.contains("without walls"),
         "{said}"

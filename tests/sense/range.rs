@@ -22,6 +22,7 @@ fn the_command_makes_a_model_that_can_be_used() {
         "100",
     ]);
     let json = run(&[
+        "sense",
         "characterise",
         &path("log.csv"),
         "--model",
@@ -64,7 +65,13 @@ fn the_command_makes_a_model_that_can_be_used() {
     };
     assert_eq!(twice("a.csv"), twice("b.csv"));
     let output = common::realgap()
-        .args(["characterise", &path("log.csv"), "--model", "lines"])
+        .args([
+            "sense",
+            "characterise",
+            &path("log.csv"),
+            "--model",
+            "lines",
+        ])
         .output()
         .unwrap();
     assert_eq!(output.status.code(), Some(2));

@@ -10,7 +10,7 @@ fn the_command_rides_along_a_recorded_run_and_refuses_what_leaves_the_room() {
     let run = |threads: &str, args: &[&str]| {
         let done = common::realgap()
             .env("RAYON_NUM_THREADS", threads)
-            .args(["picture", "scenes/room.ron"])
+            .args(["sense", "picture", "scenes/room.ron"])
             .args(args)
             .output()
             .unwrap();

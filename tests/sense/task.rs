@@ -48,6 +48,7 @@ fn the_command_compares_draws_and_times_and_refuses_with_what_is_allowed() {
     );
     let way = write("way.csv", "t_s,x_m,y_m\n0,0,0\n1,1,0\n2,2,0\n3,3,0\n");
     let (code, csv, said) = run(&[
+        "sense",
         "tasks",
         "time",
         &way,
@@ -78,7 +79,7 @@ fn the_command_compares_draws_and_times_and_refuses_with_what_is_allowed() {
         ("robot,duration_s\nz,3\n", "no condition in common"),
     ] {
         let bad = write("bad.csv", text);
-        let (code, _, said) = run(&["tasks", "compare", &real, &bad]);
+        let (code, _, said) = run(&["sense", "tasks", "compare", &real, &bad]);
         assert!(code == 1 && said.contains(expected), "{expected}: {said}");
         assert!(
             said.contains("bad.csv") || said.contains("no condition"),
@@ -86,7 +87,7 @@ fn the_command_compares_draws_and_times_and_refuses_with_what_is_allowed() {
         );
     }
     let slow = write("slow.csv", "duration_s\n700000\n3\n");
-    let (code, _, said) = run(&["tasks", "compare", &slow, &slow]);
+    let (code, _, said) = run(&["sense", "tasks", "compare", &slow, &slow]);
     assert!(
         code == 0 && said.contains("long-task") && !said.contains("--time-unit"),
         "{said}"
@@ -97,7 +98,9 @@ fn the_command_compares_draws_and_times_and_refuses_with_what_is_allowed() {
         ("2,0", "NaN"),
         ("0,0", "0.5"),
     ] {
-        let (code, _, said) = run(&["tasks", "time", &way, "--reach", reach, "--within", within]);
+        let (code, _, said) = run(&[
+            "sense", "tasks", "time", &way, "--reach", reach, "--within", within,
+        ]);
         assert!(
             code != 0 && said.contains("error"),
             "{reach} {within}: {said}"

@@ -1,4 +1,4 @@
-//! A walk through bad input, by the command: what it refuses it refuses with where, what was found and what is allowed.
+//! Bad input of the command: errors say where it is, what was found and what is allowed.
 
 use std::path::{Path, PathBuf};
 
@@ -86,21 +86,21 @@ fn folders_that_hold_no_pictures_of_these_views_are_refused() {
     std::fs::create_dir(desk.path("empty")).unwrap();
     for [a, b] in [["empty", "good"], ["good", "empty"]] {
         desk.refused(
-            &["vision", "compare", a, b],
+            &["sense", "vision", "compare", a, b],
             &["empty: there are no pictures", ".png, .jpg"],
         );
         let (a, b) = (a.replace("empty", "text"), b.replace("empty", "text"));
         desk.refused(
-            &["vision", "compare", &a, &b],
+            &["sense", "vision", "compare", &a, &b],
             &["door.png: not a picture", "74 5f 73 2c", "PNG and JPEG"],
         );
     }
     desk.refused(
-        &["vision", "compare", "good", "nowhere"],
+        &["sense", "vision", "compare", "good", "nowhere"],
         &["nowhere", "check the path"],
     );
     desk.refused(
-        &["vision", "compare", "good", "other"],
+        &["sense", "vision", "compare", "good", "other"],
         &[
             "no pictures have the same name",
             "attic",
@@ -108,15 +108,31 @@ fn folders_that_hold_no_pictures_of_these_views_are_refused() {
         ],
     );
     desk.refused(
-        &["vision", "compare", "good", "good", "--extractor", "snake"],
+        &[
+            "sense",
+            "vision",
+            "compare",
+            "good",
+            "good",
+            "--extractor",
+            "snake",
+        ],
         &["--extractor", "snake", "edges, template, contour, text"],
     );
     desk.refused(
-        &["vision", "compare", "good", "good", "--extractor", "text"],
+        &[
+            "sense",
+            "vision",
+            "compare",
+            "good",
+            "good",
+            "--extractor",
+            "text",
+        ],
         &["good", "nothing to look for", "text", "views.ron says"],
     );
     desk.refused(
-        &["vision", "compare", "good", "small"],
+        &["sense", "vision", "compare", "good", "small"],
         &[
             "small/door.png",
             "80 x 30 px",
@@ -125,7 +141,15 @@ fn folders_that_hold_no_pictures_of_these_views_are_refused() {
         ],
     );
     desk.refused(
-        &["vision", "compare", "good", "good", "--badly-lit", "small"],
+        &[
+            "sense",
+            "vision",
+            "compare",
+            "good",
+            "good",
+            "--badly-lit",
+            "small",
+        ],
         &["small/door.png", "different sizes"],
     );
     let room = room();
@@ -136,7 +160,7 @@ fn folders_that_hold_no_pictures_of_these_views_are_refused() {
         ("small", ["small/door.png", "at least 64 x 48 px"]),
         ("good", ["good: too few views", "1 view"]),
     ] {
-        desk.refused(&["vision", "tune", &room, folder], &expected);
+        desk.refused(&["sense", "vision", "tune", &room, folder], &expected);
     }
 }
 
@@ -148,17 +172,24 @@ fn one_pixel_and_sixteen_bits_are_compared_and_pictures_without_edges_are_warned
         grey(1, 1, |_, _| 0.4).picture().to_png().unwrap(),
     );
     desk.warned(
-        &["vision", "compare", "one", "one"],
+        &["sense", "vision", "compare", "one", "one"],
         &["no-edges", "1 view: fewer than 6"],
     );
     desk.warned(
-        &["vision", "extract", "one/door.png", "-o", "steps.png"],
+        &[
+            "sense",
+            "vision",
+            "extract",
+            "one/door.png",
+            "-o",
+            "steps.png",
+        ],
         &["no-edges"],
     );
     assert!(desk.path("steps.png").exists());
     desk.write("deep/door.png", even(64, png::BitDepth::Sixteen));
     desk.write("flat/door.png", even(64, png::BitDepth::Eight));
-    let (code, said, _) = desk.run(&["vision", "compare", "deep", "flat"]);
+    let (code, said, _) = desk.run(&["sense", "vision", "compare", "deep", "flat"]);
     assert!(code == 0 && said.contains("0.000"), "{said}");
 }
 
@@ -176,11 +207,11 @@ fn a_hundred_megapixels_are_refused_within_little_memory() {
     desk.write("header/door.jpg", jpeg);
     let room = room();
     for args in [
-        &["vision", "compare", "large", "good"][..],
-        &["vision", "compare", "good", "large"],
-        &["vision", "compare", "header", "good"],
-        &["vision", "extract", "large/door.png"],
-        &["vision", "tune", &room, "large"],
+        &["sense", "vision", "compare", "large", "good"][..],
+        &["sense", "vision", "compare", "good", "large"],
+        &["sense", "vision", "compare", "header", "good"],
+        &["sense", "vision", "extract", "large/door.png"],
+        &["sense", "vision", "tune", &room, "large"],
     ] {
         let done = std::process::Command::new("sh")
             .args(["-c", "ulimit -v 400000; exec \"$@\"", "sh"])
@@ -200,7 +231,7 @@ fn a_hundred_megapixels_are_refused_within_little_memory() {
 }
 
 #[test]
-fn what_is_sought_beyond_the_picture_is_refused_or_warned_of() {
+fn features_outside_of_the_picture_are_refused_or_get_a_warning() {
     let desk = Desk::new();
     for folder in ["sought", "real"] {
         let name = format!("{folder}/door.png");
@@ -220,6 +251,7 @@ fn what_is_sought_beyond_the_picture_is_refused_or_warned_of() {
     };
     let both = |extractor: &str, expected: &[&str]| {
         let extract = [
+            "sense",
             "vision",
             "extract",
             "sought/door.png",
@@ -227,7 +259,7 @@ fn what_is_sought_beyond_the_picture_is_refused_or_warned_of() {
             extractor,
         ];
         desk.refused(&extract, expected);
-        desk.refused(&["vision", "compare", "sought", "real"], expected);
+        desk.refused(&["sense", "vision", "compare", "sought", "real"], expected);
     };
     views("template_at_px: Some((40, 30))");
     both(
@@ -257,8 +289,9 @@ fn what_is_sought_beyond_the_picture_is_refused_or_warned_of() {
         "start_px: [(9, 9), (20, 9), (20, 20), (9, 20)], outline_px: [(500, 500), (600, 500), (600, 600)]",
     );
     for args in [
-        &["vision", "compare", "sought", "real"][..],
+        &["sense", "vision", "compare", "sought", "real"][..],
         &[
+            "sense",
             "vision",
             "extract",
             "sought/door.png",
@@ -274,6 +307,7 @@ fn what_is_sought_beyond_the_picture_is_refused_or_warned_of() {
     both("edges", &["sought/none.png", "check the path"]);
     desk.refused(
         &[
+            "sense",
             "vision",
             "extract",
             "sought/door.png",
@@ -285,13 +319,13 @@ fn what_is_sought_beyond_the_picture_is_refused_or_warned_of() {
 }
 
 #[test]
-fn scenes_and_options_that_cannot_be_photographed_are_refused() {
+fn invalid_scenes_and_options_are_refused() {
     let desk = Desk::new();
     let text = std::fs::read_to_string(Path::new(&room())).unwrap();
     let scene = |from: &str, to: &str, expected: &[&str]| {
         assert!(text.contains(from), "{from}");
         desk.write("scene.ron", text.replacen(from, to, 1));
-        desk.refused(&["picture", "scene.ron", "-o", "out"], expected);
+        desk.refused(&["sense", "picture", "scene.ron", "-o", "out"], expected);
     };
     for (resolution, found) in [("10000, 10000", "10000 x 10000"), ("0, 1", "0 x 1")] {
         scene(
@@ -323,17 +357,39 @@ fn scenes_and_options_that_cannot_be_photographed_are_refused() {
         ("--camera", "model, standin"),
     ] {
         desk.refused(
-            &["picture", "scene.ron", "-o", "out", option, "attic"],
+            &[
+                "sense",
+                "picture",
+                "scene.ron",
+                "-o",
+                "out",
+                option,
+                "attic",
+            ],
             &[option, "attic", allowed],
         );
     }
-    desk.refused(&["picture", "scene.ron", "-o", "scene.ron"], &["scene.ron"]);
-    desk.refused(&["picture", ".", "-o", "out"], &["this is a folder"]);
+    desk.refused(
+        &["sense", "picture", "scene.ron", "-o", "scene.ron"],
+        &["scene.ron"],
+    );
+    desk.refused(
+        &["sense", "picture", ".", "-o", "out"],
+        &["this is a folder"],
+    );
     // One pixel is a picture.
     let tiny = text.replacen("field_of_view_deg: 62,", "resolution_px: (1, 1),", 1);
     desk.write("scene.ron", tiny);
     desk.warned(
-        &["picture", "scene.ron", "-o", "out", "--view", "door"],
+        &[
+            "sense",
+            "picture",
+            "scene.ron",
+            "-o",
+            "out",
+            "--view",
+            "door",
+        ],
         &[],
     );
 }

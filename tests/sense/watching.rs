@@ -1,4 +1,4 @@
-//! `realgap picture --watch` and `--ride` with `--robot`: from a run's file to pictures of the robot that made it.
+//! `realgap sense picture --watch` and `--ride` with `--robot`: pictures of the robot that made a run.
 
 use std::path::{Path, PathBuf};
 
@@ -79,6 +79,7 @@ fn a_robot_is_watched_from_every_viewpoint_with_the_same_bytes_on_any_number_of_
     let desk = Desk::new().with_parts();
     let tripod = robot("tripod");
     let watch = [
+        "sense",
         "picture",
         "pen.ron",
         "--watch",
@@ -119,6 +120,7 @@ fn a_camera_on_a_leg_sees_the_robot_only_where_it_is_named() {
     let desk = Desk::new().with_parts();
     let tripod = robot("tripod");
     let ride = [
+        "sense",
         "picture",
         "pen.ron",
         "--ride",
@@ -235,7 +237,10 @@ fn runs_that_do_not_fit_the_robot_or_the_room_are_refused_before_any_picture() {
         (
             "core.csv",
             &tripod,
-            ["nobody knows where this part", "simulate --parts"],
+            [
+                "position of this part of the robot is not known",
+                "simulate --parts",
+            ],
         ),
         ("far.csv", &cube, ["leaves the room", "start_m"]),
         ("mm.csv", &cube, ["leaves the room", "another unit"]),
@@ -270,7 +275,10 @@ fn runs_that_do_not_fit_the_robot_or_the_room_are_refused_before_any_picture() {
         &["--run", "parts.csv"],
         &["--robot", &tripod],
     ] {
-        let (is_done, said) = desk.run("1", &[&["picture", "pen.ron", "-o", "x"], args].concat());
+        let (is_done, said) = desk.run(
+            "1",
+            &[&["sense", "picture", "pen.ron", "-o", "x"], args].concat(),
+        );
         assert!(!is_done && said.contains("--"), "{args:?}: {said}");
     }
 }

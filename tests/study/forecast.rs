@@ -32,7 +32,7 @@ fn json(bytes: &[u8]) -> Value {
 }
 
 #[test]
-fn an_ensemble_of_a_study_prints_and_writes_what_will_happen() {
+fn an_ensemble_of_a_study_prints_and_writes_its_forecast() {
     let folder = tempfile::tempdir().unwrap();
     let study = study(folder.path(), NOISE);
     let mut written = Vec::new();
@@ -268,7 +268,7 @@ fn a_passive_cube_is_legal_and_goes_nowhere() {
 }
 
 #[test]
-fn bad_input_is_answered_with_what_is_allowed() {
+fn bad_input_is_refused_with_the_allowed_values() {
     let folder = tempfile::tempdir().unwrap();
     let bad = folder.path().join("noise.ron");
     std::fs::write(&bad, "(\n    mass_relative: Normal(-0.1),\n)").unwrap();
@@ -293,7 +293,7 @@ fn bad_input_is_answered_with_what_is_allowed() {
 
 #[cfg(unix)]
 #[test]
-fn ctrl_c_leaves_what_there_is_marked_as_incomplete() {
+fn ctrl_c_writes_the_results_so_far_marked_as_incomplete() {
     let folder = tempfile::tempdir().unwrap();
     let study = study(folder.path(), NOISE).display().to_string();
     let long = std::fs::read_to_string(&study)

@@ -72,7 +72,7 @@ fn stand_ins_of_known_noise_are_one_noise_floor_away_and_a_wrong_floor_is_more()
     assert!(low < 1.0 && 1.0 < high, "{ratio}");
     let confidence = truth["confidence"]["over_time"].as_f64().unwrap();
     assert!(confidence > 0.75, "{confidence}");
-    // One instant of few recordings may dip; nothing is sure.
+    // With few recordings the confidence may dip at one instant, but not surely.
     assert!(truth["confidence"]["surely_below_half_s"].is_null());
     for picture in ["confidence.png", "confidence.svg", "rmse.png", "rmse.svg"] {
         assert!(out.join(picture).metadata().unwrap().len() > 1000);
@@ -98,7 +98,7 @@ fn stand_ins_of_known_noise_are_one_noise_floor_away_and_a_wrong_floor_is_more()
         .map(|field| wrong["confidence"][field].as_f64().unwrap());
     assert!(first_s <= surely_s, "{first_s} {surely_s}");
     assert!(wrong["confidence"]["over_time"].as_f64().unwrap() < confidence);
-    // The floor is reality's own, whatever is simulated.
+    // The noise floor comes from the recordings and does not depend on the simulation.
     assert_eq!(wrong["metrics"][0]["floor"], truth["metrics"][0]["floor"]);
 }
 
@@ -164,7 +164,7 @@ fn the_shipped_stand_ins_have_a_noise_floor_without_a_study() {
 }
 
 #[test]
-fn bad_input_is_answered_with_what_to_do() {
+fn bad_input_is_refused_with_a_remedy() {
     let folder = tempfile::tempdir().unwrap();
     let long = folder.path().join("runs.csv");
     let rows = "condition,run,t_s,x_m,y_m\na,1,0,0,0\na,1,1,1,0\nb,1,0,0,0\nb,1,1,1,0\n";

@@ -1,4 +1,4 @@
-//! Recordings that values were fitted on are called so.
+//! Recordings on which values were fitted are marked as in-sample.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! What flight says of a robot with a joint, by the library and by the command.
+//! Parameters of a jointed robot from its flights, by the library and by the command.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use realgap::identification::{LengthReading, identify_joints};
@@ -7,7 +7,7 @@ use realgap::trajectory::{self, Recording};
 use crate::common;
 use crate::elbow::{elbow, recorded, set, toss};
 
-fn the_command_says_the_same(recordings: &[Recording], residual_m: f64) {
+fn the_command_gives_the_same_values(recordings: &[Recording], residual_m: f64) {
     let folder = tempfile::tempdir().unwrap();
     for recording in recordings {
         let file = folder.path().join(format!("{}.csv", recording.name));
@@ -22,7 +22,7 @@ fn the_command_says_the_same(recordings: &[Recording], residual_m: f64) {
         ),
     );
     let said = common::realgap()
-        .args(["identify", "--format", "json"])
+        .args(["study", "identify", "--format", "json"])
         .arg(study)
         .output()
         .unwrap();
@@ -35,7 +35,7 @@ fn the_command_says_the_same(recordings: &[Recording], residual_m: f64) {
 }
 
 #[test]
-fn flight_says_which_robot_flew_and_what_it_cannot_say() {
+fn flight_identifies_the_robot_and_marks_what_it_cannot_determine() {
     if !common::is_long_run("a robot from its flights") {
         return;
     }
@@ -50,7 +50,7 @@ fn flight_says_which_robot_flew_and_what_it_cannot_say() {
         .collect();
     let found = identify_joints(&elbow(), &recordings, LengthReading::LengthScale, 1).unwrap();
     assert_eq!(found.flying, 10);
-    the_command_says_the_same(&recordings, found.residual_m);
+    the_command_gives_the_same_values(&recordings, found.residual_m);
     let of = |name: &str| found.verdicts.iter().find(|v| v.parameter == name).unwrap();
     for (name, value, within) in [
         ("hinge.viscous_nm_s_rad", 8e-4, 1e-4),

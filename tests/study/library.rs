@@ -154,7 +154,7 @@ fn a_study_made_in_rust_scores_as_the_same_study_from_a_file() {
 }
 
 #[test]
-fn what_makes_no_study_is_refused_with_its_name() {
+fn an_invalid_study_is_refused_with_the_reason() {
     let study = || Study::builder("wrong", tripod()).recording(first_run());
     let refused = |error: realgap::Error, words: &str| {
         assert_eq!(error.kind(), ErrorKind::Invalid);

@@ -4,7 +4,7 @@
 use crate::common::{realgap, text};
 
 #[test]
-fn the_command_line_switches_it_off_and_takes_the_indistinguishable_set() {
+fn the_command_line_switches_it_off_and_takes_the_posterior_of_a_sweep() {
     let folder = tempfile::tempdir().unwrap();
     let set = folder.path().join("indistinguishable.csv");
     std::fs::write(&set, "floor.friction\n0.2\n0.6\n").unwrap();
@@ -30,12 +30,12 @@ fn the_command_line_switches_it_off_and_takes_the_indistinguishable_set() {
     };
     let (code, said, _) = predict(&["--model-error", "off"]);
     assert!(code == Some(0) && !said.contains("model error"), "{said}");
-    let (code, said, _) = predict(&["--indistinguishable", &folder]);
+    let (code, said, _) = predict(&["--posterior", &folder]);
     assert_eq!(code, Some(0));
     assert!(said.contains("model error       10 other models"), "{said}");
     assert!(said.contains("indistinguishable set"), "{said}");
-    let (code, _, error) = predict(&["--model-error", "off", "--indistinguishable", &folder]);
+    let (code, _, error) = predict(&["--model-error", "off", "--posterior", &folder]);
     assert_eq!(code, Some(2), "{error}");
-    let (code, _, error) = predict(&["--indistinguishable", "nowhere"]);
+    let (code, _, error) = predict(&["--posterior", "nowhere"]);
     assert!(code == Some(1) && error.contains("nowhere"), "{error}");
 }

@@ -69,7 +69,7 @@ fn a_recording_of_joints_brings_its_commands_its_gain_and_when_torque_was_off() 
         .unwrap();
     let said = common::schema::answer("evaluate-joints", &common::text(&said.stdout));
     assert_eq!(said["angle_mrad"]["mean"].as_f64(), Some(same));
-    // Held up all the time it is somewhere else, and so it is with the gain of another name.
+    // With torque on all the time, the motion differs; it also differs with the gain of another file name.
     let held = angle_mrad(&study(""));
     assert!(held > 20.0, "{held} mrad");
     let renamed = folder.path().join("kp800_drop.csv");

@@ -1,4 +1,4 @@
-//! The sweep as a user runs it: everything promised is there, and refusals name the reason.
+//! The sweep as a user runs it: it writes all files, and errors name the reason.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -8,7 +8,7 @@ use std::path::Path;
 use common::{project, quick_study, read, realgap, shared_data, study, summary, text};
 
 #[test]
-fn a_sweep_leaves_everything_that_was_promised() {
+fn a_sweep_writes_all_files() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     realgap()
@@ -112,7 +112,7 @@ fn one_parameter_gives_a_curve_and_three_give_slices() {
             && one.join("curve.svg").exists()
             && !one.join("heatmap.png").exists()
     );
-    // Recordings of another robot, and only one of them: said, not hidden.
+    // A single recording, and of another robot, gets warnings.
     let warnings = text(&output.get_output().stderr);
     assert!(
         warnings.contains("other-robot") && warnings.contains("one-recording"),
@@ -242,7 +242,7 @@ fn bad_studies_are_refused_with_line_and_reason() {
 }
 
 #[test]
-fn two_hidden_floor_values_of_real_tosses_are_where_others_found_them() {
+fn friction_and_restitution_of_real_tosses_agree_with_published_values() {
     let Some(data) = shared_data("cube_tosses") else {
         return;
     };

@@ -15,12 +15,12 @@ fn realgap(arguments: &[&str]) -> assert_cmd::assert::Assert {
         .assert()
 }
 
-/// What the command prints for machines, held to the schema of its name.
+/// The JSON output of the command, validated by its schema.
 fn json(arguments: &[&str]) -> Value {
     let output = realgap(arguments).success().get_output().stdout.clone();
     let said = common::text(&output);
-    match arguments[0] {
-        "identify" => answer("identify", &said),
+    match arguments[..2] {
+        ["study", "identify"] => answer("identify", &said),
         _ => answer("evaluate", &said),
     }
 }
@@ -45,6 +45,7 @@ fn identify_feeds_evaluate() {
         .to_string_lossy()
         .into_owned();
     let found = json(&[
+        "study",
         "identify",
         &study,
         "--recordings",
@@ -58,7 +59,7 @@ fn identify_feeds_evaluate() {
     ]);
     assert_eq!(found["recordings"], 12);
     realgap(&["check", &body]).success();
-    simulated_odds_stand_beside_the_real_ones(&found);
+    simulated_odds_are_given_with_the_real_ones(&found);
 
     let contact = [
         "--set",
@@ -114,13 +115,13 @@ fn identify_feeds_evaluate() {
         }
     }
     assert!(flown["over_45_deg"].is_u64() && informed.get("rows").is_none());
-    // A start that has seen the flight is labelled, wherever the numbers go.
+    // A start that was fitted to the flight is labelled in every output.
     assert!(flown["start"].as_str().unwrap().contains("flight"));
     assert!(flown["warnings"].to_string().contains("refined-start"));
     assert!(!informed["warnings"].to_string().contains("refined-start"));
 }
 
-fn simulated_odds_stand_beside_the_real_ones(found: &Value) {
+fn simulated_odds_are_given_with_the_real_ones(found: &Value) {
     let odds = &found["resting_odds"];
     let counts = |face: &Value, key: &str| face[key].as_u64().unwrap();
     let faces = odds["faces"].as_array().unwrap();
@@ -140,7 +141,7 @@ fn simulated_odds_stand_beside_the_real_ones(found: &Value) {
         at_rest
     );
     assert_eq!(sum("both"), odds["same_face"].as_u64().unwrap());
-    // What was simulated is said: what was found, what the study fixes, and defaults where it leaves values free.
+    // The answer lists the simulated values: identified ones, fixed ones, and defaults of free parameters.
     assert_eq!(
         odds["values"]["recording.length_scale"],
         found["parameters"]["recording.length_scale"]
@@ -180,7 +181,7 @@ fn with_the_true_contact_most_recordings_end_on_their_simulated_face() {
         format!("solver.relaxations={}", robot.solver.relaxations),
     ];
     let identify = |extra: &[&str]| {
-        let mut arguments = vec!["identify", &study, "--recordings", &glob];
+        let mut arguments = vec!["study", "identify", &study, "--recordings", &glob];
         arguments.extend(["--format", "json"]);
         for setting in &settings {
             arguments.extend(["--set", setting]);
@@ -192,7 +193,7 @@ fn with_the_true_contact_most_recordings_end_on_their_simulated_face() {
         |odds: &Value| odds["same_face"].as_f64().unwrap() / odds["simulations"].as_f64().unwrap();
     assert!(odds["simulations"].as_u64().unwrap() >= 10, "{odds}");
     assert!(share(odds) >= 0.75, "{odds}");
-    // Another contact is another run: what is said to be simulated is simulated.
+    // With other contact values, the runs differ: the listed values are those that are simulated.
     let bouncy = &identify(&[
         "--set",
         "floor.friction=0.9",
@@ -213,6 +214,7 @@ fn an_output_that_cannot_be_written_is_refused_before_the_work() {
     let study = study().to_string_lossy().into_owned();
     // The recordings do not exist either: the output is what is looked at first.
     let error = realgap(&[
+        "study",
         "identify",
         &study,
         "--recordings",

@@ -8,7 +8,7 @@ use std::path::Path;
 use common::{STANDIN_NUMERICS, project, read, realgap, study, summary, text};
 
 /// The tripod for some tenths of a second, compared point by point: no basis, so that small budgets are enough. Cheap
-/// numerics: what is tried is the tuning.
+/// numerics, because only the tuning is tested.
 fn quick(folder: &Path) -> std::path::PathBuf {
     let root = project().display();
     study(
@@ -70,7 +70,7 @@ fn a_shorter_duration_on_the_command_line_is_that_of_the_study() {
 }
 
 #[test]
-fn tuning_leaves_everything_that_was_promised() {
+fn tuning_writes_all_files() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let study = quick(folder.path());
@@ -111,7 +111,7 @@ fn tuning_leaves_everything_that_was_promised() {
     let scores = trials.lines().skip(1).map(|line| line.split(',').nth(5));
     let scores = scores.map(|score| score.unwrap().parse::<f64>().unwrap());
     assert_eq!(best.last().copied(), scores.reduce(f64::min));
-    // The answer is not that luck but a mean over equally valid settings.
+    // The answer is not the luckiest run but a mean over equally valid settings.
     assert_eq!(summary["best"]["settings"], 16);
 }
 
@@ -184,7 +184,7 @@ fn patience_and_a_spent_grid_end_a_run_and_say_so() {
 }
 
 #[test]
-fn what_cannot_be_tuned_is_refused_with_a_reason() {
+fn an_impossible_tuning_is_refused_with_a_reason() {
     let folder = tempfile::tempdir().unwrap();
     let study = quick(folder.path());
     let out = folder.path().join("out");
@@ -297,7 +297,7 @@ fn results_can_be_read_without_the_study() {
     std::fs::remove_file(folder.path().join("study.ron")).unwrap();
     let list = |more: &[&str]| {
         let output = realgap()
-            .arg("results")
+            .args(["study", "results"])
             .arg(&out)
             .args(more)
             .assert()
@@ -332,14 +332,14 @@ fn results_can_be_read_without_the_study() {
     parquet_holds(&out, &folder.path().join("trials.parquet"), 20, scores[0]);
 
     let output = realgap()
-        .arg("results")
+        .args(["study", "results"])
         .arg(&out)
         .args(["--sort", "luck"])
         .assert()
         .code(2);
     assert!(text(&output.get_output().stderr).contains("servo.gain"));
     let output = realgap()
-        .arg("results")
+        .args(["study", "results"])
         .arg(&out)
         .args(["--format", "parquet"])
         .assert()
@@ -350,7 +350,10 @@ fn results_can_be_read_without_the_study() {
         "--features parquet"
     };
     assert!(text(&output.get_output().stderr).contains(needed));
-    realgap().args(["results", "sweeps"]).assert().code(1);
+    realgap()
+        .args(["study", "results", "sweeps"])
+        .assert()
+        .code(1);
 }
 
 #[cfg(feature = "parquet")]
@@ -359,7 +362,7 @@ fn parquet_holds(results: &Path, file: &Path, trials: usize, best: f64) {
     use parquet::record::RowAccessor;
 
     realgap()
-        .arg("results")
+        .args(["study", "results"])
         .arg(results)
         .args(["--format", "parquet", "-o"])
         .arg(file)
@@ -375,11 +378,11 @@ fn parquet_holds(results: &Path, file: &Path, trials: usize, best: f64) {
 fn parquet_holds(_: &Path, _: &Path, _: usize, _: f64) {}
 
 #[test]
-fn sensitivity_knows_what_matters() {
+fn sensitivity_sorts_parameters_by_their_effect() {
     let folder = tempfile::tempdir().unwrap();
     let plot = folder.path().join("bars.png");
     let output = realgap()
-        .arg("sensitivity")
+        .args(["study", "sensitivity"])
         .arg(quick(folder.path()))
         .args(["--set", "floor.friction=0.43", "--format", "json", "--plot"])
         .arg(&plot)

@@ -1,4 +1,4 @@
-//! What a controller's file holds, alone or for a robot.
+//! The contents of a controller's file, checked alone or for a robot.
 
 use realgap::file::Source;
 use realgap::results::draw_arena;
@@ -50,9 +50,7 @@ pub(super) fn describe(source: &Source, robot: Option<&Path>) -> Result<Contents
     }
     lines.push(match robot {
         Some(robot) => format!("  fits           {}", robot.display()),
-        None => {
-            "  for which robot it is was not asked: --robot ROBOT.ron looks at that, too".into()
-        }
+        None => "  not checked for a robot: --robot ROBOT.ron checks that, too".into(),
     });
     Ok(Contents {
         kind: Kind::Controller,
@@ -99,7 +97,7 @@ fn condition(when: &Condition, controller: &Controller, robots: &[String]) -> St
     }
 }
 
-/// Draws its arena; with a robot what all of them look like from above where they start.
+/// Draws its arena; with a robot also the outlines of all robots at their starts, seen from above.
 pub(super) fn draw(source: &Source, robot: Option<&Path>, plot: &Path) -> Result<()> {
     let (controller, experiment) = read(source, robot)?;
     let mut arena = Arena::clone(&controller.arena);

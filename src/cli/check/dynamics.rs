@@ -1,4 +1,4 @@
-//! The dynamics of a robot at some coordinates of its joints, for who compares them with another program's.
+//! The dynamics of a robot at some coordinates of its joints, for comparisons with other programs.
 
 use realgap::robot::morphology::Assembly;
 

@@ -1,4 +1,4 @@
-//! What `realgap check --format json` says of a file.
+//! The answer of `realgap check --format json` about a file.
 
 use std::collections::BTreeMap;
 
@@ -77,7 +77,7 @@ pub enum Contents {
         track: String,
         /// Body length, metres.
         body_length_m: f64,
-        /// The robot at some coordinates of its joints, where that is asked for.
+        /// The robot at some coordinates of its joints, where `--dynamics` is given.
         #[serde(skip_serializing_if = "Option::is_none")]
         dynamics: Option<States>,
     },
@@ -102,24 +102,24 @@ pub enum Contents {
         parameters: Vec<Varied>,
         /// Points of the grid.
         points: usize,
-        /// Number of recordings, where they are there.
+        /// Number of recordings, where they can be read.
         recordings: Option<usize>,
         /// Simulations of a sweep.
         simulations: Option<usize>,
-        /// What they cost, CPU seconds, by a slice of one.
+        /// Their cost, CPU seconds, estimated from a part of one simulation.
         cpu_s: Option<f64>,
     },
     /// A search.
     Search {
         /// The strategy.
         strategy: &'static str,
-        /// Robots that it looks at.
+        /// Number of robots that it simulates.
         robots: usize,
         /// Runs of each.
         repeats: usize,
         /// Time of each run, seconds.
         duration_s: f64,
-        /// What is made large.
+        /// The quantity that the search maximises.
         objective: String,
         /// Its unit.
         unit: Unit,
@@ -137,7 +137,7 @@ pub enum Contents {
         robot: String,
         /// `Real` or `StandIn`.
         source: String,
-        /// What they are.
+        /// Description of the recordings.
         description: String,
         /// Their frame.
         frame: String,
@@ -214,7 +214,7 @@ pub enum Contents {
     Controller {
         /// Name of its arena.
         arena: String,
-        /// How often it decides, Hz.
+        /// Number of decisions per second, Hz.
         rate_hz: f64,
         /// Names of its sensors.
         sensors: Vec<String>,

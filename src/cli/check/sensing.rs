@@ -1,4 +1,4 @@
-//! What files of sensors and their surroundings hold.
+//! The contents of files of sensors and their surroundings.
 
 use realgap::file::Source;
 use realgap::sensing::arena::{Arena, Boundary};
@@ -18,14 +18,14 @@ pub(super) fn arena(source: &Source) -> Result<Contents> {
     let [x, y] = arena.size_m;
     let edge = match arena.boundary {
         Boundary::Solid => "walls all round",
-        Boundary::Open => "nothing around it",
+        Boundary::Open => "open on all sides",
     };
     let start = match arena.start {
         Some([x, y, heading]) => format!(
             "  robots start at ({x}, {y}) m, heading {:.1} deg",
             heading.to_degrees()
         ),
-        None => "  robots start nowhere in particular".to_owned(),
+        None => "  no start for robots".to_owned(),
     };
     let anchors = match arena.anchors.len() {
         0 => String::new(),

@@ -1,4 +1,4 @@
-//! Pictures of robots in motion, and by cameras on them.
+//! Pictures of moving robots, and pictures by cameras on them.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ const MOST_PICTURES: f64 = 10_000.0;
 pub(super) struct Moving {
     recording: Recording,
     mount: Mount,
-    /// None where nobody said which robot it is.
+    /// Empty where `--robot` was not given.
     bodies: Vec<Body>,
     /// The body that the mount is on.
     carrier: String,
@@ -30,7 +30,7 @@ pub(super) struct Moving {
 }
 
 impl Moving {
-    /// What the options name; `None` where nothing moves.
+    /// The motion that the options name; `None` where nothing moves.
     pub(super) fn read(options: &Picture, scene: &Scene) -> Result<Option<Self>> {
         let Some(run) = &options.run else {
             return Ok(None);
@@ -75,7 +75,7 @@ impl Moving {
         Ok(Some(moving))
     }
 
-    /// Nothing is written of a motion that does not fit the room.
+    /// Checks the whole motion, so that no picture is written of a motion that does not fit the room.
     fn check(&self, options: &Picture, scene: &Scene) -> Result<()> {
         if options.ride.is_none() {
             let watch = self.watching(scene)?;
@@ -141,7 +141,7 @@ impl Moving {
         album.expect(options.views(scene).count() * self.times_s.len());
         for (index, view) in options.views(scene) {
             for (number, time_s) in self.times_s.iter().enumerate() {
-                // The camera stays where a picture without robots would have it; its noise is new in every picture.
+                // The camera stands as in a picture without robots; its noise is new in every picture.
                 let place = numbered(index) + 1;
                 let number = (index as u64) * (MOST_PICTURES as u64 + 1) + number as u64;
                 let (picture, view) =
@@ -153,7 +153,7 @@ impl Moving {
     }
 }
 
-/// An error that names no file is about the run.
+/// The error, which is about the run where it names no file.
 fn about(run: &Path, error: Error) -> Error {
     match error.file() {
         Some(_) => error,
@@ -161,7 +161,7 @@ fn about(run: &Path, error: Error) -> Error {
     }
 }
 
-/// When pictures are taken.
+/// The times of the pictures.
 fn times_s(duration_s: f64, every_s: f64) -> Result<Vec<f64>> {
     let count = (duration_s / every_s + 1e-9).floor();
     if count > MOST_PICTURES {
@@ -241,7 +241,7 @@ impl Cast {
     }
 }
 
-/// A body beside the robot, where a study or a recording says that it is.
+/// Another body of the scene, at the place that the study or the recording gives.
 fn beside(other: &SceneBody, recording: &Recording) -> Result<Body> {
     let boxes = taken(&shown_body(other));
     if let SceneMotion::Fixed { world_from_body } = &other.motion {
@@ -250,9 +250,9 @@ fn beside(other: &SceneBody, recording: &Recording) -> Result<Body> {
     let mut recorded = recording.bodies.iter();
     let Some((_, motion)) = recorded.find(|(name, _)| *name == other.name) else {
         return Err(
-            Error::invalid("nobody knows where this body of the scene is")
+            Error::invalid("the position of this body of the scene is not known")
                 .field(&other.name)
-                .found("no columns of it")
+                .found("no columns of this body")
                 .allowed(format!("{0}_x_m to {0}_qz", other.name))
                 .hint("name the robot's own file in place of the study to leave the scene out"),
         );
@@ -274,7 +274,7 @@ fn part_motions(assembly: &Assembly, recording: &Recording) -> Result<Vec<(Strin
         Some(_) => "neither its own columns nor the angles of all joints that lead to it",
     };
     Err(
-        Error::invalid("nobody knows where this part of the robot is")
+        Error::invalid("the position of this part of the robot is not known")
             .field(part_name(unknown.unwrap_or_default()))
             .found(found)
             .allowed("x_m, y_m, z_m and qw to qz, of every part or with the angle of every joint")
@@ -292,7 +292,7 @@ fn taken(solids: &[ShownSolid]) -> Vec<BodyBox> {
     boxes.collect()
 }
 
-/// What makes a shape of the box around it.
+/// The planes that cut a shape out of its bounding box.
 fn planes(shape: &Shape) -> Arc<[Plane]> {
     let surface = shape.surface().filter(|_| !shape.is_box());
     let planes = surface.iter().flat_map(|surface| {

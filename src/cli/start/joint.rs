@@ -1,4 +1,4 @@
-//! The study of joint logs: what the joints were told, and what of their servos is looked for.
+//! The study of joint logs: commands of the joints, and the servo parameters to fit.
 
 use realgap::calibration::{Commands, Unmatched};
 use realgap::robot::import::{AssumedLaw, Options, is_foreign};
@@ -9,23 +9,23 @@ use super::super::import;
 use super::super::kit::*;
 use super::{Draft, Subject};
 
-/// What people call what a servo was told.
+/// Words that occur in the names of command columns.
 const GOALS: [&str; 5] = ["command", "goal", "target", "setpoint", "cmd"];
-/// Simulations a parameter that least squares get.
+/// Simulations per parameter in the budget of least squares.
 const RUNS: usize = 5;
-/// Steps between two samples, and the longest step of them, seconds.
+/// Least number of steps between two samples, and the longest step, seconds.
 const STEPS: f64 = 2.0;
 const LONGEST_STEP_S: f64 = 0.01;
 
-/// Whether the robot has a servo that a recording says the commands of.
+/// Whether a recording holds the commands of a servo of the robot.
 pub(super) fn is_commanded(robot: &Morphology, recordings: &[Recording]) -> bool {
     let hinges = robot.assemble().hinges;
-    let told = |r: &Recording| {
+    let has_commands = |r: &Recording| {
         !Commands::default()
             .columns_of(&hinges, &r.trajectory)
             .is_empty()
     };
-    recordings.iter().any(told)
+    recordings.iter().any(has_commands)
 }
 
 /// The study of servos and joints. A free robot of another program is held, and written beside the study.
@@ -43,7 +43,7 @@ pub(super) fn draft(
         clues.push((
             "the root is held, and servos are springs with damping",
             format!(
-                "joints alone were recorded, and the robot's file does not say what its servos are ({} does now)",
+                "joints alone were recorded, and the robot's file does not state the law of its servos ({} now does)",
                 subject.robot_file.display()
             ),
         ));
@@ -61,7 +61,7 @@ pub(super) fn draft(
             .at_file(&recordings[0].path)
             .found(format!("columns of {}", strange.join(", ")))
             .allowed(format!("columns NAME_rad of the joints {}", lacking.join(", ")))
-            .hint("say which is which in a file: (names: {\"theirs\": \"NAME_rad\"}); and name it with --reading FILE"));
+            .hint("map the names in a file, e.g. (names: {\"theirs\": \"NAME_rad\"}), and give it with --reading FILE"));
     }
     let only = only_command(&recorded, &strange);
     let strange = strange.into_iter().filter(|name| Some(*name) != only);
@@ -75,26 +75,27 @@ pub(super) fn draft(
             ),
         ));
     }
-    let told = Commands::default().columns_of(&hinges, motion);
-    let is_told =
-        |hinge: &Hinge| only.is_some() || told.iter().any(|command| command.hinge == hinge.name);
-    let untold: Vec<&str> = recorded
+    let commanded = Commands::default().columns_of(&hinges, motion);
+    let has_command = |hinge: &Hinge| {
+        only.is_some() || commanded.iter().any(|command| command.hinge == hinge.name)
+    };
+    let uncommanded: Vec<&str> = recorded
         .iter()
-        .filter(|hinge| hinge.actuator.is_some() && !is_told(hinge))
+        .filter(|hinge| hinge.actuator.is_some() && !has_command(hinge))
         .map(|hinge| hinge.name.as_str())
         .collect();
-    if !untold.is_empty() {
+    if !uncommanded.is_empty() {
         clues.push((
-            "servos without commands do what the robot's file says",
-            format!("no column NAME_command_rad for {}; what swings freely is made by: realgap robot import --passive", untold.join(", ")),
+            "servos without recorded commands follow the gait in the robot's file",
+            format!("no column NAME_command_rad for {}; for joints that swing freely use: realgap robot import --passive", uncommanded.join(", ")),
         ));
     }
     let summary = subject.robot.summary();
     let parameters: Vec<(String, f64, f64)> = recorded
         .iter()
-        .flat_map(|hinge| ranges(hinge, is_told(hinge), &summary))
+        .flat_map(|hinge| ranges(hinge, has_command(hinge), &summary))
         .collect();
-    let is_any_told = recorded.iter().any(|hinge| is_told(hinge));
+    let is_any_commanded = recorded.iter().any(|hinge| has_command(hinge));
     let commands = only.map(|column| (recorded[0].name.as_str(), column));
     let budget = RUNS * (parameters.len() + RUNS);
     let tune = format!("tune STUDY --optimizer gauss-newton --budget {budget}");
@@ -102,11 +103,11 @@ pub(super) fn draft(
         head: format!(
             "\
 // Which servos and joints make the simulated robot move like the recorded one (docs/joints.md)?
-//   realgap check STUDY     what is in this file, and is it sound?
-//   realgap {tune}     and which of them do these motions tell of?
+//   realgap check STUDY     is this file valid, and what is in it?
+//   realgap {tune}     and which of them do these motions determine?
 "
         ),
-        before: before(motion, commands, is_any_told, &left_out),
+        before: before(motion, commands, is_any_commanded, &left_out),
         parameters: parameters
             .iter()
             .map(|(name, from, to)| {
@@ -123,32 +124,30 @@ pub(super) fn draft(
 fn before(
     motion: &Trajectory,
     commands: Option<(&str, &str)>,
-    is_any_told: bool,
+    is_any_commanded: bool,
     left_out: &[&str],
 ) -> String {
     let sample_s = motion.duration_s() / (motion.times_s().len() - 1) as f64;
     let timestep_s = floored((sample_s / STEPS).min(LONGEST_STEP_S));
     let mut before =
-        "    start: FromRecording, // each run starts with the joints as they were seen first\n"
-            .to_owned();
+        "    start: FromRecording, // each run starts with the first recorded angles\n".to_owned();
     if let Some((hinge, column)) = commands {
         before += &format!(
-            "    commands: Commands(columns: [(hinge: {hinge:?}, column: {column:?})]), // each held until the next\n"
+            "    commands: Commands(columns: [(hinge: {hinge:?}, column: {column:?})]), // each value is held until the next\n"
         );
-    } else if is_any_told {
-        before +=
-            "    commands: Commands(), // columns NAME_command_rad, each held until the next\n";
+    } else if is_any_commanded {
+        before += "    commands: Commands(), // columns NAME_command_rad, each value is held until the next\n";
     }
     if !left_out.is_empty() {
         before += &format!("    left_out: {left_out:?},\n");
     }
     before += &format!(
-        "    timestep_s: {timestep_s:?}, // at least {STEPS} steps a sample\n    set: {{\"solver.engine\": 1}}, // the tree solver: joints in a fraction of Rapier's time\n"
+        "    timestep_s: {timestep_s:?}, // at least {STEPS} steps per sample\n    set: {{\"solver.engine\": 1}}, // the tree solver, which simulates joints in a fraction of Rapier's time\n"
     );
     before
 }
 
-/// Reads the robot again with its root held, and its assumed servos as springs: those of arms give way under load.
+/// Reads the robot again with its root held, and its assumed servos as springs, because the servos of arms yield under load.
 fn hold(subject: &mut Subject, study: &Path) -> Result<()> {
     let source = import::source(&subject.robot_file)?;
     let options = Options {
@@ -165,8 +164,8 @@ fn hold(subject: &mut Subject, study: &Path) -> Result<()> {
     Ok(())
 }
 
-/// What is looked for at a joint, and where: ten times around what the robot's file says, else what a servo of its size may have.
-fn ranges(hinge: &Hinge, is_told: bool, summary: &Summary) -> Vec<(String, f64, f64)> {
+/// The parameters to fit at a joint, with ranges around the values in the robot's file, or of what a servo of this size may have.
+fn ranges(hinge: &Hinge, has_command: bool, summary: &Summary) -> Vec<(String, f64, f64)> {
     let name = &hinge.name;
     let around = |parameter: &str, value: f64| {
         (
@@ -176,7 +175,7 @@ fn ranges(hinge: &Hinge, is_told: bool, summary: &Summary) -> Vec<(String, f64, 
         )
     };
     let mut all = Vec::new();
-    // What gravity may do about the joint, for those that nothing drives.
+    // The torque that gravity may have about a joint without a servo.
     let mut torque_nm = summary.mass_kg * 9.81 * summary.body_length_m;
     if let Some(actuator) = hinge.actuator {
         torque_nm = actuator.servo.max_torque_nm;
@@ -209,7 +208,7 @@ fn ranges(hinge: &Hinge, is_told: bool, summary: &Summary) -> Vec<(String, f64, 
         0.0,
         rounded(part * torque_nm),
     ));
-    if is_told && !matches!(hinge.actuator.map(|a| a.servo.law), Some(ServoLaw::Direct)) {
+    if has_command && !matches!(hinge.actuator.map(|a| a.servo.law), Some(ServoLaw::Direct)) {
         all.push((format!("servo.{name}.latency_s"), 0.0, 0.1));
         all.push((format!("servo.{name}.offset_rad"), -offset, offset));
     } else {
@@ -222,7 +221,7 @@ fn ranges(hinge: &Hinge, is_told: bool, summary: &Summary) -> Vec<(String, f64, 
     all
 }
 
-/// The only column of commands of a robot with one servo, where it is not called after it.
+/// The only column of commands of a robot with one servo, where the column is not named after the servo.
 fn only_command<'a>(recorded: &[&Hinge], strange: &[&'a str]) -> Option<&'a str> {
     let is_command = |name: &&&str| GOALS.iter().any(|goal| name.to_lowercase().contains(goal));
     let mut commands = strange.iter().filter(is_command);
@@ -232,13 +231,13 @@ fn only_command<'a>(recorded: &[&Hinge], strange: &[&'a str]) -> Option<&'a str>
     }
 }
 
-/// Two digits, from below.
+/// Rounds down to two digits.
 fn floored(value: f64) -> f64 {
     let digit = 10f64.powf(value.log10().floor() - 1.0);
     rounded((value / digit + 1e-9).floor() * digit)
 }
 
-/// Three digits: it is read by people.
+/// Rounds to three digits, for readability.
 fn rounded(value: f64) -> f64 {
     format!("{value:.2e}").parse().unwrap_or(value)
 }

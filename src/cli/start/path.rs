@@ -1,4 +1,4 @@
-//! The study of recorded paths: which floor makes the robot move like this?
+//! The study of recorded paths, which fits the floor.
 
 use realgap::robot::morphology::Hinge;
 use realgap::trajectory::Recording;
@@ -19,7 +19,7 @@ pub(super) fn draft(subject: &Subject, recordings: &[Recording], falls: bool) ->
     let has_velocities = recordings
         .iter()
         .all(|r| r.trajectory.velocities_world_m_s().is_some());
-    // What drives itself starts from rest; what is thrown goes on from where it was seen first.
+    // A robot that drives itself starts from rest; a thrown robot starts from its first recorded state.
     let is_passive = |hinge: &Hinge| {
         let is_known = |r: &Recording| r.trajectory.joint(&hinge.name).is_some();
         hinge.actuator.is_none() && recordings.iter().all(is_known)
@@ -39,27 +39,27 @@ pub(super) fn draft(subject: &Subject, recordings: &[Recording], falls: bool) ->
             ),
         };
         return Err(
-            Error::usage("what was recorded falls freely, and would start standing on the floor")
+            Error::usage("the recorded robot falls freely, but its simulation would start standing on the floor")
                 .at_file(&recordings[0].path)
                 .found(format!("{found}; the robot is \"{}\"", subject.robot.name()))
-                .allowed("a robot without servos goes on from where it was seen first, with orientations and all of its joints")
-                .hint(format!("{hint}, or take the part after it has come down: --crop FROM:TO")),
+                .allowed("a robot without servos, which starts from its first recorded state, with orientations and all of its joints")
+                .hint(format!("{hint}, or use the part after it has landed: --crop FROM:TO")),
         );
     }
     let mut before = match starts_as_seen {
-        true if is_commanded => "    start: FromRecording, // it goes on from the first sample, as its commands do\n    commands: Commands(), // columns NAME_command_rad, each held until the next\n",
-        true => "    start: FromRecording, // nothing drives it: it goes on from the first sample\n",
-        false => "    start: Settled, // it stands on the floor, then its commands begin\n",
+        true if is_commanded => "    start: FromRecording, // each run starts from the first sample, as the commands do\n    commands: Commands(), // columns NAME_command_rad, each value is held until the next\n",
+        true => "    start: FromRecording, // without servos, each run starts from the first sample\n",
+        false => "    start: Settled, // the robot settles on the floor, then its commands begin\n",
     }
     .to_owned();
     if starts_as_seen && !has_velocities {
-        before += "    start_state: HalfSampleCorrected, // no velocities are recorded: differences stand for them\n";
+        before += "    start_state: HalfSampleCorrected, // no velocities are recorded: they are computed from differences\n";
     }
     let metric = if is_thrown { "pose" } else { "rms" };
     Ok(Draft {
         head: "\
 // Which friction and restitution make the simulated robot move like the recorded one?
-//   realgap check STUDY     what is in this file, and is it sound?
+//   realgap check STUDY     is this file valid, and what is in it?
 //   realgap sweep STUDY     every combination; then: realgap report FOLDER
 //   realgap tune STUDY      an optimizer chooses the points
 "

@@ -1,4 +1,4 @@
-//! MCAP files and bags of ROS 2 without Python: what is chosen, what is broken.
+//! MCAP files and bags of ROS 2 without Python: the choice of topics, and broken files.
 
 use nalgebra::Vector3;
 use realgap::trajectory::{Reading, Trajectory, read, write};
@@ -131,7 +131,7 @@ fn a_broken_message_is_an_error_where_its_topic_is_read() {
 }
 
 #[test]
-fn what_is_no_bag_is_called_so() {
+fn a_file_that_is_not_a_bag_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = put(folder.path(), "text.db3", "t_s,x_m,y_m\n");
     let error = read(&path, Reading::default()).unwrap_err().to_string();
@@ -263,7 +263,7 @@ fn own() -> Vec<u8> {
 }
 
 #[test]
-fn a_cut_or_damaged_mcap_file_is_refused_in_words() {
+fn a_cut_or_damaged_mcap_file_is_refused_with_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let bytes = own();
     let path = put(folder.path(), "run.mcap", &bytes);

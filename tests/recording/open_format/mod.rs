@@ -1,4 +1,4 @@
-//! Files of others' formats, as their own tools write and read them.
+//! Files of other formats, as the tools of these formats write and read them.
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
 use crate::common;

@@ -1,4 +1,4 @@
-//! Parquet files as pandas writes them; without the feature a word about it.
+//! Parquet files as pandas writes them; without the feature, an error that names it.
 
 use realgap::trajectory::{Reading, read};
 
@@ -86,7 +86,7 @@ pd.DataFrame({'t_s': [0.0, 1.0], 'x_m': [[1, 2], [3]], 'y_m': [0.0, 1.0]}).to_pa
     }
 
     #[test]
-    fn what_is_no_parquet_file_is_refused_in_words() {
+    fn a_file_that_is_not_parquet_is_refused_with_an_error() {
         let folder = tempfile::tempdir().unwrap();
         for content in [&b""[..], b"PAR1", b"PAR1 and no more PAR1", b"t_s,x_m\n"] {
             let path = put(folder.path(), "run.parquet", content);

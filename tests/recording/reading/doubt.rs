@@ -1,4 +1,4 @@
-//! What looks like a slip is doubted, with what cures it.
+//! Probable mistakes in recordings get a warning with a remedy.
 
 use std::fmt::Write as _;
 

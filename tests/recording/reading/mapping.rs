@@ -1,4 +1,4 @@
-//! Columns, units and order as somebody else has them.
+//! Mapping of foreign columns, units and orders.
 
 use realgap::calibration::{Definition, Overrides, Study};
 use realgap::file::Source;
@@ -12,7 +12,7 @@ use super::{
 };
 
 #[test]
-fn a_mapping_reads_what_somebody_else_has_written_and_says_so() {
+fn a_mapping_reads_a_foreign_file_and_the_warning_says_so() {
     let own = read_text(&own_form(&walk()), LengthUnit::Metre);
     let foreign = read_text(&foreign_form(&walk()), reading(FOREIGN));
     is_near(&foreign, &own);
@@ -166,7 +166,7 @@ fn a_mapping_may_stand_in_a_study_a_file_the_metadata_or_on_the_command_line() {
 }
 
 #[test]
-fn a_mapping_that_is_none_is_refused_where_it_stands() {
+fn an_invalid_mapping_is_refused_with_its_place() {
     let parse = |ron: &str| {
         Reading::parse(&Source::new("how.ron", ron))
             .unwrap_err()
@@ -321,7 +321,7 @@ fn every_refusal_of_a_recording_names_a_remedy_of_this_tool() {
         let error = refuse(csv, how);
         assert!(error.contains(remedy), "{csv}\n{error}");
     }
-    // And the remedies are ones.
+    // The remedies work.
     let read = |csv: &str, how: &str| read_text(csv, reading(how));
     let sorted = read("t_s,x_m,y_m\n0,0,0\n2,1,1\n1,2,2\n2,9,9\n", "(sort: true)");
     assert_eq!(sorted.trajectory.times_s(), [0.0, 1.0, 2.0]);

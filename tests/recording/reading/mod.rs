@@ -1,5 +1,5 @@
-//! Files that people really have: other columns, units and orders, several robots, holes, waiting. Everything is read with a
-//! word, or refused or doubted with what to do about it in this tool; and what is fine is not doubted.
+//! Files as users have them: other columns, units and orders, several robots, holes, waiting. They are read with a note, or refused
+//! or doubted with a remedy in this tool; correct files get no warnings.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;

@@ -1,4 +1,4 @@
-//! What is fine is not doubted: shipped stand-ins, and real recordings where they are there.
+//! Correct recordings get no warnings: shipped stand-ins, and real recordings where they are installed.
 
 use realgap::calibration::{Definition, Overrides};
 use realgap::trajectory::{Recording, Source, read_all, read_meta_beside};
@@ -7,7 +7,7 @@ use realgap::warning::Code;
 
 use super::common::{project, shared_data};
 
-/// What recordings are doubted for.
+/// Warnings that doubt a recording.
 const DOUBTS: [Code; 9] = [
     Code::DuplicateSamples,
     Code::Hole,

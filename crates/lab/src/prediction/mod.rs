@@ -44,4 +44,4 @@ pub use model::{LEVEL, Model, ModelError, Range, Source, SuccessRange};
 pub use odds::{EndCoverage, Odds, OddsOptions, RecordingOdds, RunErrors, Scored};
 pub use other_engine::{Judged, OtherEngine, OwnEngines};
 pub use report::{EnsembleCase, EnsembleOptions, EnsembleReport};
-pub use uncertain::{UncertainParameters, UncertainRange, read_indistinguishable};
+pub use uncertain::{UncertainParameters, UncertainRange, read_posterior};

@@ -110,7 +110,7 @@ const INDISTINGUISHABLE_FILE: &str = "indistinguishable.csv";
 ///
 /// # Errors
 /// No such file, unknown parameters, values that are no numbers or out of bounds, no point at all.
-pub fn read_indistinguishable(folder: &Path) -> Result<Vec<ParameterSet>> {
+pub fn read_posterior(folder: &Path) -> Result<Vec<ParameterSet>> {
     let path = folder.join(INDISTINGUISHABLE_FILE);
     let limit = 1 << 30;
     let bytes = read_limited(&path, limit, "indistinguishable points")

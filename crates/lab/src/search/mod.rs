@@ -104,7 +104,7 @@ mod search_file;
 mod setting;
 mod strategy;
 
-pub use crate::prediction::{UncertainParameters, UncertainRange, read_indistinguishable};
+pub use crate::prediction::{UncertainParameters, UncertainRange, read_posterior};
 pub use baseline::Baseline;
 pub use body::Body;
 pub use builder::SearchBuilder;

@@ -9,7 +9,7 @@ use super::strategy::StrategyFile;
 use super::{
     FailureRules, FinalsSettings, GaitTuning, Objective, Search, SearchBuilder, SettingsChoice,
 };
-use crate::prediction::{UncertainRange, read_indistinguishable};
+use crate::prediction::{UncertainRange, read_posterior};
 use realgap_core::Result;
 use realgap_core::file::{Source, name_of_file, parse_ron, unique_keys};
 use realgap_robot::genome::{Development, Individual};
@@ -124,8 +124,8 @@ fn builder(source: &Source, file: SearchFile, overrides: &Overrides) -> Result<S
     let folder = source.path().parent().unwrap_or(Path::new(""));
     let name = name_of_file(source.path(), "a search")?;
     let points = match (&overrides.indistinguishable, &file.indistinguishable) {
-        (Some(given), _) => read_indistinguishable(given)?,
-        (None, Some(named)) => read_indistinguishable(&folder.join(named))?,
+        (Some(given), _) => read_posterior(given)?,
+        (None, Some(named)) => read_posterior(&folder.join(named))?,
         (None, None) => Vec::new(),
     };
     let (mut development, mut robot, mut genome) = (file.development, None, None);
