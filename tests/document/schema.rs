@@ -315,7 +315,6 @@ fn answers_and_files_of_studies_and_searches_are_valid_by_their_schemas() {
 
     let plan = path("plan");
     answer(
-        "cluster",
         "status",
         &json(&["cluster", "plan", study, "-o", &plan, "--shards", "2"]),
     );

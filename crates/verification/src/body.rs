@@ -52,7 +52,7 @@ pub(super) fn robot(parts: Vec<Vec<Solid>>, hinges: Vec<Hinge>) -> Assembly {
         parts: parts.into_iter().map(|solids| Part { solids }).collect(),
         hinges,
         is_modular: true,
-        apart: Vec::new(),
+        collision_exclude: Vec::new(),
         world_from_mount: None,
         marks: Vec::new(),
         track_part: 0,
