@@ -18,7 +18,7 @@ const HEAD: &str = "\
 
 This page is made from the commands: it says what `realgap --help` and `realgap COMMAND --help` say.
 How to read what they print and write is in [docs/results.md][docs/results.md], which question leads
-to which command in [docs/questions.md][docs/questions.md].
+to which command in [docs/start.md][docs/start.md].
 
 ";
 

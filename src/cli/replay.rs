@@ -22,7 +22,7 @@ use super::shell;
 ///
 /// Recorded runs are translucent as far as their poses are known, else a point with a line to the run. They are moved
 /// to the same start and turned about the vertical so that all go the same way, unless --as-recorded. What a page, an
-/// animation and a log hold: docs/pages.md
+/// animation and a log hold: docs/results.md
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 #[command(after_help = "\

@@ -9,7 +9,7 @@ use super::option::SolverOptions;
 
 /// Check the simulation against closed forms, with the settings given
 ///
-/// Stopping distance, slip angle, bounce height, pendulum, servo limits, hinges and more; docs/fidelity.md
+/// Stopping distance, slip angle, bounce height, pendulum, servo limits, hinges and more; docs/validation.md
 /// explains each check. Checks that involve hinges are run with both joint kinds unless --joint chooses one.
 /// Exit code 0: all passed, or fail as far as is known and for a known reason; 1: some failed otherwise.
 #[derive(Debug, Args)]

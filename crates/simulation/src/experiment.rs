@@ -75,7 +75,7 @@ pub enum JointFormulation {
     /// Maximal coordinates: hinges are constraints solved with the contacts; cheaper.
     Impulse,
     /// Multibody joints where a light part carries a heavy one, [`JointFormulation::LIGHT`], or a servo is a motor behind a gear, and the
-    /// robot has at most [`JointFormulation::MOST_HINGES`] hinges; impulse joints for all others, whose contacts they do not soften (docs/fidelity/contact.md).
+    /// robot has at most [`JointFormulation::MOST_HINGES`] hinges; impulse joints for all others, whose contacts they do not soften (docs/validation/contact.md).
     /// A robot of stated bodies is a multibody, whatever its number of joints, and one whose bearings give way never is.
     Auto,
 }
@@ -164,7 +164,7 @@ pub struct Solver {
     /// Passes over joints and contacts in every substep (Rapier's "internal PGS iterations").
     pub sweeps: usize,
     /// Passes without bias at the end of every substep (Rapier's "internal stabilization iterations"): 0 keeps
-    /// the energy of hinges, which such a pass drains (docs/fidelity/joints.md).
+    /// the energy of hinges, which such a pass drains (docs/validation/joints.md).
     pub relaxations: usize,
     /// How parts are jointed in Rapier.
     pub joint: JointFormulation,
@@ -379,7 +379,7 @@ impl Experiment {
     }
 
     /// The same experiment near the limit of rigid contact and short steps, with this kind of joint; slow. What changes
-    /// much on the way there is numerical (docs/fidelity.md).
+    /// much on the way there is numerical (docs/validation.md).
     pub fn at_limit(&self, joint: JointFormulation) -> Self {
         let joint = joint.resolved(&self.assembly);
         let mut limit = self.clone();

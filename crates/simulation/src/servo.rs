@@ -71,7 +71,7 @@ pub(super) fn speed_damping_nm_s_rad(servo: &Servo) -> f64 {
 ///
 /// The velocity law is given to the engine as a spring while its speed limit does not bind
 /// (stiffness = gain · damping is the same law): the engine re-reads the angle every substep, so the gain
-/// holds exactly however long the step (docs/fidelity.md).
+/// holds exactly however long the step (docs/validation.md).
 ///
 /// `backlash_rad` is the play between servo and joint from end to end. The servo's own shaft is taken to be
 /// where it is told to be; while the joint is within half the play of it, nothing is transmitted.

@@ -4,7 +4,7 @@
 //! stopping distance, bounce height, pendulum period, servo lag. Tolerances say what a user of the
 //! numbers needs; a check that the settings do not meet is reported as failed, never loosened. Where the reason is known,
 //! [`Limit`] has it, with the error that it explains.
-//! `docs/fidelity.md` explains each.
+//! `docs/validation.md` explains each.
 //!
 //! ```
 //! use realgap_verification::{Settings, CheckResult, Theme};

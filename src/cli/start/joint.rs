@@ -101,7 +101,7 @@ pub(super) fn draft(
     Ok(Draft {
         head: format!(
             "\
-// Which servos and joints make the simulated robot move like the recorded one (docs/joints.md)?
+// Which servos and joints make the simulated robot move like the recorded one (docs/recordings.md)?
 //   realgap check STUDY     what is in this file, and is it sound?
 //   realgap {tune}     and which of them do these motions tell of?
 "

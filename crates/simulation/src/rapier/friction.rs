@@ -4,7 +4,7 @@
 //! effective mass of the contact in the tangent plane. So friction points along K⁻¹v, not along v: a
 //! sliding cube brakes 6 % too little and a robot drifts sideways. Asking the contact for the tangent
 //! velocity `K v (v·v)/(v·K v) − v` makes the impulse that Rapier wants parallel to v; the cap then
-//! does what Coulomb says. Measured in docs/fidelity.md.
+//! does what Coulomb says. Measured in docs/validation.md.
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector3};
 
