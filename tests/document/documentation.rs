@@ -331,7 +331,19 @@ fn every_page_is_part_of_the_guide() {
 
 #[test]
 fn pages_that_messages_and_comments_name_exist() {
-    for folder in ["src", "crates", "tests", "sweeps", "morphologies"] {
+    for folder in [
+        "src",
+        "crates",
+        "tests",
+        "benches",
+        "examples",
+        "sweeps",
+        "morphologies",
+        "real_trajectories",
+        "tools",
+        "python/realgap",
+        "python/tests",
+    ] {
         for (file, text) in sources(folder) {
             for name in between(&text, "docs/", ' ') {
                 let Some((name, _)) = name.split_once(".md") else {
@@ -357,10 +369,11 @@ fn sources(folder: &str) -> Vec<(String, String)> {
         if path.is_dir() {
             let inside = path.strip_prefix(common::project()).unwrap();
             found.extend(sources(&inside.to_string_lossy()));
-        } else if path
-            .extension()
-            .is_some_and(|end| end == "rs" || end == "ron")
-        {
+        } else if path.extension().is_some_and(|end| {
+            ["rs", "ron", "py", "sh", "md"]
+                .iter()
+                .any(|known| end == *known)
+        }) {
             let text = std::fs::read_to_string(&path).unwrap();
             found.push((path.display().to_string(), text));
         }
