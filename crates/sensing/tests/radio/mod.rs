@@ -1,6 +1,9 @@
 //! Radio: the tables of paper 002, known parameters found again, messages, and a real flat.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
-#![allow(clippy::print_stdout, reason = "the numbers in docs/validation/radio.md")]
+#![allow(
+    clippy::print_stdout,
+    reason = "the numbers in docs/validation/radio.md"
+)]
 
 use crate::common;
 mod service;
