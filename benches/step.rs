@@ -26,7 +26,7 @@ fn step(criterion: &mut Criterion) {
     for robot in ["cube", "chain3", "tripod", "chain5", "spider8", "chain30"] {
         for joint in [JointFormulation::Impulse, JointFormulation::Multibody] {
             if robot == "chain30" && joint == JointFormulation::Multibody {
-                continue; // A third of a second each; its cost is in docs/fidelity.md.
+                continue; // A third of a second each; its cost is in docs/validation.md.
             }
             let mut experiment = experiment(robot);
             experiment.solver.joint = joint;

@@ -7,7 +7,7 @@
 //!
 //! # Primer
 //!
-//! Data flows one way, and every room is a step that can be used alone:
+//! Data flows one way, and every module is a step that can be used alone:
 //!
 //! [`robot`] → [`simulation`] → [`trajectory`] → [`comparison`] → [`calibration`] → [`prediction`] → [`search`] → [`results`]
 //!
@@ -53,15 +53,15 @@
 //! # Ok::<(), realgap::Error>(())
 //! ```
 //!
-//! [`RunOptions`] say on how many threads, who hears of the progress, and what stops it. A store that survives a crash
-//! ([`Study::sweep_into`](calibration::Study::sweep_into)) and pictures ([`results::write`]) are steps of their own. Ensembles
+//! [`RunOptions`] hold the number of threads, the function that is told the progress, and the signal that stops a run. A store that
+//! survives a crash ([`Study::sweep_into`](calibration::Study::sweep_into)) and pictures ([`results::write`]) are steps of their own. Ensembles
 //! ([`prediction::EnsembleReport`]), gaps ([`prediction::gap::StudyGap`]) and cards ([`prediction::Card`]) are values that print
 //! themselves, too. Short programs for each lie in `examples/`.
 //!
 //! Errors are one type, [`Error`]; warnings are values that travel with results; the library never prints.
 //!
-//! Units are SI and stand in the names, frames too: [`guide::conventions`]. Why things are as they are:
-//! [`guide::design`]. What was measured: [`guide::fidelity`]. Words: [`guide::glossary`].
+//! Units are SI and stand in the names, and so do frames. The ideas, conventions and terms are in [`guide::concepts`], the first
+//! steps in [`guide::start`], the reasons for decisions in [`guide::design`], the measurements in [`guide::validation`].
 
 #[cfg(feature = "schema")]
 pub mod schema;
@@ -101,20 +101,23 @@ pub use realgap_optimization::{Progress, RunOptions};
 
 /// The pages of `docs/`, shipped with the code they describe.
 pub mod guide {
-    /// A module for every page, each with the links to all pages and pictures: pictures as seen from the folder that `cargo doc`
-    /// writes. A page defines the same names once more, at its end, for those who read it as a file: the first definition wins.
+    /// A module for every page, each with the links to all pages, headings and pictures: pictures as seen from the folder that
+    /// `cargo doc` writes. A page defines the same names once more, at its end, for those who read it as a file: rustdoc uses the
+    /// first definition.
     macro_rules! pages {
         (
             pictures: $($picture:ident)*;
             pages: $($page:ident)*;
-            $($(#[$about:meta])* $room:ident: $($inner:ident)*;)*
+            headings: { $($path:tt: $($heading:literal)*;)* }
+            $($(#[$about:meta])* $folder:ident: $($inner:ident)*;)*
         ) => {
             macro_rules! links {
                 () => {
                     concat!(
-                        "\n[docs/fidelity.md]: crate::guide::fidelity\n",
+                        "\n[docs/validation.md]: crate::guide::validation\n",
                         $("[docs/", stringify!($page), ".md]: crate::guide::", stringify!($page), "\n",)*
-                        $(link_inside!($room: $($inner)*),)*
+                        $(link_inside!($folder: $($inner)*),)*
+                        $(links_to_headings!($path: $($heading)*),)*
                         $("[docs/images/", stringify!($picture), ".png]: ../../../../../docs/images/",
                             stringify!($picture), ".png\n",)*
                     )
@@ -127,42 +130,96 @@ pub mod guide {
             )*
             $(
                 $(#[$about])*
-                pub mod $room {
-                    pages_inside!($room: $($inner)*);
+                pub mod $folder {
+                    pages_inside!($folder: $($inner)*);
                 }
             )*
         };
     }
 
     macro_rules! link_inside {
-        ($room:ident: $($page:ident)*) => {
-            concat!($("[docs/", stringify!($room), "/", stringify!($page), ".md]: crate::guide::", stringify!($room), "::",
+        ($folder:ident: $($page:ident)*) => {
+            concat!($("[docs/", stringify!($folder), "/", stringify!($page), ".md]: crate::guide::", stringify!($folder), "::",
                 stringify!($page), "\n",)*)
         };
     }
 
+    macro_rules! links_to_headings {
+        ($path:tt: $($heading:literal)*) => {
+            concat!($(link_to_heading!($path $heading),)*)
+        };
+    }
+
+    macro_rules! link_to_heading {
+        ([$($step:ident)*] $heading:literal) => {
+            concat!("[docs", $("/", stringify!($step),)* ".md#", $heading, "]: crate::guide", $("::", stringify!($step),)* "#",
+                $heading, "\n")
+        };
+    }
+
     macro_rules! pages_inside {
-        ($room:ident: $($page:ident)*) => {
+        ($folder:ident: $($page:ident)*) => {
             $(
                 #[doc = links!()]
-                #[doc = include_str!(concat!("../docs/", stringify!($room), "/", stringify!($page), ".md"))]
+                #[doc = include_str!(concat!("../docs/", stringify!($folder), "/", stringify!($page), ".md"))]
                 pub mod $page {}
             )*
         };
     }
 
-    // A page is a word in this table; `tests/document/documentation.rs` holds it to the folder.
+    // A page is a word in this table, and so is a heading that another page links; `tests/document/documentation.rs` compares the
+    // table with the folder.
     pages! {
         pictures: compare confidence convergence corner curves ensemble fitness gallery heatmap histograms joints map paths profile ride
             robot seen sensitivity sensor so101_arm steps template time times tosses trajectories turtlebot3_burger unitree_a1 visits
             watched;
-        pages: tutorial cli results conventions files python recordings joints robots control scale glossary gallery pages design compare limits
-            questions bibliography;
+        pages: start concepts robots recordings control scale cli files results python gallery limits compare design bibliography;
+        headings: {
+            [bibliography]:
+                "sensors";
+            [compare]:
+                "how-near-do-these-programs-come-to-the-same-real-tosses";
+            [concepts]:
+                "archive" "armature" "band" "basis" "bayes-filter" "behaviour" "best-point" "body-length" "brier-score" "case"
+                "claim" "cma-es" "conformal-prediction" "cost-of-transport" "coverage" "descriptor" "development" "diverged"
+                "emulator" "energy-ratio" "energy-score" "energy-test" "ensemble" "envelope" "equally-valid-settings"
+                "experiment" "extractor" "failure" "finalist" "fingerprint" "fingerprinting" "fold" "gait" "gap" "gap-ratio"
+                "genome" "glossary" "hard-contact" "history-matching" "hold-out" "identification" "implausible" "impulse-joint"
+                "in-sample" "indistinguishable" "interval" "map-elites" "metric" "model-discrepancy" "model-error" "module"
+                "morphology" "multibody-joint" "net-displacement" "noise" "noise-floor" "numerical-audit" "objective"
+                "overfitted" "parameter" "plate" "point" "prediction-card" "prepared-path" "prior" "profile" "provenance"
+                "recording" "repeat" "restitution" "resume" "run" "sampling-error" "score" "sensorgraph" "servo-law" "session"
+                "settled" "shard" "simulation-confidence" "stand-in" "strategy" "study" "substep" "timestep" "toppled"
+                "tracked-module" "trajectory" "trajectory-files" "transfer" "tree-solver" "trial" "verdict" "wave"
+                "winners-curse";
+            [design]:
+                "does-the-model-explain-the-recordings" "files-pictures-pages" "what-is-the-score-of-a-point";
+            [gallery]:
+                "the-papers-row-by-row";
+            [python]:
+                "functions-of-your-own";
+            [recordings]:
+                "joint-logs";
+            [results]:
+                "pages";
+            [robots]:
+                "limits-of-the-import";
+            [upstream restitution]:
+                "friction-does-not-feel-restitution";
+            [validation arm]:
+                "do-the-intervals-hold-what-they-promise";
+            [validation contact]:
+                "against-other-engines" "the-table" "what-do-timestep-and-substeps-cost" "which-joints";
+            [validation radio]:
+                "what-it-costs";
+            [validation verification]:
+                "the-checks";
+        }
         #[doc = links!()]
-        #[doc = include_str!("../docs/fidelity.md")]
-        fidelity: verification contact settings joints tosses energy hardware servo engines stand_ins tuning
-            intervals sensitivity ensembles gap genomes search sensing radio vision;
-        /// Defects of the engine, each with what a program shows of it.
+        #[doc = include_str!("../docs/validation.md")]
+        validation: verification contact joints tosses hardware servo arm robots energy engines stand_ins tuning intervals ensembles
+            gap search sensing radio vision pages;
+        /// Defects of the engine, each with the output of a program that shows it.
         upstream: contact_stiffness friction_direction multibody_cost multibody_root multibody_swing restitution small_inertia;
     }
 }

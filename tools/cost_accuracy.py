@@ -1,11 +1,9 @@
 #!/usr/bin/env python3
-"""Cost against accuracy: timestep x substeps x joint kind x precision, against closed forms and real tosses.
+"""Cost against accuracy: timestep x substeps x joint kind, against closed forms and real tosses.
 
 Runs `realgap verify`, `realgap evaluate` and `realgap simulate` at each setting and prints Markdown tables. No packages needed.
 
     cargo build --release && python3 tools/cost_accuracy.py target/release/realgap
-    cargo build --release --no-default-features --features f32 --target-dir target/f32
-    python3 tools/cost_accuracy.py target/release/realgap target/f32/release/realgap --tables summary
 
 Several programs are compared row by row; the engine that each reports names it.
 """

@@ -5,7 +5,7 @@ under the same noise.
     python3 -m pip install -r tools/requirements.txt
     python3 tools/engine_spread.py results/engines --seeds 1001 1062
 
-writes results/engines/engines.csv, one row a robot: docs/fidelity/ensembles.md says which seeds crates/lab/src/prediction/engines.csv holds,
+writes results/engines/engines.csv, one row a robot: docs/validation/ensembles.md says which seeds crates/lab/src/prediction/engines.csv holds,
 from which `predict` says what another engine may do, and which ones judge it. What the folder holds already is not run again.
 
 Robots are drawn one seed after the other (`realgap robot genome random`, as drawn), on a floor whose friction is drawn with the same

@@ -105,10 +105,10 @@ long watched/side_t_005.000.png "$realgap" sense picture scenes/pen.ron --watch 
 long seen/t_006.800.png "$realgap" sense picture scenes/pen.ron --ride snake \
     --run "$work/parts.csv" --robot morphologies/chain5.ron --every 3.4 -o "$work/seen"
 
-# The fit of docs/fidelity/radio.md, whose whole recordings are not part of this repository.
+# The fit of docs/validation/radio.md, whose whole recordings are not part of this repository.
 cat > "$work/radio.ron" <<'RON'
 (
-    description: "docs/fidelity/radio.md", propagation: "thickness",
+    description: "docs/validation/radio.md", propagation: "thickness",
     values: [-43.9, 1.56, 7.63, 5.38], cap: 1, robot_height_m: 0.3,
 )
 RON

@@ -77,7 +77,7 @@ def main():
         )
     json.dump(cases, sys.stdout)
     print()
-    # How long 72 models from 1400 samples take, for the table in docs/fidelity/sensing.md.
+    # How long 72 models from 1400 samples take, for the table in docs/validation/sensing.md.
     places, values = rng.uniform(-1, 1, (1400, 2)), rng.normal(3, 1, 1400)
     begun = time.process_time()
     for _ in range(72):

@@ -1,4 +1,4 @@
-"""The friction models of a servo one by one, each fitted on two gains and judged on the third (docs/fidelity/servo.md).
+"""The friction models of a servo one by one, each fitted on two gains and judged on the third (docs/validation/servo.md).
 
 python tools/servo_ladder.py ../shared/data/servo_pendulum [--budget 600] [--realgap target/release/realgap]
 

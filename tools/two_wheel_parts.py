@@ -2,7 +2,7 @@
 
 python3 tools/two_wheel_parts.py RUNS.csv     (REALGAP names the program)
 
-Prints a table for docs/fidelity/sensing.md: share of the time that held-out runs lie in the 90 % region of 200 repeats over 3 s, and
+Prints a table for docs/validation/sensing.md: share of the time that held-out runs lie in the 90 % region of 200 repeats over 3 s, and
 the energy score.
 """
 

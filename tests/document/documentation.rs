@@ -116,27 +116,208 @@ fn a_page_links_to_others_by_names_that_rustdoc_knows_too() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// The files that the table of pages in `src/lib.rs` names.
-fn guide() -> BTreeSet<String> {
+/// The table of pages in `src/lib.rs`, without its part that lists headings, and that part.
+fn table_of_pages() -> (String, String) {
     let library = read(Path::new("src/lib.rs"));
     let (_, table) = library.split_once("    pages! {\n").unwrap();
     let (table, _) = table.split_once("\n    }\n").unwrap();
+    let (before, rest) = table.split_once("headings: {").unwrap();
+    let (headings, after) = rest.split_once('}').unwrap();
+    (format!("{before}{after}"), headings.to_owned())
+}
+
+/// The files and the headings that the table of pages in `src/lib.rs` names.
+fn guide() -> BTreeSet<String> {
+    let (table, headings) = table_of_pages();
     let is_row = |line: &&str| !line.trim_start().starts_with(['#', '/']);
     let rows: Vec<&str> = table.lines().filter(is_row).collect();
-    let mut files = BTreeSet::from(["docs/fidelity.md".to_owned()]);
+    let mut known = BTreeSet::from(["docs/validation.md".to_owned()]);
     for row in rows.join(" ").split(';') {
-        let Some((room, names)) = row.split_once(':') else {
+        let Some((folder, names)) = row.split_once(':') else {
             continue;
         };
-        let (folder, ending) = match room.trim() {
+        let (folder, ending) = match folder.trim() {
             "pages" => ("docs".to_owned(), "md"),
             "pictures" => ("docs/images".to_owned(), "png"),
-            room => (format!("docs/{room}"), "md"),
+            folder => (format!("docs/{folder}"), "md"),
         };
         let names = names.split_whitespace();
-        files.extend(names.map(|name| format!("{folder}/{name}.{ending}")));
+        known.extend(names.map(|name| format!("{folder}/{name}.{ending}")));
     }
-    files
+    for row in headings.split(';') {
+        let Some((page, names)) = row.split_once(':') else {
+            continue;
+        };
+        let page = page.trim().trim_matches(['[', ']']).replace(' ', "/");
+        let names = between(names, " \"", '"');
+        known.extend(
+            names
+                .into_iter()
+                .map(|name| format!("docs/{page}.md#{name}")),
+        );
+    }
+    known
+}
+
+/// The name under which a heading can be linked, on a forge and in rustdoc.
+fn anchor(heading: &str) -> String {
+    let kept = heading.trim().chars().filter_map(|c| match c {
+        ' ' => Some('-'),
+        c if c.is_alphanumeric() || "-_".contains(c) => c.to_lowercase().next(),
+        _ => None,
+    });
+    kept.collect()
+}
+
+/// The text without fenced blocks.
+fn without_blocks(text: &str) -> String {
+    text.split("```").step_by(2).collect()
+}
+
+/// The names of all headings of a page.
+fn anchors(page: &Path) -> BTreeSet<String> {
+    let text = without_blocks(&read(page));
+    let headings = text.lines().filter_map(|line| {
+        let heading = line.trim_start_matches('#');
+        (heading.len() < line.len() && heading.starts_with(' ')).then(|| anchor(heading))
+    });
+    headings.collect()
+}
+
+#[test]
+fn every_heading_that_a_page_links_exists() {
+    let mut broken = Vec::new();
+    for page in all_pages() {
+        let text = read(&page);
+        let text = prose(&text);
+        let inline = between(&text, "](", ')');
+        for target in inline.into_iter().chain(definitions(&text).into_values()) {
+            let Some((file, heading)) = target.split_once('#') else {
+                continue;
+            };
+            if target.starts_with("http") {
+                continue;
+            }
+            let other = match file.is_empty() {
+                true => page.clone(),
+                false => resolved(&page, file),
+            };
+            if !anchors(&other).contains(heading) {
+                broken.push(format!("{}: {target}", page.display()));
+            }
+        }
+    }
+    assert!(broken.is_empty(), "{}", broken.join("\n"));
+}
+
+#[test]
+fn every_heading_in_the_table_of_pages_exists() {
+    for name in guide() {
+        if let Some((page, heading)) = name.split_once('#') {
+            assert!(
+                anchors(Path::new(page)).contains(heading),
+                "src/lib.rs names {name}"
+            );
+        }
+    }
+}
+
+/// The glossary's terms, each with the text below its heading.
+fn glossary() -> Vec<(String, String)> {
+    let page = read(Path::new("docs/concepts.md"));
+    let (_, glossary) = page.split_once("\n## Glossary\n").unwrap();
+    let terms = glossary.split("\n#### ").skip(1);
+    let terms = terms.map(|term| {
+        let (name, text) = term.split_once('\n').unwrap();
+        let text = text.split("\n#").next().unwrap();
+        let text = text.split("\n[docs/").next().unwrap();
+        (name.to_owned(), text.trim().to_owned())
+    });
+    terms.collect()
+}
+
+#[test]
+fn every_term_of_the_glossary_is_defined_once_in_a_sentence_or_two() {
+    let terms = glossary();
+    assert!(terms.len() > 80, "{} terms", terms.len());
+    let known = guide();
+    let mut seen = BTreeSet::new();
+    for (name, text) in terms {
+        assert!(
+            text.ends_with('.') && text.split_whitespace().count() < 70,
+            "{name}: {text}"
+        );
+        let link = format!("docs/concepts.md#{}", anchor(&name));
+        assert!(known.contains(&link), "src/lib.rs lacks {link}");
+        assert!(seen.insert(link), "{name} is there twice");
+    }
+}
+
+/// Tables on pages of measurements that hold no measurements: they explain names.
+const EXPLAINING: [&str; 3] = [
+    "| check | closed form |",
+    "| part | what it is |",
+    "| setting | value | why |",
+];
+
+/// What a command of a measurement begins with.
+const COMMANDS: [&str; 6] = ["realgap ", "cargo ", "python", "tools/", "REALGAP_", "pip "];
+
+/// Words that say on which day a table was made.
+fn says_a_date(text: &str) -> bool {
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let text = text.to_lowercase();
+    ["run on 20", "run between 20"]
+        .iter()
+        .any(|words| text.contains(words))
+}
+
+/// Lines of a section in pieces, each with one table: the text since the table before it, the table, and the text up to the next.
+fn tables(section: &str) -> Vec<(String, String)> {
+    let lines: Vec<&str> = section.lines().collect();
+    let is_head = |i: usize| {
+        lines[i].starts_with('|')
+            && lines
+                .get(i + 1)
+                .is_some_and(|next| next.starts_with("|---"))
+    };
+    let heads: Vec<usize> = (0..lines.len()).filter(|i| is_head(*i)).collect();
+    let mut found = Vec::new();
+    let mut begin = 0;
+    for (number, head) in heads.iter().enumerate() {
+        let end = heads.get(number + 1).copied().unwrap_or(lines.len());
+        found.push((lines[*head].to_owned(), lines[begin..end].join("\n")));
+        let rows = lines[*head..]
+            .iter()
+            .take_while(|line| line.starts_with('|'));
+        begin = head + rows.count();
+    }
+    found
+}
+
+/// A table of measurements has its date beside it, and its command in the same section of the page.
+#[test]
+fn every_table_of_measurements_has_a_command_and_a_date() {
+    let mut lacking = Vec::new();
+    let mut count = 0;
+    for page in pages("docs/validation") {
+        for section in read(&page).split("\n## ") {
+            for (head, text) in tables(section) {
+                if EXPLAINING.contains(&head.as_str()) {
+                    continue;
+                }
+                count += 1;
+                if !says_a_date(&text) {
+                    lacking.push(format!("{}: {head}: no date", page.display()));
+                }
+                if !COMMANDS.iter().any(|command| section.contains(command)) {
+                    lacking.push(format!("{}: {head}: no command", page.display()));
+                }
+            }
+        }
+    }
+    assert!(count > 40, "{count} tables");
+    assert!(lacking.is_empty(), "{}", lacking.join("\n"));
 }
 
 #[test]
@@ -150,7 +331,19 @@ fn every_page_is_part_of_the_guide() {
 
 #[test]
 fn pages_that_messages_and_comments_name_exist() {
-    for folder in ["src", "crates", "tests", "sweeps", "morphologies"] {
+    for folder in [
+        "src",
+        "crates",
+        "tests",
+        "benches",
+        "examples",
+        "sweeps",
+        "morphologies",
+        "real_trajectories",
+        "tools",
+        "python/realgap",
+        "python/tests",
+    ] {
         for (file, text) in sources(folder) {
             for name in between(&text, "docs/", ' ') {
                 let Some((name, _)) = name.split_once(".md") else {
@@ -176,10 +369,11 @@ fn sources(folder: &str) -> Vec<(String, String)> {
         if path.is_dir() {
             let inside = path.strip_prefix(common::project()).unwrap();
             found.extend(sources(&inside.to_string_lossy()));
-        } else if path
-            .extension()
-            .is_some_and(|end| end == "rs" || end == "ron")
-        {
+        } else if path.extension().is_some_and(|end| {
+            ["rs", "ron", "py", "sh", "md"]
+                .iter()
+                .any(|known| end == *known)
+        }) {
             let text = std::fs::read_to_string(&path).unwrap();
             found.push((path.display().to_string(), text));
         }
@@ -228,32 +422,49 @@ fn every_file_of_a_results_folder_is_explained() {
     }
 }
 
-#[test]
-fn hand_written_pages_stay_short() {
-    let made = ["docs/files.md", "docs/cli.md"].map(PathBuf::from);
-    let mut all = pages("docs");
-    all.extend(["README.md", "CONTRIBUTING.md"].map(PathBuf::from));
-    let written = all.iter().filter(|page| !made.contains(page));
-    let words: usize = written
-        .map(|page| read(page).split_whitespace().count())
-        .sum();
-    assert!(words <= 45_000, "{words} words");
+/// The rows of a table of `docs/design.md`: the names in its first cells, and the last cells.
+fn rows_of_design() -> BTreeMap<String, String> {
     let design = read(Path::new("docs/design.md"));
-    let minutes = design.split_whitespace().count() / 185;
-    assert!(minutes <= 20, "docs/design.md takes {minutes} minutes");
+    let rows = design.lines().filter_map(|line| {
+        let (name, rest) = line.strip_prefix("| `")?.split_once('`')?;
+        let last = rest.trim_end_matches(['|', ' ']).rsplit('|').next()?;
+        Some((name.trim_end_matches(".rs").to_owned(), last.to_owned()))
+    });
+    rows.collect()
 }
 
 #[test]
-fn the_table_of_rooms_names_every_room() {
-    let design = read(Path::new("docs/design.md"));
+fn the_tables_of_design_name_every_part_of_the_facade() {
+    let rows = rows_of_design();
     for entry in std::fs::read_dir(common::project().join("src")).unwrap() {
         let name = entry.unwrap().file_name().to_string_lossy().into_owned();
-        let room = name.trim_end_matches(".rs");
-        if !["lib", "main"].contains(&room) {
-            let is_listed = design
-                .lines()
-                .any(|line| line.starts_with("| `") && line.contains(&format!("`{room}`")));
-            assert!(is_listed, "docs/design.md does not list the room {room}");
+        let module = name.trim_end_matches(".rs");
+        if module != "main" {
+            assert!(rows.contains_key(module), "docs/design.md lacks {module}");
         }
+    }
+}
+
+#[test]
+fn the_table_of_crates_says_what_each_crate_may_see() {
+    let rows = rows_of_design();
+    for entry in std::fs::read_dir(common::project().join("crates")).unwrap() {
+        let name = entry.unwrap().file_name().to_string_lossy().into_owned();
+        let manifest = read(&Path::new("crates").join(&name).join("Cargo.toml"));
+        let (_, seen) = manifest.split_once("\n[dependencies]\n").unwrap();
+        let seen: BTreeSet<&str> = seen
+            .lines()
+            .take_while(|line| !line.starts_with('['))
+            .filter_map(|line| line.strip_prefix("realgap-"))
+            .map(|line| line.split(['.', ' ', '=']).next().unwrap())
+            .filter(|other| *other != "core")
+            .collect();
+        let row = rows.get(&name);
+        let row = row.unwrap_or_else(|| panic!("docs/design.md lacks the crate {name}"));
+        let said: BTreeSet<&str> = match row.contains("no other") {
+            true => BTreeSet::new(),
+            false => row.split('`').skip(1).step_by(2).collect(),
+        };
+        assert_eq!(said, seen, "docs/design.md, crate {name}");
     }
 }

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::Command;
 
 fn tutorial() -> String {
-    std::fs::read_to_string(common::project().join("docs/tutorial.md")).unwrap()
+    std::fs::read_to_string(common::project().join("docs/start.md")).unwrap()
 }
 
 /// Fenced blocks of the language `sh`.

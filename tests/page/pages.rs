@@ -209,7 +209,7 @@ fn a_replay_plays_steps_and_remembers_its_moment() {
         browser.value("location.hash.startsWith('#t=')"),
         json!(true)
     );
-    // What docs/pages.md says of speed; other work on the machine counts, so nothing is asserted.
+    // What docs/validation/pages.md says of speed; other work on the machine counts, so nothing is asserted.
     let first_ms = browser.value("Math.round(realgap.first)");
     browser.value("document.getElementById('play').click()");
     let rate = "new Promise(r => { const n = realgap.frames; setTimeout(() => r((realgap.frames - n) / 2), 2000); })";

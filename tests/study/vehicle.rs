@@ -98,7 +98,7 @@ fn a_study_names_one_robot_and_a_condition_that_is_there() {
     );
 }
 
-/// The shipped studies against the real runs, all of them: those that were held out are in docs/fidelity/sensing.md.
+/// The shipped studies against the real runs, all of them: those that were held out are in docs/validation/sensing.md.
 #[test]
 fn real_runs_lie_where_the_shipped_studies_put_them() {
     let Some(folder) = common::shared_data("two_wheel_runs") else {

@@ -368,7 +368,7 @@ fn the_interval_of_a_noise_floor_of_few_recordings_holds_what_it_promises() {
     }
 }
 
-/// The table of docs/fidelity/gap.md.
+/// The table of docs/validation/gap.md.
 #[test]
 #[ignore = "a minute"]
 fn the_table_of_noise_floor_intervals() {

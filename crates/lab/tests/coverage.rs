@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 #![allow(
     clippy::print_stdout,
-    reason = "the numbers in docs/fidelity/intervals.md"
+    reason = "the numbers in docs/validation/intervals.md"
 )]
 
 use crate::common;
@@ -298,7 +298,7 @@ fn points_that_crowd_together_do_not_contradict_the_right_model() {
     assert!(row.held >= 18, "{} of {}", row.held, row.of);
 }
 
-/// The table of docs/fidelity/intervals.md, with its command.
+/// The table of docs/validation/intervals.md, with its command.
 #[test]
 #[ignore = "most of an hour: the whole table"]
 fn the_table_of_coverage() {

@@ -313,7 +313,7 @@ fn the_band_for_whole_paths_holds_them_as_often_as_it_promises() {
     );
 }
 
-/// The table of docs/fidelity/ensembles.md.
+/// The table of docs/validation/ensembles.md.
 #[test]
 #[ignore = "a minute"]
 fn the_table_of_envelopes() {

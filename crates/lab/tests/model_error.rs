@@ -192,7 +192,7 @@ fn what_may_be_off_grows_with_what_the_own_engines_part_by_and_with_what_the_rob
     assert!(reaches(9.0) > 0.0);
 }
 
-/// Robots of seeds from which nothing was learned (docs/fidelity/ensembles.md).
+/// Robots of seeds from which nothing was learned (docs/validation/ensembles.md).
 #[test]
 fn of_robots_that_it_has_not_learned_from_as_many_runs_end_where_it_says_as_is_written() {
     let table = project().join("crates/lab/tests/golden/engines_judged.csv");
@@ -218,7 +218,7 @@ fn of_robots_that_it_has_not_learned_from_as_many_runs_end_where_it_says_as_is_w
     assert_eq!(
         (held, runs),
         ([84, 145], 160),
-        "as docs/fidelity/ensembles.md says"
+        "as docs/validation/ensembles.md says"
     );
     let share = |sum: f64| sum / runs as f64;
     let [half, most] = held.map(|count| share(count as f64));

@@ -46,7 +46,7 @@ fn without(text: &str, begins: &str) -> String {
 }
 
 #[test]
-#[ignore = "hours of CPU time: the table of docs/fidelity/search.md"]
+#[ignore = "hours of CPU time: the table of docs/validation/search.md"]
 fn the_table_of_walkers() {
     let path = project().join("sweeps/best_robot.ron");
     let text = std::fs::read_to_string(&path).unwrap();

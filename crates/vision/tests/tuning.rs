@@ -135,7 +135,7 @@ fn hidden_settings_are_found_within_their_intervals_and_held_out_views_agree() {
     assert_eq!(again.sensor, found.camera.sensor);
 }
 
-/// A long one, for docs/fidelity/vision.md.
+/// A long one, for docs/validation/vision.md.
 #[test]
 #[ignore = "minutes"]
 fn intervals_of_camera_settings_hold_the_truth_as_often_as_they_promise() {

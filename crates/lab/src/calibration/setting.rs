@@ -16,7 +16,7 @@ const OWN_EVERY: usize = 3;
 const LARGE_MAP: usize = 256;
 const OWN_OF_A_LARGE_MAP: usize = 2;
 /// On a large map, where Rapier takes multibody joints and so is dear, the tree solver gets its substeps divided by this: paths of
-/// 8 s come out at most 3 mm farther from its limit, for three fifths of the time (docs/fidelity/settings.md has the table).
+/// 8 s come out at most 3 mm farther from its limit, for three fifths of the time (docs/validation/contact.md has the table).
 const SECOND_SUBSTEPS: usize = 2;
 
 /// One of the equally valid settings, by number; 0 is the study's own.

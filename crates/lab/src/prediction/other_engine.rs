@@ -7,7 +7,7 @@
 
 use super::Range;
 
-/// What MuJoCo made of random robots: tools/engine_spread.py, docs/fidelity/ensembles.md.
+/// What MuJoCo made of random robots: tools/engine_spread.py, docs/validation/ensembles.md.
 const LEARNED: &str = include_str!("engines.csv");
 /// Expected displacement as a share of that with relaxed contacts; where nothing has run it with these, as a share of the geometric
 /// mean of both own engines.

@@ -44,7 +44,7 @@ pub struct Options {
     pub seed: u64,
 }
 
-/// An eighth of the readings in another bin: what 200 readings leave in paper 000's histograms (docs/fidelity/sensing.md).
+/// An eighth of the readings in another bin: what 200 readings leave in paper 000's histograms (docs/validation/sensing.md).
 const TOLERANCE: f64 = 0.125;
 
 /// A fitted number.

@@ -1,6 +1,9 @@
 //! Radio: the tables of paper 002, known parameters found again, messages, and a real flat.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
-#![allow(clippy::print_stdout, reason = "the numbers in docs/fidelity/radio.md")]
+#![allow(
+    clippy::print_stdout,
+    reason = "the numbers in docs/validation/radio.md"
+)]
 
 use crate::common;
 mod service;
@@ -204,7 +207,7 @@ fn every_propagation_model_keeps_its_contract() {
     }
 }
 
-/// How often intervals hold the truth, and the 90 % interval strengths at places that nobody has been to (docs/fidelity/radio.md).
+/// How often intervals hold the truth, and the 90 % interval strengths at places that nobody has been to (docs/validation/radio.md).
 #[test]
 fn known_parameters_lie_in_their_intervals_and_new_places_in_theirs() {
     if !common::is_long_run("coverage of radio fits") {
@@ -333,7 +336,7 @@ fn shadows_are_alike_nearby_and_the_same_in_both_directions() {
     assert!((mean(&near) - 0.368).abs() < 0.08, "{}", mean(&near));
 }
 
-/// Session 0 of a real flat fitted, session 2 foretold (docs/fidelity/radio.md).
+/// Session 0 of a real flat fitted, session 2 foretold (docs/validation/radio.md).
 #[test]
 fn a_real_flat_is_foretold_better_than_by_fingerprints() {
     let Some(folder) = common::shared_data("radio_flat") else {

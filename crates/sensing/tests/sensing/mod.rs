@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 #![allow(
     clippy::print_stdout,
-    reason = "the numbers in docs/fidelity/sensing.md"
+    reason = "the numbers in docs/validation/sensing.md"
 )]
 
 mod contract;

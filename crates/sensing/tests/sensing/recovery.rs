@@ -9,7 +9,7 @@ use realgap_sensing::range::{
 
 use super::{log_of, model};
 
-/// How often intervals hold the truth, by model and parameter (docs/fidelity/sensing.md).
+/// How often intervals hold the truth, by model and parameter (docs/validation/sensing.md).
 fn coverage(logs: u64) -> Vec<(String, Proportion)> {
     let models = [
         (

@@ -67,7 +67,7 @@ fn options() -> Options {
 }
 
 /// How often 90 % intervals hold: parameters of the mean, the spread between sessions, a session that is not in the log and its
-/// readings (docs/fidelity/sensing.md).
+/// readings (docs/validation/sensing.md).
 fn shares(stand: &Stand, logs: u64) -> Vec<(&'static str, f64)> {
     let mut held = [(0_usize, 0_usize); 5];
     for seed in 0..logs {

@@ -9,7 +9,7 @@ use realgap_sensing::range::sensor_by_name;
 
 use super::common;
 
-/// The two ways of docs/fidelity/sensing.md in each arena: a short one, and a winding one.
+/// The two ways of docs/validation/sensing.md in each arena: a short one, and a winding one.
 const AMONG_CARTONS: [&[[f64; 2]]; 2] = [
     &[[1.0, 1.0], [4.6, 2.8], [5.3, 6.6], [6.0, 9.0]],
     &[

@@ -8,7 +8,7 @@ use realgap_core::statistics::{Degree, jackknife_interval};
 pub const INTERVAL_LEVEL: f64 = 0.95;
 
 /// A number with its 95 % interval over recordings: Student's t with the jackknife of its logarithm
-/// ([`jackknife_interval`]), how often it holds: docs/fidelity/gap.md.
+/// ([`jackknife_interval`]), how often it holds: docs/validation/gap.md.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Estimate {
