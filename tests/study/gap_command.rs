@@ -196,7 +196,7 @@ fn bad_input_is_answered_with_what_to_do() {
         (
             vec!["--recordings", &long, "--group", "run"],
             2,
-            vec!["tells the repeats"],
+            vec!["distinguishes the repeats"],
         ),
         (
             vec!["--recordings", standin, "--group", "condition"],

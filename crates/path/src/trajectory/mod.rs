@@ -1,6 +1,6 @@
-//! Recorded and simulated motion: types, file formats, resampling, preparation for comparison.
+//! Recorded and simulated trajectories: types, file formats, resampling, preparation for comparison.
 //!
-//! [`read`] and [`write()`] know the file formats of [`FORMATS`]; [`prepare`] brings a path into the form in
+//! [`read`] and [`write()`] support the file formats of [`FORMATS`]; [`prepare`] brings a path into the form in
 //! which paths are compared.
 
 mod align;
@@ -14,8 +14,8 @@ mod csv;
 mod distance;
 mod euroc;
 mod format;
-mod guess;
 mod header;
+mod inferred_reading;
 mod joint_column;
 mod kitti;
 mod lean;
@@ -45,7 +45,7 @@ pub use csv::Csv;
 pub use distance::{mean_square_m2, rms_m};
 pub use euroc::Euroc;
 pub use format::{Format, Parsed, Rendered};
-pub use guess::{Ambiguity, Evidence, InferredReading, Question, odd_axes};
+pub use inferred_reading::{Ambiguity, Evidence, InferredReading, Question, odd_axes};
 pub use joint_column::{COMMAND, may_be_attitude};
 pub use kitti::Kitti;
 pub use log::{Mcap, Rosbag};
