@@ -90,8 +90,8 @@ proptest! {
     fn every_metric_is_finite_not_negative_and_zero_for_equal_trajectories(a in shape(), b in shape()) {
         let (a, b) = (path(a, 120), path(b, 75));
         for metric in METRICS {
-            let apart = score(*metric, &a, &b);
-            prop_assert!(apart.is_finite() && apart >= 0.0, "{} {apart}", metric.name());
+            let distance = score(*metric, &a, &b);
+            prop_assert!(distance.is_finite() && distance >= 0.0, "{} {distance}", metric.name());
             prop_assert!(score(*metric, &a, &a) <= 1e-7, "{}", metric.name());
         }
     }

@@ -8,10 +8,10 @@ use std::collections::HashMap;
 use super::Trajectory;
 use super::column::{Columns, Role};
 use super::format::{Format, Parsed, Rendered};
+use super::mixed_robots::{explain, mixed_robots};
 use super::reading::{QuaternionOrder, Reading};
 use super::relabel::relabelled;
 use super::sample::Samples;
-use super::several::{explain, several};
 use super::table::{Table, header_line};
 use super::text::{Cell, cells_of, decode_text, push_number};
 use realgap_core::constant_methods;
@@ -44,7 +44,7 @@ impl Format for Csv {
 
     fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {
         let mut parsed = single(text, reading).map_err(|error| explain(error, text, reading))?;
-        parsed.warnings.extend(several(text, reading));
+        parsed.warnings.extend(mixed_robots(text, reading));
         Ok(parsed)
     }
 

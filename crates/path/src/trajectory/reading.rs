@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::axes::Axes;
 use super::column::{Columns, Measure, Role};
-use super::lean;
+use super::levelling;
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{Source, parse_ron};
 use realgap_core::unit::{AngleUnit, LengthUnit, TimeUnit};
@@ -234,7 +234,10 @@ impl Reading {
                 .allowed("from_s of 0 or more, to_s later than from_s");
             return Some(("crop", error));
         }
-        if let Some((x, y)) = self.floor_leans.filter(|&leans| !lean::is_sound(leans)) {
+        if let Some((x, y)) = self
+            .floor_leans
+            .filter(|&leans| !levelling::is_sound(leans))
+        {
             let error = Error::invalid("the floor leans too far");
             let error = error
                 .found(format!("({x}, {y})"))

@@ -7,18 +7,18 @@ use std::path::Path;
 
 use super::body_column;
 use super::column::{Columns, Role};
-use super::columnar::Parquet;
 use super::crop::cropped;
 use super::csv::{self, Csv};
 use super::euroc::Euroc;
 use super::format::{Format, Parsed};
 use super::kitti::Kitti;
-use super::lean;
+use super::levelling;
 use super::log::{Mcap, Rosbag};
 use super::meta::read_meta_beside;
+use super::parquet::Parquet;
 use super::text::{MAX_FILE_BYTES, check_size};
 use super::tum::Tum;
-use super::{Meta, Reading, Recording, Trajectory, suspicion};
+use super::{Meta, Reading, Recording, Trajectory, plausibility};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{read_limited, unknown_name, write_atomic};
 use realgap_core::warning::{Code, Warning};
@@ -320,7 +320,9 @@ impl<'a> File<'a> {
             trajectory = (axes.to_world(trajectory)).map_err(|e| e.at_file(self.path))?;
         }
         match self.reading.floor_leans {
-            Some(leans) => lean::levelled(&trajectory, leans).map_err(|e| e.at_file(self.path)),
+            Some(leans) => {
+                levelling::levelled(&trajectory, leans).map_err(|e| e.at_file(self.path))
+            }
             None => Ok(trajectory),
         }
     }
@@ -335,7 +337,7 @@ impl<'a> File<'a> {
             let how = format!("recordings are read with {}", self.reading);
             warnings.push(Code::ReadAs.warning(how));
         }
-        warnings.extend(suspicion::of(
+        warnings.extend(plausibility::warnings(
             &name,
             &trajectory,
             &self.reading,

@@ -14,7 +14,7 @@ use super::csv::Csv;
 use super::format::Format as _;
 use super::reading::{Crop, Reading};
 use super::registry::{format_of, parse_all, read_bytes};
-use super::{Recording, Trajectory, suspicion};
+use super::{Recording, Trajectory, plausibility};
 use realgap_core::error::{Advice, Error, Result};
 
 use realgap_core::unit::{GRAVITY_M_S2, LengthUnit, TimeUnit, number};
@@ -189,7 +189,7 @@ impl InferredReading {
     fn time(&mut self, trajectory: &Trajectory) -> bool {
         let now = self.reading.columns.get(super::Role::Time);
         let factor = now.and_then(|column| column.factor);
-        let usual_s = suspicion::usual_interval_s(trajectory);
+        let usual_s = plausibility::usual_interval_s(trajectory);
         // The interval in the file's own unit.
         let usual = usual_s / factor.unwrap_or(1.0);
         let rate_hz = |unit: &TimeUnit| 1.0 / (usual * unit.seconds());
@@ -368,7 +368,7 @@ impl InferredReading {
             return;
         }
         let times_s = recording.trajectory.times_s();
-        if let Some(from_s) = suspicion::waits_until_s(&recording.trajectory) {
+        if let Some(from_s) = plausibility::waits_until_s(&recording.trajectory) {
             let from_s = ((from_s - times_s[0]) * 100.0).floor() / 100.0;
             self.reading.crop = Some(Crop { from_s, to_s: None });
             self.conclude(

@@ -127,7 +127,7 @@ pub(super) fn explain(error: Error, text: &str, reading: &Reading) -> Error {
 }
 
 /// A warning if the path jumps between several robots whose rows alternate in time.
-pub(super) fn several(text: &str, reading: &Reading) -> Option<Warning> {
+pub(super) fn mixed_robots(text: &str, reading: &Reading) -> Option<Warning> {
     let (labels, path) = labels(text, reading)?;
     let shorter = labels.iter().find(|label| label.path() < SHORTER * path)?;
     Some(Code::SeveralRobots.warning(format!(

@@ -38,7 +38,7 @@ const UPRIGHT_RAD: f64 = 0.175;
 const TILTED_RAD: f64 = 0.524;
 
 /// Warnings about faults of this recording, whose quaternions were read in the order `read_as`.
-pub(super) fn of(
+pub(super) fn warnings(
     name: &str,
     trajectory: &Trajectory,
     reading: &Reading,
