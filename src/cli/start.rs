@@ -78,8 +78,8 @@ impl Start {
         let size_m = subject.robot.summary().body_length_m;
         let mut known = self.reading.reading()?;
         let guess = loop {
-            let guess = InferredReading::of(&subject.recordings, &known, Some(size_m))?;
-            match guess.open.first() {
+            let guess = InferredReading::infer(&subject.recordings, &known, Some(size_m))?;
+            match guess.ambiguities.first() {
                 None => break guess,
                 Some(open) => answer(open, &mut known)?,
             }
@@ -90,7 +90,7 @@ impl Start {
         }
         let draft = match recordings.iter().all(|r| r.trajectory.is_of_joints()) {
             true => joint::draft(&mut subject, &recordings, &self.output)?,
-            false => path::draft(&subject, &recordings, guess.falls)?,
+            false => path::draft(&subject, &recordings, guess.has_free_fall)?,
         };
         let text = self.text(&subject, &guess, &draft)?;
         let source = Source::new(&self.output, text.clone());
@@ -223,7 +223,10 @@ fn said<'a>(
     guess: &'a InferredReading,
     draft: &'a Draft,
 ) -> impl Iterator<Item = (&'a str, &'a str)> {
-    let of_files = guess.clues.iter().map(|clue| (&*clue.what, &*clue.because));
+    let of_files = guess
+        .evidence
+        .iter()
+        .map(|evidence| (&*evidence.finding, &*evidence.reason));
     let of_robot = draft
         .clues
         .iter()
@@ -258,7 +261,7 @@ fn alike(recordings: &[Recording]) -> Option<String> {
 
 /// Asks on a terminal; elsewhere names the option that answers.
 fn answer(open: &Ambiguity, known: &mut Reading) -> Result<()> {
-    let (question, option) = match open.ask {
+    let (question, option) = match open.question {
         Question::Time => (
             "In which unit are times (s, ms, us, ns)?",
             "--time-unit UNIT",
@@ -268,7 +271,7 @@ fn answer(open: &Ambiguity, known: &mut Reading) -> Result<()> {
             "Which way do axes point (world: z up; y-up; z-down; camera)?",
             "--axes AXES",
         ),
-        Question::Whose => (
+        Question::Robot => (
             "Whose rows are read (COLUMN=VALUE)?",
             "--where COLUMN=VALUE",
         ),
@@ -287,7 +290,7 @@ fn answer(open: &Ambiguity, known: &mut Reading) -> Result<()> {
     }
     let line = line.trim();
     let wrong = |why: String| terminal::note(why);
-    match open.ask {
+    match open.question {
         Question::Time => line
             .parse()
             .map_or_else(wrong, |unit| known.time = Some(unit)),
@@ -297,7 +300,7 @@ fn answer(open: &Ambiguity, known: &mut Reading) -> Result<()> {
         Question::Up => line
             .parse::<Axes>()
             .map_or_else(wrong, |axes| known.axes = Some(axes)),
-        Question::Whose => line
+        Question::Robot => line
             .parse()
             .map_or_else(wrong, |only| known.only = Some(only)),
     }

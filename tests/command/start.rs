@@ -212,7 +212,7 @@ fn common_mistakes_are_asked_about_or_refused_with_a_remedy() {
         (
             CUBE.to_vec(),
             vec![untimed],
-            "no column is called like a time",
+            "no column has a name for a time",
         ),
         (CUBE.to_vec(), vec![flat], "both x and y"),
         (CUBE.to_vec(), vec![slow], "--time-unit"),
@@ -251,7 +251,8 @@ fn the_first_of_several_bodies_is_the_robot_and_the_output_says_so() {
         .into();
     let (code, said) = start(&["--cube", "0.075", "0.85"], &files, &study);
     assert!(
-        code == 0 && said.contains("the robot is `cube`: first of the bodies cube, effector"),
+        code == 0
+            && said.contains("the robot is `cube`: it is the first of the bodies cube, effector"),
         "{code} {said}"
     );
 }

@@ -196,7 +196,7 @@ fn bad_input_is_refused_with_a_remedy() {
         (
             vec!["--recordings", &long, "--group", "run"],
             2,
-            vec!["tells the repeats"],
+            vec!["distinguishes the repeats"],
         ),
         (
             vec!["--recordings", standin, "--group", "condition"],

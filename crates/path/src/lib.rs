@@ -1,4 +1,4 @@
-//! Trajectories: samples, formats, preparation and metrics. Nothing here knows that a simulator exists.
+//! Trajectories: samples, file formats, preparation and metrics. This crate does not depend on any simulator.
 
 pub mod comparison;
 pub mod trajectory;

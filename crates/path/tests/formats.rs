@@ -1,4 +1,4 @@
-//! Trajectory files: what is written reads back, and what is wrong is named with file, line and column.
+//! File formats of trajectories: written files are read back unchanged, and errors name file, line and column.
 #![allow(clippy::unwrap_used)] // a test may fail loudly
 
 use std::path::Path;
@@ -59,7 +59,7 @@ prop_compose! {
     }
 }
 
-/// Every number of a trajectory, bit for bit (`==` would let −0 pass for 0).
+/// The bits of every number of a trajectory, because `==` does not distinguish −0 from 0.
 fn bits(t: &Trajectory) -> Vec<u64> {
     let mut all: Vec<f64> = t.times_s().to_vec();
     let columns = [
@@ -76,14 +76,14 @@ fn bits(t: &Trajectory) -> Vec<u64> {
     all.into_iter().map(f64::to_bits).collect()
 }
 
-/// What no warning of `render` names is the same: positions always, the rest unless a warning names it.
+/// Checks that all data that no warning of `render` names are the same; positions are always the same.
 fn same_but_for_warnings(
     back: &Trajectory,
     written: &Trajectory,
     warnings: &[Warning],
 ) -> Result<(), TestCaseError> {
     let is_named = |what: &str| warnings.iter().any(|w| w.message.contains(what));
-    // What can begin at 0 only is moved there.
+    // Formats whose times start at 0 move the times to 0.
     let moved_s = if is_named("times before 0") {
         written.times_s()[0]
     } else {
@@ -107,7 +107,7 @@ fn same_but_for_warnings(
         .zip(turns)
     {
         if is_named("times;") {
-            // Written as a matrix.
+            // KITTI files hold orientations as matrices, so they are rounded.
             prop_assert!(a.angle_to(b) < 1e-7, "{a} {b}");
         } else {
             prop_assert_eq!(a, b);
@@ -120,7 +120,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn every_format_reads_back_what_it_wrote(trajectory in any_trajectory()) {
+    fn every_format_reads_its_own_files_back(trajectory in any_trajectory()) {
         let reading = Reading { rate_hz: Some(50.0), axes: Some(Axes::World), ..Reading::default() };
         for format in FORMATS {
             let written = format.render(&trajectory);
@@ -139,7 +139,7 @@ proptest! {
     }
 
     #[test]
-    fn csv_loses_nothing_at_all(trajectory in any_trajectory()) {
+    fn csv_files_hold_all_data_of_a_trajectory(trajectory in any_trajectory()) {
         prop_assert!(FORMATS[0].render(&trajectory).unwrap().warnings.is_empty());
     }
 
@@ -242,7 +242,7 @@ fn errors_name_file_line_column_and_what_to_do() {
 }
 
 #[test]
-fn columns_come_in_any_order_and_extra_ones_are_named() {
+fn columns_may_have_any_order_and_extra_columns_are_named_in_a_warning() {
     let recording = accept(
         "\u{feff}\"y_m\", t_s ,battery,x_m\r\n2,0,99,1\r\n4,1,98,3\r\n",
         LengthUnit::Metre,
@@ -291,7 +291,7 @@ fn quaternions_of_few_digits_are_renormalised() {
 }
 
 #[test]
-fn one_file_may_hold_several_recordings() {
+fn a_file_can_hold_several_recordings() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("runs.csv");
     std::fs::write(&path, "condition,run,sample,t_s,x_m,y_m\nir,1,0,0,0,0\nir,1,1,1,1,0\nus,1,0,0,0,0\nir,2,0,0,5,0\nir,2,1,1,6,0\nus,1,1,1,2,0\n").unwrap();
@@ -336,7 +336,7 @@ fn metadata_beside_the_file_is_attached_and_checked() {
 }
 
 #[test]
-fn a_file_appears_whole_or_not_at_all() {
+fn a_file_is_written_completely_or_not_at_all() {
     let folder = tempfile::tempdir().unwrap();
     let line = Trajectory::new(
         vec![0.0, 0.1],

@@ -1,4 +1,4 @@
-//! Every comparison agrees with independent libraries (tests/golden/README.md), to 1e-6 relative.
+//! All metrics agree with independent libraries (tests/golden/README.md) to a relative tolerance of 1e-6.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test may fail loudly
 
 use crate::common;
@@ -12,7 +12,7 @@ use realgap_path::trajectory::{Recording, Trajectory, read, read_groups};
 use serde_json::Value;
 
 const RELATIVE: f64 = 1e-6;
-/// Below this a value is zero: the reference libraries leave some 1e-16 of rounding.
+/// Values below this count as zero: the reference libraries leave rounding errors of about 1e-16.
 const ZERO: f64 = 1e-12;
 
 fn golden_folder() -> PathBuf {
@@ -32,7 +32,7 @@ fn check(table: &str, rows: &[Row], name: impl Fn(&str) -> String) -> f64 {
         let Value::Object(fields) = &json else {
             panic!("a row is an object");
         };
-        // A metric that the reference libraries do not have is no fault of this table.
+        // A metric that the reference libraries do not have is skipped.
         let unknown: Vec<&&str> = columns
             .iter()
             .filter(|c| !fields.contains_key(**c))
@@ -87,7 +87,7 @@ fn curves() -> Vec<Recording> {
         .to_vec()
 }
 
-/// `real` turned by 0.7 rad and shifted by (0.3, -0.2) m: what `turned.csv` is before it is rounded to 12 decimals.
+/// `real` turned by 0.7 rad and shifted by (0.3, -0.2) m: the content of `turned.csv` before it was rounded to 12 decimals.
 fn turned_exactly(real: &Trajectory) -> Trajectory {
     let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.7);
     let shift_m = Vector3::new(0.3, -0.2, 0.0);
@@ -100,9 +100,9 @@ fn turned_exactly(real: &Trajectory) -> Trajectory {
     .planar()
 }
 
-/// The reference values of `turned` (some 1e-16) were taken before the curves were rounded to 12 decimals. From the
-/// rounded file no program can reach them: distances from the start differ by 1.3e-12 m between the two files. So this
-/// table uses the unrounded curve; what the file itself gives is held by the next test.
+/// The reference values of `turned` (about 1e-16) were computed before the curves were rounded to 12 decimals. No program can reproduce
+/// them from the rounded file, because distances from the start differ by 1.3e-12 m between the two files. So this
+/// table uses the unrounded curve; the next test checks the rounded file.
 #[test]
 fn analytic_curves_agree_with_the_reference_libraries() {
     let mut curves = curves();
@@ -112,11 +112,11 @@ fn analytic_curves_agree_with_the_reference_libraries() {
         .iter()
         .zip(curves[TURNED].trajectory.positions_world_m())
     {
-        // `real` is rounded, too, and its rounding is turned: half a unit times 1 + cos 0.7 + sin 0.7.
+        // `real` is rounded too, and its rounding error is turned: half a unit times 1 + cos 0.7 + sin 0.7.
         assert!((p - q).amax() <= 1.21e-12, "turned.csv is this very curve");
     }
     curves[TURNED].trajectory = exact;
-    // The reference is listed again, and counts once.
+    // The reference is listed twice and must be used once.
     let rows = compare_all(&curves[0], &curves, Components::default()).unwrap();
     check("curves.csv", &rows, str::to_owned);
     let warned = rows.iter().flat_map(|row| &row.warnings);
@@ -129,17 +129,17 @@ fn analytic_curves_agree_with_the_reference_libraries() {
 }
 
 #[test]
-fn the_turned_curve_differs_by_the_rounding_of_its_file_only() {
+fn the_turned_curve_differs_only_by_the_rounding_of_its_file() {
     let curves = curves();
     let row = &compare_all(&curves[0], &curves, Components::default()).unwrap()[TURNED];
-    // Half a unit of the 12th decimal in x and y, for a point and for the start, in both files.
+    // The bound is half a unit of the 12th decimal in x and y, for a point and for the start, in both files.
     let point_m = 4.0 * 0.5e-12 * 2.0_f64.sqrt();
     for column in ["rms_m", "hausdorff_m", "discrete_frechet_m"] {
         let value_m = row.distance(column).unwrap();
         assert!(value_m <= point_m, "{column}: {value_m:e}");
     }
     assert!(row.distance("dtw_sum_m").unwrap() <= 182.0 * point_m);
-    // These average the rounding away, and hold to the strict bound.
+    // These metrics average over the rounding errors, so they satisfy the strict bound.
     assert!(row.pca_4_coefficients_m <= ZERO);
     for column in [
         "pca_coefficients_m",

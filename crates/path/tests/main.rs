@@ -1,11 +1,11 @@
-//! Trajectories: formats, preparation, comparison.
+//! Integration tests of the crate `realgap-path`.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 #[path = "../../../tests/common/shared.rs"]
 mod common;
 mod formats;
 mod golden;
-mod guess;
+mod inferred_reading;
 mod metric_contract;
 mod preparation;
 mod principal_components;

@@ -1,4 +1,4 @@
-//! What every metric promises, checked over the whole registry.
+//! The contract of metrics, checked for every metric in the registry.
 #![allow(clippy::unwrap_used)] // a test may fail loudly
 
 use std::f64::consts::PI;
@@ -12,7 +12,7 @@ use realgap_path::comparison::{
 };
 use realgap_path::trajectory::{JointTrack, Trajectory, prepare};
 
-/// A smooth path in space with orientation, chosen by five numbers.
+/// A smooth path in space with orientations, given by five numbers.
 fn path(shape: [f64; 5], points: usize) -> Trajectory {
     let [a, b, c, d, e] = shape;
     let at = |index: usize| 4.0 * index as f64 / (points - 1) as f64;
@@ -88,17 +88,17 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn every_metric_is_finite_not_negative_and_zero_for_equals(a in shape(), b in shape()) {
+    fn every_metric_is_finite_not_negative_and_zero_for_equal_trajectories(a in shape(), b in shape()) {
         let (a, b) = (path(a, 120), path(b, 75));
         for metric in METRICS {
-            let apart = score(*metric, &a, &b);
-            prop_assert!(apart.is_finite() && apart >= 0.0, "{} {apart}", metric.name());
+            let distance = score(*metric, &a, &b);
+            prop_assert!(distance.is_finite() && distance >= 0.0, "{} {distance}", metric.name());
             prop_assert!(score(*metric, &a, &a) <= 1e-7, "{}", metric.name());
         }
     }
 
     #[test]
-    fn symmetric_metrics_do_not_care_which_is_real(a in shape(), b in shape()) {
+    fn symmetric_metrics_do_not_depend_on_the_order_of_the_trajectories(a in shape(), b in shape()) {
         let (a, b) = (path(a, 120), path(b, 75));
         for metric in METRICS.iter().filter(|metric| metric.is_symmetric()) {
             let (there, back) = (score(*metric, &a, &b), score(*metric, &b, &a));
@@ -155,7 +155,7 @@ fn names_and_columns_are_unique_and_units_are_in_the_columns() {
 }
 
 #[test]
-fn an_unknown_metric_is_answered_with_the_known_ones() {
+fn an_unknown_metric_is_refused_with_the_list_of_known_metrics() {
     let Err(error) = by_name("euclid") else {
         panic!("there is no such metric");
     };
@@ -165,7 +165,7 @@ fn an_unknown_metric_is_answered_with_the_known_ones() {
 }
 
 #[test]
-fn a_metric_says_what_it_misses() {
+fn a_metric_without_the_data_that_it_needs_gives_an_error() {
     let line = Trajectory::new(vec![0.0, 1.0], vec![Vector3::zeros(), Vector3::x()]).unwrap();
     let prepared = prepare(&line).unwrap();
     let pair = Pair {
@@ -209,7 +209,7 @@ fn one_call_gives_the_distance_by_every_metric_that_needs_two_trajectories_only(
 }
 
 #[test]
-fn motionless_trajectories_compare_without_nan() {
+fn motionless_trajectories_are_compared_without_nan() {
     let still = Trajectory::new(vec![0.0, 1.0, 2.0], vec![Vector3::new(1.0, 2.0, 3.0); 3])
         .unwrap()
         .with_orientations(vec![UnitQuaternion::identity(); 3])
@@ -251,7 +251,7 @@ fn a_saved_basis_gives_the_same_numbers() {
 }
 
 #[test]
-fn a_choice_of_components_that_makes_no_sense_is_refused() {
+fn an_invalid_choice_of_components_is_refused() {
     let prepared = prepare(&path([0.1; 5], 50)).unwrap();
     for choice in [
         Components::Count(0),
@@ -275,7 +275,7 @@ fn pose_compares_at_the_recorded_times() {
             .with_orientations(times.iter().map(|t| turn(spin * (t - start))).collect())
             .unwrap()
     };
-    // Recorded from 5 s on; simulated from 0 s on, at another rate, 0.1 m/s and 0.2 rad/s too fast.
+    // The recording starts at 5 s; the simulation starts at 0 s, has another rate, and is 0.1 m/s and 0.2 rad/s too fast.
     let real = along(&[5.0, 6.0, 7.0], 1.0, 0.5);
     let simulated = along(&[0.0, 1.5, 2.0], 1.1, 0.7);
     let errors = pose_errors(&real, &simulated, 0.1).unwrap();
@@ -285,7 +285,7 @@ fn pose_compares_at_the_recorded_times() {
     assert!((errors.rotation_rad_final - 0.4).abs() < 1e-9);
     assert!((errors.score() - 1.2).abs() < 1e-9);
     assert_eq!((errors.samples, errors.warnings.len()), (3, 0));
-    // A simulation that ends early is compared as far as it goes, and says so.
+    // A simulation that ends early is compared up to its end, with a warning.
     let short = along(&[0.0, 1.0], 1.1, 0.7);
     let errors = pose_errors(&real, &short, 0.1).unwrap();
     assert_eq!(errors.samples, 2);

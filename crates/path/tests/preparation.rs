@@ -1,4 +1,4 @@
-//! Preparation keeps what matters and removes what does not: place, heading and sampling rate.
+//! Preparation removes start position, heading and sampling rate from a trajectory, and keeps the shape of its path.
 #![allow(clippy::unwrap_used)] // a test may fail loudly
 
 use std::f64::consts::PI;
@@ -44,7 +44,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn it_starts_at_the_origin_and_ends_on_the_x_axis(points in points()) {
+    fn a_prepared_path_starts_at_the_origin_and_ends_on_the_x_axis(points in points()) {
         let prepared = prepare(&uniform(&points)).unwrap();
         prop_assume!(has_heading(&prepared));
         prop_assert_eq!(prepared.xy_m().len(), POINTS);
@@ -54,7 +54,7 @@ proptest! {
     }
 
     #[test]
-    fn place_and_heading_do_not_matter(
+    fn position_and_heading_do_not_matter(
         points in points(),
         angle in -PI..PI,
         shift in prop::array::uniform2(-10.0..10.0_f64),
@@ -68,11 +68,11 @@ proptest! {
     }
 
     #[test]
-    fn place_and_heading_do_not_matter_without_net_displacement(
+    fn position_and_heading_do_not_matter_without_net_displacement(
         points in points(),
         angle in -PI..PI,
     ) {
-        // There and back again: the way back is shorter in time, so the path is not its own mirror image.
+        // The path returns to its start; the way back is shorter in time, so the path is not its own mirror image.
         let mut closed = points.clone();
         closed.push([2.0, 0.3]);
         closed.push(points[0]);
@@ -85,14 +85,14 @@ proptest! {
     #[test]
     fn the_sampling_rate_does_not_matter(points in points(), factor in 2_usize..6) {
         let coarse = uniform(&points);
-        // More samples on the same straight pieces.
+        // The fine trajectory has more samples on the same segments.
         let fine = resample(&coarse, (points.len() - 1) * factor + 1).unwrap();
         prop_assert!(farthest(&prepare(&coarse).unwrap(), &prepare(&fine).unwrap()) < 1e-9
             || !has_heading(&prepare(&coarse).unwrap()));
     }
 
     #[test]
-    fn preparing_what_is_prepared_changes_nothing(points in points()) {
+    fn preparing_a_prepared_path_changes_nothing(points in points()) {
         let once = prepare(&uniform(&points)).unwrap();
         prop_assume!(has_heading(&once));
         let twice = prepare(&uniform(once.xy_m())).unwrap();
@@ -112,7 +112,7 @@ fn a_motionless_trajectory_stays_at_the_origin_with_a_warning() {
 }
 
 #[test]
-fn below_a_millimetre_or_a_hundredth_the_heading_is_undefined() {
+fn below_a_millimetre_or_one_percent_of_the_length_the_heading_is_undefined() {
     let warned = |points: &[[f64; 2]]| !prepare(&uniform(points)).unwrap().warnings().is_empty();
     assert!(warned(&[[0.0, 0.0], [0.0009, 0.0]]));
     assert!(!warned(&[[0.0, 0.0], [0.0011, 0.0]]));
@@ -154,7 +154,7 @@ fn orientation_turns_with_the_path() {
 }
 
 #[test]
-fn absurd_numbers_are_refused_not_compared() {
+fn extreme_numbers_are_refused() {
     for end in [1e13, 1e300] {
         assert!(prepare(&uniform(&[[0.0, 0.0], [end, -end]])).is_err());
     }

@@ -1,4 +1,4 @@
-//! Distances in units of reality's own spread, and fitness and shape apart.
+//! The metric `pca-whitened` agrees with a reference; `displacement` and `shape` separate fitness from shape.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use realgap_path::comparison::{Context, Pair, Spread, by_name};
 use realgap_path::trajectory::{POINTS, Prepared};
 
-/// The paths of tools/golden_whitened.py.
+/// The path with this number, as in tools/golden_whitened.py.
 fn path(number: usize, scale: f64) -> Prepared {
     let k = number as f64;
     let xy_m = (0..POINTS).map(|index| {
@@ -22,7 +22,7 @@ fn path(number: usize, scale: f64) -> Prepared {
 }
 
 #[test]
-fn whitened_distances_are_those_of_a_dense_inverse_of_the_shrunk_covariance() {
+fn whitened_distances_agree_with_a_dense_inverse_of_the_shrunk_covariance() {
     let golden = common::golden().join("whitened.json");
     let golden: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(golden).unwrap()).unwrap();
@@ -44,7 +44,7 @@ fn whitened_distances_are_those_of_a_dense_inverse_of_the_shrunk_covariance() {
 }
 
 #[test]
-fn two_recordings_are_one_apart_on_average_and_lengths_may_have_any_unit() {
+fn the_mean_square_distance_of_two_recordings_is_one_in_any_unit_of_length() {
     let real: Vec<Prepared> = (0..6).map(|k| path(k, 1.0)).collect();
     let spread = Spread::of(&real.iter().collect::<Vec<_>>()).unwrap();
     let mut squares = Vec::new();
@@ -74,10 +74,10 @@ fn prepared(at: impl Fn(f64) -> [f64; 2]) -> Prepared {
 }
 
 #[test]
-fn fitness_and_shape_are_told_apart() {
+fn fitness_and_shape_are_separated() {
     let bow = |length: f64, height: f64| prepared(move |t| [length * t, height * (PI * t).sin()]);
     let distance = |metric: &str, a: &Prepared, b: &Prepared| {
-        // Metrics of positions look at the prepared paths alone.
+        // Metrics of positions use only the prepared paths.
         let motion = realgap_path::trajectory::Trajectory::new(
             vec![0.0, 1.0],
             vec![nalgebra::Vector3::zeros(), nalgebra::Vector3::x()],
@@ -92,7 +92,7 @@ fn fitness_and_shape_are_told_apart() {
         let metric = by_name(metric).unwrap();
         metric.compare(&pair, &Context::default()).unwrap().value
     };
-    // As far, another shape; twice as far, the same shape.
+    // `bent` goes as far as `flat` with another shape; `far` goes twice as far with the same shape.
     let (flat, bent, far) = (bow(1.0, 0.0), bow(1.0, 0.2), bow(2.0, 0.2));
     assert!(distance("displacement", &flat, &bent) < 1e-12);
     let expected = 0.2 * (0.5 * (POINTS - 1) as f64 / POINTS as f64).sqrt();

@@ -1,4 +1,4 @@
-//! Convex hulls: of ellipsoids, and of meshes with fewer corners.
+//! Convex hulls of points: hulls of ellipsoids, and hulls of meshes reduced to few corners.
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use parry3d_f64::math::{Pose as Placed, Rotation, Vector};
@@ -6,10 +6,11 @@ use parry3d_f64::shape::SharedShape;
 
 use crate::shape::Shape;
 
-/// Most corners of a hull that is made from a mesh.
-pub const MOST_CORNERS: usize = 64;
-/// Directions in which the corners of a mesh are looked for, and in which the result is compared with it.
+/// The largest number of corners of a hull that is made from a mesh.
+pub const MAX_CORNERS: usize = 64;
+/// The number of directions in which the farthest corner of a mesh is kept.
 const DIRECTIONS: usize = 60;
+/// The number of directions in which the reduced hull is compared with the whole hull.
 const CHECKS: usize = 500;
 
 /// Unit vectors spread evenly over all directions (a Fibonacci spiral).
@@ -23,8 +24,8 @@ fn directions(count: usize) -> impl Iterator<Item = Vector3<f64>> {
     })
 }
 
-/// The point that lies farthest along each direction, and how far. One pass over the points: a mesh of a million triangles is larger
-/// than what a processor keeps at hand.
+/// For each direction, the index of the point that lies farthest along it, and its distance. The points are read in a single pass,
+/// because a mesh of a million triangles does not fit into the cache of a processor.
 fn farthest(points: &[Vector3<f64>], directions: &[Vector3<f64>]) -> Vec<(usize, f64)> {
     let mut found = vec![(0, f64::NEG_INFINITY); directions.len()];
     for (index, point) in points.iter().enumerate() {
@@ -38,7 +39,7 @@ fn farthest(points: &[Vector3<f64>], directions: &[Vector3<f64>]) -> Vec<(usize,
     found
 }
 
-/// The lowest and the highest corner of the box around points; zero of none.
+/// The lowest and the highest corner of the axis-aligned box around points; zero for no points.
 pub fn bounds(points: &[Vector3<f64>]) -> [Vector3<f64>; 2] {
     let first = points.first().copied().unwrap_or_default();
     points.iter().fold([first; 2], |[low, high], point| {
@@ -46,14 +47,14 @@ pub fn bounds(points: &[Vector3<f64>]) -> [Vector3<f64>; 2] {
     })
 }
 
-/// Points whose hull is nearly that of all points, at most [`MOST_CORNERS`] of them, and how far the whole hull reaches beyond
-/// theirs, metres.
+/// At most [`MAX_CORNERS`] of the points, chosen so that their hull is nearly the hull of all points; and the largest distance by which the
+/// hull of all points reaches beyond theirs, metres.
 pub fn simplified(points: &[Vector3<f64>]) -> (Vec<Vector3<f64>>, f64) {
-    if points.len() <= MOST_CORNERS {
+    if points.len() <= MAX_CORNERS {
         return (points.to_vec(), 0.0);
     }
     let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
-    // The box around the result is the box around all points.
+    // The axes come first, so that the reduced hull has the same axis-aligned box as all points.
     let axes = axes.into_iter().flat_map(|axis| [axis, -axis]);
     let mut kept: Vec<usize> = Vec::new();
     let looked: Vec<_> = axes.chain(directions(DIRECTIONS)).collect();
@@ -62,7 +63,7 @@ pub fn simplified(points: &[Vector3<f64>]) -> (Vec<Vector3<f64>>, f64) {
             kept.push(index);
         }
     }
-    kept.truncate(MOST_CORNERS);
+    kept.truncate(MAX_CORNERS);
     let corners: Vec<Vector3<f64>> = kept.iter().map(|&index| points[index]).collect();
     let checks: Vec<_> = directions(CHECKS).collect();
     let (whole, own) = (farthest(points, &checks), farthest(&corners, &checks));
@@ -70,7 +71,7 @@ pub fn simplified(points: &[Vector3<f64>]) -> (Vec<Vector3<f64>>, f64) {
     (corners, beyond_m.fold(0.0, f64::max))
 }
 
-/// A shape somewhere, as Parry has it; `None` for what has no surface, or is a hull of nothing.
+/// A shape at a pose as a shape of Parry; `None` for a shape without a surface, or a hull that cannot be built.
 pub fn solid_surface(shape: &Shape, pose: &Isometry3<f64>) -> Option<(Placed, SharedShape)> {
     let vector = |v: &Vector3<f64>| Vector::new(v.x, v.y, v.z);
     let mut pose = *pose;
@@ -82,7 +83,7 @@ pub fn solid_surface(shape: &Shape, pose: &Isometry3<f64>) -> Option<(Placed, Sh
             radius_m,
             half_length_m,
         } => {
-            // Parry's cylinders stand along y.
+            // The axis of Parry's cylinders is y.
             let turn = std::f64::consts::FRAC_PI_2;
             pose *= UnitQuaternion::from_axis_angle(&Vector3::x_axis(), turn);
             SharedShape::cylinder(*half_length_m, *radius_m)
@@ -104,11 +105,11 @@ pub fn solid_surface(shape: &Shape, pose: &Isometry3<f64>) -> Option<(Placed, Sh
     Some((placed, surface))
 }
 
-/// Corners, and triangles of them by number.
+/// Corners, and triangles as indices of corners.
 type Triangles = (Vec<Vector3<f64>>, Vec<[usize; 3]>);
 
-/// The corners of the convex hull of points and its triangles, whose corners turn anticlockwise as seen from outside; `None` of points
-/// that lie on a line.
+/// The corners and the triangles of the convex hull of points; the corners of a triangle are anticlockwise as seen from outside. `None` for
+/// points on a line.
 pub fn convex_hull(points_m: &[Vector3<f64>]) -> Option<Triangles> {
     let points: Vec<Vector> = points_m
         .iter()
@@ -120,11 +121,11 @@ pub fn convex_hull(points_m: &[Vector3<f64>]) -> Option<Triangles> {
     Some((corners.collect(), triangles.collect()))
 }
 
-/// Points on an ellipsoid.
+/// Points spread over the surface of an ellipsoid with these radii.
 pub fn ellipsoid(radii_m: &Vector3<f64>) -> Vec<Vector3<f64>> {
     let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
     let axes = axes.into_iter().flat_map(|axis| [axis, -axis]);
-    let points = axes.chain(directions(MOST_CORNERS - 6));
+    let points = axes.chain(directions(MAX_CORNERS - 6));
     points.map(|point| point.component_mul(radii_m)).collect()
 }
 
@@ -133,10 +134,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_ball_of_many_points_keeps_its_size_with_few() {
+    fn a_ball_that_is_reduced_to_few_points_keeps_its_size() {
         let points: Vec<_> = directions(5000).collect();
         let (corners, beyond_m) = simplified(&points);
-        assert!(corners.len() <= MOST_CORNERS);
+        assert!(corners.len() <= MAX_CORNERS);
         assert!((0.0..0.2).contains(&beyond_m), "{beyond_m}");
     }
 }

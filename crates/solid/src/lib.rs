@@ -1,4 +1,4 @@
-//! Shapes of solids: their masses, their surfaces, meshes and hulls of these. Lengths are metres.
+//! Shapes of solids: mass properties, surfaces, meshes and convex hulls. All lengths are in metres.
 
 mod hull;
 mod mass;
@@ -6,7 +6,7 @@ mod mesh;
 mod shape;
 mod surface;
 
-pub use hull::{MOST_CORNERS, bounds, convex_hull, ellipsoid, simplified, solid_surface};
+pub use hull::{MAX_CORNERS, bounds, convex_hull, ellipsoid, simplified, solid_surface};
 pub use mass::{UniformMass, uniform};
 pub use mesh::Mesh;
 pub use shape::Shape;

@@ -1,4 +1,4 @@
-//! Mass properties of uniform shapes.
+//! Mass properties of shapes with uniform density.
 
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use parry3d_f64::math::Vector;
@@ -6,19 +6,19 @@ use parry3d_f64::shape::SharedShape;
 
 use crate::shape::Shape;
 
-/// Volume, centre and inertia per density of a shape.
+/// Volume, centre of mass, and inertia per density of a shape.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UniformMass {
     /// Volume, m³.
     pub volume_m3: f64,
-    /// Centre, in the shape's frame, metres.
+    /// Centre of mass in the shape's frame, metres.
     pub centre_m: Vector3<f64>,
-    /// Inertia about the centre per density, m⁵.
+    /// Inertia about the centre of mass per density, m⁵.
     pub inertia_m5: Matrix3<f64>,
 }
 
 impl UniformMass {
-    /// The same, seen from the frame in which the shape is posed.
+    /// The same properties in the frame in which the shape has this pose.
     #[must_use]
     pub fn posed(&self, pose: &Isometry3<f64>) -> Self {
         let turn = pose.rotation.to_rotation_matrix();
@@ -29,7 +29,7 @@ impl UniformMass {
         }
     }
 
-    /// Several together, each with a density of its own: mass (kg), centre (m) and inertia about it (kg m²).
+    /// The combined mass (kg), centre of mass (m) and inertia about it (kg m²) of several pieces, each with its own density (kg/m³).
     pub fn together(pieces: &[(Self, f64)]) -> (f64, Vector3<f64>, Matrix3<f64>) {
         let mass_kg: f64 = pieces.iter().map(|(one, rho)| one.volume_m3 * rho).sum();
         if mass_kg <= 0.0 {
@@ -49,7 +49,7 @@ impl UniformMass {
     }
 }
 
-/// A uniform shape; `None` for what has no volume.
+/// The mass properties of a shape with uniform density; `None` for a shape without volume.
 pub fn uniform(shape: &Shape) -> Option<UniformMass> {
     use std::f64::consts::PI;
     let diagonal = |x: f64, y: f64, z: f64| Matrix3::from_diagonal(&Vector3::new(x, y, z));
@@ -83,7 +83,7 @@ pub fn uniform(shape: &Shape) -> Option<UniformMass> {
             radius_m: r,
             half_length_m: h,
         } => {
-            // A cylinder and two half balls, whose centres of mass lie 3/8 of the radius off their flat sides.
+            // A cylinder and two half balls; the centre of mass of a half ball is 3/8 of the radius away from its flat side.
             let (tube, ball) = (2.0 * PI * r * r * h, 4.0 / 3.0 * PI * r.powi(3));
             let across =
                 tube * (r * r / 4.0 + h * h / 3.0) + ball * (0.4 * r * r + h * h + 0.75 * h * r);
@@ -119,7 +119,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_hull_of_a_boxs_corners_weighs_what_the_box_weighs() {
+    fn the_hull_of_the_corners_of_a_box_has_the_mass_of_the_box() {
         let half = Vector3::new(0.1, 0.2, 0.3);
         let corners = (0..8).map(|k| {
             let sign = |bit: usize| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };

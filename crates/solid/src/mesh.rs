@@ -1,4 +1,4 @@
-//! Meshes: read, and parted into what is nearly convex.
+//! Reads meshes from files, and decomposes them into nearly convex parts.
 
 use std::path::Path;
 
@@ -6,34 +6,34 @@ use nalgebra::Vector3;
 use parry3d_f64::math::Vector;
 use parry3d_f64::transformation::vhacd::{VHACD, VHACDParameters};
 
-/// Largest mesh that is read, bytes: a million triangles of binary STL are 50 MB.
-const MOST_BYTES: u64 = 64_000_000;
+/// The size of the largest mesh that is read, bytes: a million triangles of binary STL are 50 MB.
+const MAX_BYTES: u64 = 64_000_000;
 
-/// A mesh as its file has it.
+/// A triangle mesh, as its file describes it.
 pub struct Mesh {
     vertices: Vec<Vector3<f64>>,
     triangles: Vec<[u32; 3]>,
-    /// The vertices, each once.
+    /// The vertices without duplicates.
     pub corners: Vec<Vector3<f64>>,
 }
 
 impl Mesh {
-    /// Reads a file.
+    /// Reads a mesh from a file, and multiplies its coordinates by `scale`.
     ///
     /// # Errors
-    /// What is wrong with it, as text.
+    /// The reason why the file cannot be read, as text.
     pub fn read(path: &Path, scale: &Vector3<f64>) -> Result<Self, String> {
         let bytes = std::fs::metadata(path).map_err(|e| e.to_string())?.len();
-        if bytes > MOST_BYTES {
+        if bytes > MAX_BYTES {
             return Err(format!(
-                "it has {bytes} bytes, at most {MOST_BYTES} are read"
+                "it has {bytes} bytes; at most {MAX_BYTES} bytes are read"
             ));
         }
         let ending = path.extension().unwrap_or_default().to_string_lossy();
         if !["stl", "obj", "dae"].contains(&ending.to_lowercase().as_str()) {
-            return Err(format!("a mesh of the kind `{ending}`"));
+            return Err(format!("`{ending}` is no supported file format of meshes"));
         }
-        // A crate of somebody else reads a file of somebody else: what it panics on is an error of that file.
+        // The external crate may panic on a broken file; a panic is reported as an error of the file.
         let scene = std::panic::catch_unwind(|| mesh_loader::Loader::default().load(path))
             .map_err(|_| "it cannot be read".to_owned())?
             .map_err(|e| e.to_string())?;
@@ -50,13 +50,13 @@ impl Mesh {
         Self::of(vertices, triangles)
     }
 
-    /// Of vertices and the triangles between them, which may be none.
+    /// A mesh of these vertices and the triangles between them; there may be no triangles.
     ///
     /// # Errors
-    /// What is wrong with it, as text.
+    /// The reason why the mesh is unusable, as text.
     pub fn of(vertices: Vec<Vector3<f64>>, triangles: Vec<[u32; 3]>) -> Result<Self, String> {
         if !vertices.iter().flatten().all(|v| v.is_finite()) {
-            return Err("it has coordinates that are no numbers".to_owned());
+            return Err("it has coordinates that are not finite numbers".to_owned());
         }
         let corners = each_once(vertices.clone());
         if corners.len() < 3 {
@@ -69,8 +69,8 @@ impl Mesh {
         })
     }
 
-    /// The corners of nearly convex parts, by voxels (V-HACD: Mamou and Ghorbel 2009, as Parry has it); none where that fails,
-    /// or where no more than one is wanted.
+    /// The corners of at most `most` nearly convex parts, by a voxel decomposition (V-HACD: Mamou and Ghorbel 2009, as implemented in
+    /// Parry); empty if the decomposition fails, or if only one part is wanted.
     pub fn parts(&self, most: usize) -> Vec<Vec<Vector3<f64>>> {
         if most <= 1 || self.triangles.is_empty() {
             return Vec::new();
@@ -82,7 +82,7 @@ impl Mesh {
             max_convex_hulls: most as u32,
             ..VHACDParameters::default()
         };
-        // Flat and torn meshes are more than the crate bargains for; their hull stands in.
+        // The crate may panic on flat or torn meshes; then there are no parts, and the caller uses the hull of the whole mesh.
         let parts = std::panic::catch_unwind(|| {
             VHACD::decompose(&settings, &points, &self.triangles, true)
                 .compute_primitive_intersections(&points, &self.triangles)
@@ -94,7 +94,7 @@ impl Mesh {
     }
 }
 
-/// Points in an order of their own, each once.
+/// The points sorted by their coordinates, without duplicates.
 fn each_once(mut points: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
     points.sort_by(|a, b| {
         let pairs = a.iter().zip(b.iter());

@@ -1,4 +1,4 @@
-//! Shapes of solids, each in a frame of its own.
+//! The shapes that a solid can have: box, sphere, cylinder, capsule and convex hull, each in its own frame.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 pub enum Shape {
     /// A box.
     Box {
-        /// Half of its edges along x, y and z, metres.
+        /// Half the lengths of the edges along x, y and z, metres.
         half_extents_m: Vector3<f64>,
     },
     /// A ball.
@@ -21,7 +21,7 @@ pub enum Shape {
     Cylinder {
         /// Radius, metres.
         radius_m: f64,
-        /// Half of its length, metres.
+        /// Half of the length, metres.
         half_length_m: f64,
     },
     /// A cylinder along z with half a ball on either end.
@@ -31,9 +31,9 @@ pub enum Shape {
         /// Half of the length between the centres of the balls, metres.
         half_length_m: f64,
     },
-    /// The convex hull of points: what meshes and ellipsoids become.
+    /// The convex hull of points; meshes and ellipsoids are represented by it.
     Hull {
-        /// Its corners, metres; the box around them has its centre at the origin.
+        /// The corners, metres; the axis-aligned box around them has its centre at the origin.
         points_m: Arc<[Vector3<f64>]>,
     },
     /// No surface at all: a solid that has mass only.
@@ -46,7 +46,7 @@ impl Shape {
         Self::Box { half_extents_m }
     }
 
-    /// Half extents of the box around it, along its own axes, metres.
+    /// Half extents of the bounding box along the shape's own axes, metres.
     pub fn half_extents_m(&self) -> Vector3<f64> {
         match self {
             Self::Box { half_extents_m } => *half_extents_m,
@@ -66,7 +66,7 @@ impl Shape {
         }
     }
 
-    /// How far it reaches from its origin along a unit vector of its own frame, metres.
+    /// The largest distance that the shape reaches from its origin along a unit vector of its own frame (the support function), metres.
     pub fn reach_m(&self, direction: &Vector3<f64>) -> f64 {
         match self {
             Self::Box { half_extents_m } => direction.abs().dot(half_extents_m),
@@ -87,7 +87,7 @@ impl Shape {
         }
     }
 
-    /// Whether it is a box: what modules are made of.
+    /// True for a box, the shape of which modules are made.
     pub const fn is_box(&self) -> bool {
         matches!(self, Self::Box { .. })
     }
@@ -98,7 +98,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_box_around_a_shape_is_as_far_as_it_reaches_along_its_axes() {
+    fn the_bounding_box_agrees_with_the_reach_along_the_axes() {
         let corners = [[1.0, 0.0, 0.2], [-1.0, 0.3, -0.2], [0.0, -0.3, 0.0]];
         for shape in [
             Shape::cuboid(Vector3::new(0.1, 0.2, 0.3)),

@@ -1,4 +1,4 @@
-//! What shapes look like: their surfaces as flat faces.
+//! Surfaces of shapes as polygons with flat faces, for drawing.
 
 use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -9,35 +9,35 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use crate::hull::convex_hull;
 use crate::shape::Shape;
 
-/// Corners round a circle.
+/// The number of corners of a polygon that represents a circle.
 const ROUND: usize = 24;
-/// Faces that meet at less than 35° are one rounded surface.
+/// Cosine of 35°: neighbouring faces whose normals differ by less belong to one rounded surface.
 const SHARP_COS: f64 = 0.82;
 
 /// A flat face of a [`Surface`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Facet {
-    /// Its corners by number, anticlockwise as seen from outside.
+    /// The indices of its corners, anticlockwise as seen from outside.
     pub corners: Vec<usize>,
-    /// For each corner the face on the other side of the edge from it to the next corner.
+    /// For each corner, the index of the face on the other side of the edge from this corner to the next.
     pub beside: Vec<usize>,
 }
 
-/// A convex surface of flat faces; what is round has 24 corners to the circle. All lengths are metres.
+/// A convex surface of flat faces; circles are polygons with 24 corners. All lengths are in metres.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surface {
-    /// Its middle.
+    /// Position of the centre.
     pub centre_m: Vector3<f64>,
-    /// Where its corners are.
+    /// Positions of the corners.
     pub corners_m: Vec<Vector3<f64>>,
-    /// Its faces.
+    /// The faces.
     pub faces: Arc<[Facet]>,
-    /// The outward normal of every face, of length one.
+    /// The outward unit normal of every face.
     pub normals: Vec<Vector3<f64>>,
 }
 
 impl Surface {
-    /// The surface about its centre from its corners, its faces and their normals.
+    /// A surface around the origin from its corners, its faces and their normals.
     fn new(corners_m: Vec<Vector3<f64>>, faces: Vec<(Vec<usize>, Vector3<f64>)>) -> Self {
         let mut owner = HashMap::new();
         for (index, (corners, _)) in faces.iter().enumerate() {
@@ -59,7 +59,7 @@ impl Surface {
         }
     }
 
-    /// A box along the axes: of its faces two for each axis, that towards smaller coordinates first.
+    /// A box along the axes. The faces come in pairs for the axes x, y and z; the face at the smaller coordinate comes first.
     pub fn cuboid(half_extents_m: Vector3<f64>) -> Self {
         let sign = |is_positive: bool| if is_positive { 1.0 } else { -1.0 };
         let corner = |number: usize| {
@@ -81,10 +81,10 @@ impl Surface {
         Self::new((0..8).map(corner).collect(), (0..6).map(face).collect())
     }
 
-    /// Faces given by their corners; those without an area are left out.
+    /// A surface from faces that are given by their corners; faces without an area are left out.
     fn of_faces(corners_m: Vec<Vector3<f64>>, faces: Vec<Vec<usize>>) -> Self {
         let faces = faces.into_iter().filter_map(|face| {
-            // Newell's method: right for any flat face.
+            // Newell's method, which is correct for any flat face.
             let area: Vector3<f64> = (edges(&face))
                 .map(|(a, b)| corners_m[a].cross(&corners_m[b]))
                 .sum();
@@ -94,9 +94,9 @@ impl Surface {
         Self::new(corners_m, faces)
     }
 
-    /// What a line turns out that goes round the z axis: pairs of radius and height from the lowest on; flat where it does not
-    /// begin or end on the axis.
-    fn turned(profile_m: &[[f64; 2]]) -> Self {
+    /// The surface of revolution of a profile around the z axis: pairs of radius and height, from the lowest point upwards. An end of the
+    /// profile that is not on the axis gets a flat face.
+    fn revolved(profile_m: &[[f64; 2]]) -> Self {
         let mut corners_m = Vec::new();
         let mut rings: Vec<Vec<usize>> = Vec::new();
         for &[radius_m, z_m] in profile_m {
@@ -133,7 +133,7 @@ impl Surface {
         Self::of_faces(corners_m, faces)
     }
 
-    /// The same surface, its frame at this pose.
+    /// The same surface after its frame was moved to this pose.
     pub fn placed(&self, pose: &Isometry3<f64>) -> Self {
         let point = |p: &Vector3<f64>| (pose * Point3::from(*p)).coords;
         Self {
@@ -144,12 +144,12 @@ impl Surface {
         }
     }
 
-    /// Whether all its corners are somewhere.
+    /// True if all coordinates of the corners are finite.
     pub fn is_finite(&self) -> bool {
         self.corners_m.iter().flatten().all(|v| v.is_finite())
     }
 
-    /// Its faces as triangles: the face, and three corners by number.
+    /// The faces divided into triangles: the index of the face, and the indices of three corners.
     pub fn triangles(&self) -> impl Iterator<Item = (usize, [usize; 3])> + '_ {
         self.faces.iter().enumerate().flat_map(|(index, face)| {
             let pairs = face.corners[1..].windows(2);
@@ -157,8 +157,8 @@ impl Surface {
         })
     }
 
-    /// The normal of a face at one of its corners where it is part of something rounded: the mean of the faces that meet there and
-    /// are not sharply turned from it, weighted by their areas.
+    /// The shading normal of a face of a rounded surface at one of its corners: the mean normal, weighted by area, of the faces that meet at
+    /// this corner and do not form a sharp edge with the face.
     pub fn rounded_normal(&self, face: usize, corner: usize) -> Vector3<f64> {
         let mut sum = Vector3::zeros();
         for (other, facet) in self.faces.iter().enumerate() {
@@ -171,7 +171,7 @@ impl Surface {
         sum.try_normalize(0.0).unwrap_or(self.normals[face])
     }
 
-    /// Whether two faces meet at an edge that is to be seen.
+    /// True if two faces meet at a sharp edge, which is drawn.
     pub fn is_sharp(&self, face: usize, beside: usize) -> bool {
         self.normals[face].dot(&self.normals[beside]) < SHARP_COS
     }
@@ -182,7 +182,7 @@ fn edges(corners: &[usize]) -> impl Iterator<Item = (usize, usize)> + '_ {
     corners.iter().copied().zip(next.copied())
 }
 
-/// A quarter of a circle: cosine and sine from the lowest point to the side.
+/// Points on a quarter of the unit circle, as cosine and sine, from the lowest point to the side.
 fn quarter() -> impl DoubleEndedIterator<Item = [f64; 2]> {
     const STEPS: usize = ROUND / 4;
     (0..=STEPS).map(|k| match k {
@@ -195,16 +195,17 @@ fn quarter() -> impl DoubleEndedIterator<Item = [f64; 2]> {
 }
 
 impl Shape {
-    /// Its surface, about the origin of its own frame; `None` where it has none. A hull of points on a line is the box around them.
+    /// The surface of the shape around the origin of its own frame; `None` if it has none. The surface of a hull of points on a line is the
+    /// box around them.
     pub fn surface(&self) -> Option<Surface> {
         let rounded = |radius_m: f64, half_length_m: f64| {
             let low = quarter().map(|[cos, sin]| [radius_m * cos, radius_m * sin - half_length_m]);
             let high = quarter()
                 .rev()
                 .map(|[cos, sin]| [radius_m * cos, half_length_m - radius_m * sin]);
-            // The sides of both halves of a sphere are one.
+            // The two halves of a sphere share the circle at their sides, so it is taken only once.
             let high = high.skip(usize::from(half_length_m == 0.0));
-            Surface::turned(&low.chain(high).collect::<Vec<_>>())
+            Surface::revolved(&low.chain(high).collect::<Vec<_>>())
         };
         match self {
             Self::Box { half_extents_m } => Some(Surface::cuboid(*half_extents_m)),
@@ -212,7 +213,7 @@ impl Shape {
             Self::Cylinder {
                 radius_m,
                 half_length_m,
-            } => Some(Surface::turned(&[
+            } => Some(Surface::revolved(&[
                 [*radius_m, -half_length_m],
                 [*radius_m, *half_length_m],
             ])),
@@ -263,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn surfaces_are_closed_and_convex_and_look_outwards() {
+    fn surfaces_are_closed_and_convex_with_outward_normals() {
         for shape in shapes() {
             let surface = shape.surface().unwrap();
             for (index, face) in surface.faces.iter().enumerate() {
@@ -281,7 +282,7 @@ mod tests {
                     assert!(edges(&surface.faces[beside].corners).any(|edge| edge == (b, a)));
                 }
             }
-            // Round things are cut by less than 1 %.
+            // Polygons reach less than 1 % less far than the round shapes.
             let half_m = shape.half_extents_m();
             for axis in 0..3 {
                 let reach_m = surface
@@ -298,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn edges_of_cylinders_are_seen_and_those_of_balls_are_not() {
+    fn cylinders_have_sharp_edges_and_balls_have_none() {
         let sharp = |shape: &Shape| {
             let surface = shape.surface().unwrap();
             let faces = surface.faces.iter().enumerate();

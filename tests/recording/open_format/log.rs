@@ -95,7 +95,7 @@ fn which_of_several_topics_is_asked_for_with_the_option_that_chooses() {
     let said = text(&refused.get_output().stderr);
     for words in [
         "bag.db3",
-        "several things",
+        "several objects",
         "/a (geometry_msgs/msg/PoseStamped, 2 poses); /b",
         "--topic",
     ] {
@@ -125,7 +125,7 @@ fn a_broken_message_is_an_error_where_its_topic_is_read() {
     let error = read(&path, of("/b")).unwrap_err().to_string();
     assert!(error.contains("/b: a message cannot be decoded"), "{error}");
     assert!(
-        error.contains("30 bytes, said to be geometry_msgs"),
+        error.contains("30 bytes of the type geometry_msgs"),
         "{error}"
     );
 }

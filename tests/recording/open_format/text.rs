@@ -80,11 +80,11 @@ fn what_is_no_kitti_file_is_named_with_line_and_column() {
         (
             "1 0 0 0 0 1 0 0 0 0 1 0\n2 0 0 0 0 1 0 0 0 0 1 0\n",
             (2, 1),
-            "no rotation",
+            "not a rotation",
         ),
         // Mirrored.
-        ("-1 0 0 0 0 1 0 0 0 0 1 0\n", (1, 1), "no rotation"),
-        ("1e200 0 0 0 0 1 0 0 0 0 1 0\n", (1, 1), "no rotation"),
+        ("-1 0 0 0 0 1 0 0 0 0 1 0\n", (1, 1), "not a rotation"),
+        ("1e200 0 0 0 0 1 0 0 0 0 1 0\n", (1, 1), "not a rotation"),
     ] {
         let path = put(folder.path(), "poses.kitti", content);
         let error = read(&path, reading.clone()).unwrap_err();

@@ -17,7 +17,7 @@ fn samples_that_only_repeat_the_one_before_are_left_out() {
     assert_eq!(recording.trajectory.times_s(), [0.0, 1.0, 2.0]);
     assert_eq!(
         said(&recording, Code::DuplicateSamples),
-        "3 samples that repeat the one before left out"
+        "3 samples that repeat the previous sample left out"
     );
 }
 

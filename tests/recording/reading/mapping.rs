@@ -206,7 +206,7 @@ fn an_invalid_mapping_is_refused_with_its_place() {
         (
             "(\n crop: (from_s: 3.0, to_s: 2.0),\n)",
             "how.ron:2:",
-            "to_s after it",
+            "to_s later than from_s",
         ),
         (
             "(\n lenght: \"mm\",\n)",
@@ -328,11 +328,11 @@ fn every_refusal_of_a_recording_names_a_remedy_of_this_tool() {
     assert_eq!(sorted.trajectory.positions_world_m()[2].x, 1.0);
     assert_eq!(
         said(&sorted, Code::SamplesSorted),
-        "1 sample no later than the one before, all sorted by time"
+        "1 sample no later than the previous sample; all samples are sorted by time"
     );
     assert_eq!(
         sorted.warnings[1].message,
-        "1 sample at times that others had already left out, up to 11.3 m from them: are these several objects?"
+        "1 sample at the same time as an earlier sample left out, at up to 11.3 m from it: are these several objects?"
     );
     let found = read(
         "t_s,x_m,y_m\n0,0,0\n1,,1\n1.5,NaN,1\n2,2,2\n",

@@ -37,7 +37,7 @@ fn a_path_at_another_speed_is_not_the_same_run() {
     assert!(rms_m > 0.05, "{rms_m}");
     assert!(!said.contains("different-durations"), "{said}");
     assert!(
-        said.contains("compared at equal times, over the first 20.000 s"),
+        said.contains("compared at equal times over the first 20.000 s"),
         "{said}"
     );
     assert_eq!(rows[0]["warnings"][0]["code"], "read-as");

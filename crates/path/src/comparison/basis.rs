@@ -1,4 +1,4 @@
-//! Principal components of a set of prepared trajectories.
+//! A basis of principal components of a set of prepared trajectories (PCA).
 
 use std::borrow::Cow;
 
@@ -12,13 +12,13 @@ use realgap_core::warning::{Code, Warning};
 /// Length of the vector (x1..xN, y1..yN) of a prepared trajectory.
 pub(super) const VECTOR: usize = 2 * POINTS;
 
-/// How many principal components count.
+/// How many principal components are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Components {
-    /// The fewest whose share of the total variance reaches this fraction, more than 0 and at most 1.
+    /// The smallest number of components whose share of the total variance reaches this fraction, more than 0 and at most 1.
     Variance(f64),
-    /// This many, at least 1; all there are, if there are fewer.
+    /// This number of components, at least 1; all components if there are fewer.
     Count(usize),
 }
 
@@ -29,8 +29,7 @@ impl Default for Components {
 }
 
 impl Components {
-    /// How many of the components with these shares of the variance count.
-    /// Checks that at least one component and a share between 0 and 1 are asked for.
+    /// Checks that the number of components is at least 1, or that the share of the variance is between 0 and 1.
     ///
     /// # Errors
     /// 0 components, or a share that is not more than 0 and at most 1.
@@ -38,6 +37,7 @@ impl Components {
         self.kept(&[1.0]).map(|_| ())
     }
 
+    /// The number of components that are kept, from their shares of the variance.
     fn kept(self, ratio: &[f64]) -> Result<usize> {
         match self {
             Self::Count(0) => Err(Error::invalid("at least one component must be kept")
@@ -63,12 +63,12 @@ impl Components {
 
 /// Principal components of a set of prepared trajectories, each as the vector (x1..xN, y1..yN).
 ///
-/// A basis can be saved (serde) and used again, so that numbers of different comparisons can be compared;
+/// A basis can be saved (serde) and used again, so that scores of different comparisons can be compared;
 /// only the kept components are saved.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Basis {
     pub(super) mean_m: Vec<f64>,
-    /// Orthonormal, most variance first; at least `kept` of them.
+    /// The orthonormal components, sorted by decreasing variance; at least `kept` of them.
     pub(super) components: Vec<Vec<f64>>,
     pub(super) explained_variance_ratio: Vec<f64>,
     pub(super) kept: usize,
@@ -78,11 +78,11 @@ pub struct Basis {
 impl Basis {
     /// The principal components of `prepared`, centred.
     ///
-    /// Every trajectory given counts; leave out diverged ones and files given twice. The result is the same, bit
-    /// for bit, for the same trajectories in the same order.
+    /// Every given trajectory is used, so the caller leaves out diverged trajectories and duplicate files. The same
+    /// trajectories in the same order give a result with the same bits.
     ///
     /// # Errors
-    /// No trajectory, or a choice of components that makes no sense.
+    /// No trajectory, or an invalid choice of components.
     pub fn fit(prepared: &[&Prepared], components: Components) -> Result<Self> {
         if prepared.is_empty() {
             return Err(Error::invalid("a basis needs at least one trajectory"));
@@ -110,10 +110,10 @@ impl Basis {
         })
     }
 
-    /// The same components, another number of them kept.
+    /// The same basis with another number of kept components.
     ///
     /// # Errors
-    /// A choice that makes no sense, or more components than a saved basis holds.
+    /// An invalid choice, or more components than a saved basis holds.
     pub fn keeping(&self, components: Components) -> Result<Self> {
         let kept = components.kept(&self.explained_variance_ratio)?;
         if kept > self.components.len() {
@@ -129,18 +129,18 @@ impl Basis {
         })
     }
 
-    /// Number of components that count.
+    /// Number of kept components.
     pub fn kept(&self) -> usize {
         self.kept
     }
 
-    /// Number of trajectories that the basis was fitted on.
+    /// Number of trajectories to which the basis was fitted.
     pub fn trajectories(&self) -> usize {
         self.trajectories
     }
 
-    /// Share of every component (kept or not) in the TRUE total variance; sums to 1, or is empty when all
-    /// trajectories were equal.
+    /// Share of every component (kept or not) in the total variance of all components; the shares sum to 1, or there are none
+    /// if all trajectories were equal.
     pub fn explained_variance_ratio(&self) -> &[f64] {
         &self.explained_variance_ratio
     }
@@ -157,12 +157,13 @@ impl Basis {
             .collect()
     }
 
-    /// ‖c_a − c_b‖₂ / √N, metres. With all components it equals the root mean square distance of the points.
+    /// The discrepancy ‖c_a − c_b‖₂ / √N of two trajectories with the coefficients c and N points, metres. With all components it equals
+    /// the root mean square distance of the points.
     pub fn discrepancy_m(&self, a: &Prepared, b: &Prepared) -> f64 {
         self.discrepancy_with_m(self.kept, a, b)
     }
 
-    /// [`Basis::discrepancy_m`] with the first `count` components (all there are, if fewer).
+    /// [`Basis::discrepancy_m`] with the first `count` components (all components if there are fewer).
     pub fn discrepancy_with_m(&self, count: usize, a: &Prepared, b: &Prepared) -> f64 {
         let difference = difference(a, b);
         let sum: f64 = self
@@ -174,10 +175,10 @@ impl Basis {
         (sum / POINTS as f64).sqrt()
     }
 
-    /// The first two components: of `known` where it holds two, else of `paths`; `None` where there are fewer.
+    /// A basis with the first two components: of `known` if it holds two, else fitted to `paths`; `None` if there are fewer than two.
     ///
     /// # Errors
-    /// No path at all.
+    /// No path.
     pub fn plane<'a>(
         known: Option<&Self>,
         paths: impl Iterator<Item = &'a Prepared>,
@@ -191,8 +192,8 @@ impl Basis {
         Ok((basis.kept == 2).then_some(basis))
     }
 
-    /// Where a path lies in the plane of the first two components, of which there must be two, in metres of root mean square
-    /// distance: two paths are at least as far apart as their dots.
+    /// The position of a path in the plane of the first two components, in metres of root mean square distance. The basis must have two
+    /// components. The distance of two paths is at least the distance of their points in this plane.
     pub fn in_plane_m(&self, prepared: &Prepared) -> (f64, f64) {
         let coefficients_m = self.coefficients_m(prepared);
         let at = |k: usize| coefficients_m.get(k).copied().unwrap_or(0.0) / (POINTS as f64).sqrt();
@@ -206,8 +207,8 @@ impl Basis {
 
     /// Share of each kept component in the squared distance of all points of `a` and `b`, from 0 to 1.
     ///
-    /// The first is mostly distance travelled, the others are shape; what is missing to 1 is what the kept
-    /// components do not see. All 0 for equal trajectories.
+    /// The first component is mostly the distance travelled, the others are the shape; the part missing to a sum of 1 lies outside of the
+    /// kept components. All shares are 0 for equal trajectories.
     pub fn shares(&self, a: &Prepared, b: &Prepared) -> Vec<f64> {
         let difference = difference(a, b);
         let total = dot(&difference, &difference);
@@ -223,15 +224,15 @@ impl Basis {
             .collect()
     }
 
-    /// A warning if the kept components see less than half of the squared distance of `a` and `b`.
+    /// A warning if the kept components contain less than half of the squared distance of `a` and `b`.
     pub(super) fn out_of_basis_warning(&self, a: &Prepared, b: &Prepared) -> Option<Warning> {
         let difference = difference(a, b);
         let total_m2 = dot(&difference, &difference) / POINTS as f64;
         let seen_m2 = self.discrepancy_m(a, b).powi(2);
-        // Below a nanometre nothing is missed.
+        // A distance below a nanometre gives no warning.
         (total_m2 > 1e-18 && seen_m2 < 0.5 * total_m2).then(|| {
             Code::ComponentsMissDifference.warning(format!(
-                "the {} kept components see {:.0} % of the squared distance: the discrepancy understates it",
+                "the {} kept components contain {:.0} % of the squared distance, so the discrepancy is too small",
                 self.kept,
                 100.0 * seen_m2 / total_m2
             ))
@@ -258,7 +259,7 @@ pub(super) fn difference(a: &Prepared, b: &Prepared) -> [f64; VECTOR] {
     difference
 }
 
-/// Sum of products; four running sums, so that the processor need not wait for each addition.
+/// Dot product with four running sums, so that the processor does not have to wait for each addition.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (a4, a_rest) = a.as_chunks::<4>();
     let (b4, b_rest) = b.as_chunks::<4>();
@@ -275,16 +276,16 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 /// Left singular vectors of a matrix whose columns are centred trajectories, most variance first, and their
 /// shares of the total variance; directions without variance are left out.
 ///
-/// Not nalgebra's SVD: on tables of three centred trajectories version 0.35 was wrong by up to 4 % (docs/design.md).
-/// The eigenvectors of the symmetric product are orthonormal to the last digit whatever the rank; that small
-/// singular values lose digits in the product does not matter, since they are measured again on the matrix.
+/// The SVD of nalgebra is not used: on tables of three centred trajectories, version 0.35 was wrong by up to 4 % (docs/design.md).
+/// The eigenvectors of the symmetric product are orthonormal to the last digit for any rank. Small singular values lose digits in
+/// the product, but this does not matter, because the variances are computed again from the matrix.
 fn principal(centred: &DMatrix<f64>) -> (Vec<Vec<f64>>, Vec<f64>) {
     let total = centred.norm_squared();
     if total <= 0.0 {
         return (Vec::new(), Vec::new());
     }
     let (rows, columns) = centred.shape();
-    // Fewer trajectories than dimensions: an orthonormal basis of their span makes the product small.
+    // With fewer trajectories than dimensions, an orthonormal basis of their span makes the product small.
     let (span, reduced) = if columns < rows {
         let (q, r) = centred.clone().qr().unpack();
         (Some(q), Cow::Owned(r))
@@ -298,10 +299,10 @@ fn principal(centred: &DMatrix<f64>) -> (Vec<Vec<f64>>, Vec<f64>) {
         .map(|column| column.norm_squared())
         .zip(0..)
         .collect();
-    // Stable, so that equal variances keep their order and the result is reproducible.
+    // The sort is stable, so that equal variances keep their order and the result is reproducible.
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
     let negligible = (rows.max(columns) as f64 * f64::EPSILON).powi(2) * found[0].0;
-    // Centring takes one dimension away.
+    // Centring removes one dimension.
     found.truncate(columns - 1);
     found.retain(|(variance, _)| *variance > negligible);
     found
@@ -312,7 +313,7 @@ fn principal(centred: &DMatrix<f64>) -> (Vec<Vec<f64>>, Vec<f64>) {
                 Some(span) => span * vector,
                 None => vector.into_owned(),
             };
-            // The sign of a component means nothing; fixed, so that saved bases can be compared.
+            // The sign of a component has no meaning; it is fixed by a rule, so that saved bases can be compared.
             let sign = if direction[direction.icamax()] < 0.0 {
                 -1.0
             } else {

@@ -1,12 +1,12 @@
-//! `pca-cluster`: each trajectory as one cloud of points.
+//! The metric `pca-cluster`, which compares the principal spreads of two trajectories as clouds of points.
 
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use realgap_core::constant_methods;
 use realgap_core::error::Result;
 use realgap_core::unit::Unit;
 
-/// Distance of the clouds' spreads, metres: ‖C_a^½ − C_b^½‖_F, C the 2×2 population covariance of the prepared
-/// points (paper 003, section 2.2: "a trajectory as a cluster of data points").
+/// Distance of the spreads of two clouds of points, metres: ‖C_a^½ − C_b^½‖_F, where C is the 2×2 population covariance of the
+/// prepared points (paper 003, section 2.2: "a trajectory as a cluster of data points").
 #[derive(Debug, Clone, Copy)]
 pub struct PcaCluster;
 
@@ -28,10 +28,10 @@ impl Metric for PcaCluster {
     }
 }
 
-/// C^½ as (xx, xy, yy), metres.
+/// The matrix square root C^½ as (xx, xy, yy), metres.
 ///
-/// The spread along each principal axis is measured on the points themselves: the roots of C's eigenvalues would lose
-/// half the digits of the smaller one.
+/// The spread along each principal axis is computed from the points themselves, because the square roots of the eigenvalues of C would lose
+/// half of the digits of the smaller spread.
 fn root_covariance(points_m: &[[f64; 2]]) -> [f64; 3] {
     let n = points_m.len() as f64;
     let (sx, sy) = points_m

@@ -1,6 +1,6 @@
-//! Absolute and relative pose error, translation part, as evo 1.38 computes them.
+//! Absolute and relative pose error (translation part), as evo 1.38 computes them.
 //!
-//! Unlike the other metrics these see the height: it is used where both trajectories recorded it.
+//! Unlike the other metrics, these include the height if both trajectories have it.
 
 use nalgebra::{Matrix3, Matrix4, Quaternion, SymmetricEigen, UnitQuaternion, Vector3};
 
@@ -19,7 +19,7 @@ impl Metric for Ape {
         name: &'static str = "ape";
         column: &'static str = "ape_rmse_m";
         unit: Unit = Unit::Metre;
-        doc: &'static str = "evo's absolute pose error, translation part, RMSE (with height, where both have it)";
+        doc: &'static str = "evo's absolute pose error, translation part, RMSE (with height, if both have it)";
         needs: Needs = Needs::POINTS;
     }
 
@@ -33,9 +33,9 @@ impl Metric for Ape {
 
 /// Absolute pose error (RMSE) after the best rigid alignment, metres (Umeyama 1991 without scale).
 ///
-/// The residual does not depend on where the trajectories started or headed, so the prepared points serve as well as the
-/// merely resampled ones. The rotation is the one of Horn (1987): the same optimum, always proper, and defined for
-/// straight lines and single points, too, where evo refuses.
+/// The residual does not depend on the start and the heading of the trajectories, so the prepared points give the same result as
+/// resampled points. The rotation is computed after Horn (1987): it is the same optimum, always a proper rotation, and also defined for
+/// straight lines and single points, which evo refuses.
 #[derive(Debug, Clone, Copy)]
 pub struct UmeyamaApe;
 
@@ -62,7 +62,7 @@ impl Metric for UmeyamaApe {
     }
 }
 
-/// The rotation R that maximises Σ p·R q for S = Σ q pᵀ: Horn's eigenvector of the largest eigenvalue.
+/// The rotation R that maximises Σ p·R q for S = Σ q pᵀ: the eigenvector of Horn's matrix with the largest eigenvalue.
 fn best_turn(s: &Matrix3<f64>) -> UnitQuaternion<f64> {
     #[rustfmt::skip]
     let horn = Matrix4::new(
@@ -78,7 +78,7 @@ fn best_turn(s: &Matrix3<f64>) -> UnitQuaternion<f64> {
 
 /// Relative pose error (RMSE) over single steps of the prepared trajectories, metres.
 ///
-/// Steps are seen from the body where both trajectories recorded orientation, as evo does; else from the heading.
+/// Steps are expressed in the body frame if both trajectories have orientations, as in evo; otherwise in the frame of the prepared path.
 #[derive(Debug, Clone, Copy)]
 pub struct Rpe;
 
@@ -112,7 +112,7 @@ impl Metric for Rpe {
     }
 }
 
-/// From every position to the next, metres.
+/// The steps from every position to the next, metres.
 fn steps_m(positions: impl Positions) -> impl Iterator<Item = Vector3<f64>> {
     let after = positions.clone().skip(1);
     after.zip(positions).map(|(after, before)| after - before)
@@ -121,7 +121,7 @@ fn steps_m(positions: impl Positions) -> impl Iterator<Item = Vector3<f64>> {
 trait Positions: ExactSizeIterator<Item = Vector3<f64>> + Clone {}
 impl<I: ExactSizeIterator<Item = Vector3<f64>> + Clone> Positions for I {}
 
-/// The prepared positions; height only where both have it.
+/// The prepared positions; the height is 0 unless both trajectories have it.
 fn positions_m<'a>(pair: &Pair<'a>) -> (impl Positions + use<'a>, impl Positions + use<'a>) {
     let (a, b) = (pair.real_prepared, pair.simulated_prepared);
     let both = a.z_m().is_some() && b.z_m().is_some();

@@ -1,4 +1,4 @@
-//! The metric of joint angles, which needs no pose at all.
+//! The metric `joints`, which compares joint angles and needs no poses.
 
 use std::f64::consts::TAU;
 
@@ -8,10 +8,10 @@ use realgap_core::constant_methods;
 use realgap_core::error::{Error, Result};
 use realgap_core::unit::Unit;
 
-/// Mean absolute error of the angles of the joints that both trajectories have, over every recorded sample, radians.
+/// Mean absolute error of the joint angles over all recorded samples, for the joints that both trajectories have, radians.
 ///
-/// No preparation: times count from each trajectory's own start, and the simulation is interpolated at the recorded times.
-/// Recorded samples after the end of the simulation are left out.
+/// The trajectories are not prepared: times are counted from each trajectory's own start, and the simulation is interpolated at the recorded
+/// times. Recorded samples after the end of the simulation are left out.
 #[derive(Debug, Clone, Copy)]
 pub struct Joints;
 
@@ -33,7 +33,7 @@ impl Metric for Joints {
         let times_s = pair.real.times_s();
         let each = (times_s.len() * joints.len()).div_ceil(most.max(1)).max(1);
         let mut at = Interpolator::new(pair.simulated);
-        // Not the start, which is the recording's own.
+        // The first sample is left out, because the simulation starts with the recorded angles.
         let samples = || (each / 2 + 1..times_s.len()).step_by(each);
         let mut errors = Vec::with_capacity(joints.len() * samples().count());
         for joint in &joints {
@@ -51,7 +51,7 @@ impl Metric for Joints {
     }
 }
 
-/// Joints that both have, by name.
+/// The joints that both trajectories have, matched by name.
 pub(super) fn common<'a>(
     real: &'a Trajectory,
     simulated: &'a Trajectory,
@@ -62,7 +62,8 @@ pub(super) fn common<'a>(
         .collect()
 }
 
-/// Mean absolute difference of joints at `since_start_s`, recorded sample number `sample`, radians, each within half a turn.
+/// Mean absolute difference of the joint angles at `since_start_s`, the time of the recorded sample with index `sample`, radians; each
+/// difference is wrapped to half a turn.
 pub(super) fn error_at_rad(
     joints: &[(&JointTrack, &JointTrack)],
     at: &mut Interpolator<'_>,
@@ -75,7 +76,7 @@ pub(super) fn error_at_rad(
     errors.sum::<f64>() / joints.len() as f64
 }
 
-/// Simulated angle minus recorded one, radians, within half a turn.
+/// Simulated angle minus recorded angle, radians, wrapped to half a turn.
 fn difference_rad(
     (recorded, simulated): &(&JointTrack, &JointTrack),
     at: &mut Interpolator<'_>,
@@ -86,18 +87,18 @@ fn difference_rad(
     error - TAU * (error / TAU).round()
 }
 
-/// How far one joint is off.
+/// The error of one joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointError {
     /// Name of the joint.
     pub name: String,
     /// Mean absolute error over the recorded samples, radians.
     pub mean_rad: f64,
-    /// Absolute error at the last of them, radians.
+    /// Absolute error at the last of these samples, radians.
     pub end_rad: f64,
 }
 
-/// The error of every joint that both have, over the recorded samples within the simulation.
+/// The error of every joint that both trajectories have, over the recorded samples within the simulation.
 pub fn joint_errors(real: &Trajectory, simulated: &Trajectory) -> Vec<JointError> {
     let times_s = real.times_s();
     let end_s = simulated.duration_s() * (1.0 + 1e-9) + 1e-9;
@@ -116,20 +117,20 @@ pub fn joint_errors(real: &Trajectory, simulated: &Trajectory) -> Vec<JointError
     joints.iter().map(error).collect()
 }
 
-/// A joint as it was recorded and as it was simulated, at the recorded samples.
+/// The recorded and the simulated angles of a joint at the recorded samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointSamples {
     /// Name of the joint.
     pub name: String,
-    /// Since the start of the recording, seconds.
+    /// Times since the start of the recording, seconds.
     pub times_s: Vec<f64>,
     /// Recorded angles, radians.
     pub recorded_rad: Vec<f64>,
-    /// Simulated angles, radians, each within half a turn of the recorded one.
+    /// Simulated angles, radians, each wrapped to within half a turn of the recorded angle.
     pub simulated_rad: Vec<f64>,
 }
 
-/// Every joint that both have, at the recorded samples within the simulation.
+/// The angles of every joint that both trajectories have, at the recorded samples within the simulation.
 pub fn joint_samples(real: &Trajectory, simulated: &Trajectory) -> Vec<JointSamples> {
     let times_s = real.times_s();
     let end_s = simulated.duration_s() * (1.0 + 1e-9) + 1e-9;
@@ -150,10 +151,10 @@ pub fn joint_samples(real: &Trajectory, simulated: &Trajectory) -> Vec<JointSamp
     common(real, simulated).iter().map(joint).collect()
 }
 
-/// Mean absolute error of the joints' angles, radians, and the number of recorded samples compared.
+/// Mean absolute error of the joint angles, radians, and the number of compared samples.
 ///
 /// # Errors
-/// No joint that both have.
+/// No joint that both trajectories have.
 pub fn joint_error_rad(real: &Trajectory, simulated: &Trajectory) -> Result<(f64, usize)> {
     let joints = common(real, simulated);
     if joints.is_empty() {
@@ -167,7 +168,7 @@ pub fn joint_error_rad(real: &Trajectory, simulated: &Trajectory) -> Result<(f64
         };
         return Err(Error::invalid("the trajectories have no joint in common")
             .found(format!("{}; {}", names(real), names(simulated)))
-            .allowed("a column NAME_rad for a hinge of that name"));
+            .allowed("a column NAME_rad for a hinge with the name NAME"));
     }
     let start_s = real.times_s()[0];
     let end_s = simulated.duration_s() * (1.0 + 1e-9) + 1e-9;

@@ -1,4 +1,4 @@
-//! What a metric is.
+//! The trait of metrics: distances between two trajectories, with what they need and what they return.
 
 use serde::Serialize;
 
@@ -12,9 +12,9 @@ use realgap_core::warning::{Code, Warning};
 /// Two trajectories to be compared, raw and prepared.
 #[derive(Debug, Clone, Copy)]
 pub struct Pair<'a> {
-    /// The recording (or whatever is the reference).
+    /// The reference, usually a recording.
     pub real: &'a Trajectory,
-    /// The simulation (or another recording).
+    /// The trajectory that is compared with the reference, usually a simulation.
     pub simulated: &'a Trajectory,
     /// `real`, prepared.
     pub real_prepared: &'a Prepared,
@@ -23,7 +23,7 @@ pub struct Pair<'a> {
 }
 
 impl<'a> Pair<'a> {
-    /// Two trajectories, each with what preparing has made of it.
+    /// Two trajectories, each with its prepared form.
     pub fn new(
         (real, real_prepared): (&'a Trajectory, &'a Prepared),
         (simulated, simulated_prepared): (&'a Trajectory, &'a Prepared),
@@ -37,36 +37,36 @@ impl<'a> Pair<'a> {
     }
 }
 
-/// What some metrics need besides the two trajectories.
+/// Data that some metrics need in addition to the two trajectories.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Context<'a> {
     /// Principal components of all trajectories of the comparison.
     pub basis: Option<&'a Basis>,
-    /// How recordings of the run differ.
+    /// The covariance of repeated recordings of the run.
     pub spread: Option<&'a Spread>,
-    /// Width of the robot, metres.
+    /// Body length of the robot, metres.
     pub body_length_m: Option<f64>,
 }
 
-/// What a metric cannot do without.
+/// The data that a metric needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Needs {
-    /// The prepared trajectories (all but `pose`).
+    /// The prepared trajectories (all metrics except `pose` and `joints`).
     pub preparation: bool,
-    /// [`Context::basis`].
+    /// The basis of principal components ([`Context::basis`]).
     pub basis: bool,
-    /// [`Context::spread`].
+    /// The covariance of repeated recordings ([`Context::spread`]).
     pub spread: bool,
     /// Orientations in both trajectories.
     pub orientation: bool,
-    /// [`Context::body_length_m`].
+    /// The body length of the robot ([`Context::body_length_m`]).
     pub body_length: bool,
     /// Joints in both trajectories.
     pub joints: bool,
 }
 
 impl Needs {
-    /// Only the prepared points.
+    /// A metric that needs only the prepared points.
     pub const POINTS: Self = Self {
         preparation: true,
         basis: false,
@@ -81,13 +81,13 @@ impl Needs {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Score {
-    /// The distance in `unit`, finite, 0 for equal trajectories.
+    /// The distance in `unit`; it is finite, and 0 for equal trajectories.
     pub value: f64,
     /// Unit of `value`.
     pub unit: Unit,
     /// Number of samples that were compared.
     pub samples: usize,
-    /// What the reader should know.
+    /// Warnings that the reader should know.
     pub warnings: Vec<Warning>,
 }
 
@@ -97,14 +97,14 @@ impl std::fmt::Display for Score {
     }
 }
 
-/// What [`Metric::measure`] returns.
+/// The result of [`Metric::measure`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurement {
     /// The distance in the metric's unit.
     pub value: f64,
     /// Number of samples that were compared.
     pub samples: usize,
-    /// What the reader should know.
+    /// Warnings that the reader should know.
     pub warnings: Vec<Warning>,
 }
 
@@ -121,48 +121,48 @@ impl Measurement {
 
 /// A distance between two trajectories. Implement [`Metric::measure`]; call [`Metric::compare`].
 ///
-/// Contract (a test runs over [`METRICS`](super::METRICS)): 0 for equal trajectories, never negative, finite, the same
-/// after turning both about z, and symmetric where [`Metric::is_symmetric`] says so.
+/// Contract, tested for all [`METRICS`](super::METRICS): the distance is 0 for equal trajectories, never negative, finite, unchanged
+/// if both trajectories are turned about z, and symmetric if [`Metric::is_symmetric`] says so.
 pub trait Metric: Sync {
     /// Name on the command line, e.g. `pca`.
     fn name(&self) -> &'static str;
-    /// Name as a column, with the unit, e.g. `pca_coefficients_m`.
+    /// Name of the column in tables, with the unit, e.g. `pca_coefficients_m`.
     fn column(&self) -> &'static str;
     /// Unit of the values.
     fn unit(&self) -> Unit;
-    /// One line for people.
+    /// Description of one line for people.
     fn doc(&self) -> &'static str;
-    /// What it cannot do without.
+    /// The data that the metric needs.
     fn needs(&self) -> Needs;
-    /// Whether exchanging the trajectories leaves the value.
+    /// True if the value stays the same when the two trajectories are exchanged.
     fn is_symmetric(&self) -> bool {
         true
     }
-    /// Whether the distance is made of the two parts that [`pose_errors`](super::pose_errors) tells apart, so that a
-    /// report can say how much of it is position and how much rotation.
+    /// True if the distance is the sum of the position and rotation parts of [`pose_errors`](super::pose_errors), so that a
+    /// report can state both parts.
     fn is_pose(&self) -> bool {
         false
     }
-    /// The distance; everything that [`Metric::needs`] names is present.
+    /// Computes the distance; the caller has made sure that everything in [`Metric::needs`] is present.
     ///
     /// # Errors
     /// Trajectories that this metric cannot compare.
     fn measure(&self, pair: &Pair<'_>, context: &Context<'_>) -> Result<Measurement>;
 
-    /// Single errors whose sizes make the distance, about `most` of them and as many for every run, in an order in which neighbours
-    /// are alike: what least squares look at. `None`: it is not made of any.
+    /// The single errors (residuals) from which the distance is computed, for least squares: about `most` residuals, the same number for every
+    /// run, in an order in which neighbouring residuals are similar. `None` for a metric that has no residuals.
     ///
     /// # Errors
-    /// As [`Metric::measure`].
+    /// The same as of [`Metric::measure`].
     fn errors(&self, pair: &Pair<'_>, most: usize) -> Result<Option<Vec<f64>>> {
         let _ = (pair, most);
         Ok(None)
     }
 
-    /// The distance, with the warnings of the preparation where it was used.
+    /// Checks the needs, computes the distance, and adds the warnings of the preparation if it was used.
     ///
     /// # Errors
-    /// Something is missing that the metric needs, or the distance is not a finite number.
+    /// Data that the metric needs are missing, or the distance is not a finite number.
     fn compare(&self, pair: &Pair<'_>, context: &Context<'_>) -> Result<Score> {
         let needs = self.needs();
         check_needs(self.name(), needs, pair, context)?;
@@ -188,7 +188,7 @@ pub trait Metric: Sync {
     }
 }
 
-/// Preparation maps whatever was recorded onto 182 points, so that a run half as long looks half as fast.
+/// A warning if the durations differ: preparation maps every run onto 182 points, so a run of half the duration looks half as fast.
 fn different_durations(pair: &Pair<'_>) -> Option<Warning> {
     let (real_s, simulated_s) = (pair.real.duration_s(), pair.simulated.duration_s());
     let differ = (real_s - simulated_s).abs() > 0.01 * real_s.max(simulated_s);
@@ -212,13 +212,13 @@ fn check_needs(name: &str, needs: Needs, pair: &Pair<'_>, context: &Context<'_>)
     if needs.basis && context.basis.is_none() {
         return refuse(
             "a basis of principal components",
-            "fit one with Basis::fit on all trajectories of the comparison",
+            "fit a basis with Basis::fit on all trajectories of the comparison",
         );
     }
     if needs.spread && context.spread.is_none() {
         return refuse(
-            "the spread of reality",
-            "take it from repeats of the real run with Spread::of; in a study they are its recordings",
+            "the spread of repeated recordings",
+            "compute it from repeats of the real run with Spread::of; in a study these are its recordings",
         );
     }
     if needs.body_length
@@ -229,7 +229,7 @@ fn check_needs(name: &str, needs: Needs, pair: &Pair<'_>, context: &Context<'_>)
         return refuse("the body length of the robot", "it must be more than 0 m");
     }
     if needs.joints && (pair.real.joints().is_empty() || pair.simulated.joints().is_empty()) {
-        return refuse("joints", "columns NAME_rad in both");
+        return refuse("joints", "give both trajectories columns NAME_rad");
     }
     if needs.orientation {
         for (which, trajectory) in [("reference", pair.real), ("other", pair.simulated)] {

@@ -1,6 +1,6 @@
-//! How far two trajectories are apart: metrics with units, and the table of all of them.
+//! Distances between two trajectories: metrics with units, and tables of several metrics.
 //!
-//! Simulated or recorded makes no difference here: real against real is the noise floor. A new metric
+//! A trajectory may be simulated or recorded; the distance between two recordings of one run is the noise floor. A new metric
 //! is one new file that implements [`Metric`] and one line in [`METRICS`].
 
 mod basis;

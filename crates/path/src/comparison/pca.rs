@@ -1,4 +1,4 @@
-//! `pca`, the default metric: distance in the space of principal components.
+//! The default metric `pca`: distance of the coefficients of principal components.
 
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use crate::trajectory::POINTS;
@@ -6,7 +6,7 @@ use realgap_core::constant_methods;
 use realgap_core::error::{Error, Result};
 use realgap_core::unit::Unit;
 
-/// ‖c_real − c_sim‖₂ / √N, metres, with the coefficients of [`Context::basis`] (paper 003, section 2.2, step 4).
+/// ‖c_real − c_sim‖₂ / √N, metres, where c are the coefficients in [`Context::basis`] (paper 003, section 2.2, step 4).
 #[derive(Debug, Clone, Copy)]
 pub struct Pca;
 

@@ -1,4 +1,4 @@
-//! Metrics that compare the n-th point with the n-th point.
+//! Metrics that compare points of the same index: `displacement` and `rms`.
 
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use realgap_core::constant_methods;
@@ -7,7 +7,7 @@ use realgap_core::unit::Unit;
 
 use crate::trajectory::rms_m;
 
-/// Difference of the net displacements, metres: the error of the distance travelled (paper 003's fitness).
+/// Absolute difference of the net displacements, metres: the error of the distance travelled (the fitness of paper 003).
 #[derive(Debug, Clone, Copy)]
 pub struct Displacement;
 

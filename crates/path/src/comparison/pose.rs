@@ -1,4 +1,4 @@
-//! Metrics that see orientation: `rotation` on prepared trajectories, `pose` on the recorded samples.
+//! Metrics that include orientation: `rotation` on prepared trajectories, `pose` on the recorded samples.
 
 use serde::Serialize;
 
@@ -43,8 +43,8 @@ impl Metric for Rotation {
 
 /// Mean position error / body length + mean rotation error in radians + mean joint error in radians, over every recorded sample.
 ///
-/// No preparation: both run from their own start time in the same world frame; the simulation is interpolated at
-/// the recorded times. See [`pose_errors`] for the parts.
+/// The trajectories are not prepared: both are counted from their own start time in the same world frame, and the simulation is
+/// interpolated at the recorded times. See [`pose_errors`] for the parts.
 #[derive(Debug, Clone, Copy)]
 pub struct Pose;
 
@@ -53,7 +53,7 @@ impl Metric for Pose {
         name: &'static str = "pose";
         column: &'static str = "pose";
         unit: Unit = Unit::One;
-        doc: &'static str = "mean position error / body length + mean errors of rotation and of joints (where both have them) in radians, over every recorded sample";
+        doc: &'static str = "mean position error / body length + mean errors of rotation and of joints (if both have them) in radians, over every recorded sample";
         needs: Needs = Needs {
             preparation: false,
             basis: false,
@@ -77,7 +77,7 @@ impl Metric for Pose {
     }
 }
 
-/// How far a simulated pose is from the recorded one, on average and at the end.
+/// The errors of simulated poses against the recorded poses, on average and at the end.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PoseErrors {
@@ -85,17 +85,17 @@ pub struct PoseErrors {
     pub position_fraction_mean: f64,
     /// Mean rotation error, radians.
     pub rotation_rad_mean: f64,
-    /// Mean error of the joints that both trajectories have, radians, within half a turn; `None` without any.
+    /// Mean error of the joints that both trajectories have, radians, each wrapped to half a turn; `None` if there are no such joints.
     pub joint_rad_mean: Option<f64>,
     /// Position error at the last compared sample, as a fraction of the body length.
     pub position_fraction_final: f64,
     /// Rotation error at the last compared sample, radians.
     pub rotation_rad_final: f64,
-    /// Mean error of the joints at the last compared sample, radians.
+    /// Mean error of the joints at the last compared sample, radians; `None` if there are no such joints.
     pub joint_rad_final: Option<f64>,
     /// Number of recorded samples that were compared.
     pub samples: usize,
-    /// `shorter-simulation`, if it ended before the recording.
+    /// The warning `shorter-simulation`, if the simulation ended before the recording.
     pub warnings: Vec<Warning>,
 }
 
@@ -108,8 +108,9 @@ impl PoseErrors {
 
 /// Position and rotation errors of `simulated` at every sample time of `real`.
 ///
-/// Joints are compared by name; those that only one of the two has are left out. Times count from each trajectory's own start. Positions are compared in all three dimensions, or in the x-y plane if
-/// either trajectory is planar. Recorded samples after the end of the simulation are left out, with a warning.
+/// Joints are compared by name; joints that only one trajectory has are left out. Times are counted from each trajectory's own start.
+/// Positions are compared in all three dimensions, or in the x-y plane if either trajectory is planar. Recorded samples after the end of
+/// the simulation are left out, with a warning.
 ///
 /// # Errors
 /// Missing orientations, or a body length that is not a positive number of metres.
@@ -135,7 +136,7 @@ pub fn pose_errors(
     };
     let planar = real.is_planar() || simulated.is_planar();
     let start_s = real.times_s()[0];
-    // Sums of timesteps miss the recorded end by rounding; that is not a shorter simulation.
+    // The sum of timesteps may differ from the recorded end by rounding; such a simulation does not count as shorter.
     let end_s = simulated.duration_s() * (1.0 + 1e-9) + 1e-9;
     let mut at = Interpolator::new(simulated);
     let (mut position_sum_m, mut rotation_sum_rad) = (0.0, 0.0);

@@ -1,4 +1,4 @@
-//! The metrics by name.
+//! The registry of all metrics, and look-up by name.
 
 use super::cluster::PcaCluster;
 use super::evo::{Ape, Rpe, UmeyamaApe};
@@ -13,7 +13,7 @@ use super::whitened::PcaWhitened;
 use realgap_core::error::Result;
 use realgap_core::file::look_up;
 
-/// Name of the metric that is used unless another is asked for.
+/// Name of the metric that is used by default.
 pub const DEFAULT_METRIC: &str = "pca";
 
 /// Every known metric; the first is the default.
@@ -35,7 +35,7 @@ pub const METRICS: &[&dyn Metric] = &[
     &Joints,
 ];
 
-/// The metric called `name`.
+/// The metric with this `name`.
 ///
 /// ```
 /// use realgap_path::comparison::by_name;
@@ -46,7 +46,7 @@ pub const METRICS: &[&dyn Metric] = &[
 /// ```
 ///
 /// # Errors
-/// An unknown name; the error lists the known ones.
+/// An unknown name; the error lists the known names.
 pub fn by_name(name: &str) -> Result<&'static dyn Metric> {
     look_up("metric", name, METRICS.iter().copied(), |metric| {
         metric.name()

@@ -1,4 +1,4 @@
-//! `shape`: what two paths differ in besides how far they lead.
+//! The metric `shape`: the distance of two paths without the difference in the distance travelled.
 
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use crate::trajectory::{POINTS, Prepared};
@@ -6,9 +6,9 @@ use realgap_core::constant_methods;
 use realgap_core::error::Result;
 use realgap_core::unit::Unit;
 
-/// Root mean square distance, metres, of what remains of each path when the straight, uniform walk from its first to its last
-/// point is taken away. Together with [`Displacement`](super::Displacement) it parts the distance into fitness, as the
-/// papers call the distance travelled (paper 003, figure 2), and shape.
+/// Root mean square distance, metres, of the remainders of two paths after the uniform straight motion from the first to the last
+/// point is subtracted from each. Together with [`Displacement`](super::Displacement) it separates the distance into shape and fitness, as
+/// the papers call the distance travelled (paper 003, figure 2).
 #[derive(Debug, Clone, Copy)]
 pub struct Shape;
 
@@ -17,7 +17,7 @@ impl Metric for Shape {
         name: &'static str = "shape";
         column: &'static str = "shape_m";
         unit: Unit = Unit::Metre;
-        doc: &'static str = "distance of what remains of each path without its straight walk from start to end";
+        doc: &'static str = "distance of the paths without their straight motion from start to end";
         needs: Needs = Needs::POINTS;
     }
 
@@ -34,7 +34,7 @@ impl Metric for Shape {
     }
 }
 
-/// The path minus the straight walk to its end.
+/// The path minus the uniform straight motion from its start to its end.
 fn remainder(prepared: &Prepared) -> impl Iterator<Item = [f64; 2]> + '_ {
     let xy_m = prepared.xy_m();
     let end = xy_m[POINTS - 1];

@@ -1,4 +1,4 @@
-//! A basis as it is written to disk, checked when it comes back.
+//! The file format of a saved basis, which is checked when it is read.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -6,21 +6,21 @@ use super::basis::{Basis, VECTOR, dot};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{SCHEMA_VERSION, Source};
 
-/// The kept part of a [`Basis`].
+/// The saved part of a [`Basis`]: its kept components.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SavedBasis {
-    /// Version of the form; files without it are of the first.
+    /// Version of the format; a file without it has version 1.
     #[serde(default = "first_form")]
     schema_version: u32,
-    /// Number of trajectories that it was fitted on.
+    /// Number of trajectories to which the basis was fitted.
     trajectories: usize,
     /// Share of the variance that each component explains.
     explained_variance_ratio: Vec<f64>,
-    /// The mean trajectory: x of all points, then y, metres.
+    /// The mean trajectory: x of all points, then y of all points, metres.
     mean_m: Vec<f64>,
-    /// The components that are kept, each as long as the mean.
+    /// The kept components; each has as many numbers as the mean.
     components: Vec<Vec<f64>>,
 }
 
@@ -29,10 +29,10 @@ fn first_form() -> u32 {
 }
 
 impl Basis {
-    /// A basis as JSON: `basis.json` of a results folder, or what `realgap compare` was told to save.
+    /// Parses a basis from JSON: `basis.json` of a results folder, or a basis that `realgap compare` has saved.
     ///
     /// # Errors
-    /// A text that is no such basis.
+    /// A text that is not a saved basis.
     pub fn parse(source: &Source) -> Result<Self> {
         serde_json::from_str(source.text()).map_err(|e| {
             Error::invalid(format!("not a saved basis: {e}"))

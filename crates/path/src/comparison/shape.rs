@@ -1,4 +1,4 @@
-//! Metrics that compare shapes, whatever the timing: Hausdorff, Fréchet, dynamic time warping.
+//! Metrics that compare the shapes of paths without their timing: Hausdorff, Fréchet, dynamic time warping.
 
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use super::pointwise::squared;
@@ -6,7 +6,7 @@ use realgap_core::constant_methods;
 use realgap_core::error::Result;
 use realgap_core::unit::Unit;
 
-/// Symmetric Hausdorff distance of the prepared points, metres: the farthest that any point of one path is from
+/// Symmetric Hausdorff distance of the prepared points, metres: the largest distance of any point of one path from
 /// the other path.
 #[derive(Debug, Clone, Copy)]
 pub struct Hausdorff;
@@ -16,13 +16,13 @@ impl Metric for Hausdorff {
         name: &'static str = "hausdorff";
         column: &'static str = "hausdorff_m";
         unit: Unit = Unit::Metre;
-        doc: &'static str = "farthest that any point of one path is from the other path";
+        doc: &'static str = "largest distance of any point of one path from the other path";
         needs: Needs = Needs::POINTS;
     }
 
     fn measure(&self, pair: &Pair<'_>, _: &Context<'_>) -> Result<Measurement> {
         let (a, b) = points(pair);
-        // One pass fills both directions: the row minimum for a, the column minima for b.
+        // One pass computes both directions: the row minimum for a, the column minima for b.
         let mut nearest_to_b = vec![f64::INFINITY; b.len()];
         let mut farthest: f64 = 0.0;
         for p in a {
@@ -106,13 +106,13 @@ fn warp(
     distance: impl Fn([f64; 2], [f64; 2]) -> f64,
     join: impl Fn(f64, f64) -> f64,
 ) -> f64 {
-    // `row[j + 1]` is the cell of b[j] in the row above; `row[0]` lies outside the table.
+    // `row[j + 1]` is the cell of b[j] in the row above; `row[0]` is outside of the table.
     let mut row = vec![f64::INFINITY; b.len() + 1];
     let mut distances = vec![0.0; b.len()];
     // The start costs nothing, and only the first cell can be reached from it.
     row[0] = 0.0;
     for p in a {
-        // Separate, so that the compiler can compute several distances at once.
+        // The distances have a loop of their own, so that the compiler can vectorise it.
         for (d, q) in distances.iter_mut().zip(b) {
             *d = distance(*p, *q);
         }

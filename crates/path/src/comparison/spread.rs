@@ -1,24 +1,24 @@
-//! How recordings of one and the same run differ: the yardstick of `pca-whitened`.
+//! The regularised covariance of repeated recordings of a run, with the Mahalanobis distance of the metric `pca-whitened`.
 
 use super::basis::{Basis, Components, VECTOR, difference, dot};
 use crate::trajectory::Prepared;
 use realgap_core::error::{Error, Result};
 
-/// What a tracker adds to every coordinate, metres (one standard deviation), on top of how the recordings differ: no
-/// direction is better known than that.
+/// Standard deviation of the tracker's noise in every coordinate, metres. It is added to the covariance of the recordings, so that no
+/// direction has a smaller variance than the tracker's.
 pub const TRACKER_NOISE_M: f64 = 1e-3;
 
-/// Covariance of prepared recordings of the same run, regularised, as a ruler for differences.
+/// Regularised covariance of prepared recordings of the same run, by which differences are scaled.
 ///
-/// With S the covariance of the vectors (x1..xN, y1..yN) about their mean, p their length and µ = tr S / p, the ruler is
-/// C = (1 − α) S + (α µ + σ²) I: shrunk towards equal variances by the oracle approximating share α (Chen, Wiesel, Eldar and
-/// Hero 2010, eq. 23, in the form of scikit-learn), since a handful of recordings say nothing of most directions, plus the
-/// variance σ² of the tracker ([`TRACKER_NOISE_M`]).
+/// With S the covariance of the vectors (x1..xN, y1..yN) about their mean, p their length and µ = tr S / p, the regularised covariance is
+/// C = (1 − α) S + (α µ + σ²) I. It is shrunk towards equal variances by the oracle approximating share α (Chen, Wiesel, Eldar and
+/// Hero 2010, eq. 23, in the form of scikit-learn), because a few recordings do not determine the variance in most directions; and the
+/// variance σ² of the tracker ([`TRACKER_NOISE_M`]) is added.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spread {
-    /// Directions in which the recordings differ, orthonormal.
+    /// The orthonormal directions in which the recordings differ.
     directions: Vec<Vec<f64>>,
-    /// Variance of C along each of them, m².
+    /// Variance of C along each of these directions, m².
     along_m2: Vec<f64>,
     /// Variance of C in every other direction, m².
     elsewhere_m2: f64,
@@ -28,13 +28,13 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// The spread of these recordings.
+    /// The regularised covariance of these recordings.
     ///
     /// # Errors
     /// Fewer than two recordings, or recordings that do not differ.
     pub fn of(recordings: &[&Prepared]) -> Result<Self> {
         let few = |found: String| {
-            Error::invalid("the spread of reality needs recordings that differ")
+            Error::invalid("the spread of repeated recordings needs recordings that differ")
                 .field("recordings")
                 .found(found)
                 .allowed("at least two repeats of the same run")
@@ -60,7 +60,7 @@ impl Spread {
             .iter()
             .map(|variance| (1.0 - shrinkage) * variance + elsewhere_m2)
             .collect();
-        // Two draws differ by twice the unbiased variance, in each direction.
+        // The expected squared difference of two draws is twice the unbiased variance, in each direction.
         let unbiased = n as f64 / (n - 1) as f64;
         let of_two_recordings = variances_m2
             .iter()
@@ -76,8 +76,8 @@ impl Spread {
         })
     }
 
-    /// The Mahalanobis distance (d' C⁻¹ d)^½ of two paths, over the root mean square of that between two of the recordings: 1
-    /// is as far apart as two recordings are. Dimensionless.
+    /// The Mahalanobis distance (d' C⁻¹ d)^½ of two paths, divided by the root mean square of this distance between two recordings: 1
+    /// means the typical distance of two recordings. Dimensionless.
     pub fn distance(&self, a: &Prepared, b: &Prepared) -> f64 {
         let difference = difference(a, b);
         let mut rest_m2 = dot(&difference, &difference);
@@ -91,7 +91,7 @@ impl Spread {
         (squared / self.of_two_recordings).sqrt()
     }
 
-    /// The same spread of lengths that are `factor` times as long.
+    /// The same covariance for lengths that are multiplied by `factor`.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         let squared = factor * factor;
@@ -108,7 +108,7 @@ impl Spread {
     }
 }
 
-/// The oracle approximating share, from the eigenvalues of S that are not 0 and the number of recordings.
+/// The oracle approximating share of shrinkage, from the nonzero eigenvalues of S and the number of recordings.
 fn shrinkage(variances_m2: &[f64], n: usize) -> f64 {
     let p = VECTOR as f64;
     let mean_square: f64 = variances_m2.iter().map(|v| v * v).sum::<f64>() / (p * p);

@@ -1,4 +1,4 @@
-//! Several trajectories against one reference: a row each, a column a metric.
+//! A table that compares several trajectories with one reference: one row per trajectory, one column per metric.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use crate::trajectory::{Prepared, Recording, prepare};
 use realgap_core::unit::{LengthUnit, Unit, number};
 use realgap_core::warning::{Code, Warning};
 
-/// One trajectory against the reference. Written (serde) as one flat object, whose keys are the names of the fields and
+/// The comparison of one trajectory with the reference. It is serialised as one flat object, whose keys are the names of the fields and
 /// the columns of the metrics.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -20,20 +20,20 @@ pub struct Row {
     pub trajectory: String,
     /// Name of the reference.
     pub reference: String,
-    /// Distance from its first to its last point.
+    /// Distance from the first to the last point of the trajectory, metres.
     pub net_displacement_m: f64,
     /// Number of components kept for the metric `pca`.
     pub pca_components: usize,
-    /// Metric `pca` with 4 components (all there are, if fewer).
+    /// Metric `pca` with 4 components (all components if there are fewer).
     pub pca_4_coefficients_m: f64,
-    /// One distance a metric, in the order asked for.
+    /// One distance per metric, in the order of the metrics.
     #[serde(flatten, serialize_with = "as_columns")]
     #[cfg_attr(
         feature = "schema",
         schemars(with = "std::collections::BTreeMap<String, f64>")
     )]
     pub distances: Vec<Distance>,
-    /// What the reader should know; not a column.
+    /// Warnings that the reader should know; they are not a column.
     #[serde(skip)]
     pub warnings: Vec<Warning>,
 }
@@ -41,16 +41,16 @@ pub struct Row {
 /// A distance in the column of its metric.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Distance {
-    /// [`Metric::column`].
+    /// Name of the column ([`Metric::column`]).
     pub column: &'static str,
     /// The distance in `unit`.
     pub value: f64,
-    /// [`Metric::unit`].
+    /// Unit of the distance ([`Metric::unit`]).
     pub unit: Unit,
 }
 
 impl Row {
-    /// The distance in this column; `None` where no metric of the row has it.
+    /// The distance in this column; `None` if no metric of the row has this column.
     pub fn distance(&self, column: &str) -> Option<f64> {
         let found = self.distances.iter().find(|d| d.column == column);
         found.map(|distance| distance.value)
@@ -61,7 +61,7 @@ fn as_columns<S: Serializer>(distances: &[Distance], serializer: S) -> Result<S:
     serializer.collect_map(distances.iter().map(|d| (d.column, d.value)))
 }
 
-/// The metrics that need nothing but positions, in the order of [`METRICS`]: those of `realgap compare --metric all`.
+/// The metrics that need only positions, in the order of [`METRICS`]: the metrics of `realgap compare --metric all`.
 pub fn position_metrics() -> Vec<&'static dyn Metric> {
     let mut metrics = METRICS.to_vec();
     metrics.retain(|metric| {
@@ -71,15 +71,15 @@ pub fn position_metrics() -> Vec<&'static dyn Metric> {
     metrics
 }
 
-/// How much larger a path is whose file is in another unit than those of the others, by more than robots differ.
+/// Ratios of the sizes of two paths that suggest another unit of length in one of the files; robots themselves differ less.
 const ANOTHER_UNIT: [(std::ops::Range<f64>, LengthUnit); 2] = [
     (50.0..200.0, LengthUnit::Centimetre),
     (300.0..3000.0, LengthUnit::Millimetre),
 ];
-/// What goes no farther is at rest, and says nothing of units, metres.
+/// A path with a smaller extent is at rest, and gives no information about units, metres.
 const STILL_M: f64 = 1e-4;
 
-/// Recordings prepared together, with the basis of all of them.
+/// A reference and other recordings, all prepared, with a basis fitted to all of them.
 #[derive(Debug, Clone)]
 pub struct Comparison<'a> {
     reference: &'a Recording,
@@ -92,11 +92,11 @@ pub struct Comparison<'a> {
 impl<'a> Comparison<'a> {
     /// Prepares the recordings and fits the basis on all of them.
     ///
-    /// The reference belongs to the basis; a recording given twice (the same file and group, or the same samples)
-    /// counts once.
+    /// The reference is included in the fit; a recording that is given twice (the same file and group, or the same samples)
+    /// is used once.
     ///
     /// # Errors
-    /// A recording that cannot be prepared, or a choice of components that makes no sense.
+    /// A recording that cannot be prepared, or an invalid choice of components.
     pub fn new(
         reference: &'a Recording,
         others: &'a [Recording],
@@ -136,13 +136,13 @@ impl<'a> Comparison<'a> {
         })
     }
 
-    /// The same with a basis that was fitted elsewhere.
+    /// The same comparison with another basis, e.g. a saved one.
     #[must_use]
     pub fn with_basis(self, basis: Basis) -> Self {
         Self { basis, ..self }
     }
 
-    /// The basis of all distinct recordings, or the one given.
+    /// The basis: fitted to all distinct recordings, or given by [`Comparison::with_basis`].
     pub fn basis(&self) -> &Basis {
         &self.basis
     }
@@ -157,7 +157,7 @@ impl<'a> Comparison<'a> {
         &self.others_prepared
     }
 
-    /// What the reader should know of all of them together: paths whose sizes look like different units of length.
+    /// Warnings about paths whose sizes suggest different units of length.
     pub fn warnings(&self) -> Vec<Warning> {
         let extent_m = |recording: &Recording| recording.trajectory.extent_m();
         let reference_m = extent_m(self.reference);
@@ -169,7 +169,7 @@ impl<'a> Comparison<'a> {
             let ends = (&other.name, &self.reference.name);
             let (larger, smaller) = if factor > 1.0 { ends } else { (ends.1, ends.0) };
             Some(Code::UnlikelyLength.warning(format!(
-                "{larger} goes {} times as far as {smaller}: if it is in {unit}, read it with `length: \"{}\"`",
+                "{larger} goes {} times as far as {smaller}: if its lengths are in {unit}, read it with `length: \"{}\"`",
                 number(size),
                 unit.symbol()
             )))
@@ -177,7 +177,7 @@ impl<'a> Comparison<'a> {
         unlike.collect()
     }
 
-    /// Pair number `index`: the reference and one of the others; `None` beyond the last.
+    /// The pair of the reference and the other recording with this index; `None` beyond the last.
     pub fn pair(&self, index: usize) -> Option<Pair<'_>> {
         Some(Pair {
             real: &self.reference.trajectory,
@@ -187,10 +187,10 @@ impl<'a> Comparison<'a> {
         })
     }
 
-    /// One row per other recording, in the order given; a column for each of the metrics, e.g. [`position_metrics`].
+    /// One row per other recording, in the given order, with a column for each of the metrics, e.g. [`position_metrics`].
     ///
     /// # Errors
-    /// A metric that needs more than the two motions and their basis, or a distance that is not a finite number.
+    /// A metric that needs more than the two trajectories and their basis, or a distance that is not a finite number.
     pub fn rows(&self, metrics: &[&dyn Metric]) -> realgap_core::Result<Vec<Row>> {
         let pairs = (0..self.others.len()).filter_map(|index| self.pair(index));
         self.others
@@ -245,10 +245,10 @@ impl<'a> Comparison<'a> {
     }
 }
 
-/// Every position metric of `others` against `reference`; see [`Comparison`].
+/// Compares `others` with `reference` by every position metric; see [`Comparison`].
 ///
 /// # Errors
-/// As [`Comparison::new`] and [`Comparison::rows`].
+/// The errors of [`Comparison::new`] and [`Comparison::rows`].
 pub fn compare_all(
     reference: &Recording,
     others: &[Recording],

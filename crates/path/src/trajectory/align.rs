@@ -1,10 +1,10 @@
-//! The direction of a path in the plane: its net displacement, or its principal axis where that is undefined.
+//! Determines the direction of a path in the plane: its net displacement, or its principal axis if the net displacement is too small.
 
 use realgap_core::warning::{Code, Warning};
 
 /// Below this fraction of the path length the net displacement has no meaningful direction.
 const MIN_NET_FRACTION: f64 = 0.01;
-/// Below this net displacement, in metres, its direction is tracking noise.
+/// The smallest net displacement, metres, whose direction is not only tracking noise.
 const MIN_NET_M: f64 = 0.001;
 /// Relative size below which a quantity that could decide a direction counts as zero.
 const UNDECIDED: f64 = 1e-9;
@@ -38,7 +38,7 @@ impl Direction {
         }
     }
 
-    /// `point` seen with this direction as +x.
+    /// The coordinates of `point` in a frame whose +x axis is this direction.
     pub(super) fn turn(self, [x, y]: [f64; 2]) -> [f64; 2] {
         [self.cos * x + self.sin * y, self.cos * y - self.sin * x]
     }
@@ -51,7 +51,7 @@ impl Direction {
 
 /// Direction of a path that starts at the origin (paper 003, section 2.2, step 3).
 ///
-/// The direction of the net displacement; where that is below 1 % of the path length or below 1 mm, the
+/// This is the direction of the net displacement; if the net displacement is below 1 % of the path length or below 1 mm, it is the
 /// major principal axis of the points, with a warning.
 pub(super) fn direction(points_m: &[[f64; 2]], path_length_m: f64) -> (Direction, Option<Warning>) {
     let net = points_m.last().copied().unwrap_or_default();
@@ -66,12 +66,12 @@ pub(super) fn direction(points_m: &[[f64; 2]], path_length_m: f64) -> (Direction
     (principal_direction(points_m), Some(warning))
 }
 
-/// The major principal axis, pointed by a rule that turns with the path.
+/// The major principal axis, with a sign that does not depend on the orientation of the path.
 ///
-/// An axis has two directions. The one is taken along which the centroid lies as seen from the start; if
-/// that is undecided (a path symmetric about its start), the centroid of the first half in time; then
+/// An axis has two directions. The chosen direction points from the start towards the centroid. If the
+/// centroid does not decide (a path symmetric about its start), the centroid of the first half in time decides; then
 /// the side of the longer tail (third moment). A path without a principal axis (a circle) points from its start to
-/// its centroid; a motionless one along +x.
+/// its centroid; a motionless path points along +x.
 fn principal_direction(points_m: &[[f64; 2]]) -> Direction {
     let centroid = mean(points_m);
     let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
@@ -86,7 +86,7 @@ fn principal_direction(points_m: &[[f64; 2]]) -> Direction {
         return Direction::X;
     }
     let spread_m = (total / points_m.len() as f64).sqrt();
-    // Difference of the two eigenvalues: without it every direction is principal.
+    // If the two eigenvalues are equal, every direction is a principal axis.
     if (xx - yy).hypot(2.0 * xy) <= UNDECIDED * total {
         let distance = centroid[0].hypot(centroid[1]);
         return if distance > UNDECIDED * spread_m {

@@ -1,4 +1,4 @@
-//! Which way the axes of recorded poses point: some programs write poses of a camera, in a camera's world.
+//! The directions of the axes of recorded poses, and the conversion of other conventions to z up.
 
 use std::fmt;
 
@@ -10,23 +10,23 @@ use realgap_core::error::{Error, Result};
 realgap_core::string_enum! {
     /// Axes of the world and of the body in a file.
     Axes.name, "names no axes";
-    /// As here: z up.
+    /// The axes of realgap: x forward, y to the left, z up.
     World "world";
-    /// Those of a camera, in KITTI's own files and many of visual odometry: x to the right, y down, z forward; both of the body
-    /// and of the world, which is where the first camera was.
+    /// Axes of a camera, as in KITTI's own files and many of visual odometry: x to the right, y down, z forward, for the body
+    /// and for the world, whose frame is that of the first camera.
     Camera "camera";
-    /// x to the right, y up, z backward, as much motion capture and computer graphics have them; both of the body and of the world.
+    /// x to the right, y up, z backward, as in much motion capture and computer graphics, for the body and for the world.
     YUp "y-up";
-    /// x forward, y to the right, z down, as aircraft have them; both of the body and of the world.
+    /// x forward, y to the right, z down, as for aircraft, for the body and for the world.
     ZDown "z-down";
 }
 
 impl Axes {
-    /// The same motion with x forward, y to the left, z up.
+    /// The same trajectory with x forward, y to the left, z up.
     pub(super) fn to_world(self, trajectory: Trajectory) -> Result<Trajectory> {
         match self {
             Self::World => Ok(trajectory),
-            // Rows: where x, y and z of the world come from.
+            // The rows give x, y and z of the world in terms of the file's axes.
             Self::Camera => turned(
                 &trajectory,
                 Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0),
@@ -44,12 +44,12 @@ impl Axes {
 }
 
 fn turned(there: &Trajectory, turn: Matrix3<f64>) -> Result<Trajectory> {
-    // Every entry is 0 or ±1: no bit of a number is lost. The body's axes turn with those of the world.
+    // Every entry is 0 or ±1, so no number is rounded. The body's axes turn together with those of the world.
     let turn = Rotation3::from_matrix_unchecked(turn);
     moved(there, ("axes", turn), Vector3::zeros(), turn)
 }
 
-/// The same motion, turned about `centre_m` as a field says, of a body whose own axes turn by `own`.
+/// The same trajectory, turned by `turn` about `centre_m`, with the body's own axes turned by `own`; `field` names the setting in errors.
 pub(super) fn moved(
     there: &Trajectory,
     (field, turn): (&str, Rotation3<f64>),
@@ -57,9 +57,11 @@ pub(super) fn moved(
     own: Rotation3<f64>,
 ) -> Result<Trajectory> {
     if there.is_planar() {
-        return Err(Error::invalid("what is turned needs all three coordinates")
-            .field(field)
-            .found("a recording without z"));
+        return Err(
+            Error::invalid("only a recording with all three coordinates can be turned")
+                .field(field)
+                .found("a recording without z"),
+        );
     }
     let all = |v: &[Vector3<f64>]| v.iter().map(|v| turn * v).collect::<Vec<_>>();
     let [turn_q, own_q] = [turn, own].map(|turn| UnitQuaternion::from_rotation_matrix(&turn));

@@ -1,8 +1,8 @@
-//! Files with the poses of several bodies: columns `NAME_x_m,NAME_y_m,…` beside or in place of `x_m,y_m,…`.
+//! Handles the columns of several bodies in one file: `NAME_x_m,NAME_y_m,…` in addition to or instead of `x_m,y_m,…`.
 
 use std::collections::BTreeSet;
 
-/// The bodies that have columns of their own, in the order of the file.
+/// The names of the bodies that have columns of their own, in the order of the file.
 pub(super) fn names(columns: &[&str]) -> Vec<String> {
     columns
         .iter()
@@ -12,13 +12,13 @@ pub(super) fn names(columns: &[&str]) -> Vec<String> {
         .collect()
 }
 
-/// Whether the file has a path without a body's name.
+/// True if the file has position columns without the name of a body.
 pub(super) fn has_plain(columns: &[&str]) -> bool {
     columns.contains(&"x_m")
 }
 
-/// The same text with the columns of one body called as if it were alone; those of all others keep their places. What the tracked
-/// body's columns hold is nothing of this one.
+/// The same text with the columns of one body renamed to the names of a file with one body; the columns keep their places. The columns of the
+/// tracked body are renamed, so that they are not read for this body.
 pub(super) fn as_if_alone(text: &str, name: &str) -> String {
     let mut header_is_done = false;
     let mut alone = String::with_capacity(text.len());
@@ -50,12 +50,12 @@ pub(super) fn as_if_alone(text: &str, name: &str) -> String {
     alone
 }
 
-/// The same table with the columns of one more body behind; `own` is that body's table, alone, with as many lines.
+/// The same table with the columns of one more body appended; `own` is the separate table of this body, with the same number of lines.
 pub(super) fn beside(text: &str, name: &str, own: &str) -> String {
     let mut wide = String::with_capacity(text.len() + own.len());
     for (index, (line, own)) in text.lines().zip(own.lines()).enumerate() {
         wide.push_str(line);
-        // The first column is the time, which is there already.
+        // The first column is the time, which the table has already.
         for cell in own.split(',').skip(1) {
             wide.push(',');
             if index == 0 {
@@ -69,13 +69,13 @@ pub(super) fn beside(text: &str, name: &str, own: &str) -> String {
     wide
 }
 
-/// Columns of the tracked body where it has no name, joints apart; the first is the time.
+/// The columns of the tracked body in a file without its name, except for joints; the first is the time.
 const PLAIN: [&str; 14] = [
     "t_s", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz", "vx_m_s", "vy_m_s", "vz_m_s", "wx_rad_s",
     "wy_rad_s", "wz_rad_s",
 ];
 
-/// Whether every column belongs to one of these bodies, or to the tracked one, or is the time.
+/// True if every column belongs to one of these bodies or to the tracked body, or is the time.
 pub(super) fn all_belong(columns: &[&str], bodies: &[String]) -> bool {
     columns.iter().all(|column| {
         let is_of = |name: &String| {

@@ -1,4 +1,4 @@
-//! Which column of somebody's file holds what: `x: "pose.x in mm"`.
+//! The mapping from quantities to the columns of a file, e.g. `x: "pose.x in mm"`.
 
 use std::fmt;
 
@@ -10,7 +10,7 @@ use realgap_core::error::{Error, Result};
 use realgap_core::file::unknown_name;
 use realgap_core::unit::{AngleUnit, LengthUnit, TimeUnit};
 
-/// What a unit measures.
+/// The kind of quantity that a unit measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Measure {
     Time,
@@ -20,12 +20,12 @@ pub(super) enum Measure {
     AngularVelocity,
     /// A number without unit.
     Number,
-    /// A name or number that tells rows apart.
+    /// A name or number that distinguishes recordings.
     Label,
 }
 
 impl Measure {
-    /// What one of `unit` is in SI; the allowed units where it is none of them.
+    /// The size of `unit` in the SI unit; for an unknown unit, a message with the allowed units.
     fn factor(self, unit: &str) -> std::result::Result<f64, String> {
         let per_second = |what: &str| {
             let named = unit.strip_suffix("/s");
@@ -44,7 +44,7 @@ impl Measure {
     }
 }
 
-/// Whether this is a unit of anything that a column may hold.
+/// True if the word is a unit of any quantity that a column may hold.
 fn is_unit(word: &str) -> bool {
     let measures = [
         Measure::Time,
@@ -56,21 +56,21 @@ fn is_unit(word: &str) -> bool {
     measures.iter().any(|measure| measure.factor(word).is_ok())
 }
 
-/// Writes the enum of roles and the table of their names and measures.
+/// Declares the enum of roles with the table of their names and kinds of quantity.
 macro_rules! roles {
     ($($variant:ident $name:literal $measure:ident $doc:literal;)*) => {
-        /// What a column may hold.
+        /// The role of a column: the quantity that it holds.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
         pub enum Role {
             $(#[doc = $doc] $variant,)*
         }
 
         impl Role {
-            /// All of them.
+            /// All roles.
             pub const ALL: &[Self] = &[$(Self::$variant),*];
             const NAMES: &[&'static str] = &[$($name),*];
 
-            /// How it is called in a mapping.
+            /// The name of the role in a mapping.
             pub fn name(self) -> &'static str {
                 match self {
                     $(Self::$variant => $name,)*
@@ -92,28 +92,28 @@ roles! {
     Y "y" Length "Position along world y.";
     Z "z" Length "Position along world z, up.";
     Qw "qw" Number "Real part of the orientation.";
-    Qx "qx" Number "Its x component.";
-    Qy "qy" Number "Its y component.";
-    Qz "qz" Number "Its z component.";
-    Heading "heading" Angle "Angle of the body about world z, for recordings from above.";
+    Qx "qx" Number "x component of the orientation.";
+    Qy "qy" Number "y component of the orientation.";
+    Qz "qz" Number "z component of the orientation.";
+    Heading "heading" Angle "Angle of the body about world z, for planar recordings.";
     Vx "vx" Velocity "Velocity along world x.";
     Vy "vy" Velocity "Velocity along world y.";
     Vz "vz" Velocity "Velocity along world z.";
-    Wx "wx" AngularVelocity "Rate of turn about the body's x axis.";
-    Wy "wy" AngularVelocity "Rate of turn about the body's y axis.";
-    Wz "wz" AngularVelocity "Rate of turn about the body's z axis.";
-    Condition "condition" Label "Name of the set that a repeat belongs to.";
+    Wx "wx" AngularVelocity "Angular velocity about the body's x axis.";
+    Wy "wy" AngularVelocity "Angular velocity about the body's y axis.";
+    Wz "wz" AngularVelocity "Angular velocity about the body's z axis.";
+    Condition "condition" Label "Name of the set to which a repeat belongs.";
     Run "run" Label "Name or number of the repeat.";
 }
 
-/// A column of a file: its name, and its unit where the file's own is another.
+/// A column of a file: its name, and its unit if that differs from the unit of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
-    /// As the file's header has it.
+    /// The name in the file's header.
     pub name: String,
-    /// Symbol of its unit.
+    /// Symbol of the column's unit.
     unit: Option<String>,
-    /// From its unit to SI.
+    /// Factor from the column's unit to SI.
     pub(super) factor: Option<f64>,
 }
 
@@ -127,7 +127,7 @@ impl fmt::Display for Column {
 }
 
 impl Column {
-    /// `NAME` or `NAME in UNIT`.
+    /// Parses `NAME` or `NAME in UNIT`.
     fn parse(role: Role, text: &str) -> std::result::Result<Self, String> {
         let (name, unit) = match text.rsplit_once(" in ") {
             Some((name, unit)) if is_unit(unit.trim()) => (name, Some(unit.trim())),
@@ -146,25 +146,25 @@ impl Column {
     }
 }
 
-/// A mapping: which column holds what. A file that has none of these columns is read by its own names.
+/// A mapping from roles to columns. A file that has none of these columns is read by its own column names.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Columns(Vec<(Role, Column)>);
 
 impl Columns {
-    /// The mapping with one more column, as `NAME` or `NAME in UNIT`; it replaces an earlier one of the same role.
+    /// Adds a column to the mapping, as `NAME` or `NAME in UNIT`; it replaces an earlier column of the same role.
     ///
     /// # Errors
-    /// No name, or a unit of something else.
+    /// No name, or a unit of another quantity.
     pub fn with(mut self, role: Role, column: &str) -> Result<Self> {
         let column = Column::parse(role, column).map_err(Error::invalid)?;
         self.put(role, column);
         Ok(self)
     }
 
-    /// As [`Columns::with`], from `ROLE=NAME in UNIT`.
+    /// As [`Columns::with`], from a text `ROLE=NAME in UNIT`.
     ///
     /// # Errors
-    /// An unknown role; as [`Columns::with`].
+    /// An unknown role; the errors of [`Columns::with`].
     pub fn with_text(self, text: &str) -> Result<Self> {
         let (role, column) = text.split_once('=').ok_or_else(|| {
             Error::usage("not a column")
@@ -188,23 +188,23 @@ impl Columns {
         self.0.sort_by_key(|(role, _)| *role);
     }
 
-    /// The column of a role.
+    /// The column of a role, if it is mapped.
     pub fn get(&self, role: Role) -> Option<&Column> {
         let found = self.0.iter().find(|(known, _)| *known == role);
         found.map(|(_, column)| column)
     }
 
-    /// Roles and columns, by role.
+    /// All roles with their columns, sorted by role.
     pub fn iter(&self) -> impl Iterator<Item = (Role, &Column)> {
         self.0.iter().map(|(role, column)| (*role, column))
     }
 
-    /// Whether nothing is mapped.
+    /// True if no column is mapped.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// These columns, those of `other` where these have none.
+    /// This mapping, completed by the columns of `other` for roles that this mapping does not have.
     #[must_use]
     pub(super) fn or(mut self, other: &Self) -> Self {
         for (role, column) in other.iter() {
@@ -234,7 +234,7 @@ impl<'de> Deserialize<'de> for Columns {
 
 struct ColumnsVisitor;
 
-/// The name of a field.
+/// The name of a field, as a role.
 struct Key(Role);
 
 impl<'de> Deserialize<'de> for Key {

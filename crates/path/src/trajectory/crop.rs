@@ -1,19 +1,19 @@
-//! A part of a trajectory.
+//! Cuts parts out of trajectories.
 
 use super::reading::Crop;
 use super::{Recording, Trajectory};
 use realgap_core::error::{Advice, Error, Result};
 use realgap_core::warning::{Code, Warning};
 
-/// The first `duration_s` seconds: the samples until then and, where the end falls between two
-/// samples, a linearly interpolated last one. Whole where the trajectory is no longer than that.
+/// The first `duration_s` seconds of a trajectory. If the end falls between two samples, the last sample is
+/// linearly interpolated. A trajectory that is not longer is returned whole.
 ///
 /// # Errors
 /// None for a valid trajectory and a positive duration.
 pub fn clip(whole: &Trajectory, duration_s: f64) -> Result<Trajectory> {
     let times_s = whole.times_s();
     let end_s = times_s[0] + duration_s;
-    // A millionth of a second is below any recording's clock.
+    // A microsecond is below the resolution of a recording's clock.
     let tolerance_s = 1e-6;
     if times_s[times_s.len() - 1] <= end_s + tolerance_s {
         return Ok(whole.clone());
@@ -69,23 +69,23 @@ pub fn clip(whole: &Trajectory, duration_s: f64) -> Result<Trajectory> {
     Ok(clipped.planar_like(whole))
 }
 
-/// The samples of a part; nothing is interpolated.
+/// The samples of a part; no sample is interpolated.
 ///
 /// # Errors
-/// Fewer than two samples in it.
+/// Fewer than two samples in the part.
 pub(super) fn cropped(whole: &Trajectory, crop: Crop) -> Result<Trajectory> {
     let times_s = whole.times_s();
     let to_s = crop.to_s.unwrap_or(f64::INFINITY);
     let is_in = |time_s: f64| {
         let since_start_s = time_s - times_s[0];
-        // A millionth of a second is below any recording's clock.
+        // A microsecond is below the resolution of a recording's clock.
         (crop.from_s - 1e-6..=to_s + 1e-6).contains(&since_start_s)
     };
     let from = times_s.iter().take_while(|t| !is_in(**t)).count();
     let kept = times_s[from..].iter().take_while(|t| is_in(**t)).count();
     if kept < 2 {
         return Err(
-            Error::invalid("less than two samples are left of this recording")
+            Error::invalid("fewer than two samples of this recording are left")
                 .field("crop")
                 .found(crop)
                 .allowed(format!("a part of 0 s to {:.3} s", whole.duration_s()))
@@ -95,14 +95,14 @@ pub(super) fn cropped(whole: &Trajectory, crop: Crop) -> Result<Trajectory> {
     samples(whole, from..from + kept)
 }
 
-/// The samples from number `first` on, for so long and one more sample where there is none at the end; nothing is interpolated.
+/// The part of `duration_s` seconds from the sample with index `first`; the last sample may be interpolated as in [`clip`].
 ///
 /// # Errors
-/// Fewer than two samples in it.
+/// Fewer than two samples in the part.
 pub fn cut_out(whole: &Trajectory, first: usize, duration_s: f64) -> Result<Trajectory> {
     let times_s = whole.times_s();
     let Some(start_s) = times_s.get(first) else {
-        return Err(Error::invalid("a window after the end").found(first));
+        return Err(Error::invalid("the part begins after the end of the trajectory").found(first));
     };
     let end_s = start_s + duration_s - 1e-6;
     let last = times_s
@@ -114,7 +114,7 @@ pub fn cut_out(whole: &Trajectory, first: usize, duration_s: f64) -> Result<Traj
     )
 }
 
-/// These samples of a trajectory.
+/// The samples with these indices.
 fn samples(whole: &Trajectory, part: std::ops::Range<usize>) -> Result<Trajectory> {
     let times_s = whole.times_s();
     let positions = whole.positions_world_m()[part.clone()].to_vec();
@@ -135,8 +135,8 @@ fn samples(whole: &Trajectory, part: std::ops::Range<usize>) -> Result<Trajector
     Ok(cropped.planar_like(whole))
 }
 
-/// Cuts all recordings to the duration of the shortest, so that they are compared at equal times; says so where that
-/// cuts anything.
+/// Cuts all recordings to the duration of the shortest, so that they are compared at equal times; returns a warning if any
+/// recording was cut.
 ///
 /// # Errors
 /// None for valid trajectories.
@@ -149,7 +149,7 @@ pub fn cut_to_shortest(recordings: &mut [&mut Recording]) -> Result<Option<Warni
     }
     Ok((longest_s > shortest_s + 1e-6).then(|| {
         Code::ReadAs.warning(format!(
-            "compared at equal times, over the first {shortest_s:.3} s, which all have; the longest lasts {longest_s:.3} s"
+            "compared at equal times over the first {shortest_s:.3} s, the duration of the shortest recording; the longest lasts {longest_s:.3} s"
         ))
     }))
 }
@@ -160,7 +160,7 @@ mod tests {
     use nalgebra::Vector3;
 
     #[test]
-    fn the_end_is_cut_between_samples() {
+    fn an_end_between_two_samples_is_interpolated() {
         let times: Vec<f64> = (0..11).map(|i| 3.0 + f64::from(i) * 0.1).collect();
         let positions = times
             .iter()

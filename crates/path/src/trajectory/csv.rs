@@ -1,15 +1,17 @@
-//! CSV with a header: `t_s,x_m,y_m[,z_m][,qw,qx,qy,qz][,vx_m_s,vy_m_s,vz_m_s,wx_rad_s,wy_rad_s,wz_rad_s]`, and joints by
-//! name: `[,NAME_rad[,NAME_rad_s]]`; commanded speeds and torques: `[,NAME_command_rad_s][,NAME_command_nm][,NAME_on]`.
+//! The CSV format of trajectories.
+//!
+//! The header is `t_s,x_m,y_m[,z_m][,qw,qx,qy,qz][,vx_m_s,vy_m_s,vz_m_s,wx_rad_s,wy_rad_s,wz_rad_s]`, with joints by
+//! name: `[,NAME_rad[,NAME_rad_s]]`, and commanded speeds and torques: `[,NAME_command_rad_s][,NAME_command_nm][,NAME_on]`.
 
 use std::collections::HashMap;
 
 use super::Trajectory;
 use super::column::{Columns, Role};
 use super::format::{Format, Parsed, Rendered};
+use super::mixed_robots::{explain, mixed_robots};
 use super::reading::{QuaternionOrder, Reading};
 use super::relabel::relabelled;
 use super::sample::Samples;
-use super::several::{explain, several};
 use super::table::{Table, header_line};
 use super::text::{Cell, cells_of, decode_text, push_number};
 use realgap_core::constant_methods;
@@ -18,14 +20,14 @@ use realgap_core::error::{Error, Result};
 const QUATERNION: [&str; 4] = ["qw", "qx", "qy", "qz"];
 const ANGULAR: [&str; 3] = ["wx_rad_s", "wy_rad_s", "wz_rad_s"];
 
-/// Comma-separated values with a header; columns in any order, extra ones ignored with a warning.
+/// Comma-separated values with a header; columns may have any order, extra columns are ignored with a warning.
 ///
-/// Units are in the column names. Without z the trajectory is planar. Quaternions: real part first,
-/// world from body. Linear velocity in the world frame, angular velocity in the body frame.
+/// Units are in the column names. Without z the trajectory is planar. Quaternions have the real part first and are
+/// world from body. Linear velocities are in the world frame, angular velocities in the body frame.
 ///
-/// A [`Reading`] says what is otherwise. Where it says that lengths are in centimetres, every length and linear velocity is scaled,
-/// and its column may be called `x_m`, `x_cm`, or plainly `x`; likewise `vx_m_s`, `vx_cm_s`, `vx`.
-/// A header without commas may be separated by semicolons or tabs; numbers may have decimal commas then.
+/// A [`Reading`] describes files that differ from this. If it sets the unit of lengths to centimetres, every length and linear velocity is
+/// scaled, and its column may be named `x_m`, `x_cm`, or only `x`; likewise `vx_m_s`, `vx_cm_s`, `vx`.
+/// A header without commas may be separated by semicolons or tabs; numbers may then have decimal commas.
 #[derive(Debug, Clone, Copy)]
 pub struct Csv;
 
@@ -42,7 +44,7 @@ impl Format for Csv {
 
     fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {
         let mut parsed = single(text, reading).map_err(|error| explain(error, text, reading))?;
-        parsed.warnings.extend(several(text, reading));
+        parsed.warnings.extend(mixed_robots(text, reading));
         Ok(parsed)
     }
 
@@ -58,7 +60,7 @@ impl Format for Csv {
     }
 
     fn columns<'a>(&self, text: &'a str, reading: &Reading) -> Vec<&'a str> {
-        // Reading the samples will say what is wrong with the header.
+        // Errors in the header are reported when the samples are read.
         let header = header_line(&mut text.lines().enumerate(), reading);
         header.map_or_else(Vec::new, |(_, line)| cells_of(line))
     }
@@ -136,7 +138,7 @@ impl Format for Csv {
     }
 }
 
-/// A trajectory as a table; nothing of it is lost.
+/// A trajectory as CSV text, without any loss.
 pub(super) fn text_of(trajectory: &Trajectory) -> String {
     let mut header = vec!["t_s", "x_m", "y_m"];
     let orientations = trajectory.orientations_world_from_body();
@@ -200,7 +202,7 @@ pub(super) fn text_of(trajectory: &Trajectory) -> String {
     text
 }
 
-/// The one path of a text, and what the reader should know.
+/// Reads a text that holds one trajectory.
 fn single(text: &str, reading: &Reading) -> Result<Parsed> {
     let mut table = Table::open(text, reading, &[])?;
     let mut samples = Samples::new(reading);

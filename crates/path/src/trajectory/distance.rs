@@ -1,4 +1,4 @@
-//! Distances of prepared paths, point by point.
+//! Root mean square and mean square distances of paths, point by point.
 
 use super::prepare::Prepared;
 
@@ -7,7 +7,7 @@ pub fn rms_m(a: &Prepared, b: &Prepared) -> f64 {
     mean_square_m2(a.xy_m(), b.xy_m()).sqrt()
 }
 
-/// Mean square distance of corresponding points, m².
+/// Mean square distance of corresponding points of two paths, m².
 pub fn mean_square_m2(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
     let sum: f64 = a
         .iter()

@@ -1,4 +1,4 @@
-//! EuRoC ground truth: CSV whose first line is `#timestamp [ns], p_RS_R_x [m], …`.
+//! The EuRoC format of ground truth: CSV whose first line is `#timestamp [ns], p_RS_R_x [m], …`.
 
 use super::Trajectory;
 use super::column::{Columns, Role};
@@ -9,18 +9,18 @@ use super::text::{first_line, push_number};
 use realgap_core::constant_methods;
 use realgap_core::error::Result;
 
-/// The CSV files of the EuRoC micro aerial vehicle data, of ASL's other data sets and of programs that are compared on them.
+/// The CSV files of the EuRoC micro aerial vehicle data, of ASL's other data sets and of programs that are evaluated on them.
 ///
-/// Whole nanoseconds, position of the sensor S in the reference frame R, quaternion with the real part FIRST (R from S). Velocities
-/// are read where the file has those of translation and of rotation, which EuRoC's own do not: biases are ignored with a warning.
-/// A file that ends in `.csv` is one of these if its header says so. It cannot hold joints, planar trajectories (z is
-/// written as 0), the absence of orientation (written as no rotation), or times finer than a nanosecond.
+/// Each line has the time in whole nanoseconds, the position of the sensor S in the reference frame R, and a quaternion with the real part
+/// first (R from S). Velocities are read if the file has both linear and angular velocities, which EuRoC's own files do not have; biases are
+/// ignored with a warning. A file with the extension `.csv` is a EuRoC file if its header says so. The format cannot hold joints, the fact
+/// that z is unknown (z is written as 0), the absence of orientation (written as the identity rotation), or times finer than a nanosecond.
 #[derive(Debug, Clone, Copy)]
 pub struct Euroc;
 
-/// What a header begins with.
+/// The beginning of a header.
 const TIME: &str = "#timestamp";
-/// How the names of its columns begin, before their units.
+/// The names of columns, without the units that follow them.
 const NAMES: [(Role, &str); 13] = [
     (Role::X, "p_RS_R_x"),
     (Role::Y, "p_RS_R_y"),
@@ -36,11 +36,11 @@ const NAMES: [(Role, &str); 13] = [
     (Role::Wy, "w_RS_S_y"),
     (Role::Wz, "w_RS_S_z"),
 ];
-/// As EuRoC's own files have it.
+/// The header of EuRoC's own files.
 const HEADER: &str = "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []";
 
 impl Euroc {
-    /// `reading` with the columns of this file, where it says no others.
+    /// The reading, completed by the mapping of this format's columns.
     fn mapped(self, text: &str, reading: &Reading) -> Result<Reading> {
         let mut own = Columns::default();
         for column in Csv.columns(text, reading) {

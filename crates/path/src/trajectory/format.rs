@@ -1,4 +1,4 @@
-//! What a file format of trajectories is.
+//! The trait of file formats of trajectories, and the results of reading and writing.
 
 use std::path::Path;
 
@@ -9,49 +9,49 @@ use realgap_core::error::{Error, Result};
 use realgap_core::file::read_limited;
 use realgap_core::warning::{Code, Warning};
 
-/// What a format found in a text.
+/// A trajectory that was read from a text, with warnings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parsed {
-    /// The motion.
+    /// The trajectory.
     pub trajectory: Trajectory,
-    /// What the reader should know.
+    /// Warnings that the reader should know.
     pub warnings: Vec<Warning>,
 }
 
-/// A trajectory as a file.
+/// A trajectory that was written into the bytes of a file, with warnings.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Rendered {
-    /// The whole file.
+    /// The bytes of the whole file.
     pub bytes: Vec<u8>,
-    /// What the format could not hold.
+    /// Warnings about data that the format cannot hold.
     pub warnings: Vec<Warning>,
 }
 
 /// A file format of trajectories.
 ///
-/// Contract: what [`Format::render`] writes, [`Format::parse`] reads back bit for bit, apart from what
-/// the warnings of `render` name; and `parse` never panics, whatever the text.
+/// Contract: [`Format::parse`] reads the output of [`Format::render`] back with the same bits, except for the data that
+/// the warnings of `render` name; and `parse` never panics, for any text.
 pub trait Format: Sync {
     /// Name, e.g. `csv`.
     fn name(&self) -> &'static str;
-    /// One line for people.
+    /// Description of one line for people.
     fn doc(&self) -> &'static str;
     /// File extensions in lower case, without the dot; the first one is preferred.
     fn extensions(&self) -> &'static [&'static str];
-    /// Whether a file is clearly of this format, where others have the same extension and it is not theirs alone.
+    /// True if the bytes show that a file is of this format; this decides between formats with the same extension.
     fn recognises(&self, bytes: &[u8]) -> bool {
         let _ = bytes;
         false
     }
-    /// The bytes of the file at `path`, no more than `limit` + 1 of them: of a file with others beside it that belong to it, what all of
-    /// them say.
+    /// The bytes of the file at `path`, at most `limit` + 1 bytes; if other files beside it belong to it, with their content
+    /// included.
     ///
     /// # Errors
     /// A missing or unreadable file, or a folder.
     fn bytes(&self, path: &Path, limit: u64) -> Result<Vec<u8>> {
         read_limited(path, limit, "trajectory")
     }
-    /// The text that the other methods read: that of the file, or the table that is in a file which is no text.
+    /// The text that the other methods read: the text of the file, or a table that is extracted from a binary file.
     ///
     /// # Errors
     /// Bytes that are not UTF-8, or not a file of this format.
@@ -59,12 +59,12 @@ pub trait Format: Sync {
         let _ = reading;
         decode_text(bytes)
     }
-    /// Reads `text` as `reading` says; what it does not say is as this format has it.
+    /// Reads `text` with the settings of `reading`; settings that are not given have the defaults of this format.
     ///
     /// # Errors
     /// Anything that is not a trajectory in this format, with line and column.
     fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed>;
-    /// What of `reading` concerns this text: a mapping none of whose columns is there does not.
+    /// The settings of `reading` that concern this text; for example, a mapping is dropped if the text has none of its columns.
     fn applied(&self, text: &str, reading: &Reading) -> Reading {
         let _ = text;
         Reading {
@@ -77,21 +77,21 @@ pub trait Format: Sync {
             ..reading.clone()
         }
     }
-    /// In which order the columns of the quaternion stand, as they are read.
+    /// The order in which the columns of the quaternion are read.
     fn order(&self, text: &str, reading: &Reading) -> QuaternionOrder {
         let _ = text;
         reading.quaternion.unwrap_or(QuaternionOrder::Wxyz)
     }
-    /// The names of the columns, for formats that name them; none where the text has no such names.
+    /// The names of the columns; empty for formats without column names.
     fn columns<'a>(&self, text: &'a str, reading: &Reading) -> Vec<&'a str> {
         let _ = (text, reading);
         Vec::new()
     }
-    /// Reads every recording of a text that holds several: rows with the same values of `group_columns`, in order of
-    /// first appearance, each with those values.
+    /// Reads all recordings of a text that holds several: the rows with the same values of `group_columns` form a recording. The recordings
+    /// are in order of first appearance, each with these values.
     ///
     /// # Errors
-    /// As [`Format::parse`]; a column that is not there; a format that cannot hold several recordings.
+    /// The errors of [`Format::parse`]; a missing column; a format that cannot hold several recordings.
     fn parse_groups(
         &self,
         text: &str,
@@ -101,14 +101,14 @@ pub trait Format: Sync {
         let _ = (text, reading, group_columns);
         Err(Error::invalid("files of this format hold one recording each").found(self.name()))
     }
-    /// Whether files of this format are written here, too.
+    /// True if files of this format can be written, too.
     fn writes(&self) -> bool {
         true
     }
     /// Writes a trajectory, in metres.
     ///
     /// # Errors
-    /// A format whose files are only read ([`Format::writes`]).
+    /// A format whose files can only be read ([`Format::writes`]).
     fn render(&self, trajectory: &Trajectory) -> Result<Rendered>;
 }
 
@@ -118,12 +118,12 @@ impl std::fmt::Debug for dyn Format {
     }
 }
 
-/// Warnings about what files of a format that holds poses only cannot say of this trajectory.
+/// Warnings about data of this trajectory that a format with poses only cannot hold.
 pub(super) fn beyond_poses(files: &str, trajectory: &Trajectory) -> Vec<Warning> {
     let found = [
         (
             !trajectory.joints().is_empty(),
-            "angles of joints, which are left out",
+            "angles of joints; they are left out",
         ),
         (
             trajectory.velocities_world_m_s().is_some(),
@@ -131,18 +131,18 @@ pub(super) fn beyond_poses(files: &str, trajectory: &Trajectory) -> Vec<Warning>
         ),
         (
             trajectory.is_planar(),
-            "that z is unknown; it is written as 0",
+            "the fact that z is unknown; z is written as 0",
         ),
         (
             trajectory.orientations_world_from_body().is_none(),
-            "that orientation is unknown; it is written as no rotation",
+            "the fact that orientation is unknown; it is written as the identity rotation",
         ),
     ];
     let lost = found.into_iter().filter(|(is_lost, _)| *is_lost);
     lost.map(|(_, what)| not_written(files, what)).collect()
 }
 
-/// The warning that files of a format cannot say something.
+/// The warning that files of a format cannot store something.
 pub(super) fn not_written(files: &str, what: &str) -> Warning {
-    Code::NotWritten.warning(format!("{files} cannot say {what}"))
+    Code::NotWritten.warning(format!("{files} cannot store {what}"))
 }

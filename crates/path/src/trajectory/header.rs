@@ -1,4 +1,4 @@
-//! The first line of a CSV file: which column holds what.
+//! Interprets the header line of a CSV file: the role and the unit of each column.
 
 use super::column::{Column, Role};
 use super::joint_column;
@@ -13,7 +13,7 @@ const QUATERNION: [Role; 4] = [Role::Qw, Role::Qx, Role::Qy, Role::Qz];
 const LINEAR: [Role; 3] = [Role::Vx, Role::Vy, Role::Vz];
 const ANGULAR: [Role; 3] = [Role::Wx, Role::Wy, Role::Wz];
 
-/// The names in the first line, and which of them are already used.
+/// The names in the header line, and which of them already have a role.
 pub(super) struct Header<'c, 'a> {
     cells: &'c [Cell<'a>],
     used: Vec<bool>,
@@ -29,7 +29,7 @@ impl<'c, 'a> Header<'c, 'a> {
         separator: Separator,
     ) -> Result<Self> {
         for (index, cell) in cells.iter().enumerate() {
-            // Numbers are no names: the missing header is reported instead.
+            // A line of numbers is not a header; the missing header is reported later.
             let name = !cell.text.is_empty() && cell.text.parse::<f64>().is_err();
             if name && cells[..index].iter().any(|other| other.text == cell.text) {
                 return Err(cell.locate(
@@ -50,7 +50,7 @@ impl<'c, 'a> Header<'c, 'a> {
         let time = self.required(Role::Time)?;
         let places = [self.optional(Role::X)?, self.optional(Role::Y)?];
         let place = if places == [None, None] && self.has_joints() {
-            // A recording of joints alone.
+            // The recording has joints only.
             None
         } else {
             Some([self.required(Role::X)?, self.required(Role::Y)?])
@@ -64,7 +64,7 @@ impl<'c, 'a> Header<'c, 'a> {
         let heading = self.optional(Role::Heading)?;
         let linear = self.complete(&LINEAR)?;
         let angular = self.complete(&ANGULAR)?;
-        // A trajectory holds both velocities or none: half of them are ignored like extra columns.
+        // A trajectory holds both velocities or none; if only one is complete, its columns are ignored.
         let velocity = match (linear, angular) {
             (Some([a, b, c]), Some([d, e, f])) => Some([a, b, c, d, e, f]),
             (linear, angular) => {
@@ -95,21 +95,21 @@ impl<'c, 'a> Header<'c, 'a> {
         })
     }
 
-    /// Whether any column is an angle of a joint.
+    /// True if any column is the angle of a joint.
     fn has_joints(&self) -> bool {
         let names: Vec<&str> = self.cells.iter().map(|cell| cell.text).collect();
         let factors = &mut self.factors.clone();
         !joint_column::find(&names, &mut self.used.clone(), factors).is_empty()
     }
 
-    /// What is left over and looks like a joint is one, and what looks like a signal is one.
+    /// Adds the joints and signals among the columns without a role.
     pub(super) fn add_joints(&mut self, layout: &mut Layout) {
         let names: Vec<&str> = self.cells.iter().map(|cell| cell.text).collect();
         layout.joints = joint_column::find(&names, &mut self.used, &mut layout.factors);
         layout.signals = joint_column::find_signals(&names, &mut self.used);
     }
 
-    /// The column of this very name, which a caller asks for.
+    /// The column with exactly this name, which is then marked as used.
     pub(super) fn named(&mut self, name: &str) -> Result<usize> {
         match self.place(name) {
             Some(index) => {
@@ -120,7 +120,7 @@ impl<'c, 'a> Header<'c, 'a> {
         }
     }
 
-    /// Columns that hold nothing yet.
+    /// The columns without a role.
     pub(super) fn unused(&self) -> Vec<usize> {
         (0..self.cells.len()).filter(|i| !self.used[*i]).collect()
     }
@@ -129,8 +129,8 @@ impl<'c, 'a> Header<'c, 'a> {
         self.cells.iter().position(|cell| cell.text == name)
     }
 
-    /// The names that a column of this role may have without a mapping: with its unit or, where the unit of the file was said,
-    /// plainly.
+    /// The names that a column of this role may have without a mapping: with the unit, or without it if the reading states the unit of the
+    /// file.
     fn names(&self, role: Role) -> Vec<String> {
         let reading = self.reading;
         let name = role.name();
@@ -162,7 +162,7 @@ impl<'c, 'a> Header<'c, 'a> {
                 names
             }
             Role::Qw | Role::Qx | Role::Qy | Role::Qz => vec![name.to_owned()],
-            // Others have columns of this name, and mean what they like.
+            // Files of other programs use these names with other meanings, so they need a mapping.
             Role::Heading | Role::Condition | Role::Run => Vec::new(),
         }
     }
@@ -204,7 +204,7 @@ impl<'c, 'a> Header<'c, 'a> {
         }
     }
 
-    /// All of several columns, or none of them.
+    /// The columns of several roles, if the file has all of them; `None` if it has none of them.
     fn complete<const K: usize>(&mut self, roles: &[Role; K]) -> Result<Option<[usize; K]>> {
         let mut indices = [0; K];
         let mut missing = Vec::new();
@@ -224,7 +224,7 @@ impl<'c, 'a> Header<'c, 'a> {
         }
     }
 
-    /// A column that the mapping names, in a file that has others of it.
+    /// The error about a column of the mapping that the file does not have.
     fn not_there(&self, role: Role, column: &Column) -> Error {
         let error = self.at_start(Error::invalid(format!(
             "there is no column `{}`",
@@ -236,7 +236,7 @@ impl<'c, 'a> Header<'c, 'a> {
             .advise(Advice::MapColumns);
         match column.name.rsplit_once(" in ") {
             Some((_, unit)) => error.hint(format!(
-                "`{}` is taken for a part of the name; units are m, cm, mm, s, ms, us, ns, rad, deg and those of velocities, e.g. mm/s",
+                "`{}` was taken as a part of the name, because it is not a unit; units are m, cm, mm, s, ms, us, ns, rad, deg and those of velocities, e.g. mm/s",
                 excerpt(unit)
             )),
             None => error,
@@ -276,7 +276,7 @@ impl<'c, 'a> Header<'c, 'a> {
                 .advise(Advice::SkipLines)
         } else {
             error
-                .hint("names carry the unit: t_s,x_m,y_m[,z_m][,qw,qx,qy,qz]")
+                .hint("column names end with the unit: t_s,x_m,y_m[,z_m][,qw,qx,qy,qz]")
                 .advise(Advice::MapColumns)
         }
     }
@@ -284,14 +284,14 @@ impl<'c, 'a> Header<'c, 'a> {
     pub(super) fn ignored_warning(&self) -> Option<Warning> {
         let ignored = self.unused();
         let ignored: Vec<&str> = ignored.iter().map(|i| self.cells[*i].text).collect();
-        // Four columns of an orientation are often called q0 to q3, which leaves open where the real part stands.
+        // The four columns of an orientation are often called q0 to q3, which does not say which one is the real part.
         let is_turn = ignored
             .iter()
             .filter(|name| name.starts_with(['q', 'Q']))
             .count()
             == 4;
         let turn = if is_turn {
-            ": are four of them an orientation? Say which is which of qw, qx, qy, qz (`columns: {\"qw\": \"NAME\", ...}` of a reading)"
+            ": are four of them an orientation? Then map them to qw, qx, qy, qz (`columns: {\"qw\": \"NAME\", ...}` of a reading)"
         } else {
             ""
         };
@@ -302,7 +302,7 @@ impl<'c, 'a> Header<'c, 'a> {
     }
 }
 
-/// The first dozen names, and how many more there are.
+/// The first 16 names, and the number of further names.
 pub(super) fn excerpt_list(names: &[&str]) -> String {
     let shown: Vec<String> = names.iter().take(16).map(|name| excerpt(name)).collect();
     let more = names.len() - shown.len();

@@ -1,10 +1,12 @@
-//! Columns of joints: `NAME_rad`, an angle, and `NAME_rad_s`, its speed, for any number of names (`_deg` and `_deg_s` likewise),
-//! and of what joints were told or do: [`Signal`].
+//! Finds and reads the columns of joints and signals by their names.
+//!
+//! `NAME_rad` is the angle of a joint and `NAME_rad_s` its speed, for any number of names (`_deg` and `_deg_s` likewise); commanded speeds and
+//! torques and switches are signals ([`Signal`]).
 
 use super::{JointTrack, Signal};
 use realgap_core::error::Result;
 
-/// Where a joint stands in a line.
+/// The columns of one joint.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct JointColumns {
     /// Name of the joint.
@@ -15,24 +17,24 @@ pub(super) struct JointColumns {
     pub speed: Option<usize>,
 }
 
-/// Endings of an angle and of its speed, and their unit.
+/// Suffixes of an angle and of its speed, and the size of their unit in radians.
 const ANGLES: [(&str, &str, f64); 2] = [
     ("_rad", "_rad_s", 1.0),
     ("_deg", "_deg_s", std::f64::consts::PI / 180.0),
 ];
-/// What the angle that a joint was told is called after the joint.
+/// Suffix after the name of a joint for its commanded angle.
 pub const COMMAND: &str = "_command";
-/// Endings of what is read beside joints: commanded speeds and torques, and whether a servo is on.
+/// Suffixes of signals: commanded speeds and torques, and whether a servo is on.
 const SIGNALS: [&str; 3] = ["_command_rad_s", "_command_nm", "_on"];
-/// Angles that may be of the whole body.
+/// Names of angles that may belong to the whole body.
 const ATTITUDE: [&str; 5] = ["heading", "yaw", "pitch", "roll", "theta"];
 
-/// Whether a column of this name may be the attitude of the whole body as well as a joint.
+/// True if a column with this name may be the attitude of the whole body instead of a joint.
 pub fn may_be_attitude(name: &str) -> bool {
     ATTITUDE.contains(&name)
 }
 
-/// The joints among the columns that nothing else uses; their columns are marked as used, and get their units.
+/// Finds the joints among the columns without a role; their columns are marked as used, and get the factors of their units.
 pub(super) fn find(names: &[&str], used: &mut [bool], factors: &mut [f64]) -> Vec<JointColumns> {
     let mut joints = Vec::new();
     for angle in 0..names.len() {
@@ -64,7 +66,7 @@ pub(super) fn find(names: &[&str], used: &mut [bool], factors: &mut [f64]) -> Ve
     joints
 }
 
-/// The columns of signals among those that nothing else uses; they are marked as used.
+/// Finds the signals among the columns without a role, and marks their columns as used.
 pub(super) fn find_signals(names: &[&str], used: &mut [bool]) -> Vec<usize> {
     let is_signal = |name: &str| SIGNALS.iter().any(|ending| name.ends_with(ending));
     let found: Vec<usize> = (0..names.len())
@@ -76,7 +78,7 @@ pub(super) fn find_signals(names: &[&str], used: &mut [bool]) -> Vec<usize> {
     found
 }
 
-/// Adds one line to the joints and signals.
+/// Adds the values of one line to the joints and signals.
 pub(super) fn push(
     (joints, signals): (&mut Vec<JointTrack>, &mut Vec<Signal>),
     (joint_columns, signal_columns): (&[JointColumns], &[usize]),

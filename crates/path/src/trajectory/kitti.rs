@@ -1,4 +1,4 @@
-//! KITTI poses: twelve numbers a line, the upper three rows of the matrix that leads from the body to the world.
+//! The KITTI format of poses: each line has the twelve numbers of the upper three rows of a matrix from the body frame to the world frame.
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
@@ -14,22 +14,22 @@ use realgap_core::warning::Code;
 
 /// The poses of the KITTI odometry benchmark, which evo and many SLAM programs read.
 ///
-/// Twelve numbers a line, separated by white space: `r11 r12 r13 x r21 r22 r23 y r31 r32 r33 z`, world from body. There are no times:
-/// the reading's `rate_hz` says how many samples a second there are, the first at 0. Nor does a file say which way its axes
-/// point: KITTI's own are those of a camera ([`Axes`](super::Axes)); a warning asks for it. A file that ends in `.txt` is one of
-/// these if its first line has twelve numbers.
+/// Each line has twelve numbers separated by white space: `r11 r12 r13 x r21 r22 r23 y r31 r32 r33 z`, world from body. There are no
+/// times: the reading's `rate_hz` gives the sampling rate, and the first sample is at 0 s. A file does not state the directions of its axes:
+/// KITTI's own files have those of a camera ([`Axes`](super::Axes)); a warning asks for them. A file with the extension `.txt` is a KITTI
+/// file if its first line has twelve numbers.
 #[derive(Debug, Clone, Copy)]
 pub struct Kitti;
 
 const NAMES: [&str; 12] = [
     "r11", "r12", "r13", "x", "r21", "r22", "r23", "y", "r31", "r32", "r33", "z",
 ];
-/// Largest element of |RᵀR − 1| that rounding to a few digits explains.
+/// The largest element of |RᵀR − 1| that can be due to rounding to a few digits.
 const ROUNDED: f64 = 1e-3;
-/// The same of a matrix that is accepted at all.
+/// The largest element of |RᵀR − 1| of a matrix that is accepted.
 const ACCEPTED: f64 = 1e-2;
 
-/// What stands in one line: place in the file's unit, turn, and how far off a rotation its matrix was.
+/// The pose in one line: position in the file's unit, rotation, and the deviation of its matrix from a rotation.
 struct Pose {
     place: Vector3<f64>,
     turn: UnitQuaternion<f64>,
@@ -53,13 +53,13 @@ fn pose(cells: &[Cell<'_>], line: usize) -> Result<Pose> {
     }
     let matrix = Matrix3::new(m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]);
     let deviation = (matrix.transpose() * matrix - Matrix3::identity()).amax();
-    // Not `>`: NaN of huge numbers is no rotation either.
+    // The comparison is not written as `>`, so that NaN, which huge numbers give, is refused too.
     if !(deviation <= ACCEPTED && matrix.determinant() > 0.0) {
         return Err(cells[0].locate(
-            Error::invalid("these nine numbers are no rotation")
+            Error::invalid("these nine numbers are not a rotation")
                 .field("r11 to r33")
                 .found(format!(
-                    "rows that are up to {deviation:.3} off length 1 or a right angle, determinant {:.3}",
+                    "rows with a deviation of up to {deviation:.3} from length 1 and right angles, determinant {:.3}",
                     matrix.determinant()
                 ))
                 .allowed("three rows of length 1, at right angles, right-handed"),
@@ -78,7 +78,7 @@ fn pose(cells: &[Cell<'_>], line: usize) -> Result<Pose> {
 impl Format for Kitti {
     constant_methods! {
         name: &'static str = "kitti";
-        doc: &'static str = "KITTI poses: the 12 numbers of a 3x4 matrix a line, no times";
+        doc: &'static str = "KITTI poses: the 12 numbers of a 3x4 matrix per line, no times";
         extensions: &'static [&'static str] = &["kitti", "txt"];
     }
 
@@ -104,7 +104,7 @@ impl Format for Kitti {
             return Err(Error::invalid("KITTI files hold no times")
                 .at_line(1, 1)
                 .field("rate_hz")
-                .allowed("a number of samples a second")
+                .allowed("a number of samples per second")
                 .advise(Advice::Rate));
         };
         let metres = reading.factor(Measure::Length);
@@ -140,13 +140,13 @@ impl Format for Kitti {
         }
         if odd > 0 {
             let what = format!(
-                "{odd} matrices were up to {largest:.4} off a rotation and have been renormalised"
+                "{odd} matrices deviated by up to {largest:.4} from a rotation and were renormalised"
             );
             warnings.push(Code::QuaternionsRenormalised.warning(what));
         }
         if reading.axes.is_none() {
             warnings.push(Code::UnknownAxes.warning(
-                "KITTI files do not say which way their axes point: taken as z up; those of the benchmark are a camera's, z forward and y down",
+                "KITTI files do not state the directions of their axes: z up is assumed; the benchmark's own files have a camera's axes, z forward and y down",
             ));
         }
         let trajectory = Trajectory::new(times_s, places)

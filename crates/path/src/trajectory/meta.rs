@@ -1,4 +1,4 @@
-//! The `meta.ron` beside recordings.
+//! Reads and writes the metadata file `meta.ron` beside recordings.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ pub const META_FILE: &str = "meta.ron";
 /// A `meta.ron` that cannot be read or is not valid [`Meta`], with file, line and column.
 pub fn read_meta_beside(path: &Path) -> Result<Option<Meta>> {
     let meta = path.with_file_name(META_FILE);
-    // A link that leads nowhere is there, too, and says what it cannot read.
+    // A dangling symbolic link counts as present, so that its error is reported.
     match std::fs::symlink_metadata(&meta) {
         Err(_) => Ok(None),
         Ok(_) if meta.exists() && !meta.is_file() => Err(Error::invalid("metadata must be a file")

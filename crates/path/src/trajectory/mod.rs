@@ -1,6 +1,6 @@
-//! Recorded and simulated motion: types, file formats, resampling, preparation for comparison.
+//! Recorded and simulated trajectories: types, file formats, resampling, preparation for comparison.
 //!
-//! [`read`] and [`write()`] know the file formats of [`FORMATS`]; [`prepare`] brings a path into the form in
+//! [`read`] and [`write()`] support the file formats of [`FORMATS`]; [`prepare`] brings a path into the form in
 //! which paths are compared.
 
 mod align;
@@ -8,19 +8,21 @@ mod axes;
 mod body_column;
 mod clock;
 mod column;
-mod columnar;
 mod crop;
 mod csv;
 mod distance;
 mod euroc;
 mod format;
-mod guess;
 mod header;
+mod inferred_reading;
 mod joint_column;
 mod kitti;
-mod lean;
+mod levelling;
 mod log;
 mod meta;
+mod mixed_robots;
+mod parquet;
+mod plausibility;
 mod prepare;
 mod reading;
 mod recording;
@@ -30,26 +32,24 @@ mod resample;
 mod sample;
 #[cfg(feature = "schema")]
 mod schema;
-mod several;
 mod state;
-mod suspicion;
 mod table;
 mod text;
 mod tum;
 
 pub use axes::Axes;
 pub use column::{Column, Columns, Role};
-pub use columnar::Parquet;
 pub use crop::{clip, cut_out, cut_to_shortest};
 pub use csv::Csv;
 pub use distance::{mean_square_m2, rms_m};
 pub use euroc::Euroc;
 pub use format::{Format, Parsed, Rendered};
-pub use guess::{Ambiguity, Evidence, InferredReading, Question, odd_axes};
+pub use inferred_reading::{Ambiguity, Evidence, InferredReading, Question, odd_axes};
 pub use joint_column::{COMMAND, may_be_attitude};
 pub use kitti::Kitti;
 pub use log::{Mcap, Rosbag};
 pub use meta::{META_FILE, read_meta, read_meta_beside, write_meta};
+pub use parquet::Parquet;
 pub use prepare::{POINTS, Prepared, prepare, turned};
 pub use reading::{Crop, Only, QuaternionOrder, Reading};
 pub use recording::{Meta, Recording, Source};

@@ -1,4 +1,4 @@
-//! The preparation of a trajectory for comparison: 182 points, from the origin, along +x.
+//! Prepares trajectories for comparison: 182 points, which start at the origin and lead along +x.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use realgap_core::warning::Warning;
 /// Number of points of a prepared trajectory (paper 003, section 2.2, step 1).
 pub const POINTS: usize = 182;
 
-/// Longest path that can be compared, metres: beyond it squares lose their meaning.
+/// The longest path that can be compared, metres; squares of larger distances lose their precision.
 const MAX_PATH_M: f64 = 1e12;
 
 /// A trajectory in the form in which trajectories are compared: made by [`prepare`].
@@ -35,7 +35,7 @@ pub struct Prepared {
 ///
 /// 1. Resample to [`POINTS`] points, uniform in time, both ends kept, linear (orientation: slerp).
 /// 2. Subtract the first point.
-/// 3. Turn the whole (orientations, too) about z so that the net displacement lies on +x. Where that
+/// 3. Turn the whole (also the orientations) about z so that the net displacement lies on +x. If that
 ///    is below 1 % of the path length or below 1 mm, the major principal axis is turned onto +x instead, and
 ///    the warning `undefined-heading` is attached.
 ///
@@ -106,7 +106,7 @@ pub fn prepare(trajectory: &Trajectory) -> Result<Prepared> {
     })
 }
 
-/// Whether a path of this length can be compared; NaN cannot.
+/// True if a path of this length can be compared; NaN cannot be compared.
 fn comparable(length_m: f64) -> bool {
     (0.0..=MAX_PATH_M).contains(&length_m)
 }
@@ -120,7 +120,8 @@ fn path_length(xy_m: &[[f64; 2]]) -> f64 {
         .sum()
 }
 
-/// A path in the plane from its first point, its net displacement (or principal axis, as [`prepare`] says) on +x.
+/// A path in the plane, moved and turned so that it starts at the origin and its net displacement (or principal axis, see [`prepare`]) lies
+/// on +x.
 ///
 /// # Panics
 /// A path without points.
@@ -132,10 +133,10 @@ pub fn turned(path_m: &[[f64; 2]]) -> Vec<[f64; 2]> {
 }
 
 impl Prepared {
-    /// Takes back points that were prepared before, e.g. from a store: [`POINTS`] points as
-    /// [`Prepared::xy_m`] gave them, bit for bit.
+    /// Restores a prepared trajectory from its points, e.g. from a store: [`POINTS`] points exactly as
+    /// [`Prepared::xy_m`] returned them.
     ///
-    /// Height, orientation, heading (0 here) and warnings are not in the points.
+    /// Heights, orientations and warnings are not restored, and the heading is 0.
     ///
     /// # Errors
     /// Another number of points, a first point that is not the origin, or numbers that are not finite.
@@ -167,7 +168,7 @@ impl Prepared {
         &self.xy_m
     }
 
-    /// A part of these points, prepared as a path of its own: from the origin, its own net displacement on +x.
+    /// A part of these points, prepared as a path of its own: it starts at the origin, with its own net displacement on +x.
     ///
     /// # Panics
     /// A range that is not within the points, or empty.
@@ -180,7 +181,7 @@ impl Prepared {
         self.z_m.as_deref()
     }
 
-    /// Orientations (turned world from body), where recorded.
+    /// Orientations (from the body frame into the turned world frame), if recorded.
     pub fn orientations(&self) -> Option<&[UnitQuaternion<f64>]> {
         self.orientations.as_deref()
     }
@@ -200,7 +201,7 @@ impl Prepared {
         self.heading_rad
     }
 
-    /// `undefined-heading`, where the principal axis was aligned.
+    /// The warning `undefined-heading`, if the principal axis was aligned.
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings
     }

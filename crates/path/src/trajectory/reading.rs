@@ -1,7 +1,7 @@
-//! How somebody's files are to be read: columns, units, order of quaternions, which part and which robot.
+//! The settings for reading recorded files: columns, units, order of quaternions, which part and which robot.
 //!
-//! One value, wherever it comes from: the field `reading` of a study, a file of its own, the `reading` of a `meta.ron` beside the
-//! recordings, or options of the command line.
+//! There is one type for all sources of these settings: the field `reading` of a study, a file of its own, the `reading` of a `meta.ron`
+//! beside the recordings, and the options of the command line.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::axes::Axes;
 use super::column::{Columns, Measure, Role};
-use super::lean;
+use super::levelling;
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{Source, parse_ron};
 use realgap_core::unit::{AngleUnit, LengthUnit, TimeUnit};
@@ -19,14 +19,14 @@ use realgap_core::unit::{AngleUnit, LengthUnit, TimeUnit};
 realgap_core::string_enum! {
     /// Order of the four numbers of a quaternion, in the order of their columns.
     QuaternionOrder.name, "is no order of a quaternion";
-    /// Real part first, as here and in most papers.
+    /// Real part first, as in realgap's own files and in most papers.
     Wxyz "wxyz";
     /// Real part last, as in ROS, TUM files and most motion capture.
     Xyzw "xyzw";
 }
 
 impl QuaternionOrder {
-    /// Columns that hold w, x, y, z, of four that stand in this order.
+    /// The columns of w, x, y, z, from four columns in this order.
     pub(super) fn wxyz(self, [a, b, c, d]: [usize; 4]) -> [usize; 4] {
         match self {
             Self::Wxyz => [a, b, c, d],
@@ -40,10 +40,10 @@ impl QuaternionOrder {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "crop")]
 pub struct Crop {
-    /// Where it begins.
+    /// Start of the part, seconds since the first sample.
     #[serde(default)]
     pub from_s: f64,
-    /// Where it ends; the end of the recording if that comes first.
+    /// End of the part, seconds since the first sample; the end of the recording if that comes first.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub to_s: Option<f64>,
 }
@@ -58,7 +58,7 @@ impl Crop {
 impl std::str::FromStr for Crop {
     type Err = String;
 
-    /// `FROM:TO`, either left out for the recording's own.
+    /// Parses `FROM:TO`; a missing number means the start or the end of the recording.
     fn from_str(text: &str) -> std::result::Result<Self, String> {
         let allowed = "allowed: FROM:TO in seconds since the first sample, e.g. 2.5: or 0:20";
         let (from, to) = text.split_once(':').ok_or(allowed)?;
@@ -91,16 +91,16 @@ impl fmt::Display for Crop {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "only")]
 pub struct Only {
-    /// The column that says whose row it is.
+    /// The column that names the robot of each row.
     pub column: String,
-    /// What it says of the one that is read.
+    /// The value of this column for the robot that is read.
     pub value: String,
 }
 
 impl std::str::FromStr for Only {
     type Err = String;
 
-    /// `COLUMN=VALUE`.
+    /// Parses `COLUMN=VALUE`.
     fn from_str(text: &str) -> std::result::Result<Self, String> {
         match text.split_once('=') {
             Some((column, value)) if !column.trim().is_empty() => Ok(Self {
@@ -112,8 +112,8 @@ impl std::str::FromStr for Only {
     }
 }
 
-/// How files of recordings are to be read. The default reads the files of this project: names with units, metres, seconds, radians,
-/// real part first, all of it.
+/// How files of recordings are to be read. The default is realgap's own format: column names with units, metres, seconds, radians, the real
+/// part of quaternions first, and the whole recording.
 ///
 /// ```
 /// use realgap_core::file::Source;
@@ -135,56 +135,56 @@ impl std::str::FromStr for Only {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default, rename = "reading")]
 pub struct Reading {
-    /// Which column holds what, where it is not called as here.
+    /// Which column holds which quantity, if its name differs from realgap's own.
     #[serde(skip_serializing_if = "Columns::is_empty")]
     pub columns: Columns,
-    /// Columns that are called otherwise than here: `{"Elbow": "elbow_flex_rad"}`; with the unit that their numbers have.
+    /// Columns to rename: `{"Elbow": "elbow_flex_rad"}`; the new name states the unit of the numbers.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub names: BTreeMap<String, String>,
-    /// Columns that hold lists of numbers, with the names of columns for these: `{"action": ["pan_command_rad", "lift_command_rad"]}`.
+    /// Columns that hold lists of numbers, with one column name per number: `{"action": ["pan_command_rad", "lift_command_rad"]}`.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub lists: BTreeMap<String, Vec<String>>,
-    /// Unit of lengths (and of velocities, per second) that say none.
+    /// Unit of lengths (and of velocities, per second) whose columns do not state a unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub length: Option<LengthUnit>,
-    /// Unit of times that say none.
+    /// Unit of times whose columns do not state a unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<TimeUnit>,
-    /// Unit of angles (and of rates of turn, per second) that say none.
+    /// Unit of angles (and of angular velocities, per second) whose columns do not state a unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angle: Option<AngleUnit>,
-    /// Order of quaternions, in the order of their columns, whatever these are called.
+    /// Order of quaternions in the order of their columns, independent of the names of these columns.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub quaternion: Option<QuaternionOrder>,
-    /// Which part of every recording.
+    /// The part of every recording that is read.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub crop: Option<Crop>,
-    /// This says whose rows are read.
+    /// The robot whose rows are read, in files with rows of several robots.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub only: Option<Only>,
-    /// Whether samples are sorted by time first; of several at one time the first is kept.
+    /// True if samples are sorted by time; of several samples at one time, the first is kept.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sort: Option<bool>,
-    /// Whether rows in which a number is missing are left out.
+    /// True if rows with a missing number are left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub skip_lost: Option<bool>,
-    /// How many lines stand before the one that names the columns.
+    /// Number of lines before the line that names the columns.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub skip_lines: Option<usize>,
-    /// Samples a second, of files that hold no times.
+    /// Sampling rate of files without times, samples per second.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rate_hz: Option<f64>,
-    /// The topic whose poses are read, of files with messages of several.
+    /// The topic whose poses are read, in files with messages of several topics.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub topic: Option<String>,
-    /// The frame whose transforms are read, of files with those of several.
+    /// The child frame whose transforms are read, in files with transforms of several frames.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub child_frame: Option<String>,
-    /// Which way the axes of poses point.
+    /// Directions of the axes of poses.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub axes: Option<Axes>,
-    /// How far the floor's normal leans along the recorded x and y, as shares of that along z; recordings are turned about their
-    /// last sample until it is z.
+    /// Components of the floor's normal along the recorded x and y, divided by its z component; recordings are turned about their
+    /// last position until the normal is z.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub floor_leans: Option<(f64, f64)>,
 }
@@ -205,10 +205,10 @@ impl From<&Reading> for Reading {
 }
 
 impl Reading {
-    /// Reads a RON file with nothing but this.
+    /// Reads a RON file that holds only these settings.
     ///
     /// # Errors
-    /// A file that cannot be read; as [`Reading::parse`].
+    /// A file that cannot be read; the errors of [`Reading::parse`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         Self::parse(&Source::read(path, "reading")?)
     }
@@ -216,7 +216,7 @@ impl Reading {
     /// Parses a RON text.
     ///
     /// # Errors
-    /// Text that is not RON of this form, unknown units, a part that is none: with file, line and column.
+    /// A text that is not RON with these fields, unknown units, an empty part: with file, line and column.
     pub fn parse(source: &Source) -> Result<Self> {
         let reading: Self = parse_ron(source)?;
         match reading.fault() {
@@ -225,33 +225,38 @@ impl Reading {
         }
     }
 
-    /// What is wrong with it, and in which field.
+    /// The first invalid field with its error; `None` if all fields are valid.
     pub fn fault(&self) -> Option<(&'static str, Error)> {
         if let Some(crop) = self.crop.filter(|crop| !crop.is_sound()) {
-            let error = Error::invalid("this part holds nothing");
+            let error = Error::invalid("this part is empty");
             let error = error
                 .found(crop)
-                .allowed("from_s of 0 or more, to_s after it");
+                .allowed("from_s of 0 or more, to_s later than from_s");
             return Some(("crop", error));
         }
-        if let Some((x, y)) = self.floor_leans.filter(|&leans| !lean::is_sound(leans)) {
-            let error = Error::invalid("no floor leans so far");
+        if let Some((x, y)) = self
+            .floor_leans
+            .filter(|&leans| !levelling::is_sound(leans))
+        {
+            let error = Error::invalid("the floor leans too far");
             let error = error
                 .found(format!("({x}, {y})"))
-                .allowed("two numbers from -1 to 1; axes that point another way are `axes`");
+                .allowed("two numbers from -1 to 1; for other directions of the axes set `axes`");
             return Some(("floor_leans", error));
         }
         let is_rate = |rate_hz: &f64| (1e-6..=1e9).contains(rate_hz);
         self.rate_hz
             .filter(|rate_hz| !is_rate(rate_hz))
             .map(|rate_hz| {
-                let error = Error::invalid("no tracker takes so many samples a second");
-                let error = error.found(rate_hz).allowed("from 1e-6 to 1e9");
+                let error = Error::invalid("the sampling rate is out of range");
+                let error = error
+                    .found(rate_hz)
+                    .allowed("1e-6 to 1e9 samples per second");
                 ("rate_hz", error)
             })
     }
 
-    /// This, and what `other` says where this says nothing.
+    /// These settings, completed by those of `other` where these are not set.
     #[must_use]
     pub fn or(self, other: &Self) -> Self {
         Self {
@@ -275,18 +280,18 @@ impl Reading {
         }
     }
 
-    /// Whether lengths are in another unit than metres.
+    /// True if lengths are in another unit than metres.
     pub fn scales_lengths(&self) -> bool {
         let column = self.columns.get(Role::X).and_then(|column| column.factor);
         column.unwrap_or(self.factor(Measure::Length)) != 1.0
     }
 
-    /// Whether it says nothing.
+    /// True if all settings have their defaults.
     pub fn is_usual(&self) -> bool {
         *self == Self::default()
     }
 
-    /// From the file's unit to SI, where the column says none.
+    /// Factor from the file's unit to SI, for columns that do not state a unit.
     pub(super) fn factor(&self, measure: Measure) -> f64 {
         let length = || self.length.unwrap_or_default().metres();
         let angle = || self.angle.unwrap_or_default().radians();
@@ -298,14 +303,14 @@ impl Reading {
         }
     }
 
-    /// What the column of a label is called.
+    /// The name of the column with a label.
     pub(super) fn label(&self, role: Role) -> &str {
         let column = self.columns.get(role);
         column.map_or(role.name(), |column| column.name.as_str())
     }
 }
 
-/// These, and those of `other` that have no counterpart here.
+/// The entries of `own`, and those entries of `other` whose keys `own` does not have.
 fn merged<T: Clone>(
     mut own: BTreeMap<String, T>,
     other: &BTreeMap<String, T>,
@@ -316,43 +321,46 @@ fn merged<T: Clone>(
     own
 }
 
-/// What it does to a file, in words; nothing for the usual way.
+/// Describes in words how a file is read; empty if all settings have their defaults.
 impl fmt::Display for Reading {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut said: Vec<String> = Vec::new();
+        let mut parts: Vec<String> = Vec::new();
         if !self.columns.is_empty() {
             let columns = self.columns.iter();
             let columns = columns.map(|(role, column)| format!("{} from `{column}`", role.name()));
-            said.push(columns.collect::<Vec<_>>().join(", "));
+            parts.push(columns.collect::<Vec<_>>().join(", "));
         }
         let names = self.names.iter();
-        said.extend(names.map(|(theirs, ours)| format!("`{theirs}` as {ours}")));
+        parts.extend(names.map(|(theirs, ours)| format!("`{theirs}` as {ours}")));
         let lists = self.lists.iter();
-        said.extend(lists.map(|(column, ours)| format!("`{column}` as {}", ours.join(", "))));
-        said.extend(self.length.map(|unit| format!("lengths in {unit}")));
-        said.extend(self.time.map(|unit| format!("times in {unit}")));
-        said.extend(self.angle.map(|unit| format!("angles in {unit}")));
-        said.extend(
+        parts.extend(lists.map(|(column, ours)| format!("`{column}` as {}", ours.join(", "))));
+        parts.extend(self.length.map(|unit| format!("lengths in {unit}")));
+        parts.extend(self.time.map(|unit| format!("times in {unit}")));
+        parts.extend(self.angle.map(|unit| format!("angles in {unit}")));
+        parts.extend(
             self.quaternion
                 .map(|o| format!("quaternions as {}", o.name())),
         );
         if let Some(only) = &self.only {
-            said.push(format!("only rows with {} = {}", only.column, only.value));
+            parts.push(format!("only rows with {} = {}", only.column, only.value));
         }
         if self.sort == Some(true) {
-            said.push("sorted by time".to_owned());
+            parts.push("sorted by time".to_owned());
         }
         if self.skip_lost == Some(true) {
-            said.push("without lost samples".to_owned());
+            parts.push("without lost samples".to_owned());
         }
-        said.extend(self.rate_hz.map(|rate| format!("{rate} samples a second")));
-        said.extend(self.topic.iter().map(|topic| format!("topic {topic}")));
+        parts.extend(
+            self.rate_hz
+                .map(|rate| format!("{rate} samples per second")),
+        );
+        parts.extend(self.topic.iter().map(|topic| format!("topic {topic}")));
         let frame = self.child_frame.iter();
-        said.extend(frame.map(|frame| format!("transforms of {frame}")));
-        said.extend(self.axes.map(|axes| axes.to_string()));
+        parts.extend(frame.map(|frame| format!("transforms of {frame}")));
+        parts.extend(self.axes.map(|axes| axes.to_string()));
         let leans = self.floor_leans;
-        said.extend(leans.map(|(x, y)| format!("a floor that leans by ({x}, {y})")));
-        said.extend(self.crop.map(|crop| crop.to_string()));
-        f.write_str(&said.join("; "))
+        parts.extend(leans.map(|(x, y)| format!("a floor that leans by ({x}, {y})")));
+        parts.extend(self.crop.map(|crop| crop.to_string()));
+        f.write_str(&parts.join("; "))
     }
 }

@@ -1,29 +1,29 @@
-//! The file formats by extension: reading and writing.
+//! The registry of file formats: reads and writes trajectories, with the format chosen by the file extension.
 //!
 //! A new format is one new file that implements [`Format`] and one line in [`FORMATS`]; the
-//! contract test in tests/formats.rs runs over all of them.
+//! contract test in tests/formats.rs checks all formats.
 
 use std::path::Path;
 
 use super::body_column;
 use super::column::{Columns, Role};
-use super::columnar::Parquet;
 use super::crop::cropped;
 use super::csv::{self, Csv};
 use super::euroc::Euroc;
 use super::format::{Format, Parsed};
 use super::kitti::Kitti;
-use super::lean;
+use super::levelling;
 use super::log::{Mcap, Rosbag};
 use super::meta::read_meta_beside;
+use super::parquet::Parquet;
 use super::text::{MAX_FILE_BYTES, check_size};
 use super::tum::Tum;
-use super::{Meta, Reading, Recording, Trajectory, suspicion};
+use super::{Meta, Reading, Recording, Trajectory, plausibility};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{read_limited, unknown_name, write_atomic};
 use realgap_core::warning::{Code, Warning};
 
-/// Columns by which recordings in one file are told apart, from the outermost to the innermost.
+/// Columns that distinguish several recordings in one file, from the outermost to the innermost group.
 pub const GROUP_COLUMNS: [&str; 2] = ["condition", "run"];
 
 /// Every known format.
@@ -34,7 +34,7 @@ fn extension_of(path: &Path) -> Option<String> {
     Some(extension.to_string_lossy().to_ascii_lowercase())
 }
 
-/// The format that a file is read in: of those with its extension the one that recognises it, else the first.
+/// The format of a file: among the formats with its extension, the one that recognises the bytes, else the first.
 fn format_in(path: &Path, bytes: &[u8]) -> Result<&'static dyn Format> {
     let named = format_of(path)?;
     let extension = extension_of(path).unwrap_or_default();
@@ -43,7 +43,7 @@ fn format_in(path: &Path, bytes: &[u8]) -> Result<&'static dyn Format> {
     Ok(own.unwrap_or(named))
 }
 
-/// The format that the extension of `path` names; the first of several with the same one.
+/// The format for the extension of `path`; the first one if several formats have this extension.
 ///
 /// # Errors
 /// An unknown extension, or none.
@@ -70,8 +70,8 @@ pub fn format_of(path: &Path) -> Result<&'static dyn Format> {
 
 /// Reads one recording; the extension chooses the format, and a `meta.ron` beside the file is attached.
 ///
-/// The file is read as `reading` says (a [`LengthUnit`](realgap_core::unit::LengthUnit) says how long its lengths are) and, where that says
-/// nothing, as the `reading` in `meta.ron` does; the result is in SI.
+/// The file is read with the settings of `reading` (a plain [`LengthUnit`](realgap_core::unit::LengthUnit) sets the unit of lengths), completed
+/// by the `reading` in `meta.ron`; the result is in SI units.
 ///
 /// # Errors
 /// Unreadable file, unknown extension, more than [`MAX_FILE_BYTES`], anything that is not a
@@ -87,7 +87,7 @@ pub fn read(path: impl AsRef<Path>, reading: impl Into<Reading>) -> Result<Recor
 /// `<file stem>/<value>/<value>...`.
 ///
 /// # Errors
-/// As [`read`]; a grouping column that the file lacks; a format that holds one recording only.
+/// The errors of [`read`]; a missing grouping column; a format that holds one recording only.
 pub fn read_groups(
     path: impl AsRef<Path>,
     reading: impl Into<Reading>,
@@ -97,20 +97,20 @@ pub fn read_groups(
     File::new(path, named_bytes(path)?, reading)?.groups(group_columns)
 }
 
-/// Reads whatever is in the file: its groups if it is a CSV file with a column `run`, else one recording.
+/// Reads all recordings in a file: its groups if it has a column `run`, else one recording.
 ///
 /// # Errors
-/// As [`read`].
+/// The errors of [`read`].
 pub fn read_all(path: impl AsRef<Path>, reading: impl Into<Reading>) -> Result<Vec<Recording>> {
     let path = path.as_ref();
     parse_all(path, named_bytes(path)?, reading)
 }
 
-/// The bytes of a trajectory file, for [`parse_all`] and for hashing: what is hashed is then what is read.
+/// The bytes of a trajectory file, for [`parse_all`] and for hashing, so that the hashed bytes are the parsed bytes.
 ///
 /// # Errors
-/// A missing or unreadable file, or a folder. No more than one byte above [`MAX_FILE_BYTES`] is read; `parse_all`
-/// refuses that.
+/// A missing or unreadable file, or a folder. At most one byte more than [`MAX_FILE_BYTES`] is read; `parse_all`
+/// refuses such a file.
 pub fn read_bytes(path: impl AsRef<Path>) -> Result<Vec<u8>> {
     let path = path.as_ref();
     match format_of(path) {
@@ -119,7 +119,7 @@ pub fn read_bytes(path: impl AsRef<Path>) -> Result<Vec<u8>> {
     }
 }
 
-/// The bytes of a file whose name says which format it has; whether it is there comes before what its name ends in.
+/// The bytes of a file whose extension names its format. An unknown extension is reported only if the file exists.
 fn named_bytes(path: &Path) -> Result<Vec<u8>> {
     match format_of(path) {
         Err(unknown) if path.exists() => Err(unknown),
@@ -127,10 +127,10 @@ fn named_bytes(path: &Path) -> Result<Vec<u8>> {
     }
 }
 
-/// As [`read_all`], of the file's bytes that are already in memory; `path` names them and has a `meta.ron` beside it.
+/// As [`read_all`], for a file whose bytes are already in memory; `path` names the file and says where its `meta.ron` is.
 ///
 /// # Errors
-/// As [`read_all`].
+/// The errors of [`read_all`].
 pub fn parse_all(
     path: impl AsRef<Path>,
     bytes: Vec<u8>,
@@ -148,12 +148,12 @@ pub fn parse_all(
     Ok(vec![file.single()?])
 }
 
-/// Reads whatever is in the file as repeats in named sets: those of one value of the column `set_column`, told apart by the
-/// column `run`. Without a column named, `condition` makes the sets where the file has it (and `run`); everything
-/// else is one set without a name.
+/// Reads all recordings in a file as repeats in named sets. Recordings with one value of the column `set_column` form a set, in which the
+/// column `run` distinguishes the repeats. If `set_column` is `None`, the column `condition` is used, if the file has it and `run`;
+/// otherwise all recordings form one set without a name.
 ///
 /// # Errors
-/// As [`read_all`]; a column that the file does not have, or that is `run` itself.
+/// The errors of [`read_all`]; a column that the file does not have, or that is `run` itself.
 pub fn read_sets(
     path: impl AsRef<Path>,
     reading: impl Into<Reading>,
@@ -166,11 +166,11 @@ pub fn read_sets(
     let has = |name: &str| columns.contains(&name);
     let set_column = match set_column {
         Some(column) if column == run => {
-            return Err(
-                Error::usage("the column `run` tells the repeats of one set apart")
-                    .field("group")
-                    .allowed("a column whose values are shared by several runs, e.g. condition"),
-            );
+            return Err(Error::usage(
+                "the column `run` already distinguishes the repeats of one set",
+            )
+            .field("group")
+            .allowed("a column whose values are shared by several runs, e.g. condition"));
         }
         Some(column) => {
             for needed in [column, run] {
@@ -178,7 +178,7 @@ pub fn read_sets(
                     return Err(unknown_name("column to group the runs by", needed, columns.iter().copied())
                         .at_file(path)
                         .field("group")
-                        .or_hint("grouped recordings are rows such as condition,run,t_s,x_m,y_m: one column names the set, `run` the repeat"));
+                        .or_hint("grouped recordings have rows such as condition,run,t_s,x_m,y_m: one column names the set, `run` names the repeat"));
                 }
             }
             Some(column)
@@ -196,7 +196,7 @@ pub fn read_sets(
     file.keyed(&[column, run])
 }
 
-/// A file's text, and how it is read.
+/// The text of a file with the settings for reading it.
 struct File<'a> {
     path: &'a Path,
     text: String,
@@ -231,7 +231,7 @@ impl<'a> File<'a> {
         self.format.columns(&self.text, &self.reading)
     }
 
-    /// [`GROUP_COLUMNS`] as this file calls them.
+    /// The names of [`GROUP_COLUMNS`] in this file.
     fn group_columns(&self) -> [&str; 2] {
         [Role::Condition, Role::Run].map(|role| self.reading.label(role))
     }
@@ -253,19 +253,19 @@ impl<'a> File<'a> {
             return self.recording(self.stem(), parse(&self.text, &self.reading)?);
         }
         if self.reading.floor_leans.is_some() {
-            // Each body would be turned about its own end.
+            // Each body would be turned about its own last position, so the bodies would no longer fit together.
             return Err(
-                Error::invalid("recordings of several bodies are not levelled")
+                Error::invalid("recordings of several bodies cannot be levelled")
                     .at_file(self.path)
                     .field("floor_leans")
                     .found(format!("columns of {}", names.join(", ")))
                     .allowed("recordings of one body"),
             );
         }
-        // Where only bodies with names have columns, the first of them is the tracked one, unless somebody says which is.
+        // If only named bodies have columns, the first of them is the tracked body, unless a mapping says otherwise.
         let all = names.clone();
-        let is_said = !self.reading.columns.is_empty() || body_column::has_plain(&columns);
-        let mut parsed = if is_said {
+        let is_stated = !self.reading.columns.is_empty() || body_column::has_plain(&columns);
+        let mut parsed = if is_stated {
             parse(&self.text, &self.reading)?
         } else {
             parse(
@@ -274,7 +274,7 @@ impl<'a> File<'a> {
             )?
         };
         if body_column::all_belong(&columns, &all) {
-            // What the tracked body does not use, others do.
+            // The columns that the tracked body does not use belong to the other bodies.
             parsed.warnings.retain(|w| w.code != Code::ColumnsIgnored);
         }
         let plain = Reading {
@@ -297,7 +297,7 @@ impl<'a> File<'a> {
         Ok(keyed.into_iter().map(|(_, recording)| recording).collect())
     }
 
-    /// Its groups, each with the value of the outermost column.
+    /// The groups of the file, each with its value of the outermost grouping column.
     fn keyed(&self, group_columns: &[&str]) -> Result<Vec<(String, Recording)>> {
         self.format
             .parse_groups(&self.text, &self.reading, group_columns)
@@ -311,7 +311,7 @@ impl<'a> File<'a> {
             .collect()
     }
 
-    /// The part that is asked for, z up.
+    /// Applies the settings that concern the motion: crops it, turns its axes to z up, and levels the floor.
     fn to_world_frame(&self, mut trajectory: Trajectory) -> Result<Trajectory> {
         if let Some(crop) = self.reading.crop {
             trajectory = cropped(&trajectory, crop).map_err(|e| e.at_file(self.path))?;
@@ -320,7 +320,9 @@ impl<'a> File<'a> {
             trajectory = (axes.to_world(trajectory)).map_err(|e| e.at_file(self.path))?;
         }
         match self.reading.floor_leans {
-            Some(leans) => lean::levelled(&trajectory, leans).map_err(|e| e.at_file(self.path)),
+            Some(leans) => {
+                levelling::levelled(&trajectory, leans).map_err(|e| e.at_file(self.path))
+            }
             None => Ok(trajectory),
         }
     }
@@ -335,7 +337,7 @@ impl<'a> File<'a> {
             let how = format!("recordings are read with {}", self.reading);
             warnings.push(Code::ReadAs.warning(how));
         }
-        warnings.extend(suspicion::of(
+        warnings.extend(plausibility::warnings(
             &name,
             &trajectory,
             &self.reading,
@@ -353,28 +355,30 @@ impl<'a> File<'a> {
     }
 }
 
-/// Checks that [`write()`] knows how to write a file of this extension.
+/// Checks that [`write()`] can write a file with this extension.
 ///
 /// # Errors
-/// Unknown extension, or that of a format that is only read.
+/// An unknown extension, or the extension of a format that is only read.
 pub fn check_output(path: &Path) -> Result<()> {
     if format_of(path)?.writes() {
         return Ok(());
     }
     let written = FORMATS.iter().filter(|format| format.writes());
     let first: Vec<String> = written.map(|f| format!(".{}", f.extensions()[0])).collect();
-    Err(Error::usage("files of this format are read, not written")
-        .at_file(path)
-        .allowed(first.join(", ")))
+    Err(
+        Error::usage("files of this format can be read but not written")
+            .at_file(path)
+            .allowed(first.join(", ")),
+    )
 }
 
 /// Writes `trajectory` to `path`, in metres; the extension chooses the format.
 ///
-/// The file appears whole or not at all: it is written under another name in the same folder, then
-/// renamed. The warnings name what the format cannot hold.
+/// The file is written completely or not at all: it is written under another name in the same folder, then
+/// renamed. The warnings name the data that the format cannot hold.
 ///
 /// # Errors
-/// Unknown extension, unwritable folder, full disk.
+/// An unknown extension, an unwritable folder, a full disk.
 pub fn write(path: impl AsRef<Path>, trajectory: &Trajectory) -> Result<Vec<Warning>> {
     let path = path.as_ref();
     check_output(path)?;
@@ -383,11 +387,11 @@ pub fn write(path: impl AsRef<Path>, trajectory: &Trajectory) -> Result<Vec<Warn
     Ok(rendered.warnings)
 }
 
-/// As [`write()`], with the poses of other bodies beside it: columns `NAME_x_m,NAME_y_m,NAME_z_m,NAME_qw,…` as [`Recording::bodies`]
-/// holds them.
+/// As [`write()`], with the poses of other bodies in columns `NAME_x_m,NAME_y_m,NAME_z_m,NAME_qw,…`; `bodies` has the form of
+/// [`Recording::bodies`].
 ///
 /// # Errors
-/// As [`write()`]; a format that cannot hold bodies; a body with other times than the trajectory.
+/// The errors of [`write()`]; a format that cannot hold several bodies; a body whose times differ from those of the trajectory.
 pub fn write_with_bodies(
     path: impl AsRef<Path>,
     trajectory: &Trajectory,
@@ -402,7 +406,9 @@ pub fn write_with_bodies(
     let mut text = csv::text_of(trajectory);
     for (name, motion) in bodies {
         if motion.times_s() != trajectory.times_s() {
-            return Err(Error::invalid("bodies in one file share their times").field(name));
+            return Err(
+                Error::invalid("all bodies in one file must have the same times").field(name),
+            );
         }
         text = body_column::beside(&text, name, &csv::text_of(motion));
     }

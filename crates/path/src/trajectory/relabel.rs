@@ -1,5 +1,5 @@
-//! Other people's tables as if their columns were called as here: columns with other names, and lists of several numbers in one
-//! column (`[0.1, 0.2]`), as LeRobot and others write them.
+//! Renames the columns of foreign tables to realgap's names, and splits lists of several numbers in one column (`[0.1, 0.2]`), as LeRobot and
+//! other programs write them, into separate columns.
 
 use super::reading::Reading;
 use super::table::header_line;
@@ -8,10 +8,10 @@ use realgap_core::error::{Error, Result};
 use realgap_core::file::unknown_name;
 use realgap_core::unit::counted;
 
-/// The text of a table with its columns called as `reading` says, lists spread over columns of their own. Lines stay where they are.
+/// The text of a table with its columns renamed as `reading` says, and its lists split into separate columns. Line numbers stay the same.
 ///
 /// # Errors
-/// A column that is not there, or a list of another length.
+/// A missing column, or a list whose length differs from the number of its column names.
 pub(super) fn relabelled(text: String, reading: &Reading) -> Result<String> {
     if reading.names.is_empty() && reading.lists.is_empty() {
         return Ok(text);
@@ -53,7 +53,7 @@ pub(super) fn relabelled(text: String, reading: &Reading) -> Result<String> {
                 Some(names) => {
                     let numbers = numbers(cell);
                     if numbers.len() != names.len() {
-                        return Err(Error::invalid("a list of another length")
+                        return Err(Error::invalid("a list of the wrong length")
                             .at_line(index + 1, 1)
                             .field(format!("lists.{name}"))
                             .found(format!(
@@ -85,14 +85,14 @@ fn push_all(out: &mut String, cells: &[impl AsRef<str>], separator: Separator) {
     }
 }
 
-/// The numbers of a list, whatever is around and between them.
+/// The numbers of a list, with any brackets around them and any separators between them.
 fn numbers(cell: &str) -> Vec<&str> {
     let inner = cell.trim_matches(|c: char| "\"'[]() ".contains(c));
     let parts = inner.split(|c: char| c == ',' || c == ';' || c.is_whitespace());
     parts.filter(|part| !part.is_empty()).collect()
 }
 
-/// The cells of a line; what is in quotes or brackets is one.
+/// The cells of a line; separators within quotes or brackets do not split a cell.
 fn split(line: &str, separator: char) -> Vec<&str> {
     let (mut cells, mut from, mut quoted, mut depth) = (Vec::new(), 0, false, 0_usize);
     for (at, c) in line.char_indices() {
@@ -121,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn lists_become_columns_and_names_become_ours() {
+    fn lists_become_columns_and_columns_are_renamed() {
         let reading = reading(
             r#"(names: {"stamp": "t_s"}, lists: {"action": ["pan_command_rad", "lift_command_rad"]})"#,
         );

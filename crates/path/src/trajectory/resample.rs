@@ -1,17 +1,17 @@
-//! A trajectory at other times: linear in position and velocity, slerp in orientation.
+//! Resamples and interpolates trajectories: linearly in position and velocity, by slerp in orientation.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::{JointTrack, Trajectory};
 use realgap_core::error::{Error, Result};
 
-/// `points` samples uniform in time; both ends are kept.
+/// Resamples a trajectory to `points` samples uniform in time; both ends are kept.
 ///
 /// Positions and velocities are interpolated linearly, orientations by slerp along the shorter way
 /// (paper 003, section 2.2, step 1, with 182 points).
 ///
 /// # Errors
-/// Fewer than 2 points, or so many on so short a time that they cannot be told apart.
+/// Fewer than 2 points, or so many points in so short a time that their times are equal.
 pub fn resample(trajectory: &Trajectory, points: usize) -> Result<Trajectory> {
     if points < 2 {
         return Err(Error::invalid("too few points to resample to")
@@ -66,7 +66,7 @@ pub(super) fn uniform(duration_s: f64, index: usize, points: usize) -> f64 {
     }
 }
 
-/// Between which samples a time lies.
+/// The position of a time between two samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Place {
     before: usize,
@@ -75,7 +75,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// Between two numbers.
+    /// Interpolates linearly between two numbers.
     pub(super) fn mix(self, values: &[f64]) -> f64 {
         let (a, b) = (values[self.before], values[self.before + 1]);
         if self.fraction >= 1.0 {
@@ -87,7 +87,7 @@ impl Place {
 
     pub(super) fn lerp(self, values: &[Vector3<f64>]) -> Vector3<f64> {
         let (a, b) = (values[self.before], values[self.before + 1]);
-        // Exact at both samples, so that nothing moves when the times already fit.
+        // The result is exact at both samples, so that resampling at the same times changes no position.
         if self.fraction >= 1.0 {
             b
         } else {
@@ -102,7 +102,7 @@ impl Place {
         } else if self.fraction >= 1.0 {
             b
         } else {
-            // Nearly equal orientations have no well-defined arc; the chord is exact there.
+            // For nearly equal orientations slerp is ill-conditioned; linear interpolation (nlerp) is accurate there.
             a.try_slerp(&b, self.fraction, 1e-9).unwrap_or_else(|| {
                 let b = if a.coords.dot(&b.coords) < 0.0 {
                     UnitQuaternion::new_unchecked(-b.into_inner())
@@ -115,7 +115,7 @@ impl Place {
     }
 }
 
-/// Poses of a trajectory at any times; cheapest when the times increase.
+/// Interpolates the poses of a trajectory at any times; it is fastest if the times increase.
 #[derive(Debug, Clone)]
 pub struct Interpolator<'a> {
     trajectory: &'a Trajectory,
@@ -131,13 +131,13 @@ impl<'a> Interpolator<'a> {
         }
     }
 
-    /// Position (world, metres) at `since_start_s` seconds after the first sample; held beyond the ends.
+    /// Position (world, metres) at `since_start_s` seconds after the first sample; beyond the ends, the position of the end.
     pub fn position_world_m(&mut self, since_start_s: f64) -> Vector3<f64> {
         self.place(since_start_s)
             .lerp(self.trajectory.positions_world_m())
     }
 
-    /// Orientation (world from body) at `since_start_s` seconds after the first sample, where recorded.
+    /// Orientation (world from body) at `since_start_s` seconds after the first sample, if recorded.
     pub fn orientation_world_from_body(
         &mut self,
         since_start_s: f64,
@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn points_lie_on_the_straight_pieces_and_both_ends_are_kept() {
+    fn points_lie_on_the_segments_and_both_ends_are_kept() {
         let four = resample(&corner(), 4).unwrap();
         assert_eq!(four.times_s(), [10.0, 11.0, 12.0, 13.0]);
         assert_eq!(four.positions_world_m()[2], Vector3::new(1.0, 2.0, 1.0));
@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn the_interpolator_may_go_back_and_holds_the_ends() {
+    fn the_interpolator_can_go_back_in_time_and_keeps_the_ends() {
         let corner = corner();
         let mut at = Interpolator::new(&corner);
         assert_eq!(at.position_world_m(2.0).y, 2.0);

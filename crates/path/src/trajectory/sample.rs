@@ -1,4 +1,4 @@
-//! One line of a file becomes one sample: which column holds what, and what a sample must satisfy.
+//! Converts the lines of a file into samples, and checks every sample.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
@@ -11,42 +11,42 @@ use realgap_core::error::{Advice, Error, Result};
 use realgap_core::unit::{counted, number};
 use realgap_core::warning::{Code, Warning};
 
-/// The way out where a file has hardly anything in it.
+/// The hint about a file with too few samples.
 pub(super) const COPY_AGAIN: &str =
-    "was it recorded, and copied whole? Leave it out, or copy it again";
+    "was the file recorded and copied completely? Leave it out, or copy it again";
 
-/// Largest | |q| − 1 | that is kept bit for bit, so that writing and reading back changes nothing.
+/// The largest | |q| − 1 | at which a quaternion is kept unchanged, so that writing and reading back changes no bit.
 const UNIT_EXACT: f64 = 1e-9;
-/// Largest | |q| − 1 | that is renormalised silently: rounding of files with few digits.
+/// The largest | |q| − 1 | at which a quaternion is renormalised without a warning, because it may be due to rounding to few digits.
 const UNIT_ROUNDED: f64 = 1e-3;
-/// Largest | |q| − 1 | that is accepted at all.
+/// The largest | |q| − 1 | at which a quaternion is accepted.
 const UNIT_ACCEPTED: f64 = 1e-2;
-/// |q| below which there is no orientation at all: what trackers write where they have lost the body.
+/// The |q| below which there is no orientation; trackers write such a quaternion if they have lost the body.
 const NO_QUATERNION: f64 = 1e-6;
 
 /// The message of an error about the order of samples.
 pub(super) const TIME_GOES_BACK: &str = "time does not increase";
 
-/// Index of every column in a line; `names` are for messages, `factors` lead from the file's units to SI.
+/// The index of every column in a line; `names` are used in messages, `factors` convert from the file's units to SI.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Layout {
     pub(super) names: Vec<String>,
     pub(super) factors: Vec<f64>,
     pub(super) time: usize,
-    /// x and y; `None` in a recording of joints alone.
+    /// x and y; `None` in a recording with joints only.
     pub(super) place: Option<[usize; 2]>,
     pub(super) z: Option<usize>,
     /// In the order w, x, y, z.
     pub(super) quaternion: Option<[usize; 4]>,
-    /// Angle about z, where that is all of the orientation.
+    /// Angle about z, if the orientation is only a heading.
     pub(super) heading: Option<usize>,
     /// Linear x, y, z, angular x, y, z.
     pub(super) velocity: Option<[usize; 6]>,
-    /// Joints: angle, and speed where recorded.
+    /// Joints with their angle, and their speed if recorded.
     pub(super) joints: Vec<JointColumns>,
     /// Columns of signals.
     pub(super) signals: Vec<usize>,
-    /// What to do when time goes back.
+    /// The hint of the error about times that do not increase.
     pub(super) time_hint: Option<String>,
 }
 
@@ -62,9 +62,11 @@ pub(super) struct Samples {
     angular_rad_s: Vec<Vector3<f64>>,
     joints: Vec<JointTrack>,
     signals: Vec<Signal>,
-    /// Samples that repeat the one before, that have no numbers, and that come after a later one.
+    /// The number of samples that repeat the previous sample.
     repeated: usize,
+    /// The number of samples without numbers.
     lost: usize,
+    /// The number of samples whose times are not later than the previous time.
     late: usize,
     renormalised: usize,
     largest_deviation: f64,
@@ -182,7 +184,8 @@ impl Samples {
         self.times_s.is_empty()
     }
 
-    /// Sorts all columns by time; of samples at one time the first stays. How far the others were from it at most, metres.
+    /// Sorts all columns by time; of several samples at one time, the first is kept. Returns the largest distance of the others from it,
+    /// metres.
     fn sort(&mut self) -> f64 {
         let times_s = &self.times_s;
         let mut order: Vec<usize> = (0..times_s.len()).collect();
@@ -191,8 +194,8 @@ impl Samples {
         order.dedup_by(|a, b| {
             let is_same = times_s[*a] == times_s[*b];
             if is_same {
-                let apart_m = self.positions_m[*a] - self.positions_m[*b];
-                farthest_m = farthest_m.max(apart_m.norm());
+                let difference_m = self.positions_m[*a] - self.positions_m[*b];
+                farthest_m = farthest_m.max(difference_m.norm());
             }
             is_same
         });
@@ -226,7 +229,7 @@ impl Samples {
         }
         if deviation > UNIT_ACCEPTED {
             return Err(first.locate(
-                Error::invalid("the quaternion is not of length 1")
+                Error::invalid("the quaternion does not have length 1")
                     .field("qw, qx, qy, qz")
                     .found(format!("length {norm}"))
                     .allowed(format!("1 within {UNIT_ACCEPTED}"))
@@ -249,7 +252,7 @@ impl Samples {
         Ok(UnitQuaternion::new_unchecked(q / norm))
     }
 
-    /// The trajectory, and what the reader should know about it beside the `warnings` that there are.
+    /// The trajectory, with its warnings added to the given `warnings`.
     pub(super) fn finish(mut self, layout: &Layout, mut warnings: Vec<Warning>) -> Result<Parsed> {
         let given = self.times_s.len();
         let farthest_m = if self.late > 0 { self.sort() } else { 0.0 };
@@ -274,22 +277,22 @@ impl Samples {
         left_out(
             Code::DuplicateSamples,
             self.repeated,
-            "that repeat the one before left out",
+            "that repeat the previous sample left out",
         );
         left_out(
             Code::SamplesSorted,
             self.late,
-            "no later than the one before, all sorted by time",
+            "no later than the previous sample; all samples are sorted by time",
         );
-        let mut why = "at times that others had already left out".to_owned();
+        let mut why = "at the same time as an earlier sample left out".to_owned();
         if farthest_m > 0.0 {
             let far = number(farthest_m);
-            why += &format!(", up to {far} m from them: are these several objects?");
+            why += &format!(", at up to {far} m from it: are these several objects?");
         }
         left_out(Code::SamplesSorted, at_one_time, &why);
         if self.renormalised > 0 {
             warnings.push(Code::QuaternionsRenormalised.warning(format!(
-                "{} quaternions were up to {:.4} off length 1 and have been renormalised",
+                "{} quaternions deviated by up to {:.4} from length 1 and were renormalised",
                 self.renormalised, self.largest_deviation
             )));
         }
@@ -322,11 +325,11 @@ fn check_columns(layout: &Layout, cells: &[Cell<'_>], line: usize) -> Result<()>
         .allowed(format!("{allowed} columns: {}", layout.names.join(", ")));
     let error = match found < allowed {
         true => error.hint(
-            "where this is the last line, the file is only a part: copy it again, or delete the line",
+            "if this is the last line, the file is incomplete: copy it again, or delete the line",
         ),
         false => error,
     };
-    // Where the line goes wrong: at the first cell too many, or at the end of a short line.
+    // The error is located at the first superfluous cell, or at the last cell of a short line.
     Err(match (cells.get(allowed), cells.last()) {
         (Some(cell), _) | (None, Some(cell)) => cell.locate(error),
         (None, None) => error.at_line(line, 1),

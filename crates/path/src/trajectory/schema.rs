@@ -1,4 +1,4 @@
-//! Schemas of what readings of files are written as.
+//! JSON Schemas of the types of a reading that are serialised as texts.
 
 use std::borrow::Cow;
 
@@ -8,9 +8,9 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use super::{Axes, Columns, QuaternionOrder, Role};
 
 string_schema! {
-    QuaternionOrder, "QuaternionOrder", "Whether the real part of a quaternion comes first.",
+    QuaternionOrder, "QuaternionOrder", "Order of the four numbers of a quaternion: real part first or last.",
         [QuaternionOrder::Wxyz, QuaternionOrder::Xyzw].into_iter().map(QuaternionOrder::name);
-    Axes, "Axes", "Which way the axes of poses point.",
+    Axes, "Axes", "Directions of the axes of poses.",
         [Axes::World, Axes::Camera].into_iter().map(Axes::name);
 }
 
@@ -29,7 +29,7 @@ impl JsonSchema for Columns {
         };
         let columns: serde_json::Map<_, _> = Role::ALL.iter().map(column).collect();
         json_schema!({
-            "description": "Which column holds what, where it is not called as here.",
+            "description": "Which column holds which quantity, if its name differs from realgap's own.",
             "type": "object",
             "additionalProperties": false,
             "properties": columns,

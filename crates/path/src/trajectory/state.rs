@@ -1,10 +1,10 @@
-//! A path through space and time: validated once, immutable afterwards.
+//! The type of trajectories: poses over time, with optional velocities, joints and signals; validated once, immutable afterwards.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
 use realgap_core::error::{Error, Result};
 
-/// Pose and velocity at one instant.
+/// Pose and velocity at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State {
     /// Position of the tracked point in the world frame, metres, z up.
@@ -18,7 +18,7 @@ pub struct State {
 }
 
 impl State {
-    /// The same state with every length, and so every linear velocity, times `factor`.
+    /// The same state with all lengths, and therefore all linear velocities, multiplied by `factor`.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         Self {
@@ -29,19 +29,19 @@ impl State {
     }
 }
 
-/// The angle of one joint over the samples of a trajectory.
+/// The angles of one joint over the samples of a trajectory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointTrack {
-    /// Name: that of the robot's hinge.
+    /// Name of the robot's hinge.
     pub name: String,
     /// Angles, radians, not wrapped.
     pub angles_rad: Vec<f64>,
-    /// Speeds, rad/s, where recorded.
+    /// Angular speeds, rad/s, if recorded.
     pub speeds_rad_s: Option<Vec<f64>>,
 }
 
 impl JointTrack {
-    /// The same joint with what `of` makes of its columns.
+    /// The same joint with `of` applied to its angles and its speeds.
     #[must_use]
     pub fn map(&self, of: impl Fn(&[f64]) -> Vec<f64>) -> Self {
         Self {
@@ -52,17 +52,17 @@ impl JointTrack {
     }
 }
 
-/// Numbers over the samples of a trajectory that are no angle: commanded speeds and torques, switches.
+/// A recorded quantity over the samples of a trajectory that is not an angle: commanded speeds and torques, switches.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Signal {
     /// Name of the column, with its unit.
     pub name: String,
-    /// One value a sample.
+    /// One value per sample.
     pub values: Vec<f64>,
 }
 
 impl Signal {
-    /// The same signal with what `of` makes of its values.
+    /// The same signal with `of` applied to its values.
     #[must_use]
     pub fn map(&self, of: impl Fn(&[f64]) -> Vec<f64>) -> Self {
         Self {
@@ -72,7 +72,7 @@ impl Signal {
     }
 }
 
-/// Time-stamped poses of one execution, simulated or real.
+/// Time-stamped poses of one run, simulated or real.
 ///
 /// Invariants: at least two samples, strictly increasing finite times, finite positions, and
 /// every optional column exactly as long as the times.
@@ -208,10 +208,10 @@ impl Trajectory {
         Ok(self)
     }
 
-    /// The same motion with every length, and so every linear velocity, times `factor`.
+    /// The same trajectory with all lengths, and therefore all linear velocities, multiplied by `factor`.
     ///
     /// # Errors
-    /// A factor that is not a positive number, or one so large that a length is no longer finite.
+    /// A factor that is not a positive number, or that is so large that a length is no longer finite.
     pub fn scaled(&self, factor: f64) -> Result<Self> {
         let all =
             |v: &[Vector3<f64>]| -> Vec<Vector3<f64>> { v.iter().map(|v| v * factor).collect() };
@@ -232,14 +232,14 @@ impl Trajectory {
         })
     }
 
-    /// Marks the trajectory as recorded in the plane: z is not known and 0 everywhere.
+    /// Marks the trajectory as planar: z was not recorded, and is 0 everywhere.
     #[must_use]
     pub fn planar(mut self) -> Self {
         self.planar = true;
         self
     }
 
-    /// Without z, where another trajectory has none.
+    /// Marks the trajectory as planar if another trajectory is planar.
     pub(super) fn planar_like(self, other: &Self) -> Self {
         Self {
             planar: other.planar,
@@ -247,7 +247,7 @@ impl Trajectory {
         }
     }
 
-    /// Linear velocities in the world and rates of turn of the body, where both are known.
+    /// Linear velocities in the world frame and angular velocities in the body frame, if both are known.
     pub(super) fn velocities(&self) -> Option<[&[Vector3<f64>]; 2]> {
         let linear = self.velocities_world_m_s.as_deref()?;
         Some([linear, self.angular_velocities_body_rad_s.as_deref()?])
@@ -283,22 +283,22 @@ impl Trajectory {
         &self.positions_world_m
     }
 
-    /// Orientations (world from body), where recorded.
+    /// Orientations (world from body), if recorded.
     pub fn orientations_world_from_body(&self) -> Option<&[UnitQuaternion<f64>]> {
         self.orientations_world_from_body.as_deref()
     }
 
-    /// Linear velocities in the world frame, m/s, where recorded.
+    /// Linear velocities in the world frame, m/s, if recorded.
     pub fn velocities_world_m_s(&self) -> Option<&[Vector3<f64>]> {
         self.velocities_world_m_s.as_deref()
     }
 
-    /// Angular velocities in the body frame, rad/s, where recorded.
+    /// Angular velocities in the body frame, rad/s, if recorded.
     pub fn angular_velocities_body_rad_s(&self) -> Option<&[Vector3<f64>]> {
         self.angular_velocities_body_rad_s.as_deref()
     }
 
-    /// Whether only joints were recorded: no orientation, and no position but the origin.
+    /// True if only joints were recorded: there are no orientations, and all positions are the origin.
     pub fn is_of_joints(&self) -> bool {
         !self.joints.is_empty()
             && self.orientations_world_from_body.is_none()
@@ -308,7 +308,7 @@ impl Trajectory {
                 .all(|p| *p == Vector3::zeros())
     }
 
-    /// Joints, in the order of the file; none where none is recorded.
+    /// Joints in the order of the file; empty if none were recorded.
     pub fn joints(&self) -> &[JointTrack] {
         &self.joints
     }
@@ -318,7 +318,7 @@ impl Trajectory {
         self.joints.iter().find(|joint| joint.name == name)
     }
 
-    /// What was recorded beside motion.
+    /// The recorded signals, in the order of the file.
     pub fn signals(&self) -> &[Signal] {
         &self.signals
     }
@@ -328,12 +328,12 @@ impl Trajectory {
         self.signals.iter().find(|signal| signal.name == name)
     }
 
-    /// Whether z was not recorded.
+    /// True if z was not recorded.
     pub fn is_planar(&self) -> bool {
         self.planar
     }
 
-    /// Time, place and orientation of every sample; no rotation where orientations are unknown.
+    /// Time, position and orientation of every sample; the identity rotation if orientations are unknown.
     pub(super) fn poses(
         &self,
     ) -> impl Iterator<Item = (f64, Vector3<f64>, UnitQuaternion<f64>)> + '_ {

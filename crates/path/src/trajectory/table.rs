@@ -1,4 +1,4 @@
-//! The rows of a CSV text, below a header that has been understood.
+//! Reads the rows of a CSV text below its header.
 
 use super::header::{Header, excerpt_list};
 use super::reading::{Only, Reading};
@@ -7,11 +7,11 @@ use super::text::{Cell, Separator, cut, excerpt};
 use realgap_core::error::{Error, Result};
 use realgap_core::warning::Warning;
 
-/// A CSV text whose header has been understood.
+/// A CSV text with its interpreted header.
 pub(super) struct Table<'a> {
     pub(super) rows: Rows<'a>,
     pub(super) layout: Layout,
-    /// Columns that hold nothing that is asked for.
+    /// Columns without a role.
     pub(super) unused: Vec<usize>,
     pub(super) group_columns: Vec<usize>,
     pub(super) warnings: Vec<Warning>,
@@ -57,7 +57,7 @@ impl<'a> Table<'a> {
     }
 }
 
-/// The first line that is not blank, below those that are to be skipped.
+/// The header line: the first line that is not blank after the skipped lines.
 pub(super) fn header_line<'a>(
     lines: &mut std::iter::Enumerate<std::str::Lines<'a>>,
     reading: &Reading,
@@ -71,17 +71,17 @@ pub(super) struct Rows<'a> {
     lines: std::iter::Enumerate<std::str::Lines<'a>>,
     cells: Vec<Cell<'a>>,
     separator: Separator,
-    /// Whose rows are read.
+    /// The column and the value of the robot whose rows are read.
     only: Option<(usize, Only)>,
-    /// Who else has rows.
+    /// The values of this column in other rows.
     others: Vec<&'a str>,
 }
 
-/// Most names of others that are kept for a message.
+/// The largest number of other values that are kept for an error message.
 const OTHERS: usize = 16;
 
 impl<'a> Rows<'a> {
-    /// The next line that is not blank (nor somebody else's), with its number from 1.
+    /// The next line that is not blank and belongs to the selected robot, with its number from 1.
     pub(super) fn next(&mut self) -> Result<Option<(usize, &[Cell<'a>])>> {
         for (index, line) in self.lines.by_ref() {
             if line.trim().is_empty() {
@@ -104,7 +104,7 @@ impl<'a> Rows<'a> {
         Ok(None)
     }
 
-    /// The error where the one whose rows are read has none.
+    /// The error about a selected robot without rows; `None` if no robot was selected.
     pub(super) fn no_matching_robot(&self) -> Option<Error> {
         let (_, only) = self.only.as_ref()?;
         Some(

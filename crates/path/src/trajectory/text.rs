@@ -1,14 +1,14 @@
-//! Text files of numbers: read within limits, cut into cells that know their line and column.
+//! Reads text files of numbers within limits, and splits their lines into cells that know their line and column.
 
 use realgap_core::error::{Advice, Error, Result};
 
-/// Largest recording that is read, in bytes (256 MB).
+/// The size of the largest recording that is read, in bytes (256 MB).
 pub const MAX_FILE_BYTES: u64 = 256_000_000;
 
-/// Most lines of numbers in one recording: over two hours at 592 Hz.
+/// The largest number of samples in one recording: more than two hours at 592 Hz.
 pub const MAX_ROWS: usize = 5_000_000;
 
-/// Most columns in one line; ours have at most 14.
+/// The largest number of columns in one line; realgap's own files have at most 14, without joints.
 pub const MAX_COLUMNS: usize = 1_000;
 
 /// Refuses more than [`MAX_FILE_BYTES`].
@@ -27,7 +27,7 @@ pub(super) fn check_size(bytes: &[u8]) -> Result<()> {
 /// The text in the bytes of a file, without a byte order mark.
 ///
 /// # Errors
-/// Not UTF-8 (with line and column).
+/// Bytes that are not UTF-8 (with line and column).
 pub(super) fn decode_text(mut bytes: Vec<u8>) -> Result<String> {
     if bytes.starts_with(BYTE_ORDER_MARK) {
         bytes.drain(..BYTE_ORDER_MARK.len());
@@ -45,7 +45,7 @@ pub(super) fn decode_text(mut bytes: Vec<u8>) -> Result<String> {
 
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// The first line that is not blank, of what may be no text at all; no more than a few thousand bytes of it.
+/// The first line that is not blank, from at most the first 4096 bytes of a file that may not be text.
 pub(super) fn first_line(bytes: &[u8]) -> &str {
     let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
     let start = &bytes[..bytes.len().min(4096)];
@@ -57,7 +57,7 @@ pub(super) fn first_line(bytes: &[u8]) -> &str {
     lines.find(|line| !line.is_empty()).unwrap_or_default()
 }
 
-/// One value of a line.
+/// One cell of a line.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cell<'a> {
     pub(super) text: &'a str,
@@ -74,7 +74,7 @@ impl Cell<'_> {
         error.at_line(self.line, column)
     }
 
-    /// Whether there is no number because the tracker had none.
+    /// True if the tracker has written no number or no finite number, because it had lost the body.
     pub(super) fn is_lost(&self) -> bool {
         let nothing = ["", "-", "na", "n/a", "null", "none"];
         nothing
@@ -129,21 +129,21 @@ pub(super) fn excerpt(text: &str) -> String {
     }
 }
 
-/// What separates the cells of a line.
+/// The separator of the cells of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Separator {
     /// One comma; cells may be quoted.
     Comma,
-    /// One semicolon, as spreadsheets write where numbers have decimal commas.
+    /// One semicolon, which spreadsheets write in countries with a decimal comma.
     Semicolon,
     /// One tab.
     Tab,
-    /// Any run of white space.
+    /// Any amount of white space.
     Space,
 }
 
 impl Separator {
-    /// What separates the names of a header: commas if there is one.
+    /// The separator of a header line: a comma if the line contains one, else a semicolon or a tab.
     pub(super) fn of_header(line: &str) -> Self {
         if line.contains(',') {
             Self::Comma
@@ -165,7 +165,7 @@ impl Separator {
         }
     }
 
-    /// The number in a cell; with a decimal comma where that can be nothing else.
+    /// The number in a cell; a decimal comma is accepted if commas do not separate cells.
     pub(super) fn number(self, text: &str) -> Option<f64> {
         let number = text.parse().ok();
         match self {
@@ -177,7 +177,7 @@ impl Separator {
     }
 }
 
-/// Cuts line number `line` (from 1) into `cells`, which is emptied first.
+/// Splits line number `line` (from 1) into `cells`, which is cleared first.
 pub(super) fn cut<'a>(
     line_text: &'a str,
     line: usize,
@@ -221,7 +221,7 @@ pub(super) fn cut<'a>(
     Ok(())
 }
 
-/// The bytes of the cell that begins at or after `from`, and where the next one begins.
+/// The byte range of the cell that begins at or after `from`, and the start of the next cell.
 fn next_cell(
     line: &str,
     from: usize,
@@ -250,7 +250,7 @@ fn next_cell(
     }
 }
 
-/// What the cells of a line hold; nothing where it cannot be cut.
+/// The texts of the cells of a line; empty if the line has too many columns.
 pub(super) fn cells_of(line: &str) -> Vec<&str> {
     let mut cells = Vec::new();
     match cut(line, 1, Separator::of_header(line), &mut cells) {
@@ -259,7 +259,7 @@ pub(super) fn cells_of(line: &str) -> Vec<&str> {
     }
 }
 
-/// Refuses one row more than [`MAX_ROWS`].
+/// Refuses more than [`MAX_ROWS`] rows.
 pub(super) fn check_rows(rows: usize, line: usize) -> Result<()> {
     if rows >= MAX_ROWS {
         return Err(Error::invalid("too many rows")
@@ -270,11 +270,11 @@ pub(super) fn check_rows(rows: usize, line: usize) -> Result<()> {
     Ok(())
 }
 
-/// Shortest text that reads back as exactly the same number.
+/// Writes the shortest text that is parsed to exactly the same number.
 pub(super) fn push_number(out: &mut String, value: f64) {
     use std::fmt::Write as _;
     let size = value.abs();
-    // Writing to a String cannot fail.
+    // Writing into a `String` cannot fail.
     let _infallible = if value == 0.0 || (1e-5..1e16).contains(&size) {
         write!(out, "{value}")
     } else {

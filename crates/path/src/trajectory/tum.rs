@@ -1,4 +1,4 @@
-//! TUM text: `timestamp tx ty tz qx qy qz qw` per line, `#` starts a comment.
+//! The TUM text format: `timestamp tx ty tz qx qy qz qw` per line; `#` starts a comment.
 
 use super::Trajectory;
 use super::column::Measure;
@@ -11,9 +11,9 @@ use realgap_core::error::Result;
 
 /// The text format of the TUM RGB-D benchmark, which evo and many SLAM programs read.
 ///
-/// Eight numbers a line, separated by white space: seconds, position, quaternion with the real part LAST
-/// (world from body). It cannot hold velocities, planar trajectories (z is written as 0), or the
-/// absence of orientation (written as no rotation); writing warns about what is lost.
+/// Each line has eight numbers separated by white space: seconds, position, quaternion with the real part last
+/// (world from body). The format cannot hold velocities, the fact that z is unknown (z is written as 0), or the
+/// absence of orientation (written as the identity rotation); writing gives warnings about lost data.
 #[derive(Debug, Clone, Copy)]
 pub struct Tum;
 

@@ -105,7 +105,7 @@ fn a_value_of_the_wrong_type_is_refused() {
     robot.ron:3:40: modules[0].kind: `Passive` needs brackets
       found:   Passive
       allowed: Passive(...)
-      hint:    the brackets stay even when there is nothing to say in them
+      hint:    the brackets are needed even if no field stands in them
     ");
     insta::assert_snapshot!(refusal(&alone("3")), @r"
     robot.ron:3:33: modules[0].kind: a value of the wrong kind
@@ -151,7 +151,7 @@ fn a_syntax_error_is_located() {
     ");
     insta::assert_snapshot!(refusal("(name: \"x\", modules: []))"), @r"
     robot.ron:1:25: something follows the last closing bracket
-      hint:    remove it, or look for a bracket too many
+      hint:    remove it, or look for a superfluous bracket
     ");
     insta::assert_snapshot!(refusal("(name: \"x\", name: \"y\", modules: [])"), @r"
     robot.ron:1:13: name: the field is given twice

@@ -1,45 +1,45 @@
-//! The coding of ROS 2 messages (CDR of the Object Management Group): numbers at multiples of their size.
+//! Decodes CDR (of the Object Management Group), the encoding of ROS 2 messages, in which numbers are aligned to their size.
 
 use realgap_core::file::ByteReader;
 
-/// One coded message.
+/// A decoder of one message.
 pub(super) struct Cdr<'a> {
-    octets: ByteReader<'a>,
+    input: ByteReader<'a>,
     is_big_endian: bool,
-    /// Numbers larger than this are aligned as those of this size.
-    most_aligned: usize,
+    /// The largest alignment, bytes; larger numbers are aligned to it.
+    max_alignment: usize,
 }
 
-/// Bytes before the message that say how it is coded; places are counted from behind them.
+/// The number of bytes before the message, which state the encoding; alignment is counted from behind them.
 const HEAD: usize = 4;
 
 impl<'a> Cdr<'a> {
-    /// `None` for a coding of which messages of poses are never.
+    /// A decoder at the start of a message; `None` for an encoding that is not used for messages of poses.
     pub(super) fn new(bytes: &'a [u8]) -> Option<Self> {
-        let mut octets = ByteReader::new(bytes);
-        let [0, kind, ..] = octets.array::<HEAD>()? else {
+        let mut input = ByteReader::new(bytes);
+        let [0, kind, ..] = input.array::<HEAD>()? else {
             return None;
         };
-        let most_aligned = match kind {
+        let max_alignment = match kind {
             0 | 1 => 8,
             // The second version of CDR.
             6 | 7 => 4,
             _ => return None,
         };
         Some(Self {
-            octets,
+            input,
             is_big_endian: kind % 2 == 0,
-            most_aligned,
+            max_alignment,
         })
     }
 
     fn number<const N: usize>(&mut self) -> Option<[u8; N]> {
-        let size = N.min(self.most_aligned);
-        let beyond = (self.octets.at() - HEAD) % size;
+        let size = N.min(self.max_alignment);
+        let beyond = (self.input.at() - HEAD) % size;
         if beyond > 0 {
-            self.octets.take(size - beyond)?;
+            self.input.take(size - beyond)?;
         }
-        let mut bytes: [u8; N] = self.octets.array()?;
+        let mut bytes: [u8; N] = self.input.array()?;
         if self.is_big_endian {
             bytes.reverse();
         }
@@ -68,7 +68,7 @@ impl<'a> Cdr<'a> {
 
     pub(super) fn text(&mut self) -> Option<String> {
         let length = usize::try_from(self.u32()?).ok()?;
-        let bytes = self.octets.take(length)?;
+        let bytes = self.input.take(length)?;
         let bytes = bytes.strip_suffix(&[0]).unwrap_or(bytes);
         Some(String::from_utf8_lossy(bytes).into_owned())
     }
@@ -79,7 +79,7 @@ mod tests {
     use super::Cdr;
 
     #[test]
-    fn numbers_stand_at_multiples_of_their_size_in_either_order() {
+    fn numbers_are_aligned_to_their_size_in_both_byte_orders() {
         // A text of one letter, then a number of eight bytes.
         let little = [
             &[0, 1, 0, 0, 2, 0, 0, 0, b'a', 0, 9, 9][..],
@@ -89,7 +89,7 @@ mod tests {
             &[0, 0, 0, 0, 0, 0, 0, 2, b'a', 0, 9, 9][..],
             &2.5_f64.to_be_bytes(),
         ];
-        // The second version aligns to four at most.
+        // The second version aligns to at most four bytes.
         let second = [
             &[0, 7, 0, 0, 2, 0, 0, 0, b'a', 0, 9, 9][..],
             &2.5_f64.to_le_bytes(),
@@ -98,7 +98,7 @@ mod tests {
             let is_second = parts[0][1] == 7;
             let mut bytes = parts.concat();
             if !is_second {
-                // From place 6 the next multiple of 8 is 8.
+                // From offset 6, the next multiple of 8 is 8.
                 assert_eq!(bytes.len(), 4 + 8 + 8);
             }
             let mut cdr = Cdr::new(&bytes).unwrap();
@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn a_text_that_claims_to_be_endless_is_refused() {
+    fn a_text_that_is_longer_than_the_message_is_refused() {
         let mut cdr = Cdr::new(&[0, 1, 0, 0, 255, 255, 255, 255, b'a']).unwrap();
         assert_eq!(cdr.text(), None);
         assert!(Cdr::new(&[0, 3, 0, 0]).is_none());

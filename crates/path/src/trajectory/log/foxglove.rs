@@ -1,4 +1,4 @@
-//! Messages of Foxglove in JSON that hold poses.
+//! Decodes JSON messages of Foxglove that hold poses.
 
 use serde::Deserialize;
 
@@ -51,7 +51,7 @@ struct FrameTransforms {
     transforms: Vec<FrameTransform>,
 }
 
-/// What a message says, by the name of its schema.
+/// The kind of a message, by the name of its schema.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Pose,
@@ -86,7 +86,7 @@ fn transform(transform: FrameTransform, log_ns: i64) -> Option<(Frames, Sample)>
     Some((Some(frames), sample))
 }
 
-/// What a message says; `None` where it is not what its schema says.
+/// Decodes the poses of a message; `None` if the message does not match its schema.
 pub(super) fn content(kind: Kind, log_ns: i64, data: &[u8]) -> Option<Content> {
     let all = match kind {
         Kind::Pose => {

@@ -1,4 +1,4 @@
-//! MCAP files: those of ROS 2 and of Foxglove.
+//! The file format MCAP, which ROS 2 and Foxglove record.
 
 use serde_json::json;
 
@@ -13,22 +13,22 @@ use realgap_core::warning::Warning;
 
 /// The files that ROS 2 and Foxglove record (<https://mcap.dev>).
 ///
-/// Read are messages of ROS 2 coded in CDR (`PoseStamped`, `PoseWithCovarianceStamped`, `Odometry`, `TransformStamped`, `TFMessage`,
-/// `Path`) and Foxglove's in JSON (`PoseInFrame`, `FrameTransform`, `FrameTransforms`). Where a file holds poses of several things, the reading's
-/// `topic` and `child_frame` choose. Times are those of the messages, else those of recording. Velocities of `Odometry` are those of
-/// the body and are turned into the world; where all are 0 they are taken for not recorded, and so is an orientation that is 0
-/// everywhere. Chunks may be packed with zstd or lz4.
+/// It reads messages of ROS 2 encoded in CDR (`PoseStamped`, `PoseWithCovarianceStamped`, `Odometry`, `TransformStamped`, `TFMessage`,
+/// `Path`) and messages of Foxglove in JSON (`PoseInFrame`, `FrameTransform`, `FrameTransforms`). If a file holds poses of several objects, the
+/// reading's `topic` and `child_frame` select one. Times are those in the messages, or the times of recording if the messages have none.
+/// The velocities of `Odometry` are in the body frame and are rotated into the world frame; velocities that are all 0 count as not
+/// recorded, and so does an orientation that is 0 everywhere. Chunks may be compressed with zstd or lz4.
 ///
-/// Written is `PoseInFrame` in JSON on the topic `/pose`: no velocities, joints or planar trajectories, and whole
-/// nanoseconds from 0 on.
+/// It writes `PoseInFrame` messages in JSON on the topic `/pose`, which cannot hold velocities, joints or the fact that z is unknown, and
+/// whose times are whole nanoseconds from 0.
 #[derive(Debug, Clone, Copy)]
 pub struct Mcap;
 
-/// Topic and frame of what is written.
+/// Topic and frame of the written messages.
 const TOPIC: &str = "/pose";
 const FRAME: &str = "world";
 
-/// What of `reading` concerns a log that has become a table.
+/// The settings of `reading` that concern a log after its conversion into a table.
 pub(super) fn applied(reading: &Reading) -> Reading {
     Reading {
         topic: reading.topic.clone(),
@@ -94,7 +94,7 @@ impl Format for Mcap {
     }
 }
 
-/// Times as whole nanoseconds from 0 on, and what that has changed.
+/// The times as whole nanoseconds from 0, and warnings about times that were changed by this.
 pub(super) fn whole_nanoseconds(trajectory: &Trajectory) -> (Vec<u64>, Vec<Warning>) {
     let times_s = trajectory.times_s();
     let shift_s = (-times_s[0]).max(0.0);

@@ -1,6 +1,6 @@
-//! What the messages of a log say, whatever they are coded in.
+//! The content of messages with poses, independent of their encoding.
 
-/// Names of the types of messages that hold poses, and what each says.
+/// The names of the message types that hold poses, with their kinds.
 pub(super) struct Kinds<K: 'static>(pub(super) &'static [(&'static str, K)]);
 
 impl<K: Copy> Kinds<K> {
@@ -8,19 +8,19 @@ impl<K: Copy> Kinds<K> {
         self.0.iter().map(|(name, _)| *name)
     }
 
-    /// `None` for all that are no poses.
+    /// The kind of the message type with this name; `None` for a type without poses.
     pub(super) fn of(&self, name: &str) -> Option<K> {
         let known = self.0.iter().find(|(known, _)| *known == name);
         known.map(|(_, kind)| *kind)
     }
 }
 
-/// One pose.
+/// One pose with its times.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Sample {
-    /// What the message says, nanoseconds; 0 where it says nothing.
+    /// The time in the message, nanoseconds; 0 if the message has none.
     pub(super) stamp_ns: i64,
-    /// When it was recorded, nanoseconds.
+    /// The time of recording, nanoseconds.
     pub(super) log_ns: i64,
     pub(super) place_m: [f64; 3],
     pub(super) turn_xyzw: [f64; 4],
@@ -28,13 +28,13 @@ pub(super) struct Sample {
     pub(super) twist: Option<[f64; 6]>,
 }
 
-/// Parent and child of a transform.
+/// The parent and child frames of a transform; `None` for other messages.
 pub(super) type Frames = Option<(String, String)>;
 
-/// What one message says.
+/// The content of one message.
 pub(super) enum Content {
-    /// Poses, each with its frames where it is a transform.
+    /// Poses, with frames for transforms.
     Poses(Vec<(Frames, Sample)>),
-    /// All of a path so far.
+    /// The whole path up to the time of the message.
     Path(Vec<Sample>),
 }

@@ -1,6 +1,7 @@
-//! Poses in the logs of other programs: messages of many topics, of which one is the recording.
+//! Reads poses from logs of other programs, in which the recording is one of many topics.
 //!
-//! A log becomes a table with a header, as a CSV file is: units, cropping, lost and repeated samples are then the same for all.
+//! A log is converted into a table with a header, like a CSV file, so that units, cropping, and lost and repeated samples are handled in the
+//! same way for all formats.
 
 mod cdr;
 mod foxglove;

@@ -1,9 +1,9 @@
-//! Messages of ROS 2 that hold poses.
+//! Decodes messages of ROS 2 that hold poses.
 
 use super::cdr::Cdr;
 use super::message::{Content, Frames, Kinds, Sample};
 
-/// What a message says, by the name of its type; the last part of `geometry_msgs/msg/PoseStamped`.
+/// The kind of a message, by the name of its type, e.g. `geometry_msgs/msg/PoseStamped`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Pose,
@@ -13,10 +13,10 @@ pub(super) enum Kind {
     Path,
 }
 
-/// Types of messages, as ROS 2 calls them.
+/// The names of message types in ROS 2.
 pub(super) const KINDS: Kinds<Kind> = Kinds(&[
     ("geometry_msgs/msg/PoseStamped", Kind::Pose),
-    // The covariance stands behind.
+    // The covariance follows after the pose and is ignored.
     ("geometry_msgs/msg/PoseWithCovarianceStamped", Kind::Pose),
     ("nav_msgs/msg/Odometry", Kind::Odometry),
     ("geometry_msgs/msg/TransformStamped", Kind::Transform),
@@ -24,7 +24,7 @@ pub(super) const KINDS: Kinds<Kind> = Kinds(&[
     ("nav_msgs/msg/Path", Kind::Path),
 ]);
 
-/// Time and frame.
+/// Decodes a header: its time, nanoseconds, and its frame.
 fn header(cdr: &mut Cdr<'_>) -> Option<(i64, String)> {
     let seconds = i64::from(cdr.i32()?);
     let stamp_ns = seconds * 1_000_000_000 + i64::from(cdr.u32()?);
@@ -47,7 +47,7 @@ fn transform(cdr: &mut Cdr<'_>, log_ns: i64) -> Option<(Frames, Sample)> {
     Some((Some((parent, child)), pose(cdr, stamp_ns, log_ns)?))
 }
 
-/// What a message says; `None` where it is not whole.
+/// Decodes the poses of a message; `None` if the message is incomplete.
 pub(super) fn content(kind: Kind, log_ns: i64, data: &[u8]) -> Option<Content> {
     let mut cdr = Cdr::new(data)?;
     let all = match kind {

@@ -1,4 +1,4 @@
-//! Bags of ROS 2 in SQLite (`.db3`).
+//! The file format of ROS 2 bags in SQLite (`.db3`).
 
 use std::path::Path;
 
@@ -13,8 +13,8 @@ use realgap_store::{read_bag, read_closed_bag};
 
 /// The files that `ros2 bag record` writes with its storage `sqlite3`.
 ///
-/// As [`Mcap`](super::Mcap), of messages coded in CDR. They are read only: one that its recorder has not closed, as
-/// if it had, with what lies beside it in `-wal` or `-journal`.
+/// Messages encoded in CDR are read as by [`Mcap`](super::Mcap). Bags can be read but not written. A bag that its recorder has not closed is
+/// read as if it were closed, together with the files `-wal` or `-journal` beside it.
 #[derive(Debug, Clone, Copy)]
 pub struct Rosbag;
 
@@ -54,7 +54,7 @@ impl Format for Rosbag {
     }
 
     fn render(&self, _trajectory: &Trajectory) -> Result<Rendered> {
-        Err(Error::usage("bags of ROS 2 are read, not written")
+        Err(Error::usage("bags of ROS 2 can be read but not written")
             .allowed("an .mcap file, which ROS 2 and Foxglove read"))
     }
 }

@@ -1,4 +1,4 @@
-//! The streams of poses in a log: which there are, which one is asked for, and that one as a table.
+//! Collects the streams of poses in a log, selects one, and converts it into a table.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -11,26 +11,26 @@ use crate::trajectory::text::{MAX_ROWS, excerpt, push_number};
 use realgap_core::error::{Advice, Error, Result};
 use realgap_core::unit::counted;
 
-/// Most streams that a message lists.
+/// The largest number of streams that an error message lists.
 const LISTED: usize = 12;
 
-/// Where a message was said, and of which type it is.
+/// The topic of a message and the name of its type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Said<'a> {
     pub(super) topic: &'a str,
     pub(super) kind: &'a str,
 }
 
-/// Poses of one thing.
+/// The poses of one object: one topic, and one pair of frames for transforms.
 #[derive(Debug, Clone, Default)]
 struct Stream {
     topic: String,
     kind: String,
     frames: Frames,
     samples: Vec<Sample>,
-    /// How many there are in the log, kept or not.
+    /// The number of poses in the log, including those that are not kept.
     count: usize,
-    /// Whether a message holds all of a path.
+    /// True if each message holds a whole path.
     is_path: bool,
 }
 
@@ -39,7 +39,7 @@ pub(super) struct Log<'a> {
     reading: &'a Reading,
     streams: Vec<Stream>,
     places: HashMap<(String, Frames), usize>,
-    /// Topics without poses: type and number of messages.
+    /// Topics without poses: the type and the number of their messages.
     others: BTreeMap<String, (String, usize)>,
     kept: usize,
     broken: Option<Error>,
@@ -57,10 +57,10 @@ impl<'a> Log<'a> {
         }
     }
 
-    /// Adds one message, whatever it is.
+    /// Adds one message of any type.
     ///
     /// # Errors
-    /// More poses than can be kept.
+    /// More poses than [`MAX_ROWS`].
     pub(super) fn message(
         &mut self,
         said: Said<'_>,
@@ -79,10 +79,10 @@ impl<'a> Log<'a> {
         };
         match done {
             None => self.other(said, encoding),
-            // Reported where this topic is asked for.
+            // The error is reported only if this topic is read.
             Some(None) if self.is_wanted(said.topic) => {
                 let error = Error::invalid("a message cannot be decoded").field(said.topic);
-                let found = format!("{} bytes, said to be {}", data.len(), excerpt(said.kind));
+                let found = format!("{} bytes of the type {}", data.len(), excerpt(said.kind));
                 self.broken.get_or_insert(error.found(found));
             }
             Some(None) => {}
@@ -131,7 +131,7 @@ impl<'a> Log<'a> {
         &mut self.streams[index]
     }
 
-    /// Adds one pose.
+    /// Adds one pose to its stream.
     fn push(&mut self, said: Said<'_>, frames: Frames, sample: Sample) {
         let child = self.reading.child_frame.as_deref();
         let is_wanted = self.is_wanted(said.topic)
@@ -144,7 +144,7 @@ impl<'a> Log<'a> {
         }
     }
 
-    /// Puts a path in the place of what the topic said before: each message holds all of it so far.
+    /// Replaces the path of a topic, because each message holds the whole path up to its time.
     fn replace(&mut self, said: Said<'_>, samples: Vec<Sample>) {
         let is_wanted = self.is_wanted(said.topic);
         let stream = self.stream(said, None);
@@ -158,10 +158,10 @@ impl<'a> Log<'a> {
         }
     }
 
-    /// The poses that are asked for, as a table with a header.
+    /// The selected stream of poses as a table with a header.
     ///
     /// # Errors
-    /// None, or several and none of them chosen: with what there is.
+    /// No stream of poses, or several streams without a selection; the error lists the streams.
     pub(super) fn table(self) -> Result<String> {
         let child = self.reading.child_frame.as_deref();
         let is_chosen = self.reading.topic.is_some() || child.is_some();
@@ -171,7 +171,7 @@ impl<'a> Log<'a> {
                 (Some(_), None) => self.reading.topic.is_some(),
                 (None, _) => true,
             };
-            // What is said once stands still.
+            // A pose that occurs only once belongs to an object that does not move.
             is_child && self.is_wanted(&stream.topic) && (is_chosen || stream.count > 1)
         };
         let found: Vec<&Stream> = self.streams.iter().filter(fits).collect();
@@ -191,11 +191,13 @@ impl<'a> Log<'a> {
                     true => "child_frame",
                     false => "topic",
                 };
-                Err(Error::invalid("the file holds the poses of several things")
-                    .field(field)
-                    .found(list(several.iter().map(|stream| stream.words())))
-                    .allowed("one of them")
-                    .advise(Advice::Topic))
+                Err(
+                    Error::invalid("the file holds the poses of several objects")
+                        .field(field)
+                        .found(list(several.iter().map(|stream| stream.words())))
+                        .allowed("one of them")
+                        .advise(Advice::Topic),
+                )
             }
         }
     }
@@ -208,12 +210,12 @@ impl<'a> Log<'a> {
         });
         let all: Vec<String> = poses.chain(others).collect();
         let found = if all.is_empty() {
-            "no message at all".to_owned()
+            "no messages".to_owned()
         } else {
             list(all.into_iter())
         };
         if is_chosen {
-            return Error::invalid("no poses are said under this name")
+            return Error::invalid("there are no poses with this name")
                 .field(match self.reading.topic {
                     Some(_) => "topic",
                     None => "child_frame",
@@ -258,11 +260,11 @@ impl Stream {
             return Err(
                 Error::invalid("the poses of this path have no times of their own")
                     .field(&self.topic)
-                    .hint("record the topic that it is made from"),
+                    .hint("record the topic from which this path is made"),
             );
         }
         let turns = all.iter().any(|sample| sample.turn_xyzw != [0.0; 4]);
-        // Who has no velocities leaves these numbers as they are.
+        // Programs without velocities leave these numbers at 0.
         let moves = turns && all.iter().all(|sample| sample.twist.is_some());
         let moves = moves && all.iter().any(|sample| sample.twist != Some([0.0; 6]));
         let mut text = String::from("t_s,x_m,y_m,z_m");
@@ -296,7 +298,7 @@ impl Stream {
     }
 }
 
-/// Linear velocity in the world, angular velocity in the body, from both in the body.
+/// Rotates the linear velocity of a twist from the body frame into the world frame; the angular velocity stays in the body frame.
 fn world_speeds([w, x, y, z]: [f64; 4], twist: [f64; 6]) -> [f64; 6] {
     let [vx, vy, vz, wx, wy, wz] = twist;
     let turn = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
@@ -304,7 +306,7 @@ fn world_speeds([w, x, y, z]: [f64; 4], twist: [f64; 6]) -> [f64; 6] {
     [linear.x, linear.y, linear.z, wx, wy, wz]
 }
 
-/// Nanoseconds as seconds, digit by digit.
+/// Writes nanoseconds as seconds without rounding.
 fn push_seconds(text: &mut String, time_ns: i64) {
     let size = time_ns.unsigned_abs();
     let sign = if time_ns < 0 { "-" } else { "" };

@@ -46,7 +46,7 @@ use realgap_core::file::Source;
 
 pub(crate) use assemble::MAX_BODIES;
 pub use realgap_solid::{
-    MOST_CORNERS, UniformMass, convex_hull, simplified, solid_surface, uniform,
+    MAX_CORNERS, UniformMass, convex_hull, simplified, solid_surface, uniform,
 };
 
 /// Three numbers along x, y and z.

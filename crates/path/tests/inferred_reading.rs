@@ -1,4 +1,4 @@
-//! What a newcomer gets wrong with files, on real tosses of a cube: each is put right with its evidence, asked about, or refused.
+//! Inferred readings of common file faults, on real tosses of a cube: each fault is corrected with its evidence, asked about, or refused.
 
 use std::path::{Path, PathBuf};
 
@@ -21,7 +21,7 @@ fn tosses() -> Vec<PathBuf> {
     all
 }
 
-/// A toss as somebody else's program writes it: a header, and a line for each sample.
+/// A toss in another program's format: a header, and a line for each sample.
 fn written(
     toss: &Recording,
     header: &str,
@@ -67,28 +67,28 @@ impl Trial {
     }
 
     fn guess(&self, text: &str) -> InferredReading {
-        InferredReading::of(&[self.put(text)], &Reading::default(), Some(CUBE_M)).unwrap()
+        InferredReading::infer(&[self.put(text)], &Reading::default(), Some(CUBE_M)).unwrap()
     }
 
     fn refused(&self, text: &str) -> String {
-        let said = InferredReading::of(&[self.put(text)], &Reading::default(), Some(CUBE_M));
+        let said = InferredReading::infer(&[self.put(text)], &Reading::default(), Some(CUBE_M));
         said.unwrap_err().to_string()
     }
 
-    /// As it is guessed, the file is the toss, and one of the clues says these words.
+    /// Checks that the file, read with the inferred settings, is the toss, and that the evidence contains these words.
     fn is_the_toss(&self, text: &str, says: &str) -> InferredReading {
         let guess = self.guess(text);
-        let clues = format!("{:?}", guess.clues);
-        assert_eq!(guess.open, [], "{clues}");
-        assert!(clues.contains(says), "no `{says}` in {clues}");
+        let evidence = format!("{:?}", guess.evidence);
+        assert_eq!(guess.ambiguities, [], "{evidence}");
+        assert!(evidence.contains(says), "no `{says}` in {evidence}");
         let read = read_all(self.put(text), &guess.reading)
             .unwrap()
             .swap_remove(0);
         let [mine, toss] = [&read.trajectory, &self.toss.trajectory];
-        assert_eq!(mine.len(), toss.len(), "{clues}");
+        assert_eq!(mine.len(), toss.len(), "{evidence}");
         for index in 0..toss.len() {
             let far = (mine.positions_world_m()[index] - toss.positions_world_m()[index]).norm();
-            assert!(far < 1e-9, "{far} m off: {clues}");
+            assert!(far < 1e-9, "{far} m off: {evidence}");
             let dt = mine.times_s()[index] - mine.times_s()[0];
             assert!((dt - toss.times_s()[index] + toss.times_s()[0]).abs() < 1e-6);
         }
@@ -97,13 +97,14 @@ impl Trial {
 }
 
 #[test]
-fn files_of_ours_need_no_word_and_no_toss_is_taken_for_mirrored() {
-    let of =
-        |paths: &[PathBuf]| InferredReading::of(paths, &Reading::default(), Some(CUBE_M)).unwrap();
+fn files_in_the_own_format_are_read_by_default_and_no_toss_counts_as_mirrored() {
+    let of = |paths: &[PathBuf]| {
+        InferredReading::infer(paths, &Reading::default(), Some(CUBE_M)).unwrap()
+    };
     for path in tosses() {
         let guess = of(std::slice::from_ref(&path));
         assert!(guess.reading.is_usual(), "{}: {guess:?}", path.display());
-        assert_eq!(guess.open, [], "{}", path.display());
+        assert_eq!(guess.ambiguities, [], "{}", path.display());
     }
     assert!(of(&tosses()).reading.is_usual());
     for ten in tosses().chunks(10) {
@@ -112,11 +113,11 @@ fn files_of_ours_need_no_word_and_no_toss_is_taken_for_mirrored() {
 }
 
 #[test]
-fn units_come_from_names_from_the_rate_and_from_free_fall() {
+fn units_are_inferred_from_names_from_the_sampling_rate_and_from_free_fall() {
     let trial = Trial::new();
     let scaled = |time: f64, length: f64| move |t: f64, p, q| usual(t * time, p * length, q);
     let of = |header, time, length| written(&trial.toss, header, scaled(time, length));
-    // Named; not named; named wrongly.
+    // Units that are named, not named, and named wrongly.
     trial.is_the_toss(
         &of("t_s,pos_x [mm],pos_y [mm],pos_z [mm],qw,qx,qy,qz", 1.0, 1e3),
         "in mm",
@@ -138,7 +139,7 @@ fn units_come_from_names_from_the_rate_and_from_free_fall() {
 }
 
 #[test]
-fn which_way_is_up_is_seen_from_how_it_falls() {
+fn the_axis_that_points_up_is_inferred_from_free_fall() {
     let trial = Trial::new();
     let y_up = written(&trial.toss, OURS, |t, p, [w, x, y, z]| {
         vec![t, p.y, p.z, p.x, w, y, z, x]
@@ -150,7 +151,7 @@ fn which_way_is_up_is_seen_from_how_it_falls() {
     });
     let guess = trial.is_the_toss(&z_down, "-z points up");
     assert_eq!(guess.reading.axes, Some(Axes::ZDown));
-    // Orientations are turned with the places.
+    // Orientations are turned together with the positions.
     let read = read_all(trial.put(&z_down), &guess.reading)
         .unwrap()
         .swap_remove(0);
@@ -160,7 +161,7 @@ fn which_way_is_up_is_seen_from_how_it_falls() {
 }
 
 #[test]
-fn mirrored_positions_do_not_belong_to_the_orientations() {
+fn positions_mirrored_against_the_orientations_are_detected() {
     let folder = tempfile::tempdir().unwrap();
     let mirrored: Vec<PathBuf> = tosses()
         .iter()
@@ -175,7 +176,7 @@ fn mirrored_positions_do_not_belong_to_the_orientations() {
         })
         .collect();
     let is_caught = |paths: &[PathBuf]| {
-        let said = InferredReading::of(paths, &Reading::default(), Some(CUBE_M));
+        let said = InferredReading::infer(paths, &Reading::default(), Some(CUBE_M));
         said.is_err_and(|error| error.to_string().contains("mirrored"))
     };
     assert!(is_caught(&mirrored));
@@ -184,7 +185,7 @@ fn mirrored_positions_do_not_belong_to_the_orientations() {
 }
 
 #[test]
-fn what_a_file_lacks_is_refused_with_the_names_that_it_has() {
+fn a_file_without_a_needed_column_is_refused_with_the_names_of_its_columns() {
     let trial = Trial::new();
     for (header, says) in [
         ("nothing,x,y,z,qw,qx,qy,qz", "a time"),
@@ -206,7 +207,7 @@ fn what_a_file_lacks_is_refused_with_the_names_that_it_has() {
 }
 
 #[test]
-fn lines_before_the_names_lost_samples_and_samples_out_of_order_are_put_right() {
+fn lines_before_the_header_lost_samples_and_unsorted_samples_are_handled() {
     let trial = Trial::new();
     let plain = written(&trial.toss, "Time,X,Y,Z,Qw,Qx,Qy,Qz", usual);
     trial.is_the_toss(
@@ -222,14 +223,14 @@ fn lines_before_the_names_lost_samples_and_samples_out_of_order_are_put_right() 
     let gone = plain.replace(lost, &format!("{time},NaN,NaN,NaN,NaN,NaN,NaN,NaN"));
     let guess = trial.guess(&gone);
     assert_eq!(guess.reading.skip_lost, Some(true));
-    assert!(format!("{:?}", guess.clues).contains("tracker has lost"));
-    // Spreadsheets of half of Europe.
+    assert!(format!("{:?}", guess.evidence).contains("tracker has lost"));
+    // Spreadsheets of countries with a decimal comma separate cells by semicolons.
     let semicolons = written(&trial.toss, "t_s,x_m,y_m,z_m,qw,qx,qy,qz", usual);
     let semicolons = semicolons.replace(',', ";").replace('.', ",");
     trial.is_the_toss(&semicolons, "z points up");
 }
 
-/// A robot that drives an arc on the floor, seen from above or in space.
+/// A robot that drives an arc on the floor, recorded in the plane or in space.
 fn arc(header: &str, line: impl Fn(f64, f64, f64, f64) -> Vec<f64>) -> String {
     let mut text = format!("{header}\n");
     for i in 0..400 {
@@ -243,7 +244,7 @@ fn arc(header: &str, line: impl Fn(f64, f64, f64, f64) -> Vec<f64>) -> String {
 }
 
 #[test]
-fn degrees_several_objects_waits_and_lengths_without_any_hint_are_noticed() {
+fn degrees_several_robots_standstills_and_unknown_lengths_are_noticed() {
     let trial = Trial::new();
     let wrapped = |a: f64| (a.to_degrees() + 180.0).rem_euclid(360.0) - 180.0;
     let guess = trial.guess(&arc("t_s,x_m,y_m,yaw", |t, x, y, a| {
@@ -255,7 +256,7 @@ fn degrees_several_objects_waits_and_lengths_without_any_hint_are_noticed() {
         .get(realgap_path::trajectory::Role::Heading);
     assert!(
         heading.is_none(),
-        "plain files of ours keep their columns: {guess:?}"
+        "files in the own format keep their columns: {guess:?}"
     );
     let guess = trial.guess(&arc("time,x [m],y [m],yaw", |t, x, y, a| {
         vec![t, x, y, wrapped(a)]
@@ -269,44 +270,47 @@ fn degrees_several_objects_waits_and_lengths_without_any_hint_are_noticed() {
     // An arc to the left of a robot that turns to the right.
     let said = trial.refused(&arc("time,x [m],y [m],yaw", |t, x, y, a| vec![t, x, y, -a]));
     assert!(said.contains("mirrored"), "{said}");
-    // Two robots in turns.
+    // The rows of two robots alternate.
     let several = arc("t_s,x_m,y_m,robot", |t, x, y, _| {
         let second = ((t / 0.02).round() as i64 % 2) as f64;
         vec![t, x + 3.0 * second, y, second]
     });
-    assert_eq!(trial.guess(&several).open[0].ask, Question::Whose);
-    // It waits for three seconds.
+    assert_eq!(
+        trial.guess(&several).ambiguities[0].question,
+        Question::Robot
+    );
+    // The robot stands still for three seconds.
     let waits = arc("t_s,x_m,y_m", |t, _, _, _| {
         let a = (0.5 * (t - 3.0)).max(0.0);
         vec![t, 0.4 * a.sin(), 0.4 * (1.0 - a.cos())]
     });
     let crop = trial.guess(&waits).reading.crop.unwrap();
     assert!((2.5..3.2).contains(&crop.from_s), "{crop:?}");
-    // From above, without units: metres, for in millimetres it would hardly move.
+    // A planar path without units is in metres, because in millimetres the robot would hardly move.
     let plain = arc("t,x,y", |t, x, y, _| vec![t, x, y]);
     let guess = trial.guess(&plain);
     assert!(
-        format!("{:?}", guess.clues).contains("lengths are in metres"),
+        format!("{:?}", guess.evidence).contains("lengths are in metres"),
         "{guess:?}"
     );
-    // Whose robot is not known cannot be told.
+    // Without a known robot, the unit of length cannot be inferred.
     let path = trial.put(&plain);
-    let open = InferredReading::of(&[path], &Reading::default(), None)
+    let open = InferredReading::infer(&[path], &Reading::default(), None)
         .unwrap()
-        .open;
-    assert_eq!(open[0].ask, Question::Length);
-    // A floor below y, and a file whose samples are half a second or half a millisecond apart.
+        .ambiguities;
+    assert_eq!(open[0].question, Question::Length);
+    // A floor below y; and a file with an interval of half a second or half a millisecond.
     let y_up = arc("t,x [m],y [m],z [m]", |t, x, z, _| vec![t, x, 0.052, z]);
     assert_eq!(trial.guess(&y_up).reading.axes, Some(Axes::YUp));
     let slow = arc("t,x [m],y [m]", |t, x, y, _| vec![t * 25.0, x, y]);
-    assert_eq!(trial.guess(&slow).open[0].ask, Question::Time);
+    assert_eq!(trial.guess(&slow).ambiguities[0].question, Question::Time);
 }
 
 #[test]
-fn axes_that_nobody_named_are_doubted_where_the_robot_tells_and_no_shipped_run_is() {
+fn unstated_axes_are_questioned_if_the_motion_contradicts_them_and_no_shipped_run_is() {
     let trial = Trial::new();
     let odd = |header: &str, line: &dyn Fn(f64, f64, f64, [f64; 2]) -> Vec<f64>| {
-        // Half of a turn: the quaternion's real part, and its part along the axis that points up.
+        // The quaternion of a heading: its real part, and its part along the axis that points up.
         let half = |a: f64| [(0.5 * a).cos(), (0.5 * a).sin()];
         let text = arc(header, |t, x, y, a| line(t, x, y, half(a)));
         let all = read_all(trial.put(&text), Reading::default()).unwrap();
@@ -314,7 +318,7 @@ fn axes_that_nobody_named_are_doubted_where_the_robot_tells_and_no_shipped_run_i
     };
     let usual = odd(OURS, &|t, x, y, [w, k]| vec![t, x, y, 0.05, w, 0.0, 0.0, k]);
     assert_eq!(usual, None);
-    // It rocks more than it walks, straight on.
+    // It moves straight ahead, and rocks more than it moves.
     let rocking = odd(OURS, &|t, x, _, _| {
         vec![
             t,

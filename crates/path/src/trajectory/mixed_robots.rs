@@ -1,4 +1,4 @@
-//! Does a table hold the paths of several robots, or several runs, one beside the other?
+//! Detects tables in which the rows of several robots or several runs are mixed.
 
 use std::collections::BTreeMap;
 
@@ -11,19 +11,19 @@ use super::text::excerpt;
 use realgap_core::error::{Advice, Error};
 use realgap_core::warning::{Code, Warning};
 
-/// More values than this name no robots.
-const MOST: usize = 32;
-/// Several robots beside each other: their own paths are together shorter than this share of the path that jumps between them.
+/// A column with more different values than this does not name robots.
+const MAX_VALUES: usize = 32;
+/// Rows of several robots are assumed if the robots' own paths together are shorter than this share of the path through all rows.
 const SHORTER: f64 = 0.5;
 
-/// One column that may say whose row it is.
+/// A column that may name the robot or run of each row.
 struct Label<'a> {
     column: usize,
     name: String,
     values: BTreeMap<&'a str, Follower>,
 }
 
-/// The last sample of one value, and what led there.
+/// The path through the rows with one value of the column, up to its last sample.
 struct Follower {
     time: f64,
     position: Vector3<f64>,
@@ -32,7 +32,7 @@ struct Follower {
     increases: bool,
 }
 
-/// Columns with few values that each have some samples, and the path through all rows as they come.
+/// The columns with few different values that each have several samples; and the length of the path through all rows in their order.
 fn labels<'a>(text: &'a str, reading: &Reading) -> Option<(Vec<Label<'a>>, f64)> {
     let mut table = Table::open(text, reading, &[]).ok()?;
     if table.unused.is_empty() {
@@ -67,7 +67,7 @@ fn labels<'a>(text: &'a str, reading: &Reading) -> Option<(Vec<Label<'a>>, f64)>
                 return false;
             };
             let is_new = !label.values.contains_key(cell.text);
-            if is_new && label.values.len() == MOST {
+            if is_new && label.values.len() == MAX_VALUES {
                 return false;
             }
             let follower = label.values.entry(cell.text).or_insert(Follower {
@@ -104,7 +104,7 @@ impl Label<'_> {
     }
 }
 
-/// The error about times that do not increase, with the column that explains them.
+/// Adds a hint to an error about times that do not increase, if a column explains them.
 pub(super) fn explain(error: Error, text: &str, reading: &Reading) -> Error {
     if error.message() != super::sample::TIME_GOES_BACK {
         return error;
@@ -126,8 +126,8 @@ pub(super) fn explain(error: Error, text: &str, reading: &Reading) -> Error {
     }
 }
 
-/// The warning about a path that jumps between robots whose times fit between each other.
-pub(super) fn several(text: &str, reading: &Reading) -> Option<Warning> {
+/// A warning if the path jumps between several robots whose rows alternate in time.
+pub(super) fn mixed_robots(text: &str, reading: &Reading) -> Option<Warning> {
     let (labels, path) = labels(text, reading)?;
     let shorter = labels.iter().find(|label| label.path() < SHORTER * path)?;
     Some(Code::SeveralRobots.warning(format!(

@@ -1,4 +1,5 @@
-//! What is unlikely about a recording, and what to do about it: other units, holes, waiting, another order of quaternions.
+//! Checks a recording for common faults, and warns with a remedy: wrong units, gaps in time, a standstill at the start, another order of
+//! quaternions.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -7,43 +8,43 @@ use super::{Trajectory, clock};
 use realgap_core::unit::TimeUnit;
 use realgap_core::warning::{Code, Warning};
 
-/// Trackers take more than one sample in this time, seconds.
+/// The largest plausible interval between samples, seconds.
 const SLOW_S: f64 = 2.0;
-/// There is no more than one sample in this time, seconds.
+/// The smallest plausible interval between samples, seconds.
 const FAST_S: f64 = 1e-5;
-/// Samples a second that a tracker may well take.
+/// Plausible sampling rates of a tracker, Hz.
 const RATES_HZ: std::ops::RangeInclusive<f64> = 0.5..=5000.0;
-/// Longest time without a sample, in usual intervals, that is filled in silence.
+/// The longest interval without a sample, in usual intervals, that is interpolated without a warning.
 const HOLE: f64 = 5.5;
-/// Waiting is noticed where it is longer than this, seconds.
+/// A standstill is reported if it is longer than this, seconds, …
 const WAIT_S: f64 = 1.0;
-/// It is also longer than this share of the recording.
+/// … and longer than this share of the recording.
 const WAIT_SHARE: f64 = 0.05;
-/// Who waits has gone less than this share of the farthest distance from the start.
+/// During a standstill, the distance from the start is below this share of the largest distance.
 const WAIT_DISTANCE: f64 = 0.02;
-/// Who waits has turned less than this, radians.
+/// During a standstill, the robot has turned by less than this, radians.
 const WAIT_TURN_RAD: f64 = 0.05;
-/// Who waits is slower than this share of its usual speed later on.
+/// During a standstill, the speed is below this share of the usual later speed.
 const WAIT_SPEED: f64 = 0.1;
-/// A speed is one over this time, seconds: trackers tremble from sample to sample.
+/// Speeds are computed over windows of this length, seconds, because of the tracker's noise between single samples.
 const WAIT_WINDOW_S: f64 = 0.5;
-/// So many of the windows have to be that slow.
+/// The smallest share of windows within a standstill that must be slow.
 const WAIT_WINDOWS: f64 = 0.8;
-/// So many samples may repeat the one before while commands move: joints may stick.
+/// The share of samples that may repeat the previous joint angles although the commands change, because joints may stick.
 const STALE: f64 = 0.1;
-/// A robot whose orientations lie in the other order stays upright within this, radians.
+/// The largest tilt, radians, in the other order of quaternions, if that is the right order.
 const UPRIGHT_RAD: f64 = 0.175;
-/// It seems to tilt by more than this as they are read, radians.
+/// The smallest tilt, radians, in the order as read, that casts doubt on this order.
 const TILTED_RAD: f64 = 0.524;
 
-/// What the reader of this recording should know; its quaternions were read in the order `read_as`.
-pub(super) fn of(
+/// Warnings about faults of this recording, whose quaternions were read in the order `read_as`.
+pub(super) fn warnings(
     name: &str,
     trajectory: &Trajectory,
     reading: &Reading,
     read_as: QuaternionOrder,
 ) -> Vec<Warning> {
-    // Parts are named from where the recording begins, whatever is left of it.
+    // Times in messages count from the start of the whole recording, also if it was cropped.
     let cropped_s = reading.crop.map_or(0.0, |crop| crop.from_s);
     let origin_s = trajectory.times_s()[0] - cropped_s;
     let found = [
@@ -52,7 +53,7 @@ pub(super) fn of(
         wait(trajectory, origin_s).map(|message| (Code::Standstill, message)),
         order(trajectory, read_as).map(|message| (Code::QuaternionOrder, message)),
         stale(trajectory).map(|message| (Code::StaleSamples, message)),
-        clock::doubt(trajectory, usual_interval_s(trajectory))
+        clock::clock_fault(trajectory, usual_interval_s(trajectory))
             .map(|message| (Code::UnsynchronisedClocks, message)),
     ];
     let found = found.into_iter().flatten();
@@ -61,18 +62,18 @@ pub(super) fn of(
         .collect()
 }
 
-/// Samples that repeat all joints of the one before although what these were told has changed.
+/// A message about samples that repeat all joint angles of the previous sample although their commands have changed.
 fn stale(trajectory: &Trajectory) -> Option<String> {
-    let joints = clock::told(trajectory);
+    let joints = clock::commanded_joints(trajectory);
     let differs = |angles: &[f64], k: usize| angles[k] != angles[k - 1];
-    let is_told = |k: &usize| joints.iter().any(|(_, c)| differs(&c.angles_rad, *k));
+    let has_new_command = |k: &usize| joints.iter().any(|(_, c)| differs(&c.angles_rad, *k));
     let repeats = |k: &usize| !joints.iter().any(|(j, _)| differs(&j.angles_rad, *k));
-    let moved: Vec<usize> = (1..trajectory.len()).filter(is_told).collect();
+    let moved: Vec<usize> = (1..trajectory.len()).filter(has_new_command).collect();
     let repeated = moved.iter().filter(|k| repeats(k)).count();
     let share = repeated as f64 / moved.len().max(1) as f64;
     (share > STALE).then(|| {
         format!(
-            "{:.0} % of the samples whose commands differ from the sample before repeat all its angles: they were read too late, and are compared as they are",
+            "{:.0} % of the samples whose commands differ from the previous sample repeat all its angles: they were read too late, and are compared unchanged",
             100.0 * share
         )
     })
@@ -86,13 +87,13 @@ pub(super) fn usual_interval_s(trajectory: &Trajectory) -> f64 {
     intervals_s[intervals_s.len() / 2]
 }
 
-/// Times that are no seconds.
+/// A message about times that are probably not in seconds.
 fn time(trajectory: &Trajectory) -> Option<String> {
     let usual_s = usual_interval_s(trajectory);
-    let apart = if usual_s > SLOW_S {
-        format!("samples are {usual_s:.4} s apart")
+    let interval = if usual_s > SLOW_S {
+        format!("the interval between samples is {usual_s:.4} s")
     } else if usual_s < FAST_S {
-        format!("samples are {usual_s:.1e} s apart")
+        format!("the interval between samples is {usual_s:.1e} s")
     } else {
         return None;
     };
@@ -103,13 +104,13 @@ fn time(trajectory: &Trajectory) -> Option<String> {
         .map(|(unit, rate_hz)| format!("`time: \"{}\"` makes it {rate_hz:.3} Hz", unit.symbol()))
         .collect();
     Some(if others.is_empty() {
-        format!("{apart}: is the unit of time right?")
+        format!("{interval}: is the unit of time right?")
     } else {
-        format!("{apart}: {}", others.join(", "))
+        format!("{interval}: {}", others.join(", "))
     })
 }
 
-/// A hole that interpolation would fill with a straight line.
+/// A message about the longest gap without samples, which interpolation fills with a straight line.
 fn hole(trajectory: &Trajectory, origin_s: f64) -> Option<String> {
     let times_s = trajectory.times_s();
     if times_s.len() < 4 {
@@ -126,7 +127,7 @@ fn hole(trajectory: &Trajectory, origin_s: f64) -> Option<String> {
         0 => String::new(),
         more => format!(" and {more} shorter"),
     };
-    // Most of it is on the one side or on the other.
+    // The remedy keeps the longer part of the recording, before or after the gap.
     let is_late = longest[0] - times_s[0] >= times_s[times_s.len() - 1] - longest[1];
     let remedy = if is_late || at + 2 >= times_s.len() {
         format!("`crop: (to_s: {from_s:.3})` ends before it")
@@ -134,22 +135,22 @@ fn hole(trajectory: &Trajectory, origin_s: f64) -> Option<String> {
         format!("`crop: (from_s: {to_s:.3})` begins after it")
     };
     Some(format!(
-        "no sample from {from_s:.3} s to {to_s:.3} s ({:.0} usual intervals){more}; what lies there is interpolated, {remedy}",
+        "no sample from {from_s:.3} s to {to_s:.3} s ({:.0} usual intervals){more}; the path there is interpolated, {remedy}",
         (to_s - from_s) / usual_s
     ))
 }
 
-/// A recording that begins before the robot does.
+/// A message about a recording that begins before the robot moves.
 fn wait(trajectory: &Trajectory, origin_s: f64) -> Option<String> {
     let until_s = waits_until_s(trajectory)?;
     Some(format!(
-        "nothing moves for the first {:.2} s, a simulation starts at once: `crop: (from_s: {:.2})` leaves the waiting out",
+        "nothing moves for the first {:.2} s, but a simulation starts to move at once: `crop: (from_s: {:.2})` leaves the standstill out",
         until_s - trajectory.times_s()[0],
         until_s - origin_s
     ))
 }
 
-/// Until when nothing moves, where that is long.
+/// The time at which a standstill at the start ends; `None` if there is no long standstill.
 pub(super) fn waits_until_s(trajectory: &Trajectory) -> Option<f64> {
     let positions = trajectory.positions_world_m();
     let times_s = trajectory.times_s();
@@ -182,7 +183,7 @@ pub(super) fn waits_until_s(trajectory: &Trajectory) -> Option<f64> {
     (is_long && slow as f64 > WAIT_WINDOWS * (1 + last_slow) as f64).then(|| times_s[end])
 }
 
-/// Orientations of an upright robot whose real part stands at the other end.
+/// A message if the other order of quaternions keeps the robot upright, but the order as read does not.
 fn order(trajectory: &Trajectory, read_as: QuaternionOrder) -> Option<String> {
     let all = trajectory.orientations_world_from_body()?;
     let tilt_rad = |q: UnitQuaternion<f64>| (q * Vector3::z()).z.clamp(-1.0, 1.0).acos();

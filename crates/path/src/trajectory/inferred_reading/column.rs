@@ -1,4 +1,4 @@
-//! Roles and units in the names of columns.
+//! Infers roles and units of columns from their names.
 
 use super::super::body_column;
 use super::super::column::{Columns, Measure, Role};
@@ -10,8 +10,9 @@ use super::super::text::{cells_of, excerpt};
 use super::InferredReading;
 use realgap_core::error::{Advice, Error, Result};
 
-/// Words before the name of an axis that make it something else than a place.
+/// Words before the name of an axis that make the column a part of an orientation.
 const ORIENTATION: [&str; 6] = ["q", "quat", "quaternion", "orientation", "rot", "rotation"];
+/// Words before the name of an axis that make the column neither a position nor an orientation.
 const OTHERS: [&str; 16] = [
     "v",
     "vel",
@@ -31,7 +32,8 @@ const OTHERS: [&str; 16] = [
     "w",
 ];
 
-/// Words of a name: cut at everything that is no letter or digit, and where a capital follows a small letter.
+/// The words of a name in lower case: the name is split at every character that is neither a letter nor a digit, and between a lower-case and
+/// an upper-case letter.
 fn words(name: &str) -> Vec<String> {
     let mut all = vec![String::new()];
     let mut was_small = false;
@@ -51,7 +53,7 @@ fn words(name: &str) -> Vec<String> {
     all
 }
 
-/// What a column of this name holds, and the unit that the name says.
+/// The role of a column with this name, and the unit in the name; `None` if the name suggests no role.
 fn role_of(name: &str) -> Option<(Role, Option<String>)> {
     let mut words = words(name);
     let unit = words.last().cloned().filter(|last| {
@@ -103,7 +105,7 @@ fn role_of(name: &str) -> Option<(Role, Option<String>)> {
     Some((role, unit.filter(fits)))
 }
 
-/// How many lines stand before the one that names the columns.
+/// The number of lines before the header line; `None` if no line of the first 60 looks like a header.
 fn lines_before(text: &str) -> Option<usize> {
     let lines: Vec<&str> = text.lines().take(60).collect();
     let is_number = |cell: &&str| {
@@ -120,11 +122,11 @@ fn lines_before(text: &str) -> Option<usize> {
     })
 }
 
-/// Says which columns hold what, where the names are others than ours.
+/// Infers the roles of the columns, if their names differ from realgap's own names.
 ///
 /// # Errors
 /// No column of times or of positions.
-pub(super) fn name(text: &str, guess: &mut InferredReading) -> Result<()> {
+pub(super) fn infer_columns(text: &str, guess: &mut InferredReading) -> Result<()> {
     match Table::open(text, &guess.reading, &[]) {
         Ok(_) => return heading_in_degrees(text, guess),
         Err(empty) if text.trim().is_empty() => return Err(empty),
@@ -137,8 +139,8 @@ pub(super) fn name(text: &str, guess: &mut InferredReading) -> Result<()> {
         && let Some(skipped @ 1..) = lines_before(text)
     {
         guess.reading.skip_lines = Some(skipped);
-        let because = "the first line whose cells are names above numbers";
-        guess.say(format!("line {} names the columns", skipped + 1), because);
+        let reason = "it is the first line of names above a line of numbers";
+        guess.conclude(format!("line {} names the columns", skipped + 1), reason);
     }
     let names = Csv.columns(text, &guess.reading);
     let mut found: Vec<(Role, &str, Option<String>)> = Vec::new();
@@ -159,7 +161,7 @@ pub(super) fn name(text: &str, guess: &mut InferredReading) -> Result<()> {
         found.iter().any(|(known, ..)| *known == role) || guess.reading.columns.get(role).is_some()
     };
     let lacks = |what: &str| {
-        Error::invalid(format!("no column is called like {what}"))
+        Error::invalid(format!("no column has a name for {what}"))
             .at_line(1 + guess.reading.skip_lines.unwrap_or(0), 1)
             .found(
                 names
@@ -172,16 +174,16 @@ pub(super) fn name(text: &str, guess: &mut InferredReading) -> Result<()> {
     };
     if !has(Role::Time) {
         return Err(lacks("a time (t, time, stamp)")
-            .hint("a path without times cannot be simulated: record them, or add a column t_s"));
+            .hint("a path without times cannot be simulated: record times, or add a column t_s"));
     }
     if !has(Role::X) || !has(Role::Y) {
         return Err(lacks("both x and y")
-            .hint("angles of joints, and what they were told, are columns NAME_rad or NAME_deg"));
+            .hint("the angles of joints, and their commands, are columns NAME_rad or NAME_deg"));
     }
     if let Some(twice) = twice.first() {
-        return Err(Error::invalid("two columns look like the same thing")
+        return Err(Error::invalid("two columns seem to hold the same quantity")
             .found(twice)
-            .hint("files of several bodies have one set of columns each")
+            .hint("in files of several bodies, each body has its own set of columns")
             .advise(Advice::MapColumns));
     }
     let quaternion = [Role::Qw, Role::Qx, Role::Qy, Role::Qz];
@@ -191,19 +193,19 @@ pub(super) fn name(text: &str, guess: &mut InferredReading) -> Result<()> {
         if columns.get(role).is_some() || (quaternion.contains(&role) && !is_whole) {
             continue;
         }
-        let said = unit.map(|unit| format!(" in {unit}"));
-        columns = columns.with(role, &format!("{name}{}", said.unwrap_or_default()))?;
+        let suffix = unit.map(|unit| format!(" in {unit}"));
+        columns = columns.with(role, &format!("{name}{}", suffix.unwrap_or_default()))?;
     }
-    let said: Vec<String> = columns
+    let mapping: Vec<String> = columns
         .iter()
         .map(|(role, column)| format!("{} from `{column}`", role.name()))
         .collect();
     guess.reading.columns = columns;
-    guess.say(said.join(", "), "names of the columns");
+    guess.conclude(mapping.join(", "), "the names of the columns");
     heading_in_degrees(text, guess)
 }
 
-/// Whether the file has a set of columns for each of several bodies, as they are read here: the first is the robot then.
+/// True if the file has columns of named bodies; then the first body is taken for the robot.
 fn several_bodies(text: &str, guess: &mut InferredReading) -> bool {
     let names = Csv.columns(text, &guess.reading);
     let bodies = body_column::names(&names);
@@ -216,19 +218,19 @@ fn several_bodies(text: &str, guess: &mut InferredReading) -> bool {
     {
         return false;
     }
-    let because = match bodies.as_slice() {
-        [_] => "columns are called after it".to_owned(),
+    let reason = match bodies.as_slice() {
+        [_] => "columns are named after it".to_owned(),
         [_, .., last] => format!(
-            "first of the bodies {} with columns of their own; were it another, name that one's, x from {last}_x_m and so on; the others touch it only where the study's `scene` says so",
+            "it is the first of the bodies {} with columns of their own; if the robot is another body, map its columns, e.g. x from {last}_x_m; the other bodies touch the robot only if the study's `scene` says so",
             bodies.join(", ")
         ),
         [] => String::new(),
     };
-    guess.say(format!("the robot is `{first}`"), because);
+    guess.conclude(format!("the robot is `{first}`"), reason);
     true
 }
 
-/// The unit of headings, which no whole number of turns of radians explains where they go on to hundreds.
+/// Infers that headings are in degrees from their size: up to 361, or with jumps of about 360.
 fn heading_in_degrees(text: &str, guess: &mut InferredReading) -> Result<()> {
     let Some(column) = guess.reading.columns.get(Role::Heading) else {
         return Ok(());
@@ -255,14 +257,14 @@ fn heading_in_degrees(text: &str, guess: &mut InferredReading) -> Result<()> {
         .windows(2)
         .map(|pair| (pair[1] - pair[0]).abs())
         .fold(0.0_f64, f64::max);
-    // Where angles begin again they jump by a whole turn.
+    // Wrapped angles jump by a whole turn.
     let is_degrees =
         (300.0..=361.0).contains(&jump) || (largest > 7.0 && largest <= 361.0 && jump < 60.0);
     if is_degrees {
         guess.reading.angle = Some(realgap_core::unit::AngleUnit::Degree);
-        guess.say(
+        guess.conclude(
             "angles are in degrees",
-            format!("`{}` goes up to {largest:.1}", column_name(guess)),
+            format!("`{}` has values up to {largest:.1}", column_name(guess)),
         );
     }
     Ok(())
@@ -273,7 +275,7 @@ fn column_name(guess: &InferredReading) -> String {
     column.map(|column| column.name.clone()).unwrap_or_default()
 }
 
-/// Takes units of length out of a mapping, for they were wrong.
+/// Removes the units of length from a mapping, because they were wrong.
 pub(super) fn without_length_units(reading: &mut Reading) {
     let mut columns = Columns::default();
     for (role, column) in reading.columns.iter() {
@@ -281,7 +283,7 @@ pub(super) fn without_length_units(reading: &mut Reading) {
             Measure::Length => column.name.clone(),
             _ => column.to_string(),
         };
-        // It was a name of a column before.
+        // The name was valid before, so this cannot fail.
         if let Ok(with) = columns.clone().with(role, &text) {
             columns = with;
         }

@@ -1,7 +1,8 @@
-//! How somebody's files are to be read, guessed from what is in them: each guess with its evidence, and what stays open.
+//! Infers from the content of recorded files how to read them, with the evidence for every inference and the questions that remain.
 //!
-//! Names of columns carry roles and units; the usual interval tells the unit of time; free fall tells the unit of length and which way
-//! is up, for it is 9.81 m/s² everywhere; else the floor does, beside the size of the robot. Nothing here is done without a word.
+//! The names of columns give roles and units. The usual interval of samples gives the unit of time. Free fall gives the unit of length and
+//! the axis that points up, because its acceleration is 9.81 m/s² everywhere; without free fall, the height above the floor and the size of
+//! the robot are used. Every inference is reported.
 
 mod column;
 mod motion;
@@ -13,71 +14,71 @@ use super::csv::Csv;
 use super::format::Format as _;
 use super::reading::{Crop, Reading};
 use super::registry::{format_of, parse_all, read_bytes};
-use super::{Recording, Trajectory, suspicion};
+use super::{Recording, Trajectory, plausibility};
 use realgap_core::error::{Advice, Error, Result};
 
 use realgap_core::unit::{GRAVITY_M_S2, LengthUnit, TimeUnit, number};
 use realgap_core::warning::Code;
 
-/// How files are to be read, why, and what nobody can tell from the files alone.
+/// How files are to be read, with the evidence, and the questions that the files alone do not answer.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct InferredReading {
-    /// What was said before, and what was guessed.
+    /// The reading: the given settings, completed by the inferred ones.
     pub reading: Reading,
-    /// What was guessed, each with its evidence.
-    pub clues: Vec<Evidence>,
-    /// What somebody has to say.
-    pub open: Vec<Ambiguity>,
-    /// Whether the first recording falls freely somewhere.
-    pub falls: bool,
+    /// The inferences, each with its reason.
+    pub evidence: Vec<Evidence>,
+    /// The questions that the user has to answer.
+    pub ambiguities: Vec<Ambiguity>,
+    /// True if the first recording contains free fall.
+    pub has_free_fall: bool,
 }
 
-/// A guess and its evidence.
+/// An inference and its reason.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Evidence {
-    /// What is taken to be so.
-    pub what: String,
-    /// What it was seen from.
-    pub because: String,
+    /// The inference, e.g. `lengths are in millimetres`.
+    pub finding: String,
+    /// The observation from which it follows.
+    pub reason: String,
 }
 
-/// What the files alone do not tell.
+/// A question that the files alone do not answer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Ambiguity {
-    /// What is asked.
-    pub ask: Question,
-    /// What was seen of it.
+    /// The question.
+    pub question: Question,
+    /// What was found in the files about it.
     pub found: String,
 }
 
-/// What somebody has to say about files.
+/// A question about files that the user has to answer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Question {
-    /// The unit of times.
+    /// In which unit are times?
     Time,
-    /// The unit of lengths.
+    /// In which unit are lengths?
     Length,
-    /// Which axis points up.
+    /// Which axis points up?
     Up,
-    /// Whose rows are read, of several objects.
-    Whose,
+    /// The rows of which robot are read, if a file holds several?
+    Robot,
 }
 
-/// Rates that trackers have, Hz.
+/// Plausible sampling rates of trackers, Hz.
 const RATES_HZ: std::ops::RangeInclusive<f64> = 0.9..=2500.0;
-/// A robot that is recorded goes this many of its lengths, at least and at most.
+/// Plausible distances that a recorded robot moves, in body lengths.
 const LENGTHS: std::ops::RangeInclusive<f64> = 0.15..=150.0;
-/// Free fall is recognised within this share.
+/// Relative tolerance between the acceleration of free fall and gravity.
 const FALL: f64 = 0.12;
 
 impl InferredReading {
-    /// How these files are to be read, as the first of them tells. What `known` says is not guessed; `body_m` is the size of the
-    /// robot, metres.
+    /// Infers how these files are to be read, mainly from the first file. Settings of `known` are kept; `body_m` is the size of the robot,
+    /// metres.
     ///
     /// # Errors
-    /// A file that cannot be read whatever is guessed: no column of times or positions, nothing but a header, another header than the
-    /// first one's, mirrored axes.
-    pub fn of(paths: &[PathBuf], known: &Reading, body_m: Option<f64>) -> Result<Self> {
+    /// A file that cannot be read under any inference: no column of times or positions, no samples below the header, a header that
+    /// differs from that of the first file, mirrored axes.
+    pub fn infer(paths: &[PathBuf], known: &Reading, body_m: Option<f64>) -> Result<Self> {
         let Some(path) = paths.first() else {
             return Err(Error::usage("no recording is named").advise(Advice::Recordings));
         };
@@ -90,17 +91,17 @@ impl InferredReading {
         if format.name() == Csv.name() {
             let text = format.decode(bytes.clone(), known);
             let text = text.map_err(|e| e.at_file(path))?;
-            column::name(&text, &mut guess).map_err(|e| e.at_file(path))?;
+            column::infer_columns(&text, &mut guess).map_err(|e| e.at_file(path))?;
         }
         let mut recording = guess.first(path, &bytes)?;
         if known.time.is_none() && guess.time(&recording.trajectory) {
             recording = guess.first(path, &bytes)?;
         }
-        if guess.open.iter().any(|open| open.ask == Question::Whose) {
+        if guess.has_question(&Question::Robot) {
             return Ok(guess);
         }
         let fall = motion::free_fall(&recording.trajectory);
-        guess.falls = fall.is_some();
+        guess.has_free_fall = fall.is_some();
         if guess.length(&recording, fall, body_m) {
             recording = guess.first(path, &bytes)?;
         }
@@ -120,77 +121,82 @@ impl InferredReading {
                 .at_file(path)
                 .found(found)
                 .allowed("right-handed axes: x forward, y to the left, z up")
-                .hint("export it with right-handed axes, or change the sign of one axis in positions and orientations alike"));
+                .hint("export it with right-handed axes, or change the sign of one axis in both positions and orientations"));
         }
-        guess.turned(&recording);
-        guess.part(&recording);
+        guess.quaternion_order(&recording);
+        guess.crop(&recording);
         Ok(guess)
     }
 
-    fn say(&mut self, what: impl Into<String>, because: impl Into<String>) {
-        self.clues.push(Evidence {
-            what: what.into(),
-            because: because.into(),
+    fn conclude(&mut self, finding: impl Into<String>, reason: impl Into<String>) {
+        self.evidence.push(Evidence {
+            finding: finding.into(),
+            reason: reason.into(),
         });
     }
 
-    fn ask(&mut self, ask: Question, found: impl Into<String>) {
-        self.open.push(Ambiguity {
-            ask,
+    fn ask(&mut self, question: Question, found: impl Into<String>) {
+        self.ambiguities.push(Ambiguity {
+            question,
             found: found.into(),
         });
     }
 
-    /// The first recording of a file, with what it takes to read it at all.
+    fn has_question(&self, question: &Question) -> bool {
+        let mut all = self.ambiguities.iter();
+        all.any(|ambiguity| ambiguity.question == *question)
+    }
+
+    /// Reads the first recording of a file, and adds settings without which it cannot be read.
     fn first(&mut self, path: &Path, bytes: &[u8]) -> Result<Recording> {
         loop {
             let error = match parse_all(path, bytes.to_vec(), &self.reading) {
                 Ok(mut all) if !all.is_empty() => {
                     let recording = all.swap_remove(0);
-                    self.whose(&recording);
+                    self.several_robots(&recording);
                     return Ok(recording);
                 }
-                Ok(_) => return Err(Error::invalid("no recording").at_file(path)),
+                Ok(_) => return Err(Error::invalid("the file holds no recording").at_file(path)),
                 Err(error) => error,
             };
             let can = |advice: Advice| error.advice().contains(&advice);
             let where_ = error
                 .line_column()
                 .map(|(line, _)| format!("line {line}: "));
-            let because = format!("{}{}", where_.unwrap_or_default(), error.message());
+            let reason = format!("{}{}", where_.unwrap_or_default(), error.message());
             if can(Advice::SkipLost) && self.reading.skip_lost.is_none() {
                 self.reading.skip_lost = Some(true);
-                self.say("samples that the tracker has lost are left out", because);
+                self.conclude("samples that the tracker has lost are left out", reason);
             } else if can(Advice::SortSamples) && self.reading.sort.is_none() {
                 self.reading.sort = Some(true);
-                self.say("samples are sorted by time", because);
+                self.conclude("samples are sorted by time", reason);
             } else {
                 return Err(error);
             }
         }
     }
 
-    /// Asks whose rows are meant, where a path jumps between several.
-    fn whose(&mut self, recording: &Recording) {
+    /// Asks which robot's rows are read, if the path jumps between several robots.
+    fn several_robots(&mut self, recording: &Recording) {
         let several = |w: &&realgap_core::Warning| w.code == Code::SeveralRobots;
-        let asked = self.open.iter().any(|open| open.ask == Question::Whose);
+        let asked = self.has_question(&Question::Robot);
         if let (Some(warning), false) = (recording.warnings.iter().find(several), asked) {
-            self.ask(Question::Whose, warning.message.clone());
+            self.ask(Question::Robot, warning.message.clone());
         }
     }
 
-    /// The unit of time, from how far samples are apart; whether it is another than before.
+    /// Infers the unit of time from the interval between samples; true if the reading has changed.
     fn time(&mut self, trajectory: &Trajectory) -> bool {
         let now = self.reading.columns.get(super::Role::Time);
         let factor = now.and_then(|column| column.factor);
-        let usual_s = suspicion::usual_interval_s(trajectory);
-        // As the file has it.
+        let usual_s = plausibility::usual_interval_s(trajectory);
+        // The interval in the file's own unit.
         let usual = usual_s / factor.unwrap_or(1.0);
         let rate_hz = |unit: &TimeUnit| 1.0 / (usual * unit.seconds());
         if RATES_HZ.contains(&(1.0 / usual_s)) && (factor.is_some() || usual < 0.2) {
-            self.say(
-                format!("{:.4} samples a second", 1.0 / usual_s),
-                format!("usually {usual_s:.6} s between two samples"),
+            self.conclude(
+                format!("the sampling rate is {:.4} Hz", 1.0 / usual_s),
+                format!("the usual interval between two samples is {usual_s:.6} s"),
             );
             return false;
         }
@@ -202,10 +208,10 @@ impl InferredReading {
         match likely.as_slice() {
             [unit] if factor.is_none() => {
                 self.reading.time = Some(*unit);
-                self.say(
+                self.conclude(
                     format!("times are in {unit}"),
                     format!(
-                        "samples are {} apart, which is {:.4} Hz",
+                        "the interval between samples is {}, so the sampling rate is {:.4} Hz",
                         number(usual),
                         rate_hz(unit)
                     ),
@@ -215,14 +221,14 @@ impl InferredReading {
             _ => {
                 self.ask(
                     Question::Time,
-                    format!("samples are {usual} apart in the file's own unit"),
+                    format!("the interval between samples is {usual} in the file's own unit"),
                 );
                 false
             }
         }
     }
 
-    /// The unit of length, from free fall or the robot's size; whether it is another than before.
+    /// Infers the unit of length from free fall or from the robot's size; true if the reading has changed.
     fn length(
         &mut self,
         recording: &Recording,
@@ -234,9 +240,9 @@ impl InferredReading {
         }
         let column = self.reading.columns.get(super::Role::X);
         let named = column.and_then(|column| column.factor);
-        // As it was read.
+        // The unit with which the lengths were read, in metres.
         let now = named.unwrap_or_else(|| self.reading.length.unwrap_or_default().metres());
-        let is_said = named.is_some() || self.reading.length.is_some() || column.is_none();
+        let is_stated = named.is_some() || self.reading.length.is_some() || column.is_none();
         let of = |metres: f64| {
             let mut all = LengthUnit::ALL.iter().copied();
             all.find(|unit| (unit.metres() / metres - 1.0).abs() < 1e-6)
@@ -249,16 +255,17 @@ impl InferredReading {
             };
             if let Some(unit) = LengthUnit::ALL.iter().find(fits) {
                 let there = size * unit.metres() / now;
-                let because = format!("in free flight it falls with {there:.2} m/s² then");
-                self.say(format!("lengths are in {unit}"), because);
+                let reason =
+                    format!("with this unit, its acceleration in free flight is {there:.2} m/s²");
+                self.conclude(format!("lengths are in {unit}"), reason);
                 return self.set_length(*unit, of(now));
             }
         }
         let Some(body_m) = body_m else {
-            if !is_said {
+            if !is_stated {
                 self.ask(
                     Question::Length,
-                    "no name of a column says it, nothing falls freely, and no robot is known",
+                    "no column name states the unit, the recording contains no free fall, and no robot is given",
                 );
             }
             return false;
@@ -270,31 +277,30 @@ impl InferredReading {
             .copied()
             .filter(|unit| LENGTHS.contains(&lengths(unit)))
             .collect();
-        let current = of(now).filter(|unit| is_said && likely.contains(unit));
-        let seen = |unit: &LengthUnit| {
-            format!("it goes {:.3} robot's lengths far in {unit}", lengths(unit))
-        };
+        let current = of(now).filter(|unit| is_stated && likely.contains(unit));
+        let distance =
+            |unit: &LengthUnit| format!("in {unit} it moves {:.3} body lengths", lengths(unit));
         match (current, likely.as_slice()) {
             (Some(unit), _) => {
-                self.say(
+                self.conclude(
                     format!("lengths are in {unit}"),
-                    format!("so they are named, and {}", seen(&unit)),
+                    format!("the names of the columns say so, and {}", distance(&unit)),
                 );
                 false
             }
-            (None, [unit]) if !is_said => {
-                self.say(format!("lengths are in {unit}"), seen(unit));
+            (None, [unit]) if !is_stated => {
+                self.conclude(format!("lengths are in {unit}"), distance(unit));
                 self.set_length(*unit, of(now))
             }
             _ => {
-                let all: Vec<String> = LengthUnit::ALL.iter().map(seen).collect();
+                let all: Vec<String> = LengthUnit::ALL.iter().map(distance).collect();
                 self.ask(Question::Length, all.join(", "));
                 false
             }
         }
     }
 
-    /// Takes lengths in this unit; whether it is another than before.
+    /// Sets the unit of length; true if it differs from the unit `now`.
     fn set_length(&mut self, unit: LengthUnit, now: Option<LengthUnit>) -> bool {
         if now == Some(unit) {
             return false;
@@ -304,27 +310,25 @@ impl InferredReading {
         true
     }
 
-    /// Which way is up, by free fall or by the floor; whether it is another than before.
+    /// Infers the axis that points up from free fall or from the floor; true if the reading has changed.
     fn up(
         &mut self,
         trajectory: &Trajectory,
         fall: Option<motion::Fall>,
         body_m: Option<f64>,
     ) -> bool {
-        let (up, because) = match fall {
-            Some(fall) => (fall.up, "it falls the other way".to_owned()),
-            None => {
-                match body_m.and_then(|body_m| motion::above_floor(trajectory, body_m)) {
-                    Some((up, level_m)) => (
-                        up,
-                        format!("it stays near {level_m:.3} m along it, as on a floor"),
-                    ),
-                    None => {
-                        self.ask(Question::Up, "it never falls freely, and stays at no height of its size along one axis");
-                        return false;
-                    }
+        let (up, reason) = match fall {
+            Some(fall) => (fall.up, "it falls in the opposite direction".to_owned()),
+            None => match body_m.and_then(|body_m| motion::above_floor(trajectory, body_m)) {
+                Some((up, level_m)) => (
+                    up,
+                    format!("it stays near {level_m:.3} m on this axis, as on a floor"),
+                ),
+                None => {
+                    self.ask(Question::Up, "it never falls freely, and on no axis does it stay at a height of about its size");
+                    return false;
                 }
-            }
+            },
         };
         let (axes, name) = match up {
             motion::Up::Z => (None, "z"),
@@ -332,79 +336,77 @@ impl InferredReading {
             motion::Up::MinusZ => (Some(Axes::ZDown), "-z"),
             motion::Up::MinusY => (Some(Axes::Camera), "-y"),
             motion::Up::Other => {
-                self.ask(
-                    Question::Up,
-                    format!("neither y nor z points up: {because}"),
-                );
+                self.ask(Question::Up, format!("neither y nor z points up: {reason}"));
                 return false;
             }
         };
-        self.say(format!("{name} points up"), because);
+        self.conclude(format!("{name} points up"), reason);
         self.reading.axes = axes;
         axes.is_some()
     }
 
-    /// The other order of quaternions, where a robot stays upright in it alone.
-    fn turned(&mut self, recording: &Recording) {
+    /// Infers the other order of quaternions, if the robot stays upright in that order only.
+    fn quaternion_order(&mut self, recording: &Recording) {
         for warning in &recording.warnings {
             if warning.code == Code::QuaternionOrder && self.reading.quaternion.is_none() {
                 let order = super::QuaternionOrder::ALL
                     .iter()
                     .find(|order| warning.message.contains(&format!("\"{}\"", order.name())));
                 self.reading.quaternion = order.copied();
-                let what = "quaternions are in the other order".to_owned();
-                self.clues.push(Evidence {
-                    what,
-                    because: warning.message.clone(),
+                let finding = "quaternions are in the other order".to_owned();
+                self.evidence.push(Evidence {
+                    finding,
+                    reason: warning.message.clone(),
                 });
             }
         }
     }
 
-    /// The part in which it moves.
-    fn part(&mut self, recording: &Recording) {
+    /// Infers a crop that leaves out a standstill at the start.
+    fn crop(&mut self, recording: &Recording) {
         if self.reading.crop.is_some() {
             return;
         }
         let times_s = recording.trajectory.times_s();
-        if let Some(from_s) = suspicion::waits_until_s(&recording.trajectory) {
+        if let Some(from_s) = plausibility::waits_until_s(&recording.trajectory) {
             let from_s = ((from_s - times_s[0]) * 100.0).floor() / 100.0;
             self.reading.crop = Some(Crop { from_s, to_s: None });
-            self.say(
+            self.conclude(
                 format!("recordings begin at {from_s} s"),
                 format!(
-                    "nothing moves before, of {:.2} s",
+                    "the robot does not move before this time; the recording lasts {:.2} s",
                     recording.trajectory.duration_s()
                 ),
             );
         }
         let hole = |w: &&realgap_core::Warning| w.code == Code::Hole;
         if let Some(warning) = recording.warnings.iter().find(hole) {
-            self.say(
-                "a hole is filled with a straight line",
+            self.conclude(
+                "a gap without samples is filled with a straight line",
                 warning.message.clone(),
             );
         }
     }
 }
 
-/// Why the axes of these recordings of one robot of size `body_m` (metres) are hardly x forward, y to the left, z up, where nobody
-/// said so: they fall along another axis than z, go up and down along z as over a floor while another axis stays at the robot's
-/// height, or are mirrored.
+/// A message if recordings without stated axes, of one robot of size `body_m` (metres), probably do not have x forward, y to the left and z
+/// up: the robot falls along another axis than z, or moves along z while it stays at a constant height on another axis, or the axes are
+/// mirrored.
 pub fn odd_axes(recordings: &[Recording], body_m: f64) -> Option<String> {
-    let unsaid: Vec<&Recording> = (recordings.iter())
+    let unstated: Vec<&Recording> = (recordings.iter())
         .filter(|recording| recording.reading.axes.is_none() && !recording.trajectory.is_planar())
         .collect();
-    for recording in &unsaid {
+    for recording in &unstated {
         let motion = &recording.trajectory;
-        let fall =
-            motion::free_fall(motion).map(|fall| (fall.up, "it falls the other way".to_owned()));
-        let (up, because) = match fall {
+        let fall = motion::free_fall(motion)
+            .map(|fall| (fall.up, "it falls in the opposite direction".to_owned()));
+        let (up, reason) = match fall {
             Some(found) => found,
             None => match motion::above_floor(motion, body_m) {
-                Some((up, level_m)) if motion::roams_along_z(motion, body_m) => {
-                    (up, format!("it stays near {} m along it", number(level_m)))
-                }
+                Some((up, level_m)) if motion::roams_along_z(motion, body_m) => (
+                    up,
+                    format!("it stays near {} m on this axis", number(level_m)),
+                ),
                 _ => continue,
             },
         };
@@ -415,14 +417,14 @@ pub fn odd_axes(recordings: &[Recording], body_m: f64) -> Option<String> {
             motion::Up::Z | motion::Up::Other => continue,
         };
         return Some(format!(
-            "{}: {name} seems to point up ({because}): `axes: \"{}\"` reads it so",
+            "{}: {name} seems to point up ({reason}): `axes: \"{}\"` reads it with this axis up",
             recording.name,
             axes.name()
         ));
     }
     let found = motion::mirrored(recordings)?;
     Some(format!(
-        "{}: axes seem mirrored ({found}): export them right-handed, or change the sign of one axis in positions and orientations alike",
+        "{}: axes seem mirrored ({found}): export them right-handed, or change the sign of one axis in both positions and orientations",
         recordings.first()?.name
     ))
 }

@@ -1,10 +1,10 @@
-//! What a motion tells of its axes: free fall, a floor, rolling.
+//! Infers the direction of a recording's axes from its motion: free fall, height above a floor, and rolling.
 
 use nalgebra::{Rotation2, Vector2, Vector3};
 
 use super::super::{Recording, Trajectory};
 
-/// Which of a file's axes points up.
+/// The axis of a file that points up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Up {
     Z,
@@ -15,7 +15,7 @@ pub(super) enum Up {
 }
 
 impl Up {
-    /// Up along this axis of the file, or against it.
+    /// The axis that points up: this axis of the file (0 to 2), in its positive or negative direction.
     fn along(axis: usize, is_positive: bool) -> Self {
         match (axis, is_positive) {
             (2, true) => Self::Z,
@@ -27,26 +27,26 @@ impl Up {
     }
 }
 
-/// A free fall.
+/// Free fall in a recording.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fall {
-    /// Its acceleration, in what the lengths were read as a second squared.
+    /// Acceleration, m/s² if the unit of length with which the file was read is right.
     pub size_m_s2: f64,
     pub up: Up,
 }
 
-/// Samples through which one parabola is laid.
+/// The number of samples to which one parabola is fitted.
 const WINDOW: usize = 9;
-/// So many windows one behind the other fall alike.
-const ALIKE: usize = 4;
-/// Within this share of their acceleration.
+/// The number of consecutive windows whose accelerations must agree.
+const CONSECUTIVE: usize = 4;
+/// The relative tolerance of this agreement.
 const SPREAD: f64 = 0.08;
-/// The axis that falls has this share of the acceleration.
+/// The smallest share of the acceleration that must be along one axis.
 const ALONG: f64 = 0.97;
-/// Nothing else that is recorded accelerates so evenly as this, in units of length a second squared.
-const LEAST_M_S2: f64 = 5.0;
+/// The smallest acceleration that counts as free fall, in units of length per second squared; other motion has no such constant acceleration.
+const MIN_M_S2: f64 = 5.0;
 
-/// The acceleration of the parabola through these samples.
+/// The acceleration of the parabola that is fitted to these samples; `None` if the fit is singular.
 fn acceleration(times_s: &[f64], places: &[Vector3<f64>]) -> Option<Vector3<f64>> {
     let middle_s = times_s[times_s.len() / 2];
     let (mut normal, mut right) = (nalgebra::Matrix3::zeros(), nalgebra::Matrix3::zeros());
@@ -56,7 +56,7 @@ fn acceleration(times_s: &[f64], places: &[Vector3<f64>]) -> Option<Vector3<f64>
         normal += row * row.transpose();
         right += row * place.transpose();
     }
-    // Times are small beside one: rows are scaled to be solved well.
+    // The times are much smaller than 1, so the rows are scaled for a well-conditioned solution.
     let scale = times_s[times_s.len() - 1] - times_s[0];
     let scales =
         nalgebra::Matrix3::from_diagonal(&Vector3::new(1.0, 1.0 / scale, 1.0 / (scale * scale)));
@@ -64,10 +64,11 @@ fn acceleration(times_s: &[f64], places: &[Vector3<f64>]) -> Option<Vector3<f64>
     Some((scales * solved).row(2).transpose())
 }
 
-/// Free fall, wherever several windows accelerate alike along one axis by what can be gravity in some unit.
+/// Finds free fall: several consecutive windows with the same acceleration along one axis, whose size is gravity in metres, centimetres or
+/// millimetres.
 pub(super) fn free_fall(trajectory: &Trajectory) -> Option<Fall> {
     let (times_s, places) = (trajectory.times_s(), trajectory.positions_world_m());
-    if trajectory.is_planar() || times_s.len() < WINDOW + ALIKE {
+    if trajectory.is_planar() || times_s.len() < WINDOW + CONSECUTIVE {
         return None;
     }
     let step = (times_s.len() / 4000).max(1);
@@ -75,16 +76,16 @@ pub(super) fn free_fall(trajectory: &Trajectory) -> Option<Fall> {
     let all: Vec<Vector3<f64>> = ends
         .filter_map(|end| acceleration(&times_s[end - WINDOW..end], &places[end - WINDOW..end]))
         .collect();
-    let run = all.windows(ALIKE).find_map(|some| {
-        let mean = some.iter().sum::<Vector3<f64>>() / ALIKE as f64;
-        let is_alike = some
+    let run = all.windows(CONSECUTIVE).find_map(|some| {
+        let mean = some.iter().sum::<Vector3<f64>>() / CONSECUTIVE as f64;
+        let is_constant = some
             .iter()
             .all(|one| (one - mean).norm() < SPREAD * mean.norm());
         let along = mean.abs().max() / mean.norm();
         let is_gravity = [1.0, 100.0, 1000.0]
             .iter()
             .any(|size| (mean.norm() / (size * 9.81) - 1.0).abs() < super::FALL);
-        (is_alike && along > ALONG && mean.norm() > LEAST_M_S2 && is_gravity).then_some(mean)
+        (is_constant && along > ALONG && mean.norm() > MIN_M_S2 && is_gravity).then_some(mean)
     })?;
     let axis = run.iamax();
     Some(Fall {
@@ -93,14 +94,14 @@ pub(super) fn free_fall(trajectory: &Trajectory) -> Option<Fall> {
     })
 }
 
-/// How far it comes from where it began.
+/// The largest distance from the first position.
 pub(super) fn reach_m(trajectory: &Trajectory) -> f64 {
     let places = trajectory.positions_world_m();
     let far = places.iter().map(|place| (place - places[0]).norm());
     far.fold(0.0, f64::max)
 }
 
-/// The axis along which it stays at about half its size, or up to twice, and hardly moves; the height.
+/// The axis on which the robot stays between 0.1 and 2 body lengths from zero and hardly moves, as above a floor; and its median height.
 pub(super) fn above_floor(trajectory: &Trajectory, body_m: f64) -> Option<(Up, f64)> {
     let places = trajectory.positions_world_m();
     let level = |axis: usize| {
@@ -118,7 +119,7 @@ pub(super) fn above_floor(trajectory: &Trajectory, body_m: f64) -> Option<(Up, f
             && range_m < body_m
     };
     let found: Vec<usize> = (0..3).filter(|axis| is_floor(*axis)).collect();
-    // What others do does not matter where z is as it should be.
+    // If z looks like the height above a floor, the other axes are not considered.
     let axis = match found.as_slice() {
         all if all.contains(&2) && levels[2].0 > 0.0 => 2,
         [axis] => *axis,
@@ -128,8 +129,8 @@ pub(super) fn above_floor(trajectory: &Trajectory, body_m: f64) -> Option<(Up, f
     Some((Up::along(axis, level_m > 0.0), level_m))
 }
 
-/// Whether it goes along z as far as along another axis, or nearly, and not only between a tenth and twice of its size above zero:
-/// no floor is there.
+/// True if the robot moves along z nearly as far as along another axis, and leaves the range from 0.1 to 2 body lengths above zero, so there
+/// is no floor below z.
 pub(super) fn roams_along_z(trajectory: &Trajectory, body_m: f64) -> bool {
     let ends_m = |axis: usize| {
         let along = || {
@@ -145,14 +146,14 @@ pub(super) fn roams_along_z(trajectory: &Trajectory, body_m: f64) -> bool {
     !is_over_floor && range_m(2) > 0.3 * range_m(0).max(range_m(1))
 }
 
-/// Sums of products, and of their sizes: whether two things go together.
+/// The sum of products of two quantities, and the sum of their sizes; the ratio says whether the quantities have the same sign.
 #[derive(Default)]
-struct Together {
+struct SignAgreement {
     sum: f64,
     size: f64,
 }
 
-impl Together {
+impl SignAgreement {
     fn add(&mut self, product: f64) {
         self.sum += product;
         self.size += product.abs();
@@ -166,21 +167,22 @@ impl Together {
     }
 }
 
-/// So much of a motion has to speak against the axes.
+/// The smallest share of a tumbling motion that must contradict right-handed axes.
 const AGAINST: f64 = 0.25;
-/// Tumbling tells it only over several recordings.
+/// The smallest number of recordings of a tumbling body that allow a conclusion.
 const TUMBLES: usize = 8;
 
-/// What goes on wheels or legs goes in one direction of its own: this sure of it where the axes are mirrored back, …
+/// A robot on wheels or legs moves in a constant direction of its own body: with mirrored axes this direction is at least this constant
+/// (0 to 1), …
 const STEADY: f64 = 0.9;
-/// … and no surer than this as they are read.
+/// … and as the axes are read, it is at most this constant, if the axes are mirrored.
 const ASTRAY: f64 = 0.5;
 
-/// Why positions and orientations are not of one right-handed world: what rolls forward along one axis rolls backward along the
-/// other, or what turns to one side goes to the other.
+/// A message if positions and orientations do not belong to one right-handed frame: a body that rolls forward along one axis rolls backward
+/// along the other, or a robot that turns to one side moves to the other side.
 pub(super) fn mirrored(all: &[Recording]) -> Option<String> {
-    let [mut along_x, mut along_y] = [(); 2].map(|()| Together::default());
-    // Sums of directions as the body sees them, as read and mirrored, and how far it went.
+    let [mut along_x, mut along_y] = [(); 2].map(|()| SignAgreement::default());
+    // Sums of the steps in the body frame, as read and mirrored, and the length of the path.
     let (mut read, mut mirror, mut way_m) = (Vector2::zeros(), Vector2::zeros(), 0.0);
     let mut is_upright = true;
     for recording in all {
@@ -192,7 +194,7 @@ pub(super) fn mirrored(all: &[Recording]) -> Option<String> {
             let dt_s = times_s[index] - times_s[index - 1];
             let step_m = places[index] - places[index - 1];
             let w = (turns[index] * turns[index - 1].inverse()).scaled_axis() / dt_s;
-            // Rolling without slip: the velocity of the centre is the rate of turn cross the way up from the floor.
+            // Rolling without slip: the velocity of the centre is the angular velocity cross the vector up from the floor.
             along_x.add(w.y * step_m.x);
             along_y.add(-w.x * step_m.y);
             let ahead = turns[index] * Vector3::x();
@@ -205,12 +207,12 @@ pub(super) fn mirrored(all: &[Recording]) -> Option<String> {
     if is_upright {
         let [read, mirror] = [read, mirror].map(|sum| sum.norm() / way_m);
         return (mirror > STEADY && read < ASTRAY).then(|| {
-            format!("it goes in one direction of its own, {mirror:.2} of 1, were y the other way round, and {read:.2} as it is read")
+            format!("its direction of motion in the body frame is constant to {mirror:.2} (of 1) with the sign of y changed, and only to {read:.2} as it is read")
         });
     }
     let [x, y] = [along_x.share(), along_y.share()];
     let is_clear = all.len() >= TUMBLES && x.abs().min(y.abs()) > AGAINST;
     (is_clear && x * y < 0.0).then(|| {
-        format!("it rolls forward along one axis and backward along the other (x {x:+.2}, y {y:+.2} of 1)")
+        format!("it rolls forward along one axis and backward along the other (x {x:+.2}, y {y:+.2}, each from -1 to 1)")
     })
 }

@@ -1,4 +1,4 @@
-//! Parquet files: columns by name, as in a CSV file.
+//! The file format Parquet, with columns by name as in a CSV file.
 
 use super::Trajectory;
 use super::csv::Csv;
@@ -10,9 +10,9 @@ use realgap_core::error::{Error, Result};
 
 /// Tables that pandas, Polars, DuckDB and loggers write (<https://parquet.apache.org>).
 ///
-/// Columns have names, units, mappings and groups as those of [`Csv`] do; times of pandas are whole numbers of their unit (`--column 't=time in
-/// ns'`). They are read only, and only by a program that was built with the feature `parquet`; packed with snappy, LZ4 or not at
-/// all.
+/// Columns have the same names, units, mappings and groups as in [`Csv`]; times of pandas are whole numbers of their unit (`--column 't=time in
+/// ns'`). Parquet files can be read but not written, and only by a program that was built with the feature `parquet`. Supported are
+/// uncompressed columns and the compressions snappy and LZ4.
 #[derive(Debug, Clone, Copy)]
 pub struct Parquet;
 
@@ -68,6 +68,6 @@ impl Format for Parquet {
     }
 
     fn render(&self, _trajectory: &Trajectory) -> Result<Rendered> {
-        Err(Error::usage("Parquet files are read, not written").allowed("a .csv file"))
+        Err(Error::usage("Parquet files can be read but not written").allowed("a .csv file"))
     }
 }

@@ -1,17 +1,17 @@
-//! A floor that leans in the recorded axes: few trackers know to a degree where up is.
+//! Levels recordings whose floor is tilted in the recorded axes, because few trackers know the vertical to within a degree.
 
 use nalgebra::{Rotation3, Vector3};
 
 use super::{Trajectory, axes};
 use realgap_core::error::Result;
 
-/// Whether a floor may lean so far; beyond, another axis points up.
+/// True if the tilt of the floor is within the allowed range; with a larger tilt, another axis would point up.
 pub(super) fn is_sound((x, y): (f64, f64)) -> bool {
     x.abs() <= 1.0 && y.abs() <= 1.0
 }
 
-/// The same motion, turned until the floor's normal (x, y, 1) is z: about where it ends, since it is there that heights are known
-/// of whatever came to rest.
+/// The same trajectory, turned so that the floor's normal (x, y, 1) becomes z. The centre of the turn is the last position, because the
+/// height there is known for a body that has come to rest.
 pub(super) fn levelled(there: &Trajectory, (x, y): (f64, f64)) -> Result<Trajectory> {
     let normal = Vector3::new(x, y, 1.0);
     let turn = Rotation3::rotation_between(&normal, &Vector3::z()).unwrap_or_default();
