@@ -18,7 +18,7 @@ const HEAD: &str = "\
 
 This page is generated from the commands; it has the text of `realgap --help` and
 `realgap COMMAND --help`. [docs/results.md][docs/results.md] explains what commands print and write,
-[docs/questions.md][docs/questions.md] which command answers which question.
+[docs/start.md][docs/start.md] which command answers which question.
 
 ";
 

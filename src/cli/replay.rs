@@ -23,7 +23,7 @@ use super::shell;
 ///
 /// Recorded runs are translucent as far as their poses are known, otherwise a point with a line to the run. They are
 /// moved to the same start and turned about the vertical so that all go the same way, unless --as-recorded.
-/// docs/pages.md describes the content of a page, an animation and a log.
+/// docs/results.md describes the content of a page, an animation and a log.
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 #[command(after_help = "\

@@ -10,7 +10,7 @@ use super::option::SolverOptions;
 /// Check the simulator against closed-form solutions, with the settings given
 ///
 /// Use it to see whether a timestep, a number of substeps or an engine is accurate enough. The checks cover stopping
-/// distance, slip angle, bounce height, pendulum, servo limits, hinges and more; docs/fidelity.md explains each.
+/// distance, slip angle, bounce height, pendulum, servo limits, hinges and more; docs/validation.md explains each.
 /// Checks that involve hinges run with both formulations of joints unless --joint chooses one. Exit code 0: all
 /// checks passed, or only known limits failed; 1: another check failed.
 #[derive(Debug, Args)]

@@ -14,7 +14,7 @@ use realgap_simulation::{Experiment, Floor};
 const CLEARANCE: f64 = 0.03;
 
 /// Share of the body length by which the lowest corner of a jointed robot must clear the floor at the next sample. Heights of
-/// hinged boxes that were tossed are off by up to 8 mm of 0.1 m where they first touch (docs/fidelity/hardware.md).
+/// hinged boxes that were tossed are off by up to 8 mm of 0.1 m where they first touch (docs/validation/hardware.md).
 const JOINTED: f64 = 0.12;
 
 /// Up to this ratio of the principal moments a free body turns at a nearly constant rate.

@@ -76,7 +76,7 @@ pub enum JointFormulation {
     Impulse,
     /// Multibody joints for a robot with at most [`JointFormulation::MOST_HINGES`] hinges in which a light part carries a heavy
     /// one ([`JointFormulation::LIGHT`]) or a servo is a motor behind a gear; impulse joints for all other modular robots,
-    /// because multibody joints soften contacts (docs/fidelity/contact.md). A robot of bodies always has multibody joints, and a
+    /// because multibody joints soften contacts (docs/validation/contact.md). A robot of bodies always has multibody joints, and a
     /// robot with compliant bearings always has impulse joints.
     Auto,
 }
@@ -167,7 +167,7 @@ pub struct Solver {
     /// Passes over joints and contacts in every substep (Rapier's "internal PGS iterations").
     pub sweeps: usize,
     /// Passes without bias at the end of every substep (Rapier's "internal stabilization iterations"). With 0 the energy of
-    /// hinges is conserved; every such pass dissipates some of it (docs/fidelity/joints.md).
+    /// hinges is conserved; every such pass dissipates some of it (docs/validation/joints.md).
     pub relaxations: usize,
     /// Formulation of joints in Rapier.
     pub joint: JointFormulation,
@@ -385,7 +385,7 @@ impl Experiment {
     }
 
     /// The same experiment near the limit of rigid contact and short steps, with this formulation of joints; such a run is slow.
-    /// Results that change much towards this limit are dominated by numerical effects (docs/fidelity.md).
+    /// Results that change much towards this limit are dominated by numerical effects (docs/validation.md).
     pub fn at_limit(&self, joint: JointFormulation) -> Self {
         let joint = joint.resolved(&self.assembly);
         let mut limit = self.clone();

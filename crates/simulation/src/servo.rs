@@ -71,7 +71,7 @@ pub(super) fn speed_damping_nm_s_rad(servo: &Servo) -> f64 {
 ///
 /// While its speed limit does not bind, the velocity law is passed to the engine as a spring (with stiffness = gain · damping it
 /// is the same law). The engine evaluates the angle in every substep, so the gain is exact for any length of the step
-/// (docs/fidelity.md).
+/// (docs/validation.md).
 ///
 /// `backlash_rad` is the play between servo and joint from end to end. The servo's own shaft is assumed to be at the commanded
 /// angle; while the joint is within half of the play of it, no torque is transmitted.

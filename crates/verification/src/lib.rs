@@ -4,7 +4,7 @@
 //! stopping distance, bounce height, pendulum period, servo lag. A tolerance is the largest error that a user of the
 //! results can accept. A check whose error exceeds its tolerance is reported as failed; the tolerance is not widened. If the
 //! reason for a failure is known, a [`Limit`] states the reason and the range of errors that the reason explains.
-//! `docs/fidelity.md` explains each check.
+//! `docs/validation.md` explains each check.
 //!
 //! ```
 //! use realgap_verification::{Settings, CheckResult, Theme};

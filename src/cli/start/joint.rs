@@ -102,7 +102,7 @@ pub(super) fn draft(
     Ok(Draft {
         head: format!(
             "\
-// Which servos and joints make the simulated robot move like the recorded one (docs/joints.md)?
+// Which servos and joints make the simulated robot move like the recorded one (docs/recordings.md)?
 //   realgap check STUDY     is this file valid, and what is in it?
 //   realgap {tune}     and which of them do these motions determine?
 "

@@ -12,10 +12,10 @@ use realgap_robot::morphology::{Actuator, Freedom, Hinge, Motor, Servo, ServoLaw
 /// MuJoCo's XML.
 pub(super) struct Mjcf;
 
-/// Time per step, s. Light parts behind saturated servos need it this short (docs/fidelity.md).
+/// Time per step, s. Light parts behind saturated servos need it this short (docs/validation.md).
 const TIMESTEP_S: f64 = 1.0 / 8000.0;
 /// Contact parameters with a time constant twenty times shorter than MuJoCo's default, whose softness alone can reverse the
-/// direction in which a robot walks (docs/fidelity.md).
+/// direction in which a robot walks (docs/validation.md).
 const SOLREF: &str = "0.002 1";
 const SOLIMP: &str = "0.95 0.99 0.001";
 /// Height above the floor at the start, m.

@@ -3,7 +3,7 @@
 //! Rapier 0.36.1 caps the impulse that would stop the slip, K⁻¹v, in magnitude; K is the inverse effective mass of the contact in
 //! the tangent plane. So friction points along K⁻¹v, not along v: a sliding cube brakes 6 % too little and a robot drifts
 //! sideways. With the target tangent velocity `K v (v·v)/(v·K v) − v` of a contact, the impulse that Rapier computes is parallel
-//! to v, and the cap then gives Coulomb's law. Measured in docs/fidelity.md.
+//! to v, and the cap then gives Coulomb's law. Measured in docs/validation.md.
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector3};
 
