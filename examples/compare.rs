@@ -1,4 +1,4 @@
-//! How far apart are two recordings, by every metric that asks for no basis? `cargo run --release --example compare`
+//! Compares two recordings by every metric that needs no basis. `cargo run --release --example compare`
 
 #![allow(clippy::print_stdout)]
 
@@ -7,7 +7,7 @@ use realgap::comparison::{Context, METRICS, Pair};
 use realgap::trajectory::{prepare, read};
 use realgap::unit::{LengthUnit, quantity};
 
-/// Compares two recordings and prints a line a metric.
+/// Compares two recordings and prints one line for each metric.
 pub fn main() -> Result<()> {
     let file = |run| format!("real_trajectories/tripod_mujoco/run_{run:02}.csv");
     let real = read(file(0), LengthUnit::Metre)?.trajectory;

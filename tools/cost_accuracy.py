@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Cost against accuracy: timestep x substeps x joint kind x precision, against closed forms and real tosses.
+"""Measures cost and accuracy for timestep x substeps x joint formulation x precision, against closed forms and real tosses.
 
 Runs `realgap verify`, `realgap evaluate` and `realgap simulate` at each setting and prints Markdown tables. No packages needed.
 
@@ -103,7 +103,7 @@ def cost(programs, folder, repeats):
 
 
 def toss(program, recordings, hertz, substeps):
-    """Errors of the committed fit on the half of the tosses that it has not seen, at these settings; empty without data."""
+    """Errors of the committed fit on the held-out half of the tosses at these settings; empty without data."""
     if not glob.glob(recordings):
         return ["", "", "", ""]
     report = call(program, "evaluate", str(ROOT / "sweeps/cube_toss_fit.ron"),

@@ -3,8 +3,8 @@
 #
 #   tools/gallery.sh [REALGAP [FOLDER]]
 #
-# REALGAP is the binary (default target/release/realgap), FOLDER keeps the results (default
-# results/gallery); a step whose picture is there already is not run again. The pictures go to
+# REALGAP is the binary (default target/release/realgap), FOLDER contains the results (default
+# results/gallery); a step whose picture already exists is not run again. The pictures are written to
 # docs/images with a palette of 256 colours (tools/shrink_png.py, needs numpy).
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -55,7 +55,7 @@ once arm/joints.png "$realgap" tune sweeps/so101_fit.ron --optimizer gauss-newto
     -o "$work/arm"
 once search/gallery.png "$realgap" search sweeps/best_robot.ron -o "$work/search"
 
-# Stand-ins: a camera with other, hidden settings.
+# Stand-ins for real pictures: a camera with other, hidden settings.
 once simulated/door.png "$realgap" sense picture scenes/room.ron -o "$work/simulated"
 once real/door_1.png "$realgap" sense picture scenes/room.ron --camera standin --repeats 2 --seed 2 \
     -o "$work/real"
@@ -74,7 +74,7 @@ once watched/side_t_005.000.png "$realgap" sense picture scenes/pen.ron --watch 
 once seen/t_006.800.png "$realgap" sense picture scenes/pen.ron --ride snake \
     --run "$work/parts.csv" --robot morphologies/chain5.ron --every 3.4 -o "$work/seen"
 
-# The fit of docs/fidelity/radio.md, whose whole recordings are not part of this repository.
+# The fit of docs/fidelity/radio.md; its complete recordings are not part of this repository.
 cat > "$work/radio.ron" <<'RON'
 (
     description: "docs/fidelity/radio.md", propagation: "thickness",
@@ -84,7 +84,7 @@ RON
 once map.png "$realgap" sense radio map --arena arenas/flat.ron --parameters "$work/radio.ron" \
     --anchor 6 --plot "$work/map.png"
 
-# Trials of one robot on its way to a place, behind those of others: LOG ROBOT PLACE TRAJECTORY...
+# Appends the trials of one robot on its path to a goal to a log: LOG ROBOT GOAL TRAJECTORY...
 trials() {
     local log=$1 robot=$2 place=$3 first=1
     shift 3
