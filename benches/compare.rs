@@ -1,4 +1,4 @@
-//! Cost of preparing and comparing: every metric on two trajectories, and the basis of a whole sweep.
+//! Measures the cost of preparing and comparing trajectories: every metric on two trajectories, and the basis of a whole sweep.
 #![allow(missing_docs, clippy::expect_used)]
 
 use criterion::{Criterion, criterion_group, criterion_main};

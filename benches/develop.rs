@@ -1,6 +1,6 @@
-//! Cost of a robot before it is simulated: its development, the next generation of a search, and its picture.
+//! Measures the cost of a robot before it is simulated: its development, the next generation of a search, and its picture.
 //!
-//! `cargo bench --bench develop`; read the ratios, machines differ.
+//! `cargo bench --bench develop`; compare ratios, because absolute times differ between machines.
 
 #![allow(
     clippy::expect_used,

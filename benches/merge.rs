@@ -1,5 +1,6 @@
-//! What merging the shards of a plan costs: linear in the rows, and in little memory. One pass a size, since a million rows are
-//! enough to be told from noise; `cargo bench --bench merge`.
+//! Measures the cost of merging the shards of a plan, which should be linear in the number of rows and need little memory.
+//!
+//! Every size is measured once, because the time for a million rows is long compared with its noise; `cargo bench --bench merge`.
 #![allow(clippy::unwrap_used)]
 #![allow(clippy::print_stdout, reason = "it is a table for people")]
 
@@ -27,7 +28,7 @@ fn trial(index: usize) -> Trial {
     }
 }
 
-/// Shards of a run, and how long it took to write them.
+/// Writes the shards of a run and returns the time that this took, seconds.
 fn make(folder: &Path, print: &Fingerprint, rows: usize) -> f64 {
     let begun = Instant::now();
     for shard in 0..SHARDS {
@@ -42,7 +43,7 @@ fn make(folder: &Path, print: &Fingerprint, rows: usize) -> f64 {
     begun.elapsed().as_secs_f64()
 }
 
-/// Largest resident memory of this process so far, megabytes, where the system tells.
+/// Largest resident memory of this process so far, megabytes; `None` if the system does not report it.
 fn peak_mb() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
@@ -51,7 +52,7 @@ fn peak_mb() -> Option<f64> {
 }
 
 fn main() {
-    // `cargo test --benches` and a filter by name are not asked for anything.
+    // `cargo test --benches` calls this program with `--test`, and then nothing is measured.
     if std::env::args().any(|argument| argument == "--test") {
         return;
     }

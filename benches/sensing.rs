@@ -1,6 +1,6 @@
-//! Cost of beams, of two-wheel runs, and of a sensorgraph.
+//! Measures the cost of beams, of runs of a two-wheel robot, and of a sensorgraph.
 //!
-//! `cargo bench --bench sensing`; read the ratios, machines differ.
+//! `cargo bench --bench sensing`; compare ratios, because absolute times differ between machines.
 
 #![allow(
     clippy::expect_used,

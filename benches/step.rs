@@ -1,6 +1,6 @@
-//! Cost of one simulation step: robots of growing size, both joint kinds, and building the world.
+//! Measures the cost of one simulation step for robots of growing size and both joint formulations, and of building the world.
 //!
-//! `cargo bench --bench step`; read the ratios, machines differ.
+//! `cargo bench --bench step`; compare ratios, because absolute times differ between machines.
 
 #![allow(
     clippy::expect_used,

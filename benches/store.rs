@@ -1,4 +1,4 @@
-//! What keeping a trial costs: it must stay far below what simulating one does.
+//! Measures the cost of storing a trial, which must stay far below the cost of simulating one.
 #![allow(clippy::unwrap_used)]
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};

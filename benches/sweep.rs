@@ -1,6 +1,6 @@
-//! Cost of a small sweep, on one thread and on two: the ratio is the parallel efficiency.
+//! Measures the cost of a small sweep on one thread and on two; their ratio gives the parallel efficiency.
 //!
-//! `cargo bench --bench sweep`; an efficiency of 1 is half the time on two idle cores.
+//! `cargo bench --bench sweep`; at an efficiency of 1, the sweep takes half the time on two idle cores.
 
 #![allow(
     clippy::expect_used,

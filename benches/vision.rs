@@ -1,6 +1,6 @@
-//! Cost of pictures, of what is found in them, and of radio.
+//! Measures the cost of rendering pictures, of extracting features, and of radio models.
 //!
-//! `cargo bench --bench vision`; read the ratios, machines differ.
+//! `cargo bench --bench vision`; compare ratios, because absolute times differ between machines.
 
 #![allow(
     clippy::expect_used,
@@ -27,7 +27,7 @@ fn room(more: &str) -> Scene {
     Scene::parse(&Source::new("room.ron", text)).expect("a sound scene")
 }
 
-/// The shipped room with ninety more cubes.
+/// The shipped scene with ninety more cubes.
 fn crowd() -> Scene {
     let cube = |k: usize| {
         let at = |step: usize, from: f64, size: f64| from + size * (k * step % 100) as f64 / 100.0;
@@ -65,7 +65,7 @@ fn pictures(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Each on one picture of the shipped room.
+/// Measures every extractor on one picture of the shipped scene.
 fn extractors(criterion: &mut Criterion) {
     let scene = room("");
     let (camera, light) = (scene.camera("model"), scene.light("well"));
@@ -105,7 +105,7 @@ fn extractors(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// As many strengths as in a session of the real flat, on a way through all of its rooms.
+/// Measures the fit of as many strengths as in a session of the real flat, on a path through all of its rooms.
 fn radio(criterion: &mut Criterion) {
     let arena = Arena::read("arenas/flat.ron").expect("a shipped arena");
     let truth = RadioModel {
@@ -154,14 +154,14 @@ fn radio(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// One message: between places that no message was sent between, and between places where one was.
+/// Measures one message between positions without a cached pair, and one between positions with a cached pair.
 fn messages(group: &mut BenchmarkGroup<'_, WallTime>, arena: &Arena, model: &RadioModel) {
     let service = Service::new(model, arena, ServiceOptions::default());
     let service = service.expect("sound options");
     let mut number = 0;
     let mut message = |is_new: bool| {
         number += 1;
-        // Another height is another place.
+        // A different height is a different position.
         let height_m = if is_new { 1e-9 * number as f64 } else { 0.3 };
         Message {
             number,

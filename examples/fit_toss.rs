@@ -4,9 +4,9 @@
 //! cargo run --release --example fit_toss -- sweeps/cube_toss_fit.ron 'real_trajectories/cube_tosses/*.csv' best.ron
 //! ```
 //!
-//! Two folds, even and odd recordings in order of their paths. For each: identify the centre of mass and the length
-//! scale from the flights of the fold, fit the study's parameters to the fold's `pose` scores (CMA-ES, starts from the
-//! flight), and report the errors on the other fold. The values fitted on the even recordings are written.
+//! There are two folds, the even and the odd recordings in order of their paths. For each fold, the program identifies the centre of
+//! mass and the length scale from its flights, fits the study's parameters to its `pose` scores (CMA-ES, starts from the flight), and
+//! reports the errors on the other fold. The values fitted to the even recordings are written to a file.
 
 use std::path::Path;
 

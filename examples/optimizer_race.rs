@@ -1,13 +1,13 @@
-//! How many simulations does each optimizer need to reach what a whole grid cannot tell from its best?
+//! Measures how many simulations each optimizer needs to reach the set of points of a grid that are indistinguishable from the best.
 //!
 //! ```sh
 //! cargo run --release --example optimizer_race -- sweeps/tripod_floor.ron 5
 //! cargo run --release --example optimizer_race -- sweeps/cube_toss.ron 3 'real_trajectories/cube_tosses/*.csv' 40
 //! ```
 //!
-//! Arguments: study, seeds, glob of recordings ("" for the study's own), number of recordings, names of optimizers (all
-//! where none is named). The sweep says which points of its grid cannot be told from the best; an optimizer has arrived with
-//! the first point whose nearest point of the grid is one of them.
+//! Arguments: study, number of seeds, glob of recordings ("" for the study's own), number of recordings, names of optimizers (by
+//! default all). A sweep determines which points of its grid are indistinguishable from the best; an optimizer has reached the set
+//! with the first point whose nearest point of the grid belongs to it.
 
 #![allow(clippy::print_stdout)]
 
@@ -37,7 +37,7 @@ fn cell(grid: &Grid, values: &[f64]) -> usize {
     grid.index(&grid.nearest(values))
 }
 
-/// Cells of the grid that cannot be told from the best.
+/// Cells of the grid that are indistinguishable from the best.
 fn target(grid: &Grid, answer: &Answer) -> Vec<bool> {
     let mut cells = vec![false; grid.len()];
     if let Some(uncertainty) = &answer.uncertainty {
@@ -67,12 +67,12 @@ fn main() -> Result<()> {
     let cells = target(grid, &whole);
     let count = cells.iter().filter(|inside| **inside).count();
     println!(
-        "{}: {count} of {} points of the grid cannot be told from its best",
+        "{}: {count} of {} points of the grid are indistinguishable from its best",
         path.display(),
         grid.len()
     );
     println!(
-        "{:<15} points until there and best score after {BUDGET}, by seed 1 to {seeds}",
+        "{:<15} points until the set is reached and best score after {BUDGET}, by seed 1 to {seeds}",
         "optimizer"
     );
     let named = arguments.get(5..).unwrap_or_default();

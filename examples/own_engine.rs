@@ -1,11 +1,11 @@
 #![allow(clippy::print_stdout)]
-//! An engine of your own: one type that builds worlds and one that steps them. Commands, sampling, noise, studies and ensembles are
-//! the same for all engines.
+//! Shows how to write your own engine: one type that builds worlds and one that steps them. Commands, sampling, noise, studies and
+//! ensembles are the same for all engines.
 //!
 //! `cargo run --example own_engine`
 //!
-//! This one knows a block that never turns, on a level floor without bounces: v' = v - µ g t, and nothing else. Where that is not
-//! enough it says so, and Rapier simulates in its place, with a warning.
+//! This engine simulates only a block that never turns, on a level floor without bounces: v' = v - µ g t. It refuses every other
+//! experiment; then Rapier simulates in its place, with a warning.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 use realgap::robot::morphology::Morphology;
@@ -63,7 +63,7 @@ impl Engine for Sledges {
 
 struct Sledge {
     state: PartState,
-    /// The lowest point, from the part's origin: negative.
+    /// Height of the lowest point relative to the part's origin, which is negative, metres.
     foot_m: f64,
     floor_m: f64,
     friction: f64,
@@ -77,7 +77,7 @@ impl World for Sledge {
         let height_m = self.state.world_from_part.translation.z + self.foot_m - self.floor_m;
         let velocity = &mut self.state.velocity_world_m_s;
         velocity.z -= self.gravity_m_s2 * t;
-        // What stops the fall at the floor is what rubs.
+        // The impulse of friction is proportional to the impulse that stops the fall at the floor.
         let stopped_m_s = (-height_m / t - velocity.z).max(0.0);
         velocity.z += stopped_m_s;
         let slip = Vector3::new(velocity.x, velocity.y, 0.0);
@@ -98,7 +98,7 @@ impl World for Sledge {
     fn push(&mut self, _part: usize, velocity_world_m_s: &Vector3<f64>) {
         self.state.velocity_world_m_s += velocity_world_m_s;
     }
-    // No hinges, no contacts that are asked for, no scene: `refusal` sees to it.
+    // There are no hinges, contact loads or scenes, because `refusal` refuses experiments that need them.
     fn hinge_angle_rad(&self, _hinge: usize, near_rad: f64) -> f64 {
         near_rad
     }

@@ -1,17 +1,17 @@
 #![allow(clippy::print_stdout)]
-//! A robot that decides by a function: it walks until its sensor reads less than 20 cm, and then stands still.
+//! Shows how to control a robot by a function: it walks until its sensor reads less than 20 cm, and then stands still.
 //!
 //! `cargo run --release --example own_feedback`
 
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Controller, Experiment, Sensed, Steer, steer};
 
-/// Prints when it saw the box and where it stands then.
+/// Prints when the robot saw the box and where it stands then.
 pub fn main() -> realgap::Result<()> {
     let robot = Morphology::read("morphologies/tripod.ron")?;
     let mut experiment = Experiment::new(robot.assemble());
     experiment.duration_s = 15.0;
-    // Seed and number of the repeat: readings with their spread. Without them every reading is the mean.
+    // With a seed and a number of the repeat, readings have noise; without them, every reading is the mean.
     experiment.perturbation.draw = Some((1, 0));
     let mut controller = Controller::read("controllers/tripod_avoid.ron", &experiment)?;
     controller.rules.clear();

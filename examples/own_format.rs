@@ -1,5 +1,5 @@
 #![allow(clippy::print_stdout)]
-//! A trajectory format of your own: one type that implements `Format`.
+//! Shows how to write your own trajectory format: one type that implements `Format`.
 //!
 //! `cargo run --example own_format`
 
@@ -8,7 +8,7 @@ use realgap::trajectory::{Format, Parsed, Reading, Rendered, Trajectory};
 use realgap::unit::LengthUnit;
 use realgap::{Error, Result};
 
-/// Lines of `time: x y`, seconds and lengths.
+/// A format with lines of `time: x y`, in seconds and lengths.
 struct Track;
 
 impl Format for Track {

@@ -1,5 +1,5 @@
 #![allow(clippy::print_stdout)]
-//! A metric of your own: one type that implements `Metric`. It stands in the table beside all others.
+//! Shows how to write your own metric: one type that implements `Metric`. It appears in the table of all metrics.
 //!
 //! `cargo run --example own_metric`
 

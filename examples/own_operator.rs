@@ -1,5 +1,5 @@
 #![allow(clippy::print_stdout)]
-//! A genetic operator of your own: one type that implements `Operator`, a pure function of parents and generator.
+//! Shows how to write your own genetic operator: one type that implements `Operator`, a pure function of parents and generator.
 //!
 //! `cargo run --example own_operator`
 
@@ -9,7 +9,7 @@ use realgap::random::Numbered;
 use realgap::robot::genome::Genome;
 use realgap::search::{Operator, VariationParams};
 
-/// Two modules change places.
+/// A mutation that exchanges two modules.
 struct Swap;
 
 impl Operator for Swap {

@@ -1,5 +1,5 @@
 #![allow(clippy::print_stdout)]
-//! A robot of your own: written as text, simulated, and asked how far it went.
+//! Shows how to write your own robot as text, simulate it, and print how far it went.
 //!
 //! `cargo run --example own_robot`
 

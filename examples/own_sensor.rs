@@ -1,5 +1,5 @@
 #![allow(clippy::print_stdout)]
-//! A sensor of your own: one type that implements `RangeSensor`. It draws logs, and a Bayes filter believes it.
+//! Shows how to write your own sensor: one type that implements `RangeSensor`. A log is drawn from it, and a Bayes filter uses it.
 //!
 //! `cargo run --example own_sensor`
 
@@ -8,7 +8,7 @@ use realgap::random::Numbered;
 use realgap::sensing::belief::Belief;
 use realgap::sensing::range::{Beam, Characterisation, Options, RangeSensor, ReadingLog};
 
-/// A whisker that bends: nothing beyond 8 cm, and the more the nearer something is.
+/// A whisker that bends: its range is 8 cm, and it bends more for nearer obstacles.
 struct Whisker;
 
 impl RangeSensor for Whisker {
@@ -21,13 +21,13 @@ impl RangeSensor for Whisker {
     fn sd(&self, beam: &Beam) -> f64 {
         1.0 + 0.02 * self.mean(beam)
     }
-    /// Now and then its wire breaks contact.
+    /// The wire of the whisker sometimes loses contact.
     fn dropout(&self, _: &Beam) -> f64 {
         0.02
     }
 }
 
-/// Prints what a log of it becomes, and what a filter believes of it.
+/// Prints the model that is fitted to a log of the sensor, and the estimate of a Bayes filter.
 pub fn main() -> Result<()> {
     let mut rng = Numbered::SensorReading.generator(1, 0);
     let mut log = String::from("distance_cm,reading_bend\n");

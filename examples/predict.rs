@@ -1,4 +1,4 @@
-//! What will a robot do before anybody builds it, and how likely? `cargo run --release --example predict`
+//! Predicts the behaviour of a robot that has not been built, with probabilities. `cargo run --release --example predict`
 
 #![allow(clippy::print_stdout)]
 

@@ -1,4 +1,4 @@
-//! Which robot of up to four modules walks farthest on a floor that is known to a range only? No file, no database.
+//! Searches for the robot of up to four modules that walks farthest on a floor whose friction is known only as a range, without files.
 //!
 //! ```console
 //! cargo run --release --example search

@@ -1,4 +1,4 @@
-//! Which friction explains three recordings best, and how sure is that? `cargo run --release --example sweep`
+//! Estimates the friction that explains three recordings best, with its interval. `cargo run --release --example sweep`
 
 #![allow(clippy::print_stdout)]
 

@@ -1,4 +1,4 @@
-//! The same question to an optimizer, for a study that is a file. `cargo run --release --example tune`
+//! Estimates friction and restitution by an optimizer, for a study in a file. `cargo run --release --example tune`
 
 #![allow(clippy::print_stdout)]
 

@@ -4,8 +4,8 @@ of the joints at ten random configurations; and a passive fall and swing of 0.2 
     pip install example-robot-data pybullet mujoco gymnasium dm_control pin
     python tools/check_robots.py --realgap target/release/realgap [--match NAME] [--swing]
 
-The root is held in both programs: the block of the joints of the mass matrix is the same for a free one. A robot whose import
-changed or assumed masses or joints is compared all the same, and marked: its file says something else.
+The root is fixed in both programs, which does not change the block of the mass matrix that belongs to the joints. A robot whose import
+changed or assumed masses or joints is compared, too, but marked, because its file states other values.
 """
 
 import argparse
@@ -23,7 +23,7 @@ STATES = 10
 
 
 def usable(name):
-    """Names as realgap writes them."""
+    """A name in the form in which realgap writes names."""
     clean = re.sub(r"[^A-Za-z0-9_-]", "_", name[:60])
     return "_" + clean[1:] if clean.startswith("-") else clean or "_"
 
@@ -130,9 +130,10 @@ def compare(worst, state, mass, centre, matrix, falling):
 
 
 def swing(realgap, ron, folder):
-    """A passive robot, held, swings for 0.2 s in both programs: the largest difference as a share of the largest motion."""
+    """A passive robot with a fixed root swings for 0.2 s in both programs: the largest difference as a share of the largest motion."""
     import mujoco
-    # Nothing touches, and what MuJoCo has softly (limits, dry friction) is left out: masses, damping and springs are compared.
+    # There are no contacts, and joint limits and dry friction, which MuJoCo treats as soft constraints, are left out. So masses, damping
+    # and springs are compared.
     text = re.sub(r"shapes: \[.*\]\),$", "),", ron.read_text(), flags=re.M)
     ron.write_text(re.sub(r", (limits_rad|limits_m|dry_nm|dry_n): (\([^)]*\)|[0-9.e+-]+)", "", text))
     xml = folder / "robot.xml"

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""CPU time of realgap, MuJoCo and PyBullet for the same robots: at equal error, and at usual settings.
+"""Measures the CPU time of realgap, MuJoCo and PyBullet for the same robots: at equal error, and at usual settings.
 
     cargo build --release
     python3 -m pip install -r tools/requirements-engines.txt
     python3 tools/compare_engines.py --realgap target/release/realgap
 
-The robots are exported by `realgap robot export`. Rounds of all engines are interleaved, so that a busy machine hurts all alike; medians are printed.
-`--curves` prints error against cost instead: every engine at a row of timesteps, its path against its own limit (rms distance of the tracked module
-over the run): its finest timestep with contacts hardened to the same natural frequency in all of them. So what is compared is how much CPU time an
-engine needs to come that near to its own limit; `--error MM` adds the cheapest setting of each that does.
+The robots are exported by `realgap robot export`. Rounds of all engines are interleaved, so that a busy machine affects all of them in the same way; medians are printed.
+`--curves` prints error against cost instead: every engine runs at several timesteps. The error of a run is the rms distance of the tracked module
+from the limit of the same engine, which is its finest timestep with contacts hardened to the same natural frequency in all engines. So the table shows
+how much CPU time an engine needs to reach a distance from its own limit; `--error MM` adds the cheapest setting of each engine within that distance.
 
 The columns x and y show the net displacement of the tracked module: engines that disagree there did not simulate the same thing.
 """
@@ -39,12 +39,12 @@ PYBULLET_TIMESTEP_S = 1 / 240
 MUJOCO_SOLREF_S = 0.02
 MUJOCO_HARD_SOLREF_S = 2 * MUJOCO_TIMESTEP_S
 FRICTION = 0.5
-# Net displacements farther apart than this, and than this share of the reference's, did not simulate the same thing.
+# Runs whose net displacements differ by more than this, and by more than this share of the reference's, did not simulate the same thing.
 AGREEMENT_M, AGREEMENT_SHARE = 0.05, 0.5
 
 
 class Realgap:
-    """The command line; `cpu_s` is its own thread's time, building and settling included."""
+    """The command line of realgap; `cpu_s` is the time of its own thread, including building and settling."""
 
     def __init__(self, binary, morphology, duration_s, extra):
         self.command = [binary, "simulate", str(morphology), "--duration", str(duration_s), "--format", "json",
@@ -195,7 +195,7 @@ class RealgapCurve:
 
 
 class TreeCurve(RealgapCurve):
-    """One solve a step."""
+    """The engine `tree`, with one solve for each step."""
 
     name = "realgap, tree"
     engine = ["--engine", "tree", "--substeps", "1"]
@@ -266,10 +266,10 @@ def curves(binary, robots, duration_s, extra, most_mm):
 
 def export(binary, morphology, folder, kind):
     path = folder / f"{morphology.stem}.{kind}"
-    done = subprocess.run([binary, "robot", "export", str(morphology), "--format", kind, "-o", str(path), "--set", f"floor.friction={FRICTION}"],
+    done = subprocess.run([binary, "export", str(morphology), "--format", kind, "-o", str(path), "--set", f"floor.friction={FRICTION}"],
                           capture_output=True, text=True)
     if done.returncode != 0:
-        raise SystemExit(f"error: realgap robot export failed:\n{done.stderr}")
+        raise SystemExit(f"error: realgap export failed:\n{done.stderr}")
     return path
 
 

@@ -1,4 +1,4 @@
-"""MuJoCo on the tosses of two hinged boxes: the same body, the same starts and as many contact parameters as realgap.
+"""Fits MuJoCo to the tosses of two hinged boxes, with the same body, the same starts and as many contact parameters as realgap.
 
     realgap study identify sweeps/elbow_toss_fit.ron --every 2 --recordings DATA/*.csv -o body.ron
     realgap robot export morphologies/elbow.ron --format mjcf --parameters body.ron -o elbow.xml
@@ -31,7 +31,7 @@ BODY_LENGTH_M = 0.1
 
 
 def levelled(toss, lean):
-    """As `floor_leans` of a study's `reading`: turned about where the toss ends, until the floor's normal is z."""
+    """The toss rotated about its end until the floor's normal is z, as by `floor_leans` of a study's `reading`."""
     normal = np.array([*lean, 1.0]) / np.linalg.norm([*lean, 1.0])
     turn, _ = Rotation.align_vectors([[0, 0, 1]], [normal])
     q = (turn * Rotation.from_quat(np.roll(toss["q"], -1, axis=1))).as_quat()
@@ -67,7 +67,7 @@ def compliant(path):
 
 
 def give_way(model, frequency_hz, ratio):
-    """As stiff as half a box swings with this frequency."""
+    """Sets the stiffness of the springs such that half a box swings with this frequency."""
     mass_kg = model.body_mass[1:].max() / 2
     inertia_kg_m2 = model.body_inertia[1:].max() / 2
     for joint, of in zip(range(2, 7), [mass_kg] * 3 + [inertia_kg_m2] * 2):

@@ -1,16 +1,18 @@
 #!/usr/bin/env python3
-"""What does another engine do to how far a robot gets? Random robots in both engines of realgap and in MuJoCo, on the same floor
-under the same noise.
+"""Measures how the net displacement of robots differs between engines: random robots in both engines of realgap and in MuJoCo, on the
+same floor with the same noise.
 
     python3 -m pip install -r tools/requirements.txt
     python3 tools/engine_spread.py results/engines --seeds 1001 1062
 
-writes results/engines/engines.csv, one row a robot: docs/validation/ensembles.md says which seeds crates/lab/src/prediction/engines.csv holds,
-from which `predict` says what another engine may do, and which ones judge it. What the folder holds already is not run again.
+writes results/engines/engines.csv with one row for each robot. docs/validation/ensembles.md states which seeds are in
+crates/lab/src/prediction/engines.csv, from which `predict` estimates the effect of another engine, and which seeds test that estimate. Robots
+that the folder already contains are not run again.
 
 Robots are drawn one seed after the other (`realgap robot genome random`, as drawn), on a floor whose friction is drawn with the same
-seed from 0.3 to 0.7. One is kept that develops, has a hinge, stands as it is put down and gets at least `--least` of a body length
-far in Rapier's run without noise; what MuJoCo does decides nothing. MuJoCo runs with what `realgap robot export --format mjcf` writes:
+seed from 0.3 to 0.7. A robot is kept if it develops, has a hinge, stays in the pose in which it is put down, and moves by at least
+`--least` of a body length in Rapier's run without noise; the result of MuJoCo does not affect this choice. MuJoCo runs with the file that
+`realgap robot export --format mjcf` writes:
 steps of 1/8000 s, implicitfast, elliptic cone, solref 0.002 1, solimp 0.95 0.99 0.001; controls are set every fourth step.
 """
 
@@ -33,15 +35,15 @@ NOISE = """(
 """
 FIELDS = ["seed", "modules", "friction", "body_length_m", "rapier_m", "rapier_sd_m", "tree_m", "relaxed_m", "sensitivity_m", "mujoco_m"]
 BODY_LENGTH_M = 0.058
-# Body lengths, as crates/lab/src/prediction/model.rs has it.
+# Body lengths, the same value as in crates/lab/src/prediction/model.rs.
 NOWHERE = 0.1
-# Contacts as MuJoCo's are, as crates/simulation/src/experiment.rs has it (`relaxed`).
+# Contacts like those of MuJoCo, the same values as `relaxed` in crates/simulation/src/experiment.rs.
 RELAXED = ["contact.friction_model=2", "contact.natural_frequency_hz=79.57747154594767", "contact.damping_ratio=1", "timestep_s=0.0005",
            "solver.substeps=1"]
 
 
 def parser(about, modules, least):
-    """What every tool is told that draws robots by seed."""
+    """The options that all tools share that draw robots by seed."""
     p = argparse.ArgumentParser(description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("output", type=pathlib.Path, help="folder: one below it for every robot")
     p.add_argument("--realgap", default="target/release/realgap", help="the program (default %(default)s)")
@@ -60,20 +62,20 @@ def arguments():
 
 
 def said(a, *words):
-    """What the program answers as JSON, or nothing where it refuses."""
+    """The answer of the program as JSON; None if it refuses."""
     made = subprocess.run([a.realgap, *map(str, words), "--format", "json"], capture_output=True, text=True)
     return json.loads(made.stdout) if made.returncode == 0 else None
 
 
 def known(file, make):
-    """The JSON of this file, made where it is not there."""
+    """The JSON of this file, which is made if it does not exist."""
     if not file.exists():
         file.write_text(json.dumps(make()))
     return json.loads(file.read_text())
 
 
 def drawn(a, seed, folder):
-    """What there is to know of a seed's robot before it is kept; nothing where it cannot be."""
+    """The properties of the robot of a seed that decide whether it is kept; None if it cannot be built."""
     genome, robot = folder / "genome.ron", folder / "robot.ron"
     fewest, most = a.modules
     modules = fewest + seed % (most - fewest + 1)
@@ -107,7 +109,7 @@ def in_mujoco(a, folder, found):
 
 
 def row(a, seed):
-    """A robot's row of the table; nothing where it is not kept."""
+    """The row of a robot in the table; None if it is not kept."""
     folder = a.output / f"{seed:05}"
     folder.mkdir(parents=True, exist_ok=True)
     found = known(folder / "drawn.json", lambda: drawn(a, seed, folder))
@@ -117,13 +119,13 @@ def row(a, seed):
     noise.write_text(NOISE)
     stated = ["--noise", noise, "--repeats", a.ours]
     rapier = known(folder / "rapier.json", lambda: predicted(a, folder, found, "rapier", *stated))
-    # Of a robot that goes nowhere under noise the program says nothing.
+    # The program makes no statement about a robot that does not move under noise.
     if rapier["mean"] < NOWHERE * BODY_LENGTH_M:
         return None
     tree = known(folder / "tree.json", lambda: predicted(a, folder, found, "tree", *stated))
     settings = [word for setting in RELAXED for word in ("--set", setting)]
     relaxed = known(folder / "relaxed.json", lambda: predicted(a, folder, found, "tree", *stated, *settings))
-    # Under the noise of a robot that nobody has measured, as many repeats as crates/lab/src/prediction/model.rs has.
+    # With the default noise preset, and as many repeats as in crates/lab/src/prediction/model.rs.
     felt = known(folder / "felt.json", lambda: predicted(a, folder, found, "tree", "--repeats", 32))
     theirs_m = known(folder / "mujoco.json", lambda: in_mujoco(a, folder, found))[: a.repeats]
     spread = (felt["q75"] - felt["q25"]) / 1.349

@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
-# What survives what: kills, full and read-only disks, damage, jumps of the clock, several writers. Prints one table; exit code 1
-# where anything was lost without a word. `--short` for a minute of it, `--files` for the
-# faults of files alone: pages and logs of the store, files of a finished folder.
+# Tests which faults the program survives: kills, full and read-only disks, damaged files, jumps of the clock, several writers. Prints one
+# table; the exit code is 1 if any data were lost without an error message. `--short` runs a part of it that takes a minute, `--files` only
+# the faults of files: pages and logs of the store, files of a finished folder.
 #
 #   cargo build --release && tools/faults.sh
 #
-# REALGAP names another program than target/release/realgap, SEED another seed than 1. Needs Linux; what it may not do (mount, compile) says SKIPPED.
+# REALGAP names another program than target/release/realgap, SEED another seed than 1. Needs Linux; tests that need a permission or a compiler that
+# is missing print SKIPPED.
 set -uo pipefail
 cd "$(dirname "$0")/.."
 realgap=$(realpath "${REALGAP:-target/release/realgap}")
@@ -21,7 +22,7 @@ trap 'rm -rf "$work"' EXIT
 failed=0
 
 table=""
-row() { # fault, times, outcome, whether it is as promised
+row() { # fault, number of trials, outcome, exit code: 0 if the outcome is as promised
     local verdict=ok
     if [ "$4" != 0 ]; then
         verdict=FAILED
@@ -54,7 +55,7 @@ sweep -o "$work/whole" || { cat "$work/said"; exit 1; }
 whole_ms=$(($(now_ms) - begun))
 "$realgap" study results "$work/whole" --format csv >"$work/whole.csv"
 
-# Starts a sweep into $1 with the options behind $2, and kills it after $2 milliseconds.
+# Starts a sweep into $1 with the options after $2, and kills it after $2 milliseconds.
 killed() {
     local out=$1 after=$2
     shift 2
@@ -66,7 +67,7 @@ killed() {
 }
 
 if [ "$files" = 0 ]; then
-# 1 Killed at any moment, twice, then resumed.
+# 1 A run is killed at a random moment, twice, then resumed.
 different=0
 for i in $(seq "$kills"); do
     out=$work/killed
@@ -78,7 +79,7 @@ for i in $(seq "$kills"); do
 done
 row "kill -9 twice at any moment, resumed" "$kills" "$different differ from a whole run" "$different"
 
-# 2 Killed in the first 80 ms; started again.
+# 2 A run is killed in the first 80 ms and started again.
 refused=0
 for i in $(seq "$early"); do
     out=$work/early
@@ -89,7 +90,7 @@ for i in $(seq "$early"); do
 done
 row "kill -9 in the first 80 ms, started or resumed" "$early" "$refused refused or different" "$refused"
 
-# 3 A second run on complete results, killed at any moment: of every file the old bytes, which are the new ones, too.
+# 3 A second run on complete results is killed at a random moment: every file must have its old bytes, which equal the new ones.
 cp -r "$work/whole" "$work/before"
 begun=$(now_ms)
 sweep -o "$work/whole"
@@ -134,7 +135,7 @@ else
     row "full disk (tmpfs of 4 to 300 KiB), then room and resumed" "$count" "$lost without one clear error, or different" "$lost"
 fi
 
-# 5 Media that cannot be written.
+# 5 A disk that cannot be written.
 cat >"$work/read_only.sh" <<END
 mount --bind "$work/whole" "$work/whole" && mount -o remount,ro,bind "$work/whole" || exit 77
 "$realgap" study results "$work/whole" --format csv | cmp - "$work/whole.csv" || exit 1
@@ -173,8 +174,8 @@ for i in $(seq "$pages"); do
 done
 row "damaged pages of the store" "$pages" "$said errors, $((pages - said - silent)) the same answer, $silent silently another" "$silent"
 
-# 7 The log of a killed run: damaged, cut, gone, or that of another run. Whatever is refused is cured by resuming.
-# Sorted by trial: scores are told at the end alone.
+# 7 The log of a killed run is damaged, cut off, deleted, or replaced by that of another run. If the program refuses the folder, resuming must repair
+# it. Output is compared sorted by trial, because scores are written only at the end.
 listed() { "$realgap" study results "$1" --format csv --sort trial 2>"$work/said"; }
 stopped() { # folder, options behind it
     local folder=$1 share
@@ -219,7 +220,7 @@ else
     skipped "log of a killed run" "the kill left no log"
 fi
 
-# 13 Files of a finished folder changed by one digit, or shorter by one line.
+# 13 Files of a finished folder are changed by one digit, or shortened by one line.
 for fault in "digit page.json" "digit points.csv" "digit best.ron" "line points.csv" "line indistinguishable.csv" "line SHA256SUMS"; do
     read -r kind file <<<"$fault"
     said=0
@@ -281,7 +282,7 @@ named=$(grep -l 'process [0-9]* (.* since 2' "$work"/writer.* | wc -l)
 equal "$work/shared" && [ "$won" = 1 ] && [ "$named" = 7 ]
 row "eight writers of one folder at once" 8 "$won wrote, $named were told who writes since when" $?
 
-# 10 SIGTERM in a run of an hour; 11 the folder of one removed.
+# 10 SIGTERM during a run of an hour; 11 removal of the folder of such a run.
 long=(predict morphologies/tripod.ron --duration 3600 --set timestep_s=0.0001 --jobs 1)
 slowest=0
 for i in $(seq "$terms"); do
@@ -307,7 +308,7 @@ took=$(($(now_ms) - begun))
 [ "$code" = 1 ] && grep -q 'removed during the run' "$work/said" && [ "$took" -le 5000 ]
 row "results folder removed during a run of an hour" 1 "noticed after $took ms" $?
 
-# 12 The folder of a run made read-only, by a user whom that hinders.
+# 12 The folder of a run is made read-only, for a user without the right to override that.
 mkdir "$work/user"
 as_user=()
 if [ "$(id -u)" = 0 ]; then

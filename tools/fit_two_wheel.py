@@ -1,10 +1,10 @@
-"""Fits what paper 000 leaves open of its two-wheel robot to half of the recorded runs of one condition.
+"""Fits the parameters of the two-wheel robot of paper 000 that the paper does not state to half of the recorded runs of one condition.
 
 python3 tools/fit_two_wheel.py CONDITION RUNS.csv [EVALUATIONS [OFFSET [FROM]]]     (needs numpy; REALGAP names the program)
 
-Makes the energy score (Gneiting & Raftery 2007) of 100 simulated repeats for every second run (from OFFSET, 0 or 1) small: it
-rewards repeats that lie where the runs lie and spread as they spread. CMA-ES without restarts; the other runs are not looked at. It
-begins at the study's values, or at those of the condition FROM, which know nothing of these runs. Prints the values for the study.
+Minimises the energy score (Gneiting & Raftery 2007) of 100 simulated repeats for every second run (from OFFSET, 0 or 1), which is small
+if the repeats have the same distribution as the runs. CMA-ES without restarts; the other runs are not used. The search begins at the
+study's values, or at those of the condition FROM, which do not depend on these runs. Prints the values for the study.
 """
 
 import json
@@ -50,7 +50,7 @@ SAID = said(sys.argv[1])
 FROM = said(sys.argv[5]) if len(sys.argv) > 5 else SAID
 PARAMETERS = [p for p in PARAMETERS if p[0] in SAID]
 LOW, HIGH = (np.array([p[i] for p in PARAMETERS]) for i in (1, 2))
-# What another condition does not say begins in the middle.
+# Parameters that another condition does not state begin in the middle of their ranges.
 START = np.clip([FROM.get(p[0], 0.5 * (p[1] + p[2])) for p in PARAMETERS], LOW, HIGH)
 
 
@@ -83,7 +83,7 @@ def main():
             chosen = places[order[: size // 2]]
             weights = np.log(size / 2 + 0.5) - np.log(np.arange(1, size // 2 + 1))
             weights /= weights.sum()
-            # A diagonal CMA: variances follow the steps that were good.
+            # A diagonal CMA: variances are adapted to the successful steps.
             spread = weights @ ((chosen - mean) / sigma) ** 2
             mean, shape = weights @ chosen, np.sqrt(0.7 * shape**2 + 0.3 * spread)
             sigma *= 0.97

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Does a sweep say that its model does not fit where another engine recorded, and only there? Random robots on a hidden floor.
+"""Tests whether a sweep reports that its model does not fit if, and only if, another engine made the recordings: random robots on a hidden floor.
 
     python3 -m pip install -r tools/requirements.txt
     python3 tools/flag_engines.py results/flags --recorder mujoco --seeds 1 40
     python3 tools/flag_engines.py results/flags --recorder own --seeds 1 40
 
-writes results/flags/mujoco.csv or own.csv, one row a robot, and below it a folder a robot. What is there already is not made again.
+writes results/flags/mujoco.csv or own.csv with one row for each robot, and a folder for each robot. Existing results are not made again.
 
 Robots are drawn and kept as tools/engine_spread.py does it, friction from 0.3 to 0.7 included. MuJoCo runs what `realgap robot export`
 writes, with steps of 1/2000 s. The program itself records with an engine, a timestep and substeps that are drawn, too, none coarser
@@ -52,7 +52,7 @@ def arguments():
 
 
 def asked(a, *words):
-    """What the program answers as JSON, which it must."""
+    """The answer of the program as JSON; a refusal is an error."""
     made = subprocess.run([a.realgap, *map(str, words), "--format", "json"], capture_output=True, text=True)
     if made.returncode:
         raise SystemExit(made.stderr)
@@ -60,13 +60,13 @@ def asked(a, *words):
 
 
 def record_in_mujoco(a, seed, folder, found):
-    """Files of all repeats; what is hidden beside the friction."""
+    """Writes the recordings of all repeats; returns the hidden settings other than the friction."""
     mjcf = folder / "robot.mjcf"
     export = [a.realgap, "robot", "export", folder / "robot.ron", "--format", "mjcf", "-o", mjcf, "--force"]
     subprocess.run(export, check=True, capture_output=True)
     robot = Robot(mjcf)
     robot.set_friction(found["friction"])
-    # Coarse as tools/record_fleet.py has it: a stand-in is only another world.
+    # The timestep is as coarse as in tools/record_fleet.py, because a stand-in may have any accuracy.
     robot.model.opt.timestep, robot.hold = 1 / 2000, 2
     repeats = a.recordings + a.further
     how = record_standin.arguments([str(mjcf), "-o", str(folder / "all"), "--duration", str(a.duration), "--repeats", str(repeats),
@@ -76,7 +76,7 @@ def record_in_mujoco(a, seed, folder, found):
 
 
 def record_ourselves(a, seed, folder, found):
-    """The same by the program, with numerics that are as valid as its own."""
+    """Writes the recordings of all repeats by the program itself, with other numerical settings that are equally valid."""
     rng = np.random.default_rng([seed, 1])
     engine = ["rapier", "tree"][rng.integers(2)]
     hidden = [f"timestep_s={1 / rng.uniform(480, 960):.8f}", f"solver.substeps={rng.integers(3, 7)}"]
@@ -87,7 +87,7 @@ def record_ourselves(a, seed, folder, found):
 
 
 def recorded(a, seed, folder, found):
-    """Makes all recordings and parts them into those of the sweep and further ones."""
+    """Makes all recordings and splits them into those of the sweep and further ones."""
     shutil.rmtree(folder / "all", ignore_errors=True)
     record = {"mujoco": record_in_mujoco, "own": record_ourselves}[a.recorder]
     hidden = record(a, seed, folder, found)
@@ -106,7 +106,7 @@ def studied(a, folder, part, *words):
 
 
 def row(a, seed):
-    """A robot's row of the table; nothing where it is not kept."""
+    """The row of a robot in the table; None if it is not kept."""
     folder = a.output / a.recorder / f"{seed:05}"
     folder.mkdir(parents=True, exist_ok=True)
     found = known(folder / "drawn.json", lambda: drawn(a, seed, folder))

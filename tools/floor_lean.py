@@ -1,9 +1,9 @@
-"""How far the floor's normal leans in recordings of a box that comes to rest: the `floor_leans` of a study's `reading`.
+"""Measures the inclination of the floor's normal in recordings of a box that comes to rest: the `floor_leans` of a study's `reading`.
 
 python tools/floor_lean.py '../shared/data/elbow_tosses/*.csv'
 
-Every other recording (the even-numbered ones) is asked: where it ends at rest with the box flat on a face of its z, the normal
-of that face is the floor's, whatever way the box was turned.
+Every second recording (the even-numbered ones) is used. If it ends at rest with the box flat on a face of its z axis, the normal
+of that face is the normal of the floor, whatever the heading of the box.
 """
 
 import csv
@@ -12,12 +12,12 @@ import math
 import statistics
 import sys
 
-# More than 8 degrees off, it does not lie flat.
+# A box that is inclined by more than 8 degrees does not lie flat.
 FLAT_COSINE = 0.99
 
 
 def at_rest(rows):
-    """Slower than 3 cm/s and 0.5 rad/s of the hinge over the last five samples."""
+    """Whether the box is slower than 3 cm/s and the hinge slower than 0.5 rad/s over the last five samples."""
     step_s = rows[1]["t_s"] - rows[0]["t_s"]
     last = rows[-6:]
     moved = max(abs(b[a] - c[a]) for b, c in zip(last[1:], last) for a in ("x_m", "y_m", "z_m"))

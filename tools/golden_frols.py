@@ -3,7 +3,7 @@
 pip install sysidentpy==0.9 && python3 tools/golden_frols.py > crates/sensing/tests/golden/frols.json
 
 Samples are random places (u, v) and noisy values of known polynomials; regressors are SysIdentPy's own polynomials of them (degree 4,
-no lags). Kept are its order of terms, error reduction ratios, coefficients and information criteria.
+no lags). The file contains its order of terms, error reduction ratios, coefficients and information criteria.
 """
 
 import itertools

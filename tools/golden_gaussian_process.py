@@ -22,7 +22,7 @@ def kernel(lengths, variance, noise):
 
 
 def log_improvement(mean, sd, best):
-    """With 400 digits: far from the best the improvement is smaller than any floating-point number."""
+    """The logarithm is computed with 400 digits, because far from the best the improvement is smaller than any floating-point number."""
     with mpmath.workdps(400):
         z = (mpmath.mpf(best) - mean) / sd
         return float(mpmath.log(sd * (z * mpmath.ncdf(z) + mpmath.npdf(z))))

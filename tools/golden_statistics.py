@@ -82,7 +82,7 @@ for values in [normal(0, 1), normal(0, 2), normal(0, 9), tied(0, 10)]:
     for level in [0.0, 0.05, 0.3, 0.5, 0.9, 1.0]:
         row("quantile", "linear", values, [level], np.quantile(values, level), np.median(values))
 
-# One sample for each branch of the p value, from hardly off the normal to far off.
+# One sample for each branch of the p value, from nearly normal to far from normal.
 for values in [
     stats.norm.ppf((np.arange(12) + 0.5) / 12),
     normal(0, 30),

@@ -1,4 +1,4 @@
-"""Writes crates/vision/tests/golden/vision.json: what scikit-image and scipy find in pictures that both sides make by the same formulas.
+"""Writes crates/vision/tests/golden/vision.json: results of scikit-image and scipy for pictures that both sides make by the same formulas.
 
 pip install numpy==2.4.6 scipy==1.17.1 scikit-image && python3 tools/golden_vision.py > crates/vision/tests/golden/vision.json
 """
@@ -16,13 +16,13 @@ from skimage.segmentation import active_contour
 
 
 def texture(width, height):
-    """Whole numbers, so that both sides have the same bits."""
+    """A pattern of whole numbers, so that both sides have the same bits."""
     y, x = np.mgrid[:height, :width].astype(np.int64)
     return ((x * x * 7 + y * y * 13 + x * y * 5 + 31 * x + 17 * y) % 256).astype(np.float32) / np.float32(255.0)
 
 
 def ellipse(width, height, cx, cy, a, b, inside, outside):
-    """An ellipse whose pixels at the border are mixed from 8 x 8 places each."""
+    """An ellipse; each pixel at the border is the mean of 8 x 8 samples."""
     y, x = np.mgrid[:height, :width].astype(float)
     covered = np.zeros((height, width))
     for i in range(8):
@@ -34,7 +34,7 @@ def ellipse(width, height, cx, cy, a, b, inside, outside):
 
 
 def direct(picture, template):
-    """The definition, with scipy.signal's direct correlation."""
+    """Normalised correlation by its definition, with scipy.signal's direct correlation."""
     p, t = picture.astype(float), template.astype(float)
     t = t - t.mean()
     ones = np.ones_like(t)

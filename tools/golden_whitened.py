@@ -15,7 +15,7 @@ TRACKER_NOISE_M = 1e-3
 
 
 def path(number):
-    """A path from the origin; like no other number's."""
+    """A path from the origin that differs for every number."""
     t = np.arange(POINTS) / (POINTS - 1)
     x = (0.5 + 0.03 * np.sin(1.7 * number)) * t + 0.01 * np.sin(2 * np.pi * t * (1 + number % 3))
     y = 0.02 * np.cos(2.3 * number) * np.sin(np.pi * t) + 0.004 * number * t * (1 - t)

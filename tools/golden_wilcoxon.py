@@ -16,7 +16,7 @@ def row(method, d, statistic, p):
 
 
 def every_sign(d):
-    """Ties, by the definition: all signs, each as likely."""
+    """The exact test with ties, by its definition: all combinations of signs are equally likely."""
     d = d[d != 0]
     ranks = stats.rankdata(np.abs(d))
     above = ranks[d > 0].sum()

@@ -3,8 +3,8 @@
     pip install example-robot-data pybullet mujoco gymnasium dm_control pin
     python tools/import_robots.py --realgap target/release/realgap [--csv robots.csv] [FILE ...]
 
-Without files: every URDF with a joint that moves of example-robot-data and pybullet_data, and the MJCF models of gymnasium and
-dm_control's suite. Nothing is written but the table and a temporary folder.
+Without files, it imports every URDF of example-robot-data and pybullet_data that has a movable joint, and the MJCF models of gymnasium
+and dm_control's suite. It writes only the table and a temporary folder.
 """
 
 import argparse

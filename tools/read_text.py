@@ -1,10 +1,10 @@
-"""Reads the text in pictures by realgap and by another program; says the character error rate of both.
+"""Reads the text in pictures by realgap and by another program, and prints the character error rate of both.
 
 python3 tools/read_text.py REALGAP FOLDER... -- PROGRAM OPTION...       (needs numpy)
 
-FOLDER is one that `realgap sense picture` wrote. PROGRAM gets the part of each picture that holds text (views.ron says where) as the path
-of a grey .pgm file behind its options, and prints what it reads: GNU Ocrad, GOCR, `tesseract --psm 6` with `stdout` behind the path.
-Line breaks and blanks count once, as in realgap.
+FOLDER is a folder that `realgap sense picture` wrote. PROGRAM is called with its options and the path of a grey .pgm file, which is the part of a
+picture that contains text according to views.ron, and must print the text: GNU Ocrad, GOCR, or `tesseract --psm 6` with `stdout` after the path.
+Consecutive line breaks and spaces count once, as in realgap.
 """
 
 import pathlib
@@ -52,10 +52,10 @@ def views(folder):
 
 def by_realgap(realgap, picture):
     said = subprocess.run(
-        [realgap, "sense", "vision", "extract", picture, "--extractor", "text"],
+        [realgap, "vision", "extract", picture, "--extractor", "text"],
         capture_output=True, text=True, check=True,
     ).stdout
-    # Beside the text it prints a remark before and the error behind.
+    # The program prints a remark before the text and the error after it.
     lines = [line for line in said.splitlines() if not line.startswith("character error rate")]
     return "\n".join(lines[1:])
 

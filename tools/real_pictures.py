@@ -1,4 +1,4 @@
-"""Writes scikit-image's bundled photographs into a folder and says what its Canny finds in them.
+"""Writes scikit-image's bundled photographs into a folder and prints the share of edge pixels that its Canny detector finds.
 
 pip install scikit-image && python3 tools/real_pictures.py FOLDER
 for each: realgap sense vision extract FOLDER/NAME.png --extractor edges -o FOLDER/NAME_edges.png

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Stand-in recordings of many random robots on one hidden floor, in MuJoCo, and the study of them.
+"""Makes stand-in recordings of many random robots on one hidden floor in MuJoCo, and the study of them.
 
     python3 -m pip install -r tools/requirements.txt
     python3 tools/record_fleet.py real_trajectories/fleet_mujoco --study sweeps/fleet_floor.ron
     realgap sweep sweeps/fleet_floor.ron
     python3 tools/record_fleet.py hundred/robots --robots 100 --study hundred/floor.ron
 
-Robots are drawn one seed after the other (`realgap robot genome random`, 2 to 5 modules). One is kept that develops, stands as it is put down
-and walks at least a body length in MuJoCo. The same seed gives the same files. `--robots 100` makes as many as paper 003 had.
+Robots are drawn one seed after the other (`realgap robot genome random`, 2 to 5 modules). A robot is kept if it develops, stays in the pose in
+which it is put down, and walks at least a body length in MuJoCo. The same seed gives the same files. `--robots 100` makes as many as paper 003 had.
 """
 
 import argparse
@@ -38,7 +38,7 @@ def arguments():
 
 
 def developed(a, seed, folder):
-    """The robot of this seed as a file, or nothing where it cannot be built or does not stand."""
+    """The file of the robot of this seed; None if it cannot be built or does not stand."""
     genome, robot = folder / "genome.ron", folder / "robot.ron"
     modules = 2 + seed % 4
     name = f"random_{seed:04}"
@@ -107,7 +107,7 @@ def main():
                 + ["--duration", str(a.duration), "--rate", str(a.rate), "--seed", str(a.seed)]
             )
             robot.set_friction(a.friction)
-            # Four times as long as that of the file: a stand-in may be coarse, for it is only another world.
+            # The timestep is four times that of the file, because a stand-in may have any accuracy.
             robot.model.opt.timestep = 1 / 2000
             runs = [record_standin.record(robot, how, repeat) for repeat in range(a.repeats)]
             far = [np.linalg.norm(positions[-1, :2] - positions[0, :2]) for _, positions, _ in runs]

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Stand-in recordings of a robot in MuJoCo: another engine in the place of reality.
+"""Makes stand-in recordings of a robot in MuJoCo, which takes the place of reality.
 
     realgap robot export morphologies/tripod.ron --format mjcf -o tripod.mjcf
     python3 -m pip install -r tools/requirements.txt
@@ -37,7 +37,7 @@ def arguments(words=None):
 
 
 def turn_by(rotation_vectors, quaternions):
-    """Quaternions turned by small rotation vectors of the world frame."""
+    """Quaternions rotated by small rotation vectors in the world frame."""
     turned = np.empty_like(quaternions)
     for k, (vector, quat) in enumerate(zip(rotation_vectors, quaternions)):
         angle = np.linalg.norm(vector)
@@ -50,7 +50,7 @@ def turn_by(rotation_vectors, quaternions):
 
 def record(robot, a, repeat):
     """One repeat: times, recorded positions and quaternions."""
-    # Streams of their own: more samples must not change the start.
+    # The start and the noise have separate random streams, so that more samples do not change the start.
     start, camera = (np.random.default_rng([a.seed, repeat, stream]) for stream in (1, 2))
     shift_m = start.normal(0, a.start_position_noise, 3)
     azimuth = start.uniform(0, 2 * np.pi)
@@ -67,7 +67,7 @@ def record(robot, a, repeat):
 
 
 def write(path, times, positions, quaternions):
-    # Micrometres and microradians: far below the camera's errors.
+    # Values are rounded to micrometres and microradians, far below the errors of the camera.
     lines = ["t_s,x_m,y_m,z_m,qw,qx,qy,qz"]
     for t, p, q in zip(times, positions, quaternions):
         lines.append(f"{t:.6f}," + ",".join(f"{v:.6f}" for v in (*p, *q)))
@@ -75,12 +75,12 @@ def write(path, times, positions, quaternions):
 
 
 def write_all(robot, a, runs):
-    """Every repeat as a file, and whose they are."""
+    """Writes every repeat to a file, and a description of their source."""
     a.output.mkdir(parents=True, exist_ok=True)
     for repeat, run in enumerate(runs):
         write(a.output / f"run_{repeat:02}.csv", *run)
     friction = float(robot.model.geom_friction[robot.floor, 0])
-    # Without folders: the description must not depend on where it was made.
+    # Folders are left out, so that the description does not depend on where it was made.
     command = f"tools/record_standin.py {a.mjcf.name} -o {a.output.name} --friction {friction:g} --seed {a.seed}"
     description = (
         f"recorded from MuJoCo, not from hardware: STAND-IN. MuJoCo {mujoco.__version__}, timestep {robot.model.opt.timestep:g} s, "

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Everything that is handed out, in one folder with check sums: the command as one static file, the container image around it, the
-# wheel, the library's source. Each is tried as its user would.
+# Builds everything that is released, in one folder with check sums: the command as one static file, a container image with it, the
+# wheel, and the library's source. Each is tested as a user would use it.
 #
 #   tools/release.sh [FOLDER]        # target/handout unless named
 #
-# Needs Rust, Python and, for the static file, musl's C compiler (Debian: musl-tools). What cannot be made here says SKIPPED.
+# Needs Rust, Python and, for the static file, musl's C compiler (Debian: musl-tools). Parts that cannot be built here print SKIPPED.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 folder="$(realpath -m "${1:-target/handout}")"
@@ -18,11 +18,11 @@ rm -rf "$folder"
 mkdir -p "$folder"
 say() { printf '== %s\n' "$*"; }
 
-# What a user of the command needs beside it: robots, studies and the recordings that they read.
+# The files that a user of the command needs in addition: robots, studies and the recordings that they read.
 shipped=(README.md CHANGELOG.md CITATION.cff LICENSE-APACHE LICENSE-MIT arenas morphologies real_trajectories scenes sensors sweeps vehicles)
 name="realgap-$version-$machine-linux"
 
-say "the command, without any library of the machine's"
+say "the command, without any library of this machine"
 if command -v musl-gcc >/dev/null && rustup target add "$target" >/dev/null 2>&1; then
     cargo build --profile dist --locked --bin realgap --target "$target"
     mkdir "$work/$name"
@@ -30,7 +30,7 @@ if command -v musl-gcc >/dev/null && rustup target add "$target" >/dev/null 2>&1
     git archive HEAD -- "${shipped[@]}" | tar -x -C "$work/$name"
     tar -C "$work" --sort=name --owner=0 --group=0 --numeric-owner --mtime="@$(git log -1 --format=%ct)" -cf - "$name" \
         | gzip -n -9 >"$folder/$name.tar.gz"
-    # In a folder that holds nothing else it does the main job.
+    # The main job is tested in a folder that contains nothing else.
     mkdir -p "$work/$name/tmp"
     if [ "$(id -u)" = 0 ]; then
         chroot "$work/$name" /realgap sweep sweeps/cube_toss.ron --points 3 -o /tmp/out

@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
-"""The finalists of `realgap search` once more, in MuJoCo, with the same draws: does what was found walk in another engine, too?
+"""Runs the finalists of `realgap search` in MuJoCo with the same random draws, to test whether they walk in another engine, too.
 
     realgap search sweeps/best_robot.ron -o results/best_robot
     python3 -m pip install -r tools/requirements.txt
     python3 tools/rerun_finalists.py results/best_robot
 
-`realgap search --mujoco` does it at the end of a search and lets it decide which robots survive.
+`realgap search --mujoco` does this at the end of a search and uses the result to decide which robots survive.
 
-RESULTS/best/NAME.draws.json holds what was drawn for every repeat of a finalist: start, servos, masses, frictions. The first `--draws` of them run in
-MuJoCo with contacts hard and steps short enough that neither matters (1/16000 s, solref 0.0005: at 1/1000 s MuJoCo takes these robots half as far),
-and the two distributions are compared: medians, rank correlation draw by draw, and the largest distance of the distribution functions. A robot agrees
-where the medians are within `--tolerance`. For a robot whose card says that only distributions compare (a small difference grows by `growth` per
-second), the rank correlation is left out: draw by draw no two engines agree. RESULTS/best/mujoco.json holds the same as the table.
+RESULTS/best/NAME.draws.json contains the random draws of every repeat of a finalist: start, servos, masses, frictions. The first `--draws` of them run in
+MuJoCo with contacts so hard and steps so short that neither affects the result (1/16000 s, solref 0.0005; at 1/1000 s these robots move half as far in
+MuJoCo). The two distributions are compared by medians, rank correlation over draws, and the largest distance of the distribution functions. A robot agrees
+if the medians are within `--tolerance`. If the card of a robot states that only distributions can be compared (a small difference grows by `growth` per
+second), the rank correlation is left out, because no two engines agree on single draws. RESULTS/best/mujoco.json contains the same numbers as the table.
 """
 
 import argparse
@@ -27,12 +27,12 @@ from standin import Robot
 
 TIMESTEP_S = 1 / 16000
 SOLREF_S = 0.0005
-# Commands change this often; a servo of gain 30/s does not feel it.
+# Interval at which commands change; it is negligible for a servo of gain 30/s.
 COMMAND_S = 1 / 2000
 
 
 class Drawn(Robot):
-    """The robot of one draw."""
+    """The robot with the parameters of one draw."""
 
     def __init__(self, draw, folder):
         path = pathlib.Path(folder) / "draw.xml"

@@ -1,8 +1,8 @@
-"""The friction models of a servo one by one, each fitted on two gains and judged on the third (docs/validation/servo.md).
+"""Fits each friction model of a servo to recordings with two gains and evaluates it on the third gain (docs/validation/servo.md).
 
 python tools/servo_ladder.py ../shared/data/servo_pendulum [--budget 600] [--realgap target/release/realgap]
 
-Every rung is sweeps/servo_xl330_fit.ron with fewer or more parameters; what is left out is 0.
+Every model is sweeps/servo_xl330_fit.ron with fewer or more parameters; parameters that are left out are 0.
 """
 
 import argparse

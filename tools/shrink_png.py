@@ -1,10 +1,10 @@
-"""Write a PNG picture with a palette of 256 colours: a third of the bytes, the same to the eye.
+"""Writes a PNG picture with a palette of 256 colours, which has a third of the bytes and looks the same.
 
-python3 tools/shrink_png.py FROM.png TO.png [APART]       (needs numpy)
+python3 tools/shrink_png.py FROM.png TO.png [DISTANCE]       (needs numpy)
 
-Colours of the palette are 12 steps of 255 apart, or APART where shades matter more than bytes.
+Colours of the palette differ by at least 12 steps of 255, or by DISTANCE, which may be smaller for pictures with fine shades.
 
-Reads what realgap writes: 8 bits a channel, RGB, not interlaced.
+Reads PNG files as realgap writes them: 8 bits per channel, RGB, not interlaced.
 """
 
 import struct
@@ -55,7 +55,7 @@ def read(path):
 
 
 def palette(picture, least):
-    """The eight most frequent colours, then others, at least so far apart, and the nearest of them for each."""
+    """The eight most frequent colours, then others that differ by at least `least`, and for each pixel the nearest of them."""
     flat = picture.reshape(-1, 3)
     colours, index, count = numpy.unique(flat, axis=0, return_inverse=True, return_counts=True)
     colours, kept = colours.astype(int), []

@@ -1,4 +1,4 @@
-"""A robot exported by `realgap robot export --format mjcf`, driven in MuJoCo exactly as realgap drives its servos.
+"""Simulates a robot that was exported by `realgap robot export --format mjcf` in MuJoCo, with the servo laws of realgap.
 
 SI units, radians, world z up, quaternions real part first.
 """
@@ -14,7 +14,7 @@ class Robot:
 
     def __init__(self, path):
         self.model = mujoco.MjModel.from_xml_path(str(path))
-        # Steps for which a control is held: one, unless Python is to be asked less often.
+        # Number of steps for which a control is held; more than one reduces the number of calls of Python.
         self.hold = 1
         m = self.model
         self.name = self.text("robot")
@@ -31,7 +31,7 @@ class Robot:
         self.gain_1_s = servos[:, 0]
         # -1 says "no limit".
         self.max_speed_rad_s = np.where(servos[:, 1] < 0, np.inf, servos[:, 1])
-        # A robot that is mounted stays where it is.
+        # A mounted robot does not move as a whole.
         self.is_free = m.njnt > 0 and m.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE
         self.track = m.site("track").id
         self.floor = m.geom("floor").id
@@ -132,7 +132,7 @@ class Robot:
         last = [(0.0, *self.pose(data))]
         rows = [last[0]]
         steps = math.ceil(times[-1] / dt - 1e-9)
-        # The command of the middle of a hold stands for all of it.
+        # The command at the middle of the hold time is used for all of it.
         commands = self.command_rad((np.arange(steps) + 0.5) * dt) + servo_zero_rad
         following = 1
         for step in range(steps):

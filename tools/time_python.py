@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A sweep by the command and from Python, in turns: CPU seconds of each process, and the same bytes; what callbacks cost.
+"""Runs a sweep by the command and from Python in turns, compares CPU seconds and result bytes, and measures the cost of callbacks.
 
     python tools/time_python.py target/release/realgap [PAIRS [POINTS]]
 

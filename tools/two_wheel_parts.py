@@ -1,9 +1,9 @@
-"""Which part of the two-wheel robot carries the gap: each replaced by its ideal in turn, on the runs that were held out.
+"""Measures which part of the model of the two-wheel robot causes the gap: each part in turn is replaced by its ideal, on the held-out runs.
 
 python3 tools/two_wheel_parts.py RUNS.csv     (REALGAP names the program)
 
-Prints a table for docs/validation/sensing.md: share of the time that held-out runs lie in the 90 % region of 200 repeats over 3 s, and
-the energy score.
+Prints a table for docs/validation/sensing.md: the share of the time in which held-out runs are in the 90 % region of 200 repeats over 3 s,
+and the energy score.
 """
 
 import json
@@ -21,7 +21,7 @@ PARTS = [
     ("all three ideal", ["ideal_actuator", "ideal_sensor", "ideal_control"]),
 ]
 
-# The half that the studies were not fitted to.
+# The half of the runs to which the studies were not fitted.
 HELD_OUT = "1"
 
 print("| condition | " + " | ".join(name for name, _ in PARTS) + " |")

@@ -1,17 +1,17 @@
-//! Sensors: characterised from logs of a real one, simulated, and compared with the real log.
+//! Sensor models: fitted to logs of real sensors, simulated, and compared with logs of the real sensors.
 //!
-//! [`range`] holds sensors that measure one distance (ultrasonic, infrared): what their readings are, on average and in spread, as
+//! [`range`] models sensors that measure one distance (ultrasonic, infrared): mean and standard deviation of their readings as
 //! functions of the distance (paper 000).
 //!
-//! [`graph`] holds scanners: what they read at a place, as polynomials (paper 001).
+//! [`graph`] models scanners: their ranges at a position, as polynomials (paper 001).
 //!
-//! [`radio`] holds radio: how strong a signal arrives, and whether a message gets there (paper 002).
+//! [`radio`] models radio: the strength of a received signal, and whether a message is received (paper 002).
 //!
-//! [`arena`] says what a beam meets, [`belief`] what a robot makes of readings (a discrete Bayes filter).
+//! [`arena`] computes where a beam hits an obstacle, and [`belief`] estimates a distance from readings (a discrete Bayes filter).
 //!
-//! [`task`] holds task times (paper 002); pictures are a crate of their own.
+//! [`task`] compares task times (paper 002). Models of cameras and pictures are in the crate `realgap-vision`.
 //!
-//! A log of readings at known distances becomes a model, with intervals; the model draws readings:
+//! The following example fits a model with confidence intervals to a log of readings at known distances:
 //!
 //! ```
 //! use realgap_core::random::Numbered;

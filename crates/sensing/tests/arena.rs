@@ -1,4 +1,4 @@
-//! Arenas: what beams meet, what is refused, and walls that robots bump into.
+//! Tests of casting beams in arenas, and of the errors for bad arenas.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::f64::consts::FRAC_PI_4;
@@ -14,7 +14,7 @@ fn arena(body: &str) -> realgap_core::Result<Arena> {
 }
 
 #[test]
-fn a_beam_meets_what_a_ruler_says() {
+fn a_beam_hits_objects_at_the_distances_and_angles_of_the_geometry() {
     let arena = arena(
         "boundary: Solid,
         boxes: [(centre_m: (2.0, 1.0), half_m: (0.1, 0.5)), (centre_m: (3.0, 2.0), half_m: (0.2, 0.2), turn_deg: 45)],
@@ -49,7 +49,7 @@ fn a_beam_meets_what_a_ruler_says() {
     );
     let oblique = arena.cast([1.0, 1.0], 20f64.to_radians()).unwrap();
     assert!((oblique.incidence_rad - 20f64.to_radians()).abs() < 1e-7);
-    // From inside of an object it is at the surface already.
+    // A beam that begins inside of an object has distance 0.
     assert_eq!(arena.cast([2.0, 1.0], 0.3).unwrap().distance_m, 0.0);
     assert_eq!(
         arena
@@ -57,7 +57,7 @@ fn a_beam_meets_what_a_ruler_says() {
             .map(|k| arena.clearance_m([2.0, 1.0]) < 0.0 && k > 3),
         Some(true)
     );
-    // A cone sees what its line misses.
+    // A cone hits objects that its central line misses.
     let line = arena.cast([0.5, 2.1], 0.0).unwrap();
     let cone = arena.cast_cone([0.5, 2.1], 0.0, 0.35, 9).unwrap();
     assert!(cone.distance_m < line.distance_m && cone.offset_rad > 0.0);
@@ -81,7 +81,7 @@ fn an_open_field_returns_nothing_and_steps_along_a_beam_reach_the_object() {
 }
 
 #[test]
-fn an_arena_that_cannot_be_is_refused() {
+fn an_impossible_arena_is_refused() {
     for (body, said) in [
         (
             "boundary: Open, boxes: [(centre_m: (1.0, 1.0), half_m: (0.0, 1.0))]",

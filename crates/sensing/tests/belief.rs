@@ -1,13 +1,13 @@
-//! Beliefs: closed forms, and what is refused.
+//! Tests of the Bayes filter over distances against closed forms, and of its errors.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use realgap_core::random::Numbered;
 use realgap_sensing::belief::{Belief, BeliefOptions, BeliefReport};
 use realgap_sensing::range::{Beam, RangeSensor, sensor_by_name};
 
-/// After ten readings: σ(d) / (0.9582 √10).
+/// After ten readings, the standard deviation of the belief is σ(d) / (0.9582 √10).
 #[test]
-fn ten_readings_are_believed_as_a_normal_sensor_allows() {
+fn the_belief_after_ten_readings_has_the_standard_deviation_of_the_closed_form() {
     let ultrasonic = sensor_by_name("ultrasonic").unwrap();
     let options = BeliefOptions {
         distances: vec![2.0, 20.0],
@@ -29,7 +29,7 @@ fn ten_readings_are_believed_as_a_normal_sensor_allows() {
 }
 
 #[test]
-fn a_log_of_the_same_sensor_is_believed_alike_and_another_is_not() {
+fn beliefs_from_a_log_of_the_same_sensor_overlap_and_those_of_another_sensor_do_not() {
     let ultrasonic = sensor_by_name("ultrasonic").unwrap();
     let log = |shift: f64| {
         let mut text = String::from("distance_cm,reading_cm\n");
@@ -68,10 +68,10 @@ fn a_log_of_the_same_sensor_is_believed_alike_and_another_is_not() {
 }
 
 #[test]
-fn a_belief_survives_readings_that_cannot_be_and_follows_a_motion() {
+fn a_belief_survives_impossible_readings_and_follows_a_motion() {
     let ultrasonic = sensor_by_name("ultrasonic").unwrap();
     let mut belief = Belief::uniform(0.01, 0.21, 201);
-    // Thousands of densities far below the smallest number.
+    // The product of these densities is far below the smallest floating-point number.
     for _ in 0..5000 {
         belief.observe(&ultrasonic, 3.0e3);
     }
@@ -101,10 +101,10 @@ fn a_belief_survives_readings_that_cannot_be_and_follows_a_motion() {
     );
 }
 
-/// Figure 6a of paper 000: the sensor tells distances apart that lie thousandths of a cell from each other, wherever the truth lies
-/// among the middles of cells and however many there are.
+/// Figure 6a of paper 000: the sensor resolves distances that differ by thousandths of a cell. The belief must not depend on where the
+/// true distance is between the middles of cells, or on the number of cells.
 #[test]
-fn a_sensor_that_is_surer_than_the_cells_are_wide_is_believed_as_far_as_it_is_sure() {
+fn the_belief_of_a_sensor_that_resolves_less_than_a_cell_has_the_right_width() {
     let infrared = sensor_by_name("infrared").unwrap();
     for cells in [21, 401] {
         let options = BeliefOptions {
@@ -116,7 +116,7 @@ fn a_sensor_that_is_surer_than_the_cells_are_wide_is_believed_as_far_as_it_is_su
         let found = BeliefReport::new(&infrared, None, &options).unwrap();
         for side in &found.distances {
             let set = &side.simulated;
-            // The spread of a reading over the slope of the mean, of ten readings.
+            // The standard deviation of a reading divided by the slope of the mean, for ten readings.
             let d = 0.01 * side.distance;
             let slope = (infrared.mean(&Beam::straight(d + 1e-6))
                 - infrared.mean(&Beam::straight(d - 1e-6)))
@@ -146,7 +146,7 @@ fn a_sensor_that_is_surer_than_the_cells_are_wide_is_believed_as_far_as_it_is_su
 }
 
 #[test]
-fn a_distance_outside_of_the_sensors_range_is_on_the_grid_and_said_to_be_extrapolated() {
+fn a_distance_outside_of_the_sensors_range_is_on_the_grid_and_gives_a_warning() {
     let mut maker = sensor_by_name("infrared").unwrap();
     maker.range = (4.0, 30.0);
     let options = BeliefOptions {

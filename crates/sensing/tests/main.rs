@@ -1,4 +1,4 @@
-//! Sensing: arenas, ranges, beliefs, sensorgraphs, radio, times of tasks.
+//! Tests of arenas, range sensors, Bayes filters, sensorgraphs, radio models and task times.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 mod arena;

@@ -1,6 +1,6 @@
-//! A scanner that winds through a square room.
+//! Makes a synthetic log of a scanner in a square room.
 
-/// A robot that winds through a square room with a scanner all round.
+/// The log of a robot that winds through a square room, with a scanner that looks all round or to the front only.
 pub fn room(scans: usize, all_round: bool) -> String {
     let step = 10;
     let (from, to) = if all_round { (0, 360) } else { (-90, 91) };

@@ -1,4 +1,4 @@
-//! Task times: durations of which some were given up, as scipy has them; real against simulated.
+//! Tests of task times: survival statistics against scipy, and comparisons of real with simulated trials.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -29,7 +29,7 @@ fn durations(of: &[(f64, bool)]) -> Vec<Duration> {
 
 /// tools/golden_survival.py
 #[test]
-fn curves_intervals_and_the_log_rank_test_are_those_of_scipy() {
+fn survival_curves_intervals_and_the_log_rank_test_agree_with_scipy() {
     let text = common::read(&common::golden(), "survival.json");
     let cases: Vec<Golden> = serde_json::from_str(&text).unwrap();
     assert_eq!(cases.len(), 4);
@@ -42,7 +42,7 @@ fn curves_intervals_and_the_log_rank_test_are_those_of_scipy() {
                 (curve.share(*time) - case.shares[index]).abs() < 1e-12,
                 "{time}"
             );
-            // Where nothing is left, or nothing finished yet, scipy has no interval.
+            // scipy has no interval where all trials or no trials are finished.
             if let (Some(low), Some(high)) = (case.low[index], case.high[index])
                 && case.shares[index] > 0.0
             {
@@ -68,11 +68,11 @@ fn curves_intervals_and_the_log_rank_test_are_those_of_scipy() {
 }
 
 #[test]
-fn medians_lie_in_their_intervals_as_often_as_promised() {
+fn intervals_contain_the_median_as_often_as_stated() {
     let (mut held, studies) = (0, 400);
     for seed in 0..studies {
         let mut rng = Numbered::SensorReading.generator(seed, 0);
-        // Exponential of mean 1, given up evenly between 0.5 and 3.
+        // Durations are exponential with mean 1; trials are given up at uniformly distributed times between 0.5 and 3.
         let own: Vec<Duration> = (0..40)
             .map(|_| {
                 let time = -libm::log(1.0 - rng.random::<f64>());
@@ -111,7 +111,7 @@ fn log(seed: u64, factors: [f64; 2], limit_s: f64) -> TaskLog {
 }
 
 #[test]
-fn worlds_that_agree_are_not_told_apart_and_worlds_that_differ_are() {
+fn a_difference_between_real_and_simulated_trials_is_found_only_where_there_is_one() {
     let real = log(1, [1.0, 1.5], 1e3);
     let same = TaskComparison::new(&real, &log(2, [1.0, 1.5], 1e3), 1).unwrap();
     assert_eq!(same.conditions.len(), 4);
@@ -146,7 +146,7 @@ fn worlds_that_agree_are_not_told_apart_and_worlds_that_differ_are() {
 }
 
 #[test]
-fn trials_that_were_given_up_count_as_longer_than_they_lasted() {
+fn a_trial_that_was_given_up_counts_as_longer_than_its_duration() {
     let real = log(4, [1.0, 1.5], 45.0);
     let found = TaskComparison::new(&real, &log(5, [1.0, 1.5], 45.0), 1).unwrap();
     let slow = &found.conditions[3];

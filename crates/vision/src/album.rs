@@ -1,4 +1,4 @@
-//! The pictures of a folder by view, and which pictures of two folders belong together.
+//! Lists the pictures of a folder and assigns them to views by name.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -6,23 +6,23 @@ use std::path::{Path, PathBuf};
 use super::views::{PictureSource, Views};
 use realgap_core::error::{Error, Result};
 
-/// Endings of pictures.
+/// Endings of the names of picture files.
 const ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
 
-/// Pictures of a folder that show some views.
+/// The pictures of a folder, assigned to views.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shots {
-    /// Where the pictures come from.
+    /// Source of the pictures.
     pub source: PictureSource,
-    /// For each view in the order asked for its pictures: `NAME`, or `NAME_1`, `NAME_2`, …
+    /// The pictures of each view, in the order in which the views were given: `NAME`, or `NAME_1`, `NAME_2`, …
     pub of_view: Vec<Vec<PathBuf>>,
 }
 
 impl Shots {
-    /// The pictures of a folder that show these views.
+    /// Assigns the pictures of a folder to these views by name.
     ///
     /// # Errors
-    /// A folder that cannot be listed, without pictures, or with none of these views; a bad `views.ron`.
+    /// A folder that cannot be listed, has no pictures or none of these views; a bad `views.ron`.
     pub fn read(folder: impl AsRef<Path>, views: &[&str]) -> Result<Self> {
         let album = Album::read(folder.as_ref())?;
         let named = views
@@ -46,18 +46,18 @@ impl Shots {
     }
 }
 
-/// What a picture is called.
+/// The name of a picture: its file name without the ending.
 pub(super) fn stem(path: &Path) -> String {
     let stem = path.file_stem().unwrap_or_default();
     stem.to_string_lossy().into_owned()
 }
 
-/// The pictures of a folder and what is known of them.
+/// The pictures of a folder with their known truth.
 #[derive(Debug, Clone)]
 pub(super) struct Album {
     pub folder: PathBuf,
     pub views: Views,
-    /// Names without ending.
+    /// Paths of the pictures by name (the file name without the ending).
     pub pictures: BTreeMap<String, PathBuf>,
 }
 
@@ -73,15 +73,15 @@ impl Album {
                 .path();
             let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
             let is_picture = ending.is_some_and(|e| ENDINGS.contains(&e.as_str()));
-            if !is_picture || views.is_aside(&path) {
+            if !is_picture || views.is_auxiliary(&path) {
                 continue;
             }
             let name = stem(&path);
             if let Some(other) = pictures.insert(name.clone(), path) {
-                return Err(Error::invalid("two pictures of one name")
+                return Err(Error::invalid("two pictures have the same name")
                     .at_file(folder)
                     .found(other.display())
-                    .hint("leave one of them, or rename it"));
+                    .hint("remove or rename one of them"));
             }
         }
         if pictures.is_empty() {
@@ -96,7 +96,7 @@ impl Album {
         })
     }
 
-    /// The pictures of a view: `NAME`, and its repeats `NAME_1`, `NAME_2`, … unless another view has that very name.
+    /// The pictures of a view: `NAME`, and its repeats `NAME_1`, `NAME_2`, … unless another view has exactly that name.
     pub(super) fn of_view(&self, view: &str, views: &BTreeMap<String, PathBuf>) -> Vec<&PathBuf> {
         let is_repeat = |name: &str| {
             name.strip_prefix(view)

@@ -1,24 +1,25 @@
-//! Two pictures laid over each other by what is known to be in both, so that where their cameras stood does not count.
+//! Aligns two pictures by the known positions of things in both, so that distances do not include the displacement of cameras.
 
 use super::extractor::{Feature, Sought};
 use super::picture::Grey;
 
-/// What distances between two pictures are relative to.
+/// Whether two pictures are aligned before the distance between them is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum RelativeTo {
-    /// What is known of each picture itself: pictures are turned and shifted over each other.
+    /// Pictures are aligned by rotation and translation, from the positions that are known for each picture.
     #[default]
     Own,
-    /// The view: pictures are compared as they are.
+    /// Pictures are compared without alignment.
     View,
 }
 
-/// The same place in two pictures, with a weight.
+/// The positions of the same point in two pictures, with a weight.
 type Pair = ([f64; 2], [f64; 2], f64);
 
-/// A picture turned and shifted in its plane; never scaled, since how large things are is the lens' doing.
+/// A rotation and translation in the plane of the picture. There is no scaling, because the size of things in a picture depends on
+/// the lens, which is to be compared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Motion {
     turn: [f64; 2],
@@ -33,11 +34,12 @@ impl Motion {
         to_px: [0.0; 2],
     };
 
-    /// What brings the known places of one picture nearest to those of another (least squares). None where nothing is known of both.
+    /// The motion that brings the known points of one picture nearest to those of another (least squares); the identity if no point is
+    /// known in both.
     pub(super) fn between(from: &Sought, to: &Sought) -> Self {
         let mut pairs: Vec<Pair> = Vec::new();
         if from.outline_px.len() == to.outline_px.len() {
-            // An outline counts as much as a template, however many points it has.
+            // All points of an outline together have the same weight as a template.
             let weight = 1.0 / from.outline_px.len().max(1) as f64;
             let both = from.outline_px.iter().zip(&to.outline_px);
             pairs.extend(both.map(|(a, b)| (*a, *b, weight)));
@@ -89,7 +91,7 @@ impl Motion {
         }
     }
 
-    /// A feature where it is after the motion. Beyond the picture's border a map is 0.
+    /// The feature after the motion. A map is 0 beyond the border of the picture.
     pub(super) fn moved(&self, feature: &Feature) -> Feature {
         if *self == Self::NONE {
             return feature.clone();
@@ -119,7 +121,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_turned_and_shifted_picture_is_brought_back() {
+    fn alignment_undoes_a_rotation_and_translation_of_a_picture() {
         let (sin, cos) = 0.1_f64.sin_cos();
         let moved = |[x, y]: [f64; 2]| [cos * x - sin * y + 7.0, sin * x + cos * y - 3.0];
         let known = |of: &dyn Fn([f64; 2]) -> [f64; 2]| Sought {
@@ -140,10 +142,10 @@ mod tests {
             ..Feature::default()
         });
         assert!((back.points_px[0][0] - 25.0).abs() < 1e-9);
-        // Nothing known of one of them, or the same of both: nothing moves.
+        // If no point is known in one picture, or if both have the same points, there is no motion.
         assert_eq!(Motion::between(&a, &Sought::default()), Motion::NONE);
         assert_eq!(Motion::between(&a, &a), Motion::NONE);
-        // A picture is moved as its points are.
+        // A map is moved in the same way as points.
         let dot = Grey::from_fn(60, 50, |x, y| f32::from(u8::from((x, y) == (20, 30))));
         let place = |x: f64| Sought {
             template_at_px: Some([x, 10.0]),

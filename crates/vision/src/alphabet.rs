@@ -1,36 +1,38 @@
-//! Characters learned from a picture, and which of them glyphs are.
+//! Learns the shapes of characters from a picture, and recognises glyphs by them.
 
 use super::glyph::{Glyph, LEAST_SPOT, inked, rows, without_spots};
 use super::picture::Grey;
 use realgap_core::error::{Error, Result};
 
-/// A character as it was learned.
+/// A learned character.
 #[derive(Debug, Clone, PartialEq)]
 struct Known {
     character: char,
     glyph: Glyph,
-    /// How far its lowest ink is below the line that letters stand on, pixels.
+    /// Distance of its lowest ink below the baseline, pixels.
     below_px: f64,
 }
 
-/// The characters that can be read, learned from one picture of all of them.
+/// The characters that can be recognised, learned from one picture of all of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Alphabet {
     known: Vec<Known>,
 }
 
-/// Weights of how much wider, higher and lower on the line a glyph is than the known one, beside the difference of the shapes.
-/// All are shares of the size of letters: a pixel more counts the same for thin glyphs as for wide ones.
+/// Weights of the differences in width, height and position on the baseline between a glyph and a learned character, relative to the
+/// difference of shapes. Differences are divided by the size of letters, so that a pixel has the same weight for narrow and wide
+/// glyphs.
 const WIDTH: f64 = 0.4;
 const HEIGHT: f64 = 0.5;
 const PLACE: f64 = 0.5;
-/// Most glyphs whose sizes are tried as that of the text.
+/// Largest number of glyphs from which the size of the text is estimated.
 const TRIED: usize = 40;
-/// A gap that is wider by this share of the size of letters than usual is a blank; and the widest that is usual.
+/// A gap counts as a space if it exceeds the usual gap by this share of the size of letters; and upper limit of the usual gap, as a
+/// share of the size of letters.
 const BLANK: f64 = 0.29;
 const USUAL_GAP: f64 = 0.25;
 
-/// Root mean square difference of the shapes, whatever their sizes.
+/// Root mean square difference of two shapes, which are scaled to the same size.
 fn difference(a: &Glyph, b: &Glyph) -> f64 {
     let squares: f64 = a
         .shape
@@ -41,19 +43,19 @@ fn difference(a: &Glyph, b: &Glyph) -> f64 {
     (squares / a.shape.len() as f64).sqrt()
 }
 
-/// The middle one of some values; 0 where there is none.
+/// The upper median of some values; 0 if there are none.
 fn middle(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 impl Alphabet {
-    /// Learns the characters of a picture whose text is known. Blanks are left out; of a character that stands there several
-    /// times the first is kept.
+    /// Learns the characters of a picture whose text is known. Spaces are ignored; if a character occurs several times, the first is
+    /// learned.
     ///
     /// # Errors
-    /// The picture has another number of rows than the text has lines, or a row another number of glyphs than its line has
-    /// characters.
+    /// The number of rows in the picture differs from the number of lines of the text, or the number of glyphs in a row differs from
+    /// the number of characters in its line.
     pub fn learn(picture: &Grey, text: &str) -> Result<Self> {
         let ink = without_spots(&inked(picture), LEAST_SPOT);
         let rows = rows(&ink);
@@ -69,7 +71,7 @@ impl Alphabet {
             .field("alphabet")
             .found(found)
             .allowed(allowed)
-            .hint("print the characters apart, dark on bright, in the order of the text")
+            .hint("print the characters dark on bright, in the order of the text, with gaps between them")
         };
         if rows.len() != lines.len() || lines.is_empty() {
             return Err(wrong("number of rows", rows.len(), lines.len()));
@@ -99,8 +101,8 @@ impl Alphabet {
         self.known.iter().map(|k| k.character)
     }
 
-    /// The text of rows of glyphs. What distinguishes `o` from `O` is size, `,` from `'` the place: both are relative to the
-    /// whole text, whose size is that with which all glyphs fit best.
+    /// The text of rows of glyphs. `o` and `O` differ by size only, and `,` and `'` by position only. Size and position are therefore
+    /// compared relative to the whole text, whose size is estimated such that all glyphs fit best.
     pub(super) fn read(&self, rows: &[Vec<Glyph>]) -> String {
         let rows: Vec<(&Vec<Glyph>, Vec<Vec<f64>>)> = rows
             .iter()
@@ -121,7 +123,7 @@ impl Alphabet {
         lines.join("\n")
     }
 
-    /// Size of the letters, pixels.
+    /// Size of the letters in the picture, pixels.
     fn letter_px(&self, scale: f64) -> f64 {
         scale * middle(self.known.iter().map(|k| k.glyph.high_px).collect()).max(1.0)
     }
@@ -132,7 +134,7 @@ impl Alphabet {
             + HEIGHT * off(glyph.high_px, known.glyph.high_px)
     }
 
-    /// The size of the text relative to that of the alphabet.
+    /// The size of the text relative to the size of the learned characters.
     fn scale(&self, rows: &[(&Vec<Glyph>, Vec<Vec<f64>>)]) -> f64 {
         let glyphs: Vec<(&Glyph, &Vec<f64>)> = rows
             .iter()

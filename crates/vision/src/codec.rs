@@ -1,4 +1,4 @@
-//! Pictures as files: PNG and JPEG.
+//! Reads and writes pictures as PNG and JPEG files.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -12,26 +12,26 @@ use super::picture::{Grey, Picture, check_size};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{png_bytes, read_limited, write_atomic};
 
-/// Largest file that is read, bytes: 32 megapixels of 16-bit colour with transparency, not compressed.
+/// Largest file that is read, bytes: the size of 32 megapixels of 16-bit colour with transparency without compression.
 const MOST_BYTES: u64 = 260_000_000;
 const PNG_START: &[u8] = b"\x89PNG\r\n\x1a\n";
 const JPEG_START: &[u8] = b"\xff\xd8\xff";
 
 impl Picture {
-    /// Reads a PNG or JPEG file, by what is in it. Of 16 bits a channel the upper eight are kept; what is transparent is
-    /// laid on white.
+    /// Reads a PNG or JPEG file; the format is detected from the content. Of 16 bits per channel, the upper eight are kept; transparent
+    /// pixels are blended with white.
     ///
     /// # Errors
-    /// A missing file, anything that is not a picture, broken pictures, more than 32 megapixels.
+    /// A missing file, a file that is not a picture, damaged pictures, more than 32 megapixels.
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         Self::decode(&bytes_of(path)?).map_err(|e| e.at_file(path))
     }
 
-    /// The picture in the bytes of a PNG or JPEG file.
+    /// Decodes the bytes of a PNG or JPEG file.
     ///
     /// # Errors
-    /// As [`Picture::read`].
+    /// The errors of [`Picture::read`].
     pub fn decode(bytes: &[u8]) -> Result<Self> {
         if bytes.starts_with(PNG_START) {
             decode_png(bytes)
@@ -45,7 +45,7 @@ impl Picture {
     /// The bytes of a PNG file.
     ///
     /// # Errors
-    /// None for a picture that could be made.
+    /// None for a picture that exists.
     pub fn to_png(&self) -> Result<Vec<u8>> {
         png_bytes(self.width() as u32, self.height() as u32, self.rgb())
     }
@@ -74,29 +74,29 @@ impl Picture {
         Ok(bytes)
     }
 
-    /// Writes a PNG file, whatever its name.
+    /// Writes a PNG file, whatever the ending of its name.
     ///
     /// # Errors
-    /// A folder that is missing, a full disk.
+    /// A missing folder, a full disk.
     pub fn write_png(&self, path: impl AsRef<Path>) -> Result<()> {
         write_atomic(path, &self.to_png()?)
     }
 }
 
 impl Grey {
-    /// Reads a picture and forgets its colours: [`Picture::read`] and [`Picture::grey`].
+    /// Reads a picture and converts it to grey values: [`Picture::read`] and [`Picture::grey`].
     ///
     /// # Errors
-    /// As [`Picture::read`].
+    /// The errors of [`Picture::read`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         Picture::read(path).map(|picture| picture.grey())
     }
 }
 
-/// Columns and rows of a picture, of which nothing but the header is decoded.
+/// Width and height of a picture; only its header is decoded.
 ///
 /// # Errors
-/// As [`Picture::read`], but for what the header does not say.
+/// The errors of [`Picture::read`] that the header shows.
 pub(super) fn size_of(path: &Path) -> Result<(usize, usize)> {
     let bytes = bytes_of(path)?;
     let size = if bytes.starts_with(PNG_START) {
@@ -138,7 +138,7 @@ fn broken(error: impl std::fmt::Display) -> Error {
     Error::invalid("the picture cannot be decoded").found(error)
 }
 
-/// Nothing that is too large is decoded.
+/// Reads the header of a PNG file and refuses a picture that is too large before it is decoded.
 fn png_header(bytes: &[u8]) -> Result<png::Reader<Cursor<&[u8]>>> {
     let limits = png::Limits {
         bytes: MOST_BYTES as usize,
@@ -158,7 +158,7 @@ fn decode_png(bytes: &[u8]) -> Result<Picture> {
         .ok_or_else(|| broken("its size overflows"))?;
     let mut pixels = vec![0; size];
     let frame = reader.next_frame(&mut pixels).map_err(broken)?;
-    // What follows the pixels is read, too: a file without its last bytes may have lost others.
+    // The file is read to its end, because a file that is cut off may lack pixels, too.
     reader.finish().map_err(broken)?;
     pixels.truncate(frame.buffer_size());
     let over_white = |value: u8, alpha: u8| {
@@ -182,7 +182,7 @@ fn decode_png(bytes: &[u8]) -> Result<Picture> {
 
 type Jpeg<'a> = JpegDecoder<ZCursor<&'a [u8]>>;
 
-/// As [`png_header`]; with columns and rows.
+/// Reads the header of a JPEG file, as [`png_header`] does for PNG; also returns width and height.
 fn jpeg_header(bytes: &[u8]) -> Result<(Jpeg<'_>, usize, usize)> {
     let options = DecoderOptions::default()
         .jpeg_set_out_colorspace(ColorSpace::RGB)
@@ -197,8 +197,8 @@ fn jpeg_header(bytes: &[u8]) -> Result<(Jpeg<'_>, usize, usize)> {
     Ok((decoder, width, height))
 }
 
-/// Whether a JPEG file is there to its last marker. The decoder fills what is missing with grey, as browsers do; here that would be a
-/// wrong answer.
+/// Whether a JPEG file is complete up to its end marker. The decoder fills missing parts with grey, as browsers do, which would give
+/// wrong results here.
 fn is_whole(bytes: &[u8]) -> bool {
     let mut rest = &bytes[2..];
     loop {
@@ -208,7 +208,7 @@ fn is_whole(bytes: &[u8]) -> bool {
         rest = &rest[start + 1..];
         match rest {
             [0xd9, ..] => return true,
-            // A filling byte, a 0xff among the coded pixels, or a marker that stands alone.
+            // A fill byte, a 0xff inside of the coded pixels, or a marker without a segment.
             [0xff, ..] => {}
             [0x00 | 0x01 | 0xd0..=0xd8, after @ ..] => rest = after,
             [_, high, low, ..] => {
@@ -223,8 +223,8 @@ fn is_whole(bytes: &[u8]) -> bool {
 fn decode_jpeg(bytes: &[u8]) -> Result<Picture> {
     let (mut decoder, width, height) = jpeg_header(bytes)?;
     if !is_whole(bytes) {
-        return Err(broken("a JPEG file that is cut off: it has no end")
-            .hint("copy the picture again from where it was taken"));
+        return Err(broken("a JPEG file that is cut off: it has no end marker")
+            .hint("copy the picture again from its source"));
     }
     let pixels = decoder.decode().map_err(broken)?;
     let rgb = match decoder.output_colorspace() {
@@ -241,11 +241,11 @@ mod tests {
 
     use super::Picture;
 
-    /// Seed of the noise and of the places where files are cut.
+    /// Seed of the noise and of the positions at which files are cut.
     const SEED: u64 = 30;
 
     #[test]
-    fn no_cut_of_a_picture_reads_as_a_picture() {
+    fn a_picture_file_that_is_cut_off_anywhere_is_refused() {
         let mut rng = Once::Subset.generator(SEED);
         let noise = Uniform::new_inclusive(0, u8::MAX).unwrap();
         let rgb = (0..3 * 67 * 45).map(|_| noise.sample(&mut rng)).collect();

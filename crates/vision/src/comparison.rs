@@ -1,4 +1,4 @@
-//! Simulated pictures against real ones: what the extractors find in both, and whether bad light changes more than simulation.
+//! Compares simulated with real pictures by extracted features, and tests whether bad light changes them more than simulation does.
 
 mod text;
 
@@ -22,23 +22,23 @@ use realgap_core::statistics::{
 use realgap_core::unit::counted;
 use realgap_core::warning::{Code, Warning};
 
-/// Resamples behind an interval, and the share of them below and above it.
+/// Number of resamples for an interval, and share of them below and above it.
 const RESAMPLES: usize = 2000;
 const TAIL: f64 = 0.05;
-/// A test says something below this probability.
+/// Level of significance of tests.
 const SIGNIFICANT: f64 = 0.05;
-/// Fewer views cannot say anything at that level, whatever they show.
+/// With fewer views, a test cannot be significant at that level.
 const FEW_VIEWS: usize = 6;
 
-/// A mean over views with a 90 % interval (bootstrap over views; none for one view).
+/// A mean over views with a 90 % interval (bootstrap over views).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Mean {
     /// The mean.
     pub value: f64,
-    /// Its interval.
+    /// The 90 % interval of the mean; `None` for a single view.
     pub interval: Option<(f64, f64)>,
-    /// Number of views that it rests on.
+    /// Number of views.
     pub views: usize,
 }
 
@@ -60,26 +60,26 @@ impl Mean {
     }
 }
 
-/// One view in the eyes of one extractor. Errors are distances from what is known to be there; the others are distances
-/// between what was found in two pictures, means where there are several pictures of a view.
+/// The results of one extractor for one view. Errors are distances from the known truth; the other values are distances between the
+/// features of two pictures. If there are several pictures of a view, values are means.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ViewRow {
-    /// The view.
+    /// Name of the view.
     pub view: String,
     /// Error in the simulated picture.
     pub simulated_error: Option<f64>,
-    /// Error in the real one.
+    /// Error in the real pictures.
     pub real_error: Option<f64>,
-    /// Error in the badly lit one.
+    /// Error in the badly lit pictures.
     pub badly_lit_error: Option<f64>,
-    /// Simulated to real: the gap.
+    /// Distance from simulated to real pictures: the gap.
     pub simulated_real: Option<f64>,
-    /// Badly lit to real.
+    /// Distance from badly lit to real pictures.
     pub badly_lit_real: Option<f64>,
-    /// Simulated to badly lit.
+    /// Distance from simulated to badly lit pictures.
     pub simulated_badly_lit: Option<f64>,
-    /// Real to real of the same view: the noise floor.
+    /// Distance between real pictures of the same view: the noise floor.
     pub floor: Option<f64>,
 }
 
@@ -92,94 +92,95 @@ pub enum Answer {
     Nearer,
     /// The simulated picture is farther away.
     Farther,
-    /// These views do not tell which is nearer.
+    /// The test is not significant.
     Open,
 }
 
-/// The answer with its test.
+/// The paired comparison of simulated and badly lit pictures with real ones: the answer and its test.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PairedComparison {
-    /// This is the answer in a word.
+    /// Whether the simulated or the badly lit picture is nearer.
     pub answer: Answer,
-    /// Views in which the simulated picture is nearer.
+    /// Number of views in which the simulated picture is nearer.
     pub nearer: usize,
-    /// Views in which both are equally far.
+    /// Number of views in which both distances are equal.
     pub equal: usize,
-    /// Views.
+    /// Number of views.
     pub views: usize,
-    /// Wilcoxon's test of badly lit less simulated.
+    /// Wilcoxon's signed-rank test of the distance of badly lit pictures minus that of simulated ones.
     pub test: PairedTest,
 }
 
-/// What one extractor says.
+/// The results of one extractor.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ExtractorReport {
-    /// Its name.
+    /// Name of the extractor.
     pub extractor: &'static str,
-    /// The other program that did the work, with its version; `None` for what is done here.
+    /// The other program that the extractor calls, with its version; `None` for an extractor of this library.
     pub program: Option<String>,
-    /// The figure of paper 002 that shows the same.
+    /// The figure of paper 002 that shows the same comparison.
     pub figure: u8,
-    /// What errors measure.
+    /// The quantity of errors.
     pub error_measure: Option<Measure>,
-    /// What distances measure.
+    /// The quantity of distances.
     pub distance_measure: Measure,
     /// Error in simulated pictures.
     pub simulated_error: Option<Mean>,
-    /// Error in real ones.
+    /// Error in real pictures.
     pub real_error: Option<Mean>,
-    /// Error in badly lit ones.
+    /// Error in badly lit pictures.
     pub badly_lit_error: Option<Mean>,
-    /// Simulated to real.
+    /// Distance from simulated to real pictures.
     pub gap: Option<Mean>,
-    /// Badly lit to real.
+    /// Distance from badly lit to real pictures.
     pub badly_lit: Option<Mean>,
-    /// Real to real of the same view.
+    /// Distance between real pictures of the same view: the noise floor.
     pub floor: Option<Mean>,
-    /// Gap over noise floor, where there is one above 0.
+    /// Gap divided by noise floor, if the noise floor is above 0.
     pub gap_ratio: Option<f64>,
-    /// The answer, where there are badly lit pictures.
+    /// The comparison with badly lit pictures, if there are any.
     pub verdict: Option<PairedComparison>,
-    /// View by view.
+    /// The results for each view.
     pub views: Vec<ViewRow>,
 }
 
-/// Simulated pictures against real ones.
+/// The comparison of simulated with real pictures.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct VisionReport {
-    /// Where the "real" pictures come from.
+    /// Source of the "real" pictures.
     pub real: PictureSource,
-    /// What distances are relative to.
+    /// Whether pictures were aligned before distances were computed.
     pub relative_to: RelativeTo,
-    /// The views.
+    /// Names of the views.
     pub views: Vec<String>,
-    /// One entry an extractor that had something to look for.
+    /// One entry for each extractor for which the views state something to search for.
     pub extractors: Vec<ExtractorReport>,
-    /// What a reader should know.
+    /// Warnings to the reader.
     pub warnings: Vec<Warning>,
 }
 
-/// The pictures of one view, each with what is sought in it.
+/// The pictures of one view, each with what extractors search for in it.
 struct View {
     name: String,
-    /// Simulated, real, badly lit.
+    /// The simulated, real and badly lit pictures.
     groups: [Vec<(PathBuf, Sought)>; 3],
-    /// Whether a place is known of a real picture itself.
+    /// Whether positions are known for a real picture itself (not only for the view).
     is_known: bool,
 }
 
-/// What every extractor found in the pictures of a view: simulated, real, badly lit.
+/// The features that an extractor found in the simulated, real and badly lit pictures of a view.
 type Found = [Vec<Option<Feature>>; 3];
 
-/// Compares the pictures of two folders, paired by name; with a third folder it also says whether a simulated picture is nearer to
-/// a real one than a badly lit one is. Several real pictures of a view are `NAME_1`, `NAME_2`, … Between a real picture and a simulated
-/// one the camera was misplaced once, between two real ones twice: so pictures are laid over each other by what is known of each.
+/// Compares the pictures of two folders, paired by name. With a third folder of badly lit pictures, it also tests whether a simulated
+/// picture is nearer to a real one than a badly lit one is. Several real pictures of a view are named `NAME_1`, `NAME_2`, … The camera
+/// is displaced at random in every real picture but not in a simulated one; therefore pictures are aligned by the positions that are
+/// known for each of them.
 ///
 /// # Errors
-/// Folders without pictures, no name in common, pictures that cannot be read, pictures of one view with different sizes.
+/// Folders without pictures, no common name, pictures that cannot be read, pictures of one view with different sizes.
 pub fn compare_folders(
     simulated: impl AsRef<Path>,
     real: impl AsRef<Path>,
@@ -188,7 +189,7 @@ pub fn compare_folders(
 ) -> Result<VisionReport> {
     let relative_to = options.relative_to;
     let programs = options.extractors.iter().filter_map(|e| e.program());
-    // Before anything is read: a program that is missing is missing for all pictures.
+    // Programs are checked before any picture is read, because a missing program is an error for all pictures.
     programs.map(Program::version).collect::<Result<Vec<_>>>()?;
     let simulated = Album::read(simulated.as_ref())?;
     let real = Album::read(real.as_ref())?;
@@ -216,21 +217,23 @@ pub fn compare_folders(
     }
     if extractors.is_empty() {
         let names: Vec<&str> = options.extractors.iter().map(|e| e.name()).collect();
-        return Err(Error::invalid("there is nothing to look for")
-            .at_file(simulated.folder)
-            .field("extractor")
-            .found(names.join(", "))
-            .hint("views.ron says what to look for in each view"));
+        return Err(
+            Error::invalid("the views state nothing that the extractors could search for")
+                .at_file(simulated.folder)
+                .field("extractor")
+                .found(names.join(", "))
+                .hint("the file views.ron states what to search for in each view"),
+        );
     }
     warnings.extend(real.source().warning());
     if relative_to == RelativeTo::Own && !views.iter().any(|view| view.is_known) {
         warnings.push(Code::NoOwnPlaces.warning(
-            "views.ron of the real pictures does not say where things are in them, so that distances include where the camera stood",
+            "views.ron of the real pictures does not state positions of things in them, so distances include the displacement of the camera",
         ));
     }
     if views.len() < FEW_VIEWS {
         warnings.push(Code::FewRecordings.warning(format!(
-            "{}: fewer than {FEW_VIEWS} cannot answer at 5 %, whatever they show",
+            "{}: with fewer than {FEW_VIEWS}, no test can be significant at 5 %",
             counted(views.len(), "view")
         )));
     }
@@ -250,10 +253,11 @@ fn paired(
     warnings: &mut Vec<Warning>,
 ) -> Result<Vec<View>> {
     let mut views = Vec::new();
-    let mut alone = Vec::new();
+    let mut unpaired = Vec::new();
     for (name, path) in &simulated.pictures {
         let model = simulated.views.sought(name).cloned().unwrap_or_default();
-        // What is known of a picture itself goes before what is known of the view, there and in the simulated one.
+        // What is known of a picture itself takes precedence over what is known of the view in its folder, and that over what is known
+        // of the simulated picture.
         let of = |album: &Album| -> Vec<(PathBuf, Sought)> {
             let its = album.of_view(name, &simulated.pictures);
             its.into_iter()
@@ -267,7 +271,7 @@ fn paired(
         };
         let (its_real, its_bad) = (of(real), badly_lit.map(of).unwrap_or_default());
         if its_real.is_empty() || (badly_lit.is_some() && its_bad.is_empty()) {
-            alone.push(name.as_str());
+            unpaired.push(name.as_str());
             continue;
         }
         let places =
@@ -295,11 +299,11 @@ fn paired(
             ))
             .hint("a real picture is NAME.png, several of one view are NAME_1.png, NAME_2.png"));
     }
-    if !alone.is_empty() {
-        warnings.push(
-            Code::PicturesUnpaired
-                .warning(format!("without a partner, left out: {}", alone.join(", "))),
-        );
+    if !unpaired.is_empty() {
+        warnings.push(Code::PicturesUnpaired.warning(format!(
+            "left out, because the other folder has no picture of this name: {}",
+            unpaired.join(", ")
+        )));
     }
     Ok(views)
 }
@@ -324,8 +328,8 @@ fn merged(own: Sought, model: &Sought) -> Sought {
     }
 }
 
-/// How many views are looked at at once, so that memory does not grow with their number: one picture of each is within
-/// [`MOST_PIXELS`] together.
+/// Number of views that are processed at the same time, so that memory does not grow with the number of views: one picture of each has
+/// at most [`MOST_PIXELS`] pixels in all.
 fn at_once(views: &[View]) -> Result<usize> {
     let mut largest = 1;
     for (path, _) in views.iter().flat_map(|view| &view.groups[0]) {
@@ -335,7 +339,7 @@ fn at_once(views: &[View]) -> Result<usize> {
     Ok((MOST_PIXELS / largest).max(1))
 }
 
-/// Every extractor on every picture of a view: a row for each extractor that has something to find there.
+/// Runs every extractor on every picture of a view; one row for each extractor for which the view states something to search for.
 fn look_at(view: &View, options: &VisionOptions) -> Result<(Vec<Option<ViewRow>>, Vec<Warning>)> {
     let extractors = &options.extractors;
     let mut size = None;

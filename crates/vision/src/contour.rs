@@ -1,4 +1,4 @@
-//! A contour that shrinks onto a thing. Figures 8 to 10 of paper 002.
+//! The extractor `contour`: the outline of an object by a greedy snake that shrinks onto it. Figures 8 to 10 of paper 002.
 
 use super::extractor::{Extraction, Extractor, Feature, Measure, Sought, Step};
 use super::picture::Grey;
@@ -7,10 +7,10 @@ use realgap_core::constant_methods;
 use realgap_core::error::{Error, Result};
 use realgap_core::warning::Code;
 
-/// A greedy snake.
+/// Extraction of an outline by a greedy snake.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contour {
-    /// Its weights and window.
+    /// Weights and window of the snake.
     pub snake: Snake,
 }
 
@@ -21,7 +21,7 @@ impl Contour {
     };
 }
 
-/// Share of points off every edge above which a reader is warned.
+/// There is a warning if more than this share of points is not on an edge.
 const MANY_STUCK: f64 = 0.25;
 
 /// The picture with a closed line drawn over it.
@@ -40,7 +40,7 @@ fn over(picture: &Grey, points_px: &[[f64; 2]]) -> Grey {
 impl Extractor for Contour {
     constant_methods! {
         name: &'static str = "contour";
-        doc: &'static str = "the outline of a thing, by a greedy snake that begins around it";
+        doc: &'static str = "the outline of an object, by a greedy snake that starts around it";
         figure: u8 = 8;
         error_measure: Option<Measure> = Some(Measure {
             name: "mean snake distance",
@@ -58,7 +58,7 @@ impl Extractor for Contour {
 
     fn extract(&self, picture: &Grey, sought: &Sought) -> Result<Extraction> {
         if sought.start_px.is_empty() {
-            return Err(Error::invalid("there is no contour to begin with").field("start_px"));
+            return Err(Error::invalid("there is no contour to start from").field("start_px"));
         }
         let edges = self.snake.edges(picture);
         let settled = self.snake.settle(&edges, &sought.start_px)?;
@@ -75,14 +75,14 @@ impl Extractor for Contour {
         if !sought.outline_px.is_empty() && !sought.outline_px.iter().any(is_in) {
             let [x, y] = sought.outline_px[0];
             warnings.push(Code::OutlineOutside.warning(format!(
-                "the outline that a contour should come to, from ({x}, {y}) px on, lies outside of {} x {} px",
+                "the true outline of the object, beginning at ({x}, {y}) px, is outside of the picture of {} x {} px",
                 picture.width(),
                 picture.height()
             )));
         }
         if share > MANY_STUCK {
             warnings.push(Code::ContourStuck.warning(format!(
-                "{stuck} of {count} points of a contour rest where there is no edge"
+                "{stuck} of {count} points of a contour are not on an edge"
             )));
         }
         if settled.ending == Ending::OutOfRounds {
@@ -100,7 +100,7 @@ impl Extractor for Contour {
                 step("at rest", over(picture, &settled.points_px)),
             ],
             remarks: vec![format!(
-                "{count} points, {stuck} of them off every edge, after {} rounds",
+                "{count} points, {stuck} of them not on an edge, after {} rounds",
                 settled.rounds
             )],
             feature: Feature {
@@ -115,7 +115,7 @@ impl Extractor for Contour {
         mean_distance_px(&found.points_px, &sought.outline_px)
     }
 
-    /// The mean over both ways, so that a distance is the same from either side.
+    /// The mean of the distances in both directions, so that the distance is symmetric.
     fn distance(&self, a: &Feature, b: &Feature) -> Option<f64> {
         let there = mean_distance_px(&a.points_px, &b.points_px)?;
         let back = mean_distance_px(&b.points_px, &a.points_px)?;

@@ -1,4 +1,5 @@
-//! Edges (Canny 1986): Gauss, Sobel, non-maximum suppression, hysteresis. Figures 2 and 5 of paper 002.
+//! The extractor `edges`: Canny's edge detector (1986) with Gaussian filter, Sobel operator, non-maximum suppression and hysteresis.
+//! Figures 2 and 5 of paper 002.
 
 use super::extractor::{Extraction, Extractor, Feature, Measure, Sought, Step};
 use super::filter::{gauss, length, sobel};
@@ -7,22 +8,23 @@ use realgap_core::constant_methods;
 use realgap_core::error::Result;
 use realgap_core::warning::Code;
 
-/// Canny's edges.
+/// Canny's edge detector.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Edges {
     /// Standard deviation of the Gauss filter, pixels.
     pub sigma_px: f64,
-    /// Steepness above which a pixel belongs to an edge that is connected to a certain one, grey per pixel (0 to 1).
+    /// Lower threshold of the gradient, grey value per pixel (0 to 1): a pixel above it belongs to an edge if it is connected to a
+    /// pixel above the upper threshold.
     pub low: f32,
-    /// Steepness above which a pixel is certainly of an edge.
+    /// Upper threshold of the gradient, above which a pixel always belongs to an edge.
     pub high: f32,
-    /// Edges this far from each other still count as the same, more or less: standard deviation in pixels of the Gauss filter
-    /// on edge pictures before they are correlated; 0 is pixel by pixel.
+    /// Standard deviation, in pixels, of the Gaussian filter that is applied to edge pictures before they are correlated. Edges at about
+    /// this distance from each other still count as similar; with 0, edges are compared pixel by pixel.
     pub tolerance_px: f64,
 }
 
 impl Edges {
-    /// The settings of the registry; thresholds as scikit-image's (0.1 and 0.2 of Sobel's kernel without the division by 8).
+    /// The settings of the registry; the thresholds are those of scikit-image (0.1 and 0.2 of Sobel's kernel without the division by 8).
     pub const PAPER: Self = Self {
         sigma_px: 1.4,
         low: 0.0125,
@@ -30,7 +32,7 @@ impl Edges {
         tolerance_px: 1.0,
     };
 
-    /// The edges, 1 where there is one, and the pictures on the way there.
+    /// The pictures of all steps; the last one is 1 on edges and 0 elsewhere.
     fn find(&self, picture: &Grey) -> [Grey; 5] {
         let smooth = gauss(picture, self.sigma_px);
         let (dx, dy) = sobel(&smooth);
@@ -41,11 +43,11 @@ impl Edges {
     }
 }
 
-/// Only what is steepest along its own gradient; the neighbours' steepness is interpolated.
+/// Non-maximum suppression: keeps pixels whose gradient is largest along its own direction; the gradient of neighbours is interpolated.
 fn thinned(steep: &Grey, dx: &Grey, dy: &Grey) -> Grey {
     let (width, height) = (steep.width(), steep.height());
     Grey::from_fn(width, height, |x, y| {
-        // Beyond the border nothing is known.
+        // Pixels at the border have no neighbours on all sides, so they are never edges.
         if x == 0 || y == 0 || x + 1 >= width || y + 1 >= height {
             return 0.0;
         }
@@ -76,7 +78,7 @@ fn thinned(steep: &Grey, dx: &Grey, dy: &Grey) -> Grey {
     })
 }
 
-/// 1 where a pixel is above `low` and reaches one above `high` over such pixels (8 neighbours).
+/// Hysteresis: 1 for pixels above `low` that are connected to a pixel above `high` by such pixels (8 neighbours).
 fn connected(thin: &Grey, low: f32, high: f32) -> Grey {
     let (width, height) = (thin.width(), thin.height());
     let mut is_edge = vec![false; width * height];
@@ -101,7 +103,7 @@ fn connected(thin: &Grey, low: f32, high: f32) -> Grey {
     })
 }
 
-/// Pearson's correlation of two pictures of the same size; `None` for other sizes and where one is the same everywhere.
+/// Pearson's correlation of two pictures; `None` if their sizes differ or if one is uniform.
 pub fn correlation(a: &Grey, b: &Grey) -> Option<f64> {
     if (a.width(), a.height()) != (b.width(), b.height()) {
         return None;
@@ -124,7 +126,7 @@ pub fn correlation(a: &Grey, b: &Grey) -> Option<f64> {
 impl Extractor for Edges {
     constant_methods! {
         name: &'static str = "edges";
-        doc: &'static str = "Canny's edges; two pictures are as far apart as their edges are not correlated";
+        doc: &'static str = "Canny's edges; the distance of two pictures is 1 minus the correlation of their edges";
         figure: u8 = 5;
         error_measure: Option<Measure> = None;
         distance_measure: Measure = Measure {
@@ -158,20 +160,20 @@ impl Extractor for Edges {
                 ..Feature::default()
             },
             warnings: if on == 0 {
-                vec![Code::NoEdges.warning("there are no edges")]
+                vec![Code::NoEdges.warning("the picture has no edges")]
             } else {
                 Vec::new()
             },
         })
     }
 
-    /// Edges have no place where they are known to be.
+    /// There is no error, because the true positions of edges are not known.
     fn error(&self, _: &Feature, _: &Sought) -> Option<f64> {
         None
     }
 
-    /// 1 − r of the two edge pictures, each smoothed by the tolerance. Two pictures without any edge are the same; one
-    /// without and one with are not correlated.
+    /// 1 − r of the two edge pictures, each smoothed with the tolerance. The distance is 0 for two pictures without edges, and 1 if only
+    /// one of them has edges.
     fn distance(&self, a: &Feature, b: &Feature) -> Option<f64> {
         let (a, b) = (a.map.as_ref()?, b.map.as_ref()?);
         if (a.width(), a.height()) != (b.width(), b.height()) {

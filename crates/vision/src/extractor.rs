@@ -1,4 +1,4 @@
-//! What an extractor is: from a picture to a feature, with its steps, and how far two features are apart.
+//! The trait of feature extractors: extracts a feature from a picture, and computes the distance between two features.
 
 use std::sync::Arc;
 
@@ -8,103 +8,103 @@ use super::program::Program;
 use realgap_core::error::Result;
 use realgap_core::warning::Warning;
 
-/// What is looked for in the pictures of one view, and what is known to be there. Everything may be missing.
+/// What extractors search for in the pictures of one view, and the known truth. Every field is optional.
 #[derive(Debug, Clone, Default)]
 pub struct Sought {
-    /// A picture of the thing to be found.
+    /// The template: a picture of the object to be found.
     pub template: Option<Arc<Grey>>,
-    /// Where its centre is, pixels.
+    /// True position of the centre of the template, pixels.
     pub template_at_px: Option<[f64; 2]>,
-    /// Where a contour begins, pixels, around the thing.
+    /// The contour from which a snake starts, around the object, pixels.
     pub start_px: Vec<[f64; 2]>,
-    /// The thing's outline, pixels, closed.
+    /// True outline of the object, closed, pixels.
     pub outline_px: Vec<[f64; 2]>,
-    /// Where text is; the whole picture where that is not said.
+    /// The part of the picture that contains text; by default the whole picture.
     pub text_region: Option<Region>,
-    /// The text, lines ending in `\n`.
+    /// The true text, lines ending in `\n`.
     pub text: Option<String>,
-    /// The characters that are known.
+    /// The alphabet by which characters are recognised.
     pub alphabet: Option<Arc<Alphabet>>,
 }
 
-/// What an extractor found: whatever of this it has.
+/// The feature that an extractor found; an extractor fills only some of the fields.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Feature {
     /// A value for every pixel.
     pub map: Option<Grey>,
-    /// Places, pixels.
+    /// Points, pixels.
     pub points_px: Vec<[f64; 2]>,
     /// Text.
     pub text: Option<String>,
 }
 
-/// One step on the way, as a picture.
+/// One step of an extraction, as a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
-    /// Its name, for a caption.
+    /// Name of the step, for a caption.
     pub name: &'static str,
-    /// What the picture looks like after it.
+    /// The picture after this step.
     pub picture: Grey,
 }
 
-/// A feature and how it was found.
+/// A feature with the steps by which it was found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Extraction {
-    /// What was found.
+    /// The feature.
     pub feature: Feature,
-    /// The way there, from the picture on.
+    /// The steps of the extraction, beginning with the picture.
     pub steps: Vec<Step>,
-    /// How sure it is, in words.
+    /// Remarks on the result, for example its correlation.
     pub remarks: Vec<String>,
-    /// What a reader should know.
+    /// Warnings to the reader.
     pub warnings: Vec<Warning>,
 }
 
-/// What the numbers of an extractor are.
+/// The quantity that an extractor reports as an error or a distance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Measure {
-    /// In words, for a column.
+    /// Name of the quantity, for the heading of a column.
     pub name: &'static str,
-    /// `px`, or empty for a share.
+    /// Unit: `px`, or empty for a share.
     pub unit: &'static str,
 }
 
-/// Finds one kind of feature in a picture.
+/// A feature extractor, which finds one kind of feature in a picture.
 pub trait Extractor: Sync {
-    /// Its name, as on the command line.
+    /// Name of the extractor on the command line.
     fn name(&self) -> &'static str;
 
-    /// What it finds and how, in one sentence.
+    /// One sentence that states what the extractor finds, and by which method.
     fn doc(&self) -> &'static str;
 
-    /// The figure of paper 002 that shows it for several pictures.
+    /// The figure of paper 002 that shows this extractor for several pictures.
     fn figure(&self) -> u8;
 
-    /// The other program that does the work, where it is not done here. Such an extractor is asked only where it is named: what a
-    /// build can do must not change results.
+    /// The other program that the extractor calls, if it does. Such an extractor is used only if the user names it, so that results do
+    /// not depend on the features of a build.
     fn program(&self) -> Option<&'static Program> {
         None
     }
 
-    /// What [`Extractor::error`] measures; `None` where nothing can be known beforehand.
+    /// The quantity of [`Extractor::error`]; `None` for features without a known truth.
     fn error_measure(&self) -> Option<Measure>;
 
-    /// What [`Extractor::distance`] measures.
+    /// The quantity of [`Extractor::distance`].
     fn distance_measure(&self) -> Measure;
 
-    /// Whether there is something to look for in this view.
+    /// Whether the view states what this extractor needs to search for.
     fn is_sought(&self, sought: &Sought) -> bool;
 
-    /// Finds the feature.
+    /// Extracts the feature from a picture.
     ///
     /// # Errors
-    /// Nothing to look for, or something that cannot be in a picture of this size.
+    /// The view does not state what to search for, or states something that does not fit into a picture of this size.
     fn extract(&self, picture: &Grey, sought: &Sought) -> Result<Extraction>;
 
-    /// How far a feature is from what is known to be there; `None` where nothing is known.
+    /// Distance of a feature from the known truth; `None` if the truth is not known.
     fn error(&self, found: &Feature, sought: &Sought) -> Option<f64>;
 
-    /// How far two features are apart, 0 for the same; `None` where they cannot be compared.
+    /// Distance between two features, 0 for equal features; `None` if they cannot be compared.
     fn distance(&self, a: &Feature, b: &Feature) -> Option<f64>;
 }

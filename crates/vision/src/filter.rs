@@ -1,11 +1,12 @@
-//! Filters that several extractors share: Gauss, Sobel, thresholds.
+//! Image filters that several extractors use: Gaussian filter, Sobel operator, Otsu's threshold.
 
 use super::picture::Grey;
 
-/// The Gaussian of a filter ends here, standard deviations.
+/// The kernel of the Gaussian filter is truncated at this many standard deviations.
 const TRUNCATED: f64 = 4.0;
 
-/// Gauss filter; beyond the border the nearest pixel goes on, as `scipy.ndimage.gaussian_filter(mode="nearest")`.
+/// Gaussian filter; beyond the border the value of the nearest pixel is used, as in
+/// `scipy.ndimage.gaussian_filter(mode="nearest")`.
 pub fn gauss(picture: &Grey, sigma_px: f64) -> Grey {
     let reach = (TRUNCATED * sigma_px + 0.5) as i64;
     if reach <= 0 {
@@ -19,7 +20,7 @@ pub fn gauss(picture: &Grey, sigma_px: f64) -> Grey {
     across(&down(picture, &weights), &weights)
 }
 
-/// Weighted sums of columns, every row at once.
+/// Weighted sums along columns, computed for a whole row at once.
 fn down(picture: &Grey, weights: &[f64]) -> Grey {
     let (width, last) = (picture.width(), picture.height() as i64 - 1);
     let reach = (weights.len() / 2) as i64;
@@ -39,7 +40,7 @@ fn down(picture: &Grey, weights: &[f64]) -> Grey {
     Grey::from_rows(width, rows)
 }
 
-/// Weighted sums of rows.
+/// Weighted sums along rows.
 fn across(picture: &Grey, weights: &[f64]) -> Grey {
     let (width, reach) = (picture.width(), weights.len() / 2);
     let rows = picture.values().chunks_exact(width).map(|row| {
@@ -60,7 +61,7 @@ fn across(picture: &Grey, weights: &[f64]) -> Grey {
     Grey::from_rows(width, rows)
 }
 
-/// Sobel's differences to the right and down, per pixel (the kernel divided by 8).
+/// The Sobel derivatives to the right and down, per pixel (the kernel divided by 8).
 pub fn sobel(picture: &Grey) -> (Grey, Grey) {
     let make = |along_x: bool| {
         Grey::from_fn(picture.width(), picture.height(), |x, y| {
@@ -78,7 +79,7 @@ pub fn sobel(picture: &Grey) -> (Grey, Grey) {
     (make(true), make(false))
 }
 
-/// The steepness of every pixel: the length of Sobel's two differences.
+/// The magnitude of the gradient at every pixel, from the two Sobel derivatives.
 pub fn steepness(picture: &Grey) -> Grey {
     let (dx, dy) = sobel(picture);
     length(&dx, &dy)
@@ -91,7 +92,7 @@ pub(super) fn length(dx: &Grey, dy: &Grey) -> Grey {
     })
 }
 
-/// Steps of the histogram behind [`otsu`].
+/// Number of bins of the histogram in [`otsu`].
 const BINS: usize = 256;
 
 /// The threshold that splits the values into two groups whose means are farthest apart (Otsu 1979).
@@ -119,9 +120,9 @@ pub fn otsu(picture: &Grey) -> f32 {
         if below == 0.0 || above == 0.0 {
             continue;
         }
-        let apart = sum_below / below - (sum - sum_below) / above;
-        let between = below * above * apart * apart;
-        // Empty bins between two groups are all as good: the middle one is taken.
+        let difference = sum_below / below - (sum - sum_below) / above;
+        let between = below * above * difference * difference;
+        // All thresholds in empty bins between two groups are equally good; the middle one is used.
         if between > best.0 * (1.0 + 1e-12) {
             best = (between, index, index);
         } else if between >= best.0 * (1.0 - 1e-12) {

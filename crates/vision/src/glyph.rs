@@ -1,25 +1,25 @@
-//! From a picture of text to rows of glyphs: ink, noise filter, Hough's angle, projections.
+//! Segments a picture of text into rows of glyphs: threshold, noise filter, rotation by the Hough transform, projections.
 
 use super::filter::otsu;
 use super::picture::Grey;
 
-/// A glyph is compared at this many by this many pixels.
+/// Side of the square, in pixels, to which glyphs are scaled before they are compared.
 pub(super) const SIDE: usize = 20;
 
 /// One glyph of a row.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Glyph {
-    /// Ink, 0 to 1, stretched to [`SIDE`] by [`SIDE`].
+    /// Ink, 0 to 1, scaled to [`SIDE`] by [`SIDE`] pixels.
     pub shape: Vec<f32>,
-    /// Left side and size, to parts of a pixel: rows and columns that are partly inked count partly.
+    /// Left side and size in fractions of a pixel; rows and columns that are partly ink count partly.
     pub left_px: f64,
     pub wide_px: f64,
     pub high_px: f64,
-    /// Where its lowest ink ends, likewise, from the top of the picture.
+    /// Lower end of the ink, from the top of the picture, in fractions of a pixel.
     pub bottom_px: f64,
 }
 
-/// Ink, 0 to 1: dark on bright, whatever the light.
+/// The amount of ink at each pixel, 0 to 1, for dark text on a bright background at any brightness.
 pub(super) fn inked(text: &Grey) -> Grey {
     let threshold = otsu(text);
     let mean_of = |is_ink: bool| {
@@ -38,10 +38,11 @@ pub(super) fn inked(text: &Grey) -> Grey {
     }
 }
 
-/// Ink of at most this share of the usual patch is a spot. The dot of an i is about a fifteenth of a letter's ink.
+/// A patch of ink below this share of the usual size of a patch is noise. The dot of an i is about a fifteenth of a letter's ink.
 pub(super) const LEAST_SPOT: f64 = 0.035;
 
-/// Ink without spots: patches (8 neighbours) below `least` of the usual one, which is that of the middle pixel of ink.
+/// The ink without noise: patches (8 neighbours) below the share `least` of the usual size are removed. The usual size is that of the
+/// patch that contains the median pixel of ink, with patches ordered by size.
 pub(super) fn without_spots(ink: &Grey, least: f64) -> Grey {
     let (width, height) = (ink.width(), ink.height());
     let mut patches = patches(ink);
@@ -57,7 +58,7 @@ pub(super) fn without_spots(ink: &Grey, least: f64) -> Grey {
     for patch in patches.iter().filter(|p| p.len() as f64 >= smallest) {
         patch.iter().for_each(|i| keep[*i] = true);
     }
-    // Faint ink around what is kept stays, so that glyphs keep their soft borders.
+    // Faint ink next to kept patches is kept, too, so that glyphs keep their soft borders.
     let near = |x: usize, y: usize| {
         (y.saturating_sub(1)..=(y + 1).min(height - 1)).any(|ny| {
             (x.saturating_sub(1)..=(x + 1).min(width - 1)).any(|nx| keep[ny * width + nx])
@@ -73,7 +74,7 @@ pub(super) fn without_spots(ink: &Grey, least: f64) -> Grey {
     })
 }
 
-/// Connected ink, as places of pixels.
+/// The connected patches of ink, as indices of pixels.
 fn patches(ink: &Grey) -> Vec<Vec<usize>> {
     let (width, height) = (ink.width(), ink.height());
     let is_ink = |i: usize| ink.values()[i] > 0.5;
@@ -103,11 +104,11 @@ fn patches(ink: &Grey) -> Vec<Vec<usize>> {
     found
 }
 
-/// Most pixels of ink that vote for an angle.
+/// Largest number of pixels of ink that are used in the Hough transform.
 const VOTERS: usize = 40_000;
 
-/// The angle of the rows of text (x towards y), within ± `most_rad`: that whose lines gather the most votes of ink in the
-/// Hough transform (squares of the votes of every line, summed).
+/// The angle of the rows of text (x towards y), within ± `most_rad`: the angle with the largest sum of squared votes of all lines in the
+/// Hough transform of the ink.
 pub(super) fn hough_angle_rad(ink: &Grey, most_rad: f64) -> f64 {
     let width = ink.width();
     let mut voters: Vec<(f64, f64)> = (0..ink.values().len())
@@ -126,7 +127,7 @@ pub(super) fn hough_angle_rad(ink: &Grey, most_rad: f64) -> f64 {
         let (sin, cos) = angle.sin_cos();
         let mut lines = vec![0.0_f64; 2 * reach as usize + 2];
         for (x, y) in &voters {
-            // Each vote is shared by the two nearest lines, so that no angle wins by rounding.
+            // Each vote is divided between the two nearest lines, so that rounding does not favour any angle.
             let line = y * cos - x * sin + reach;
             let (whole, share) = (line.floor(), line - line.floor());
             lines[whole as usize] += 1.0 - share;
@@ -148,7 +149,7 @@ pub(super) fn hough_angle_rad(ink: &Grey, most_rad: f64) -> f64 {
     search(coarse - half_degree, coarse + half_degree, 20)
 }
 
-/// Runs of places where something is, with gaps of nothing between them.
+/// The runs of consecutive indices for which `is_there` is true, as start and end (excluded).
 fn runs(count: usize, is_there: impl Fn(usize) -> bool) -> Vec<(usize, usize)> {
     let mut found = Vec::new();
     let mut from = None;
@@ -166,10 +167,10 @@ fn runs(count: usize, is_there: impl Fn(usize) -> bool) -> Vec<(usize, usize)> {
     found
 }
 
-/// Rows lower than this share of the highest are spots.
+/// Rows whose height is below this share of the largest height are noise.
 const LOWEST_ROW: f64 = 0.2;
 
-/// The rows of a text and the glyphs of every row, by projecting the ink onto the side and each row onto its foot.
+/// The rows of a text with their glyphs, by projecting the ink onto the vertical axis, and each row onto the horizontal axis.
 pub(super) fn rows(ink: &Grey) -> Vec<Vec<Glyph>> {
     let (width, height) = (ink.width(), ink.height());
     let is_ink = |x: usize, y: usize| ink.values()[y * width + x] > 0.5;
@@ -212,14 +213,14 @@ fn cut(ink: &Grey, [left, right]: [usize; 2], [top, bottom]: [usize; 2]) -> Glyp
         )
     };
     let (t, b, l, r) = (top as i64, bottom as i64, left as i64, right as i64);
-    // What the first and last row or column lacks, and what lies just beyond.
+    // The position of an edge in fractions of a pixel, from the ink in the outermost row or column and in the one beyond it.
     let beyond = |outside: f64, edge: f64| outside + edge - 1.0;
     let left_px = left as f64 - beyond(column(l - 1), column(l));
     let right_px = right as f64 + beyond(column(r), column(r - 1));
     let top_px = top as f64 - beyond(row(t - 1), row(t));
     let bottom_px = bottom as f64 + beyond(row(b), row(b - 1));
     let (wide_px, high_px) = ((right_px - left_px).max(0.5), (bottom_px - top_px).max(0.5));
-    // Two places a cell along each side.
+    // The glyph is sampled at two positions for each pixel along each side.
     const PLACES: usize = 2 * SIDE;
     let at = |from: f64, size: f64, k: usize| from + size * (k as f64 + 0.5) / PLACES as f64 - 0.5;
     let fine = Grey::from_fn(PLACES, PLACES, |x, y| {

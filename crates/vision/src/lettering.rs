@@ -1,15 +1,15 @@
-//! Printed text as a picture: learning pictures, posters, tests.
+//! Draws printed text as a picture, for learning pictures, posters and tests.
 
 use super::picture::Grey;
 use realgap_core::error::Result;
 use realgap_core::font::{self, Weight};
 
-/// From one line to the next, and the margin around all, in sizes of the letters.
+/// Distance between lines, and margin around the text, in multiples of the size of letters.
 const LINE_EM: f64 = 1.4;
 const MARGIN_EM: f64 = 0.6;
 
-/// Black letters on white paper, `size_px` pixels to an em, `tracking_em` more space than usual between them. Characters that
-/// the font does not have leave a gap.
+/// Draws black letters on white, with `size_px` pixels to an em and `tracking_em` additional space between letters. A character that
+/// the font does not have leaves a gap.
 ///
 /// ```
 /// use realgap_vision::print_text;

@@ -1,9 +1,9 @@
-//! Pictures: what is found in simulated ones, and whether it is what is found in real ones (paper 002).
+//! Compares simulated pictures with real ones by the features that are extracted from both (paper 002), and simulates cameras.
 //!
-//! Four extractors, each with its steps as pictures: [`Edges`] (Canny), [`Template`] (normalised correlation in the Fourier
-//! domain over a pyramid of sizes), [`Contour`] (a greedy snake) and [`Script`] (text by a learned alphabet). [`EXTRACTORS`]
-//! lists them; another one is a file and a line there. Another [`Program`] that reads text may be one: with the feature
-//! `tesseract` there is a fifth extractor, which is asked only where it is named.
+//! There are four feature extractors, each of which shows its steps as pictures: [`Edges`] (Canny), [`Template`] (normalised
+//! correlation in the Fourier domain over a pyramid of sizes), [`Contour`] (a greedy snake) and [`Script`] (text by a learned
+//! alphabet). [`EXTRACTORS`] lists them; a new extractor is one file and one line in this list. An extractor may call another
+//! [`Program`]: with the feature `tesseract` there is a fifth extractor, which is used only if the user names it.
 //!
 //! ```
 //! use std::sync::Arc;

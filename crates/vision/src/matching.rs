@@ -1,7 +1,7 @@
-//! Normalised correlation of a picture with templates, in the Fourier domain (Lewis 1995).
+//! Computes the normalised correlation of a picture with templates in the Fourier domain (Lewis 1995).
 //!
-//! The picture is taken in overlapping blocks, so that memory is bounded whatever its size. One transform back serves two
-//! templates: one is the real part, the other the imaginary one.
+//! The picture is processed in overlapping blocks, so that the memory does not grow with its size. One inverse transform serves two
+//! templates: one is in the real part, the other in the imaginary part.
 
 use rustfft::num_complex::Complex;
 use rustfft::{FftDirection, FftPlanner};
@@ -13,7 +13,7 @@ use realgap_core::error::{Error, Result};
 type Value = Complex<f64>;
 const ZERO: Value = Complex::new(0.0, 0.0);
 
-/// Side of a block that is transformed at once, pixels, unless templates need a larger one.
+/// Side of a block that is transformed at once, pixels, unless a template needs a larger block.
 const BLOCK: usize = 512;
 
 /// A square two-dimensional transform.
@@ -33,7 +33,7 @@ impl Transform {
         }
     }
 
-    /// Rows, then columns; the result stays transposed, which the way back undoes.
+    /// Transforms rows, then columns. The result is transposed; the inverse transform transposes it back.
     fn run(&self, values: &mut Vec<Value>, is_inverse: bool) {
         let fft = if is_inverse {
             &self.inverse
@@ -47,7 +47,7 @@ impl Transform {
 }
 
 fn transposed(values: &[Value], side: usize) -> Vec<Value> {
-    // Small squares, so that both sides stay near in memory.
+    // The transposition works on small squares, so that both sides stay in the cache.
     const SQUARE: usize = 16;
     let mut turned = vec![ZERO; values.len()];
     for top in (0..side).step_by(SQUARE) {
@@ -62,7 +62,7 @@ fn transposed(values: &[Value], side: usize) -> Vec<Value> {
     turned
 }
 
-/// Sums over all rectangles from the corner, of values and of their squares.
+/// Summed-area tables of values and of their squares.
 struct Sums {
     stride: usize,
     plain: Vec<f64>,
@@ -101,7 +101,7 @@ impl Sums {
     }
 }
 
-/// A template without its mean.
+/// A template after subtraction of its mean.
 struct Pattern {
     width: usize,
     height: usize,
@@ -128,12 +128,12 @@ impl Pattern {
     }
 }
 
-/// The spectrum of two templates at once, one in the real part and one in the imaginary.
+/// The common spectrum of two templates, one in the real part and one in the imaginary part.
 fn spectrum(pair: &[Pattern], side: usize, transform: &Transform) -> Vec<Value> {
     let mut values = vec![ZERO; side * side];
     for (part, pattern) in pair.iter().enumerate() {
         for (index, v) in pattern.values.iter().enumerate() {
-            // Turned by half a turn: a convolution with this is the correlation.
+            // The template is rotated by 180°, so that the convolution with it is the correlation.
             let x = pattern.width - 1 - index % pattern.width;
             let y = pattern.height - 1 - index / pattern.width;
             let place = &mut values[y * side + x];
@@ -148,9 +148,9 @@ fn spectrum(pair: &[Pattern], side: usize, transform: &Transform) -> Vec<Value> 
     values
 }
 
-/// Visits the normalised correlation of every template at every place where it lies wholly inside of the picture:
-/// `visit(template, x, y, r)`, with (x, y) the template's top left pixel there. r is 0 where the picture or the template is the
-/// same everywhere.
+/// Calls `visit(template, x, y, r)` with the normalised correlation r of every template at every position at which it is wholly inside of
+/// the picture; (x, y) is the position of the template's top left pixel. r is 0 if the template or that part of the picture is
+/// uniform.
 ///
 /// # Errors
 /// A template that is larger than the picture.
@@ -190,7 +190,7 @@ pub fn correlate(
             let value = |x: usize, y: usize| {
                 f64::from(picture.values()[(top + y) * picture.width() + left + x])
             };
-            // Without the block's mean, so that sums of squares keep their digits.
+            // The mean of the block is subtracted to reduce rounding errors of the sums of squares.
             let mean = {
                 let row = |y| (0..width).map(|x| value(x, y)).sum::<f64>();
                 (0..height).map(row).sum::<f64>() / (width * height) as f64
@@ -237,11 +237,11 @@ pub fn correlate(
     Ok(())
 }
 
-/// The normalised correlation of one template, row by row: one value for every place where it lies wholly inside, as
-/// scikit-image's `match_template`. With its width and height.
+/// Width, height and values of the map of normalised correlations of one template: one value, row by row, for every position at which it
+/// is wholly inside of the picture, as in scikit-image's `match_template`.
 ///
 /// # Errors
-/// As [`correlate`].
+/// The errors of [`correlate`].
 pub fn correlation_map(picture: &Grey, template: &Grey) -> Result<(usize, usize, Vec<f64>)> {
     let width = (picture.width() + 1).saturating_sub(template.width());
     let height = (picture.height() + 1).saturating_sub(template.height());

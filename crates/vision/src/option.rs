@@ -1,22 +1,22 @@
-//! Who compares pictures, and how.
+//! Options of comparing pictures.
 
 use super::alignment::RelativeTo;
 use super::extractor::Extractor;
 use super::registry::own_extractors;
 
-/// How pictures are compared.
+/// Options of comparing pictures.
 #[derive(Clone)]
 pub struct VisionOptions {
-    /// Who looks at them.
+    /// The feature extractors that are used.
     pub extractors: Vec<&'static dyn Extractor>,
-    /// What distances are relative to.
+    /// Whether pictures are aligned before distances are computed.
     pub relative_to: RelativeTo,
     /// Seed of the bootstrap.
     pub seed: u64,
 }
 
 impl Default for VisionOptions {
-    /// All extractors that need no other program.
+    /// The default is to use all extractors that need no other program.
     fn default() -> Self {
         Self {
             extractors: own_extractors(),

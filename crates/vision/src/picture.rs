@@ -1,11 +1,11 @@
-//! Pictures: colours as bytes, grey values as numbers.
+//! The types of pictures: colour pictures of bytes and grey pictures of numbers.
 
 use realgap_core::error::{Error, Result};
 
-/// Most pixels of a picture.
+/// Largest number of pixels of a picture.
 pub const MOST_PIXELS: usize = 32_000_000;
 
-/// A picture in colour, 8 bits a channel, sRGB, row by row from the top.
+/// A colour picture with 8 bits per channel in sRGB, row by row from the top.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Picture {
     width: usize,
@@ -30,13 +30,13 @@ pub struct Region {
     pub x_px: usize,
     /// Top row.
     pub y_px: usize,
-    /// Columns.
+    /// Number of columns.
     pub width_px: usize,
-    /// Rows.
+    /// Number of rows.
     pub height_px: usize,
 }
 
-/// Refuses sizes of nothing and of too much.
+/// Refuses a picture without pixels or with too many.
 pub(super) fn check_size(width: usize, height: usize) -> Result<()> {
     let pixels = width.saturating_mul(height);
     if (1..=MOST_PIXELS).contains(&pixels) {
@@ -54,7 +54,7 @@ impl Picture {
     /// A picture of these bytes.
     ///
     /// # Errors
-    /// No pixel, more than [`MOST_PIXELS`], another number of bytes than three a pixel.
+    /// No pixel, more than [`MOST_PIXELS`], a number of bytes that is not three per pixel.
     pub fn new(width: usize, height: usize, rgb: Vec<u8>) -> Result<Self> {
         check_size(width, height)?;
         if rgb.len() != 3 * width * height {
@@ -75,12 +75,12 @@ impl Picture {
         self.height
     }
 
-    /// Three bytes a pixel.
+    /// The bytes, three for each pixel: red, green, blue.
     pub fn rgb(&self) -> &[u8] {
         &self.rgb
     }
 
-    /// Grey values: luma of ITU-R BT.709 on the values as they are stored, as scikit-image's `rgb2gray`.
+    /// Grey values: luma of ITU-R BT.709 of the stored values, as in scikit-image's `rgb2gray`.
     pub fn grey(&self) -> Grey {
         let values = self
             .rgb
@@ -102,7 +102,7 @@ impl Grey {
     /// A picture of these values.
     ///
     /// # Errors
-    /// No pixel, more than [`MOST_PIXELS`], another number of values than pixels, values that are not finite.
+    /// No pixel, more than [`MOST_PIXELS`], a number of values that differs from the number of pixels, values that are not finite.
     pub fn new(width: usize, height: usize, values: Vec<f32>) -> Result<Self> {
         check_size(width, height)?;
         if values.len() != width * height {
@@ -111,7 +111,7 @@ impl Grey {
                 .allowed(width * height));
         }
         if let Some(value) = values.iter().find(|value| !value.is_finite()) {
-            return Err(Error::invalid("a grey value is no number")
+            return Err(Error::invalid("a grey value is not a finite number")
                 .found(value)
                 .allowed("finite numbers, 0 black to 1 white"));
         }
@@ -122,7 +122,7 @@ impl Grey {
         })
     }
 
-    /// A picture of what a function says of every pixel (x, y).
+    /// A picture of the values of a function at every pixel (x, y).
     pub(super) fn from_fn(
         width: usize,
         height: usize,
@@ -140,7 +140,7 @@ impl Grey {
         }
     }
 
-    /// Rows of one width, rounded to what a pixel holds; at least one.
+    /// A picture of rows of equal width, converted to the precision of a pixel; there must be at least one row.
     pub(super) fn from_rows(width: usize, rows: impl Iterator<Item = Vec<f64>>) -> Self {
         let values: Vec<f32> = rows.flatten().map(|value| value as f32).collect();
         Self {
@@ -165,14 +165,14 @@ impl Grey {
         &self.values
     }
 
-    /// The value at a pixel; beyond the border that of the nearest.
+    /// The value at a pixel; beyond the border, the value of the nearest pixel.
     pub fn at(&self, x: i64, y: i64) -> f32 {
         let column = x.clamp(0, self.width as i64 - 1) as usize;
         let row = y.clamp(0, self.height as i64 - 1) as usize;
         self.values[row * self.width + column]
     }
 
-    /// The value between pixels, bilinear.
+    /// The value between pixels, by bilinear interpolation.
     pub fn between(&self, x: f64, y: f64) -> f32 {
         let (left, top) = (x.floor(), y.floor());
         let (right_share, low_share) = ((x - left) as f32, (y - top) as f32);
@@ -185,7 +185,7 @@ impl Grey {
         upper + (lower - upper) * low_share
     }
 
-    /// The picture with pixels drawn over it, white on dark and dark on bright.
+    /// The picture with some pixels drawn over it, white on dark parts and black on bright parts.
     pub(super) fn drawn_over(&self, is_drawn: impl Fn(usize, usize) -> bool) -> Self {
         Self::from_fn(self.width, self.height, |x, y| {
             let value = self.values[y * self.width + x];
@@ -197,7 +197,7 @@ impl Grey {
         })
     }
 
-    /// The same picture with other values.
+    /// The picture with a function applied to every value.
     pub(super) fn map(&self, value: impl Fn(f32) -> f32) -> Self {
         Self {
             width: self.width,
@@ -206,7 +206,7 @@ impl Grey {
         }
     }
 
-    /// Stretched so that the darkest value is 0 and the brightest 1; all 0 where they are the same.
+    /// The picture with values scaled so that the darkest is 0 and the brightest is 1; all values are 0 if the picture is uniform.
     pub fn stretched(&self) -> Self {
         let (low, high) = self
             .values
@@ -242,7 +242,7 @@ impl Grey {
         }))
     }
 
-    /// The picture in another size: means over what a new pixel covers, bilinear where it grows.
+    /// The picture in another size: means over the area of each new pixel if it is reduced, bilinear interpolation if it is enlarged.
     pub fn resized(&self, width: usize, height: usize) -> Self {
         let (width, height) = (width.max(1), height.max(1));
         let columns = shares(self.width, width);
@@ -263,7 +263,8 @@ impl Grey {
         })
     }
 
-    /// Turned about its centre by an angle (x towards y, so clockwise on the screen); `beyond` is what was outside.
+    /// The picture rotated about its centre by an angle (x towards y, so clockwise on the screen); `beyond` is the value for pixels from
+    /// outside of the picture.
     pub fn turned(&self, angle_rad: f64, beyond: f32) -> Self {
         let (sin, cos) = angle_rad.sin_cos();
         let centre = [
@@ -286,7 +287,7 @@ impl Grey {
         })
     }
 
-    /// The picture as colours.
+    /// The picture as a colour picture.
     pub fn picture(&self) -> Picture {
         let rgb = self
             .values
@@ -301,7 +302,7 @@ impl Grey {
     }
 }
 
-/// Which old pixels a new one is made of, and how much of each; the shares of one sum to 1.
+/// For each new pixel, the old pixels from which it is computed with their shares, which sum to 1.
 fn shares(old: usize, new: usize) -> Vec<Vec<(usize, f32)>> {
     let step = old as f64 / new as f64;
     (0..new)

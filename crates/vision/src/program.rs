@@ -1,4 +1,4 @@
-//! Another program that is given a picture and says what it reads.
+//! Calls another program with a picture on its standard input and reads its text output.
 
 use std::io::{self, Read, Write};
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -9,11 +9,11 @@ use std::time::{Duration, Instant};
 
 use realgap_core::error::{Error, Result};
 
-/// Longer than any picture of this program takes by far.
+/// Default time limit for a picture, which is much longer than a picture takes.
 const LIMIT: Duration = Duration::from_secs(60);
-/// A page of text has some thousand bytes.
+/// Largest output of a program, bytes; a page of text has some thousand.
 const MOST_BYTES: u64 = 1 << 20;
-/// From one look at whether a program that has said everything has ended to the next.
+/// Interval at which it is checked whether a program has ended after it has closed its output.
 const LOOK: Duration = Duration::from_millis(1);
 
 /// An installed program that reads from its standard input and writes text.
@@ -26,19 +26,19 @@ pub struct Program {
     version: OnceLock<String>,
 }
 
-/// A program that has been started. Whatever comes in between, it is ended and nothing of it is left.
+/// A running program. It is killed when this value is dropped, so that no process remains after an error.
 struct Running(Child);
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // One that has ended cannot be ended once more.
+        // Killing a process that has already ended is an error, which is ignored.
         let _ended = self.0.kill();
         let _status = self.0.wait();
     }
 }
 
 impl Running {
-    /// How it ended; `None` where it has not by then.
+    /// The exit status; `None` if the program has not ended by the deadline.
     fn ended(&mut self, deadline: Instant) -> io::Result<Option<ExitStatus>> {
         loop {
             if let Some(status) = self.0.try_wait()? {
@@ -52,15 +52,15 @@ impl Running {
     }
 }
 
-/// What comes out of a pipe, at most [`MOST_BYTES`] and a byte more. Nobody waits for the thread: what the program itself has
-/// started may hold the pipe open for longer.
+/// Reads the output of a pipe on a thread of its own, at most one byte more than [`MOST_BYTES`]. The thread is not joined, because a child
+/// process of the program may hold the pipe open for longer.
 fn listen(mut pipe: impl Read + Send + 'static) -> io::Result<Receiver<Vec<u8>>> {
     let (sender, receiver) = channel();
     thread::Builder::new().spawn(move || {
         let mut bytes = Vec::new();
-        // A pipe that breaks is at its end; how the program ended says the rest.
+        // A broken pipe counts as its end; errors of the program show in its exit status.
         let _read = pipe.by_ref().take(MOST_BYTES + 1).read_to_end(&mut bytes);
-        // Whoever asked may have given up.
+        // The receiver may be gone because of the time limit.
         let _sent = sender.send(bytes);
     })?;
     Ok(receiver)
@@ -74,7 +74,7 @@ fn last_line(bytes: &[u8]) -> Option<String> {
 }
 
 impl Program {
-    /// A program by its name, what it is called with, and what to do where it is not installed. A picture may take it a minute.
+    /// A program by its name, its options, and the hint to show if it is not installed. The time limit for a picture is a minute.
     pub const fn new(
         command: &'static str,
         options: &'static [&'static str],
@@ -89,23 +89,23 @@ impl Program {
         }
     }
 
-    /// The same with another time for a picture.
+    /// The same program with another time limit for a picture.
     #[must_use]
     pub const fn with_limit(mut self, limit: Duration) -> Self {
         self.limit = limit;
         self
     }
 
-    /// Its name and options, as one would type them.
+    /// The command line: name and options of the program.
     pub fn call(&self) -> String {
         let words = std::iter::once(&self.command).chain(self.options);
         words.copied().collect::<Vec<_>>().join(" ")
     }
 
-    /// The first line that it says of its version; it is asked once.
+    /// The first line that the program prints about its version; the program is called once only.
     ///
     /// # Errors
-    /// As [`Program::read`].
+    /// The errors of [`Program::read`].
     pub fn version(&self) -> Result<&str> {
         if let Some(version) = self.version.get() {
             return Ok(version);
@@ -117,10 +117,11 @@ impl Program {
         Ok(self.version.get_or_init(|| first))
     }
 
-    /// What it writes of this input.
+    /// The text that the program writes for this input.
     ///
     /// # Errors
-    /// A program that is not installed or cannot be started, fails, takes too long, writes more than a megabyte or no UTF-8.
+    /// A program that is not installed or cannot be started, fails, takes too long, or writes more than a megabyte or bytes that are not
+    /// UTF-8.
     pub fn read(&self, input: &[u8]) -> Result<String> {
         let said = self.run(self.options, input)?;
         String::from_utf8(said).map_err(|e| {
@@ -141,7 +142,7 @@ impl Program {
         let deadline = Instant::now() + self.limit;
         let child = Command::new(self.command)
             .args(options)
-            // Several pictures are read at once already.
+            // The program is limited to one thread, because several pictures are processed in parallel.
             .env("OMP_THREAD_LIMIT", "1")
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
@@ -154,25 +155,25 @@ impl Program {
             }
             .hint(self.remedy)
         })?);
-        let broken = |e: io::Error| self.error(&format!("cannot be spoken with: {e}"));
+        let broken = |e: io::Error| self.error(&format!("cannot be communicated with: {e}"));
         let child = &mut running.0;
         let pipes = (child.stdin.take(), child.stdout.take(), child.stderr.take());
         let (Some(mut to), Some(from), Some(complaints)) = pipes else {
             return Err(self.error("has no pipes"));
         };
-        // It may write before it has read everything: neither must wait for the other.
+        // The program may write before it has read all input, so input and output are handled by different threads.
         let (text, complaints) = (
             listen(from).map_err(broken)?,
             listen(complaints).map_err(broken)?,
         );
         let input = input.to_vec();
         thread::Builder::new()
-            // What is not read to its end is known by how the program ends.
+            // An error of writing is ignored, because the program may not need all input; its exit status shows failures.
             .spawn(move || drop(to.write_all(&input)))
             .map_err(broken)?;
         let left = || deadline.saturating_duration_since(Instant::now());
-        let heard = [text, complaints].map(|pipe| pipe.recv_timeout(left()));
-        let [Ok(text), Ok(complaints)] = heard else {
+        let received = [text, complaints].map(|pipe| pipe.recv_timeout(left()));
+        let [Ok(text), Ok(complaints)] = received else {
             return Err(self.too_long());
         };
         if text.len() as u64 > MOST_BYTES {

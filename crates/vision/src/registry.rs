@@ -1,4 +1,4 @@
-//! The extractors by name.
+//! The list of feature extractors, and looking them up by name.
 
 use super::contour::Contour;
 use super::edge::Edges;
@@ -10,7 +10,7 @@ use super::tesseract::Tesseract;
 use realgap_core::error::Result;
 use realgap_core::file::look_up;
 
-/// Every extractor, in the order of the paper; then other programs.
+/// All extractors: first those of paper 002 in its order, then those that call other programs.
 pub const EXTRACTORS: &[&dyn Extractor] = &[
     &Edges::PAPER,
     &Template::PAPER,
@@ -20,7 +20,7 @@ pub const EXTRACTORS: &[&dyn Extractor] = &[
     &Tesseract,
 ];
 
-/// The extractors that need no other program: those that are asked where none is named.
+/// The extractors that need no other program; these are used if the user names none.
 pub fn own_extractors() -> Vec<&'static dyn Extractor> {
     let own = EXTRACTORS.iter().filter(|e| e.program().is_none());
     own.copied().collect()

@@ -1,5 +1,5 @@
-//! Text: turned upright, cut into rows and glyphs, and every glyph compared with a learned alphabet. Figures 4, 11 and 12 of
-//! paper 002.
+//! The extractor `text`: straightens text, segments it into glyphs, and recognises each by a learned alphabet. Figures 4, 11 and 12
+//! of paper 002.
 
 use super::extractor::{Extraction, Extractor, Feature, Measure, Sought, Step};
 use super::glyph::{LEAST_SPOT, hough_angle_rad, inked, rows, without_spots};
@@ -7,27 +7,27 @@ use super::picture::Grey;
 use realgap_core::constant_methods;
 use realgap_core::error::{Error, Result};
 
-/// The reader of text.
+/// Recognition of text.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Script {
-    /// Rows may be turned by this angle either way, radians.
+    /// Largest rotation of rows in either direction, radians.
     pub most_turn_rad: f64,
-    /// Patches of ink below this share of the usual one are noise.
+    /// Patches of ink below this share of the usual size are noise.
     pub least_spot: f64,
 }
 
-/// Turning blurs: rows that are turned by less stay as they are, radians (a tenth of a degree).
+/// A smaller rotation than this is not corrected, because rotating a picture blurs it, radians (a tenth of a degree).
 const LEAST_TURN_RAD: f64 = 0.0018;
 
 impl Script {
-    /// The settings of the registry: 15 degrees either way.
+    /// The settings of the registry: up to 15 degrees in either direction.
     pub const PAPER: Self = Self {
         most_turn_rad: 0.2618,
         least_spot: LEAST_SPOT,
     };
 }
 
-/// Edits (a character more, less, or another) from one text to the other (Levenshtein 1966).
+/// Number of edits (insertion, deletion or replacement of a character) from one text to the other (Levenshtein 1966).
 ///
 /// ```
 /// assert_eq!(realgap_vision::edit_distance("kitten", "sitting"), 3);
@@ -49,7 +49,7 @@ pub fn edit_distance(a: &str, b: &str) -> usize {
     row[b.len()]
 }
 
-/// Lines with one blank between words, without empty lines.
+/// The text with one space between words and without empty lines.
 fn tidy(text: &str) -> String {
     let lines: Vec<String> = text
         .lines()
@@ -59,13 +59,13 @@ fn tidy(text: &str) -> String {
     lines.join("\n")
 }
 
-/// Edits from what was read to what is there, as a share of what is there; may exceed 1.
+/// Number of edits from the recognised to the true text, divided by the length of the true text; may exceed 1.
 pub fn character_error_rate(read: &str, truth: &str) -> f64 {
     let (read, truth) = (tidy(read), tidy(truth));
     edit_distance(&read, &truth) as f64 / truth.chars().count().max(1) as f64
 }
 
-/// What errors and distances of text measure, whoever has read it.
+/// The quantities of errors and distances, which all extractors of text share.
 pub(super) const ERROR_RATE: Measure = Measure {
     name: "character error rate",
     unit: "",
@@ -75,7 +75,7 @@ pub(super) const DISTANCE: Measure = Measure {
     unit: "",
 };
 
-/// The part of a picture where text is.
+/// The part of a picture that contains text.
 pub(super) fn text_part(picture: &Grey, sought: &Sought) -> Result<Grey> {
     match sought.text_region {
         Some(region) => picture.cropped(region),

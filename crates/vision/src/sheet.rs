@@ -1,23 +1,23 @@
-//! The steps of an extractor side by side: figures 2, 3, 4 and 9 of paper 002.
+//! Draws the steps of an extractor side by side, as in figures 2, 3, 4 and 9 of paper 002.
 
 use super::extractor::Step;
 use super::picture::{Grey, check_size};
 use realgap_core::error::Result;
 use realgap_core::font::{self, Weight};
 
-/// Height of a step, of its caption's letters, and the space around, pixels.
+/// Height of a step, size of the caption's letters, space around a step, and height of the caption, pixels.
 const HEIGHT: usize = 300;
 const LETTER: f64 = 20.0;
 const SPACE: usize = 14;
 const CAPTION: usize = 34;
 
-/// The steps in one row, each with its name below.
+/// The steps in one row, each with its name below it.
 pub fn contact_sheet(steps: &[Step]) -> Grey {
     let shown: Vec<(Grey, &str)> = steps
         .iter()
         .map(|step| {
             let (width, height) = (step.picture.width(), step.picture.height());
-            // Small things, such as templates, are not blown up.
+            // Small pictures, such as templates, are enlarged at most three times.
             let factor = (HEIGHT as f64 / height as f64)
                 .min(3.0)
                 .min(4.0 * HEIGHT as f64 / width as f64);
@@ -57,10 +57,10 @@ pub fn contact_sheet(steps: &[Step]) -> Grey {
     Grey::from_fn(width, height, |x, y| values[y * width + x])
 }
 
-/// Pictures below each other, on white.
+/// Pictures below each other, on a white background.
 ///
 /// # Errors
-/// More than a picture can hold.
+/// The result would have more pixels than a picture may have.
 pub fn stacked(rows: &[Grey]) -> Result<Grey> {
     let width = rows.iter().map(Grey::width).max().unwrap_or(1);
     let height = rows.iter().map(Grey::height).sum::<usize>().max(1);

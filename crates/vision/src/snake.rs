@@ -1,4 +1,4 @@
-//! Greedy snakes (Williams & Shah 1992) with the energies of equation 1 of paper 002.
+//! Greedy snakes (active contours; Williams & Shah 1992) with the energies of equation 1 of paper 002.
 
 use super::filter::{gauss, steepness};
 use super::picture::Grey;
@@ -7,51 +7,51 @@ use realgap_core::error::{Error, Result};
 /// Weights and window of a greedy snake.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Snake {
-    /// Points of the contour.
+    /// Number of points of the contour.
     pub points: usize,
     /// Weight of the internal energy: the mean distance to the two neighbours.
     pub spacing: f64,
-    /// Weight of the constraint energy: the curvature over three points in a row.
+    /// Weight of the constraint energy: the curvature over three consecutive points.
     pub curvature: f64,
     /// Weight of the image energy: the inverted normalised Sobel value of the pixel.
     pub image: f64,
     /// Side of the window in which a point may move, pixels: 3 or 9 in the paper, any odd number.
     pub window_px: usize,
-    /// Standard deviation of the Gauss filter before Sobel, pixels.
+    /// Standard deviation of the Gaussian filter before the Sobel operator, pixels.
     pub sigma_px: f64,
-    /// Most rounds over all points.
+    /// Largest number of rounds over all points.
     pub rounds: usize,
 }
 
-/// Why a snake ended.
+/// The reason why a snake ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Ending {
     /// No point moved.
     AtRest,
-    /// Points went to and fro between two places.
+    /// Points oscillated between positions.
     Swinging,
-    /// The last round was over.
+    /// The largest number of rounds was reached.
     OutOfRounds,
 }
 
-/// Where a snake has come to.
+/// The final contour of a snake.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settled {
     /// The contour, closed.
     pub points_px: Vec<[f64; 2]>,
-    /// Points that rest where there is no edge.
+    /// Indices of the points that are not on an edge.
     pub stuck: Vec<usize>,
-    /// Rounds until then.
+    /// Number of rounds.
     pub rounds: usize,
-    /// Why it ended.
+    /// The reason why the snake ended.
     pub ending: Ending,
 }
 
-/// A point rests on an edge from this share of the steepest pixel on.
+/// A point is on an edge if its gradient is at least this share of the largest gradient of the picture.
 const ON_EDGE: f32 = 0.25;
-/// Fewest points that can be bent.
+/// Smallest number of points of a contour.
 const LEAST_POINTS: usize = 4;
 
 impl Snake {
@@ -66,14 +66,14 @@ impl Snake {
         rounds: 400,
     };
 
-    /// The normalised Sobel picture: 1 at the steepest pixel.
+    /// The gradient picture, normalised to 1 at the pixel with the largest gradient.
     pub fn edges(&self, picture: &Grey) -> Grey {
         let steep = steepness(&gauss(picture, self.sigma_px));
         let most = steep.values().iter().fold(0.0_f32, |a, b| a.max(*b));
         steep.map(|v| if most > 0.0 { v / most } else { 0.0 })
     }
 
-    /// Moves a closed contour until it rests.
+    /// Moves a closed contour until it is at rest.
     ///
     /// # Errors
     /// Fewer than four points, points outside of the picture, an even window.
@@ -99,7 +99,7 @@ impl Snake {
                 ending = Ending::AtRest;
                 break;
             }
-            // The same contour again can only go round for ever.
+            // A contour that occurs again would repeat the same cycle for ever.
             if before.iter().rev().take(8).any(|b| *b == points) {
                 ending = Ending::Swinging;
                 break;
@@ -128,10 +128,12 @@ impl Snake {
                 .allowed(format!("{LEAST_POINTS} or more")));
         }
         if self.window_px.is_multiple_of(2) {
-            return Err(Error::invalid("a window has a pixel in its middle")
-                .field("window_px")
-                .found(self.window_px)
-                .allowed("odd numbers"));
+            return Err(
+                Error::invalid("a window must have an odd number of pixels on each side")
+                    .field("window_px")
+                    .found(self.window_px)
+                    .allowed("odd numbers"),
+            );
         }
         let is_outside = |p: &&[f64; 2]| {
             let inside = |v: f64, side: usize| (-0.5..=side as f64 - 0.5).contains(&v);
@@ -146,8 +148,8 @@ impl Snake {
         }
     }
 
-    /// The place of least energy in the window around a point. Spacing counts in mean spacings of the contour, curvature in
-    /// their square, so that the weights mean the same for contours of any size and for any window.
+    /// The position with the smallest energy in the window around a point. Distances are divided by the mean spacing of the contour, and
+    /// curvature by its square, so that the weights do not depend on the size of the contour or of the window.
     fn best_place(
         &self,
         edges: &Grey,
@@ -176,7 +178,7 @@ impl Snake {
         for cy in (y - reach).max(0)..=(y + reach).min(last_y) {
             for cx in (x - reach).max(0)..=(x + reach).min(last_x) {
                 let its = energy(cx, cy);
-                // Staying is preferred, so that equal places do not keep a contour moving.
+                // The current position is preferred, so that a contour does not move between positions of equal energy.
                 if its < best.1 - 1e-12 {
                     best = ([cx, cy], its);
                 }
@@ -186,7 +188,7 @@ impl Snake {
     }
 }
 
-/// Mean distance of neighbours, at least one pixel.
+/// Mean distance between neighbouring points, at least one pixel.
 fn mean_spacing_px(points: &[[i64; 2]]) -> f64 {
     let after = points.iter().cycle().skip(1);
     let sum: f64 = points
@@ -197,7 +199,7 @@ fn mean_spacing_px(points: &[[i64; 2]]) -> f64 {
     (sum / points.len() as f64).max(1.0)
 }
 
-/// `count` points, evenly along a closed contour, from its first point on.
+/// `count` evenly spaced points along a closed contour, beginning with its first point.
 pub fn evenly(contour: &[[f64; 2]], count: usize) -> Vec<[f64; 2]> {
     let n = contour.len();
     let length = |i: usize| {
@@ -223,7 +225,7 @@ pub fn evenly(contour: &[[f64; 2]], count: usize) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Mean distance of points to a closed outline, pixels; `None` where one of them has no point.
+/// Mean distance of points to a closed outline, pixels; `None` if there are no points or the outline is empty.
 pub fn mean_distance_px(points_px: &[[f64; 2]], outline_px: &[[f64; 2]]) -> Option<f64> {
     if points_px.is_empty() || outline_px.is_empty() {
         return None;

@@ -1,4 +1,4 @@
-//! A template, wherever and however large it is in a picture. Figures 3, 6 and 7 of paper 002.
+//! The extractor `template`: finds a template at any position and size in a picture. Figures 3, 6 and 7 of paper 002.
 
 use super::extractor::{Extraction, Extractor, Feature, Measure, Sought, Step};
 use super::filter::steepness;
@@ -7,25 +7,25 @@ use super::picture::Grey;
 use realgap_core::constant_methods;
 use realgap_core::error::{Error, Result};
 
-/// Matching by normalised correlation over a pyramid of sizes.
+/// Template matching by normalised correlation over a pyramid of sizes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Template {
     /// Smallest and largest size, as a factor of the template's own.
     pub scale: (f64, f64),
-    /// From one size to the next, a factor above 1.
+    /// Factor from one size to the next, above 1.
     pub step: f64,
-    /// Sizes with a side below this are left out, pixels: anything looks like them.
+    /// Sizes with a side below this are left out, because they match anywhere, pixels.
     pub least_px: usize,
 }
 
-/// The place of a template in a picture.
+/// The match of a template in a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Match {
-    /// Its centre, pixels.
+    /// Position of the centre of the template, pixels.
     pub centre_px: [f64; 2],
-    /// Its size, as a factor of the template's own.
+    /// Size in the picture divided by the template's own size.
     pub scale: f64,
-    /// Normalised correlation there, at most 1.
+    /// Normalised correlation of the match, at most 1.
     pub r: f64,
 }
 
@@ -37,7 +37,7 @@ impl Template {
         least_px: 12,
     };
 
-    /// The template in every size that fits, with the factors.
+    /// The factors of all sizes that fit into the picture, and the template in these sizes.
     fn pyramid(&self, picture: &Grey, template: &Grey) -> (Vec<f64>, Vec<Grey>) {
         let (mut factors, mut sizes) = (Vec::new(), Vec::new());
         let levels = ((self.scale.1 / self.scale.0).ln() / self.step.ln()).floor() as i32;
@@ -61,16 +61,16 @@ impl Template {
         (factors, sizes)
     }
 
-    /// Where the template is most likely, and its correlations in that size (as a picture of the places of its centre).
+    /// The match with the largest correlation, and a picture of the correlations at that size for all positions of the centre.
     ///
     /// # Errors
-    /// A template that is larger than the picture in every size, or the same everywhere.
+    /// A template that is larger than the picture in every size, or that is uniform.
     pub fn find(&self, picture: &Grey, template: &Grey) -> Result<(Match, Grey)> {
         let first = template.values()[0];
         if template.values().iter().all(|v| *v == first) {
             return Err(Error::invalid("the template is the same everywhere")
                 .field("template")
-                .hint("a template needs something to be recognised by"));
+                .hint("use a template with structure by which it can be recognised"));
         }
         let (factors, sizes) = self.pyramid(picture, template);
         if sizes.is_empty() {
@@ -115,7 +115,7 @@ impl Template {
     }
 }
 
-/// [`top`] at a largest value; none at an end.
+/// The sub-pixel correction by [`top`] at the position of a largest value; 0 at an end.
 fn peak(place: usize, count: usize, value: impl Fn(usize) -> f64) -> f64 {
     if place == 0 || place + 1 >= count {
         return 0.0;
@@ -123,7 +123,8 @@ fn peak(place: usize, count: usize, value: impl Fn(usize) -> f64) -> f64 {
     top(value(place - 1), value(place), value(place + 1))
 }
 
-/// How far the top of the parabola through a largest value and its neighbours is from it, at most half a pixel.
+/// Position of the vertex of the parabola through a largest value and its neighbours, relative to the largest value; at most half a
+/// pixel.
 pub(super) fn top(before: f64, here: f64, after: f64) -> f64 {
     let bend = before - 2.0 * here + after;
     if bend < 0.0 {
@@ -175,7 +176,7 @@ impl Extractor for Template {
                     "inverted Sobel",
                     steepness(picture).stretched().map(|v| 1.0 - v),
                 ),
-                // Dark where the template probably is, as in the paper.
+                // Large correlations are dark, as in the paper.
                 step("correlation", places.map(|r| 0.5 - 0.5 * r)),
                 step("found", framed),
             ],
@@ -192,14 +193,14 @@ impl Extractor for Template {
     }
 
     fn error(&self, found: &Feature, sought: &Sought) -> Option<f64> {
-        apart(found.points_px.first()?, &sought.template_at_px?)
+        distance_px(found.points_px.first()?, &sought.template_at_px?)
     }
 
     fn distance(&self, a: &Feature, b: &Feature) -> Option<f64> {
-        apart(a.points_px.first()?, b.points_px.first()?)
+        distance_px(a.points_px.first()?, b.points_px.first()?)
     }
 }
 
-fn apart(a: &[f64; 2], b: &[f64; 2]) -> Option<f64> {
+fn distance_px(a: &[f64; 2], b: &[f64; 2]) -> Option<f64> {
     Some((a[0] - b[0]).hypot(a[1] - b[1]))
 }

@@ -1,4 +1,4 @@
-//! Text, as the program Tesseract reads it: a second opinion on [`Script`](super::Script).
+//! The extractor `tesseract`: text recognised by the installed program Tesseract, for comparison with [`Script`](super::Script).
 
 use super::extractor::{Extraction, Extractor, Feature, Measure, Sought, Step};
 use super::picture::Grey;
@@ -7,14 +7,14 @@ use super::script::{DISTANCE, ERROR_RATE, distance, error_rate, text_part};
 use realgap_core::constant_methods;
 use realgap_core::error::{Error, Result};
 
-/// Rows one below the other, each as long as it is: page segmentation 6, a block of text.
+/// The call of Tesseract, with page segmentation mode 6: a single block of text.
 static PROGRAM: Program = Program::new(
     "tesseract",
     &["stdin", "stdout", "--psm", "6"],
     "install it (apt install tesseract-ocr, brew install tesseract), or leave out the extractor `tesseract`",
 );
 
-/// The reader of text that is a program of its own, and must be installed.
+/// Recognition of text by the program Tesseract, which must be installed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tesseract;
 
@@ -46,7 +46,7 @@ impl Extractor for Tesseract {
                 text: Some(text.trim_end().to_owned()),
                 ..Feature::default()
             },
-            // What it does with the picture it does not show.
+            // Tesseract does not show its intermediate steps.
             steps: vec![Step {
                 name: "picture",
                 picture: part,

@@ -1,4 +1,4 @@
-//! What is known of the pictures in a folder: `views.ron` beside them.
+//! The file `views.ron`, which states the known truth for the pictures in its folder.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -15,21 +15,21 @@ use realgap_core::warning::{Code, Warning};
 /// Name of the file.
 pub const VIEWS_FILE: &str = "views.ron";
 
-/// Where pictures come from.
+/// The source of pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum PictureSource {
-    /// A camera.
+    /// A real camera.
     #[default]
     Real,
-    /// A simulated camera with the settings that are thought right.
+    /// A simulated camera with the settings of the model.
     Simulated,
-    /// A simulated camera with other settings, in place of a real one.
+    /// A simulated camera with other settings, which stands in for a real camera.
     StandIn,
 }
 
 impl PictureSource {
-    /// What took the place of reality in a report.
+    /// The words by which a report names the source of its real pictures.
     pub(super) fn words(self) -> &'static str {
         match self {
             Self::StandIn => "stand-ins in place of real pictures",
@@ -37,43 +37,43 @@ impl PictureSource {
         }
     }
 
-    /// What the reader should know where the pictures are no real ones.
+    /// A warning if a stand-in took the place of real pictures.
     pub(super) fn warning(self) -> Option<Warning> {
         let what = "a simulated camera with other settings took the place of the real one";
         (self == Self::StandIn).then(|| Code::StandIn.warning(what))
     }
 }
 
-/// The text of `views.ron`.
+/// The content of `views.ron`.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Views")]
 pub struct ViewsFile {
-    /// Where the pictures come from.
+    /// Source of the pictures.
     #[serde(default)]
     pub source: PictureSource,
-    /// Anything for people.
+    /// A description for readers.
     #[serde(default)]
     pub description: String,
-    /// A picture of the thing to be found.
+    /// File name of the template: a picture of the object to be found.
     #[serde(default)]
     pub template: Option<String>,
-    /// A picture of every character, and which they are.
+    /// A picture of all characters, with their text.
     #[serde(default)]
     pub alphabet: Option<AlphabetFile>,
-    /// One entry a view.
+    /// One entry for each view.
     #[serde(default)]
     pub views: Vec<ViewFile>,
 }
 
-/// A learning picture.
+/// The picture from which characters are learned.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Alphabet")]
 pub struct AlphabetFile {
-    /// The picture.
+    /// File name of the picture.
     pub picture: String,
-    /// Its text.
+    /// The text in the picture.
     pub text: String,
 }
 
@@ -82,18 +82,18 @@ pub struct AlphabetFile {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "View")]
 pub struct ViewFile {
-    /// The view, or one picture of it: the file's name without its ending.
+    /// Name of the view, or of one picture of it: the file name without its ending.
     pub name: String,
-    /// Where the centre of the template is, if it is in the picture.
+    /// Position of the centre of the template, if it is in the picture, pixels.
     #[serde(default)]
     pub template_at_px: Option<(f64, f64)>,
-    /// Where a contour begins.
+    /// Contour from which a snake starts, pixels.
     #[serde(default)]
     pub start_px: Vec<(f64, f64)>,
-    /// The outline that it should come to.
+    /// True outline of the object, pixels.
     #[serde(default)]
     pub outline_px: Vec<(f64, f64)>,
-    /// Where text is.
+    /// Part of the picture that contains text.
     #[serde(default)]
     pub text_region: Option<Region>,
     /// The text.
@@ -101,21 +101,21 @@ pub struct ViewFile {
     pub text: Option<String>,
 }
 
-/// What is known of the pictures in a folder.
+/// The known truth for the pictures in a folder.
 #[derive(Debug, Clone, Default)]
 pub struct Views {
-    /// Where the pictures come from.
+    /// Source of the pictures.
     pub source: PictureSource,
     views: Vec<(String, Sought)>,
-    /// Pictures that are no views.
-    aside: Vec<PathBuf>,
+    /// Pictures in the folder that are not views: the template and the learning picture.
+    auxiliary: Vec<PathBuf>,
 }
 
 impl Views {
-    /// Reads `views.ron` of a folder, with the pictures it names; nothing is known where there is none.
+    /// Reads `views.ron` of a folder, with the pictures that it names; the result is empty if the folder has no such file.
     ///
     /// # Errors
-    /// Anything that is not such a file, pictures that cannot be read, a name that stands twice.
+    /// A file of another form, pictures that cannot be read, a name that is listed twice.
     pub fn read(folder: impl AsRef<Path>) -> Result<Self> {
         let folder = folder.as_ref();
         let path = folder.join(VIEWS_FILE);
@@ -129,25 +129,25 @@ impl Views {
                 .map(|()| folder.join(name))
                 .map_err(|e| source.at(field, e.field(field)))
         };
-        let mut aside = Vec::new();
+        let mut auxiliary = Vec::new();
         let mut template = None;
         if let Some(name) = &file.template {
             let path = beside("template", name)?;
             template = Some(Arc::new(Grey::read(&path)?));
-            aside.push(path);
+            auxiliary.push(path);
         }
         let mut alphabet = None;
         if let Some(known) = &file.alphabet {
             let path = beside("alphabet.picture", &known.picture)?;
             let learned = Alphabet::learn(&Grey::read(&path)?, &known.text);
             alphabet = Some(Arc::new(learned.map_err(|e| source.at("alphabet", e))?));
-            aside.push(path);
+            auxiliary.push(path);
         }
         let mut views: Vec<(String, Sought)> = Vec::new();
         for (index, view) in file.views.into_iter().enumerate() {
             let at = format!("views[{index}].name");
             if views.iter().any(|(name, _)| *name == view.name) {
-                let error = Error::invalid("a view stands twice").field(&at);
+                let error = Error::invalid("a view is listed twice").field(&at);
                 return Err(source.at(&at, error.found(&view.name)));
             }
             let points = |points: &[(f64, f64)]| points.iter().map(|(x, y)| [*x, *y]).collect();
@@ -165,19 +165,19 @@ impl Views {
         Ok(Self {
             source: file.source,
             views,
-            aside,
+            auxiliary,
         })
     }
 
-    /// What is sought in a picture; `None` where it is not listed.
+    /// What extractors search for in a picture; `None` if the picture is not listed.
     pub fn sought(&self, picture: &str) -> Option<&Sought> {
         let found = self.views.iter().find(|(name, _)| name == picture);
         found.map(|(_, sought)| sought)
     }
 
     /// Whether a file is a template or a learning picture.
-    pub(super) fn is_aside(&self, path: &Path) -> bool {
-        self.aside.iter().any(|aside| aside == path)
+    pub(super) fn is_auxiliary(&self, path: &Path) -> bool {
+        self.auxiliary.iter().any(|other| other == path)
     }
 }
 
@@ -185,7 +185,7 @@ impl ViewsFile {
     /// Writes `views.ron` into a folder.
     ///
     /// # Errors
-    /// A folder that is missing, a full disk.
+    /// A missing folder, a full disk.
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<()> {
         write_atomic(
             folder.as_ref().join(VIEWS_FILE),

@@ -1,4 +1,4 @@
-//! Folders of pictures of the same views: simulated, real, badly lit.
+//! Makes folders of simulated, real and badly lit pictures of the same views for tests.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 #![allow(dead_code, reason = "every test binary uses its own part")]
 
@@ -12,7 +12,7 @@ use crate::drawing::{around, ellipse};
 
 pub const VIEWS: usize = 7;
 
-/// A disc that is elsewhere in every view.
+/// A disc whose position differs between views.
 pub fn disc(view: usize) -> [f64; 4] {
     [60.0 + 4.0 * view as f64, 55.0 - view as f64, 26.0, 24.0]
 }

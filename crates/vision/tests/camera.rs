@@ -1,4 +1,4 @@
-//! The camera: geometry, light, noise, and that nothing but the seed matters.
+//! Tests of the simulated camera: geometry, light, noise, and determinism for a seed.
 
 use rand::RngExt;
 use realgap_core::file::Source;
@@ -38,9 +38,9 @@ fn shot(scene: &Scene, view: usize, seed: u64) -> Grey {
     picture.grey()
 }
 
-/// Where posters are said to be is where they are seen: lens, distortion and rays agree.
+/// The stated positions of posters agree with the rendered picture, which tests lens, distortion and rays.
 #[test]
-fn what_is_known_of_a_picture_is_what_is_in_it() {
+fn the_known_truth_of_a_picture_agrees_with_the_picture() {
     for distortion in ["(0, 0)", "(-0.08, 0.01)", "(0.06, 0)"] {
         let camera = PLAIN.replace(
             "exposure_s",
@@ -81,9 +81,9 @@ fn what_is_known_of_a_picture_is_what_is_in_it() {
     }
 }
 
-/// A grey wall in even light: luminance, electrons, and value by hand.
+/// A grey wall in uniform light: luminance, electrons and pixel value are computed by hand.
 #[test]
-fn an_even_wall_is_as_bright_as_the_formula_says_and_noise_is_that_of_photons() {
+fn a_uniform_wall_has_the_brightness_of_the_formula_and_photon_noise() {
     let camera = "\"c\": (resolution_px: (200, 150), exposure_s: 0.01, electrons_per_cd_s: 2000, full_well_e: 2000, read_noise_e: 12)";
     let scene = scene(camera, EVEN, "");
     let picture = shot(&scene, 0, 3);
@@ -99,14 +99,14 @@ fn an_even_wall_is_as_bright_as_the_formula_says_and_noise_is_that_of_photons() 
             }
         })
         .collect();
-    // 0.5 of 300 lux, over pi; 0.01 s at 2000 electrons.
+    // The luminance is 0.5 times 300 lux divided by pi; the exposure is 0.01 s at 2000 electrons per second.
     let electrons = 0.5 * 300.0 / std::f64::consts::PI * 20.0;
     let found = 2000.0 * mean(&share);
     assert!(
         (found / electrons - 1.0).abs() < 0.005,
         "{found} {electrons}"
     );
-    // Grey mixes three independent colours.
+    // A grey value is a mean of three colours with independent noise.
     let weights = (0.2125_f64.powi(2) + 0.7154_f64.powi(2) + 0.0721_f64.powi(2)).sqrt();
     let sd = (electrons + 144.0).sqrt() * weights;
     let spread = 2000.0 * standard_deviation(&share);
@@ -114,9 +114,9 @@ fn an_even_wall_is_as_bright_as_the_formula_says_and_noise_is_that_of_photons() 
     assert!((spread / sd - 1.0).abs() < 0.03, "{spread} {sd}");
 }
 
-/// A lamp's light falls with the square of the distance and the slope, and boxes throw shadows.
+/// The light of a lamp falls with the square of the distance and with the angle of incidence, and boxes cast shadows.
 #[test]
-fn a_lamp_lights_by_distance_and_slope_and_boxes_throw_shadows() {
+fn a_lamp_lights_by_distance_and_angle_and_boxes_cast_shadows() {
     let camera = "\"c\": (resolution_px: (161, 121), field_of_view_deg: 60, exposure_s: 0.01, electrons_per_cd_s: 1e7, full_well_e: 1e6)";
     let lamp = "\"l\": (ambient_lux: 0, lamps: [(place_m: (2, 1, 2.5), intensity_cd: 100)])";
     let linear = |v: f32| ((f64::from(v) + 0.055) / 1.055).powf(2.4);
@@ -152,9 +152,9 @@ fn the_seed_gives_the_same_bytes_on_any_number_of_threads() {
     assert_ne!(one, bytes(1, 6));
 }
 
-/// The tree of boxes finds what a search through all of them finds: pictures of crowds and of their halves fit together.
+/// The hierarchy of many boxes gives the same hits as a search through all of them: pictures of all boxes and of their halves agree.
 #[test]
-fn a_crowd_of_boxes_hides_what_it_should() {
+fn many_boxes_occlude_each_other_correctly() {
     let mut rng = Numbered::SensorReading.generator(4, 0);
     let mut blocks = Vec::new();
     for _ in 0..200 {
@@ -184,7 +184,7 @@ fn a_crowd_of_boxes_hides_what_it_should() {
 }
 
 #[test]
-fn the_shipped_room_shows_everything_to_most_viewpoints() {
+fn most_viewpoints_of_the_shipped_scene_show_everything() {
     let scene = Scene::read(common::project().join("scenes/room.ron")).unwrap();
     let camera = scene.camera("model").unwrap();
     let truths: Vec<_> = scene
@@ -205,7 +205,7 @@ fn the_shipped_room_shows_everything_to_most_viewpoints() {
 }
 
 #[test]
-fn a_scene_that_cannot_be_says_where_and_what() {
+fn an_impossible_scene_gives_an_error_with_its_position() {
     let refused = |from: &str, to: &str| {
         let path = common::project().join("scenes/room.ron");
         let text = std::fs::read_to_string(path).unwrap();
@@ -223,7 +223,7 @@ fn a_scene_that_cannot_be_says_where_and_what() {
     let within = refused("place_m: (3.0, 0.6, 1.5)", "place_m: (0.4, 2.6, 0.9)");
     assert!(within.contains("stands in a box"), "{within}");
     let up = refused("look_at_m: (3.1, 5.0, 1.5)", "look_at_m: (3.0, 0.6, 2.5)");
-    assert!(up.contains("looks nowhere"), "{up}");
+    assert!(up.contains("direction of the camera is not valid"), "{up}");
     let wide = refused("field_of_view_deg: 62,", "field_of_view_deg: 190,");
     assert!(wide.contains("1 degrees to 150 degrees"), "{wide}");
     let colour = refused("wall: (0.62", "wall: (1.62");
@@ -252,7 +252,7 @@ fn a_scene_that_cannot_be_says_where_and_what() {
     assert!(error.contains("did you mean `model`"), "{error}");
 }
 
-/// Pictures of one pixel and without anything to find are pictures, too.
+/// A picture of one pixel, without anything to find, is valid.
 #[test]
 fn a_camera_of_one_pixel_takes_a_picture() {
     let camera = PLAIN.replace("(320, 240)", "(1, 1)");

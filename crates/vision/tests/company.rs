@@ -1,4 +1,4 @@
-//! Robots in pictures: bodies stand where the motion says, are lit as their slope says, and are smeared by their own motion.
+//! Tests of robots in pictures: positions and brightness of bodies, and their motion blur.
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use realgap_core::file::Source;
@@ -49,7 +49,7 @@ fn watched(scene: &Scene, motion: &Trajectory, bodies: &[Body]) -> Grey {
     taken.unwrap_or_else(|e| panic!("{e}")).0.grey()
 }
 
-/// Where a pinhole at (2, 0.5, 1) m that looks along y sees a point, by hand.
+/// Position at which a pinhole at (2, 0.5, 1) m that looks along y sees a point, computed by hand.
 fn pinhole([x, y, z]: [f64; 3]) -> [f64; 2] {
     let focal = 160.0 / 30.0_f64.to_radians().tan();
     let away = y - 0.5;
@@ -59,7 +59,7 @@ fn pinhole([x, y, z]: [f64; 3]) -> [f64; 2] {
     ]
 }
 
-/// How far a place is within the convex hull of some points, pixels; negative outside.
+/// Distance of a point inside of the convex hull of some points from its border, pixels; negative outside.
 fn within(points: &[[f64; 2]], at: [f64; 2]) -> f64 {
     let mut least = f64::INFINITY;
     for a in points {
@@ -76,7 +76,7 @@ fn within(points: &[[f64; 2]], at: [f64; 2]) -> f64 {
 }
 
 #[test]
-fn a_turned_cube_has_its_corners_where_a_pinhole_sees_them() {
+fn a_rotated_cube_has_its_corners_where_a_pinhole_sees_them() {
     let scene = room("", EVEN);
     let turn = UnitQuaternion::from_euler_angles(0.5, -0.7, 0.4);
     let track = motion([7.0, -3.0, 1.1], turn, [0.0; 3]);
@@ -109,7 +109,7 @@ fn a_turned_cube_has_its_corners_where_a_pinhole_sees_them() {
 }
 
 #[test]
-fn faces_are_as_bright_as_their_slope_to_the_lamp_says() {
+fn the_brightness_of_faces_follows_from_their_angle_to_the_lamp() {
     let lamp = [1.2, 0.6, 2.4];
     let scene = room(
         "",
@@ -127,7 +127,7 @@ fn faces_are_as_bright_as_their_slope_to_the_lamp_says() {
         let mut seen = 0;
         for axis in 0..3 {
             for sign in [-1.0, 1.0] {
-                // Between the dots of the face.
+                // The point is between the dots of the face.
                 let mut own = Vector3::repeat(0.25 * half_m);
                 own[axis] = sign * half_m;
                 let mut normal = Vector3::zeros();
@@ -153,7 +153,7 @@ fn faces_are_as_bright_as_their_slope_to_the_lamp_says() {
 }
 
 #[test]
-fn a_block_is_where_its_orientation_says() {
+fn a_block_has_its_stated_orientation() {
     let shot = |block: &str| {
         let scene = room(
             &format!("blocks: [({block}, colour: (0.9, 0.9, 0.9), faces: Die)],"),
@@ -175,7 +175,7 @@ fn a_block_is_where_its_orientation_says() {
         "centre_m: (2, 2, 1), half_m: (0.3, 0.2, 0.1), orientation_wxyz: ({cos}, 0, 0, {sin})"
     ));
     assert!(apart(&turned, &same) < 0.02, "{}", apart(&turned, &same));
-    // On its side: what was x points up, and its one dot with it.
+    // The block lies on its side: its x axis points up, and so does the face with one dot.
     let half = std::f64::consts::FRAC_1_SQRT_2;
     let on_side = shot(&format!(
         "centre_m: (2, 2, 1), half_m: (0.3, 0.2, 0.1), orientation_wxyz: ({half}, 0, {}, 0)",
@@ -187,14 +187,14 @@ fn a_block_is_where_its_orientation_says() {
         (rows, columns)
     };
     let (rows, columns) = bright(&on_side);
-    // Its near face is 1.3 m away.
+    // The near face is 1.3 m away.
     let px = 160.0 / 30.0_f64.to_radians().tan() / 1.3;
     assert!((rows as f64 - 0.6 * px).abs() < 2.0, "{rows} {px}");
     assert!((columns as f64 - 0.2 * px).abs() < 2.0, "{columns} {px}");
 }
 
 #[test]
-fn what_moves_while_a_camera_stands_is_smeared_by_its_own_motion() {
+fn a_moving_body_has_motion_blur_in_pictures_of_a_fixed_camera() {
     let scene = room("", EVEN);
     let edge = |speed: f64| {
         // Along the motion's -y axis, the room's x axis.
@@ -204,7 +204,7 @@ fn what_moves_while_a_camera_stands_is_smeared_by_its_own_motion() {
             [0.0, -speed, 0.0],
         );
         let bodies = [Body::moving("part0", cube([0.01, 0.4, 0.4]), track.clone()).unwrap()];
-        // Where it starts is where the mount is, so that the middle is beside it.
+        // The body starts at the mount's start, so that in the middle of the motion it is beside it.
         let start = motion([0.0, 0.0, 1.0], UnitQuaternion::identity(), [0.0; 3]);
         let picture = watched(&scene, &start, &bodies);
         (0..320)
@@ -212,11 +212,11 @@ fn what_moves_while_a_camera_stands_is_smeared_by_its_own_motion() {
             .collect::<Vec<f64>>()
     };
     let (still, fast) = (edge(0.0), edge(3.0));
-    // 3 m/s for 0.02 s are 0.06 m, 1.49 m away; the still edge is at 0.4 m.
+    // At 3 m/s, the body moves by 0.06 m in 0.02 s, at a distance of 1.49 m; the edge at rest is at 0.4 m.
     let focal = 160.0 / 30.0_f64.to_radians().tan();
     let half_px = 0.5 * focal / 1.49 * 0.06;
     let edge_px = 159.5 + focal / 1.49 * 0.4;
-    // The light beyond a column, in widths of a pixel that is full of the rim.
+    // The sum of the light beyond a column, in units of a pixel that shows the rim only.
     let first = edge_px.floor() as usize;
     let (wall, rim) = (still[310], still[first - 3]);
     let beyond = |profile: &[f64]| -> f64 {
@@ -225,7 +225,7 @@ fn what_moves_while_a_camera_stands_is_smeared_by_its_own_motion() {
             .map(|v| (v - wall) / (rim - wall));
         light.sum()
     };
-    // Columns begin half a pixel before their place; the edge is anywhere within its way for equally long.
+    // Columns begin half a pixel before their centre; the edge is at every position of its path for the same time.
     let covered = edge_px + 0.5 - first as f64;
     let by_hand = (half_px + covered).powi(2) / (4.0 * half_px);
     let found = beyond(&fast);
@@ -256,7 +256,7 @@ fn a_camera_sees_out_of_the_body_that_carries_it_and_sees_the_others() {
     let both = [own, arm];
     assert_eq!(seen(&both[..1], "part0").values(), alone.values());
     let with_arm = seen(&both, "part0");
-    // 0.2 m to the left at 0.35 m, within 0.05 m: beside the poster.
+    // The box is 0.2 m to the left at a distance of 0.35 m with half a width of 0.05 m: beside the poster.
     let focal = 160.0 / 30.0_f64.to_radians().tan();
     let column = |off_m: f64, away_m: f64| (159.5 + focal * off_m / away_m).round() as i64;
     for x in 0..320 {
@@ -267,7 +267,7 @@ fn a_camera_sees_out_of_the_body_that_carries_it_and_sees_the_others() {
             assert!(is_other, "{x}");
         }
     }
-    // A camera on top of its body sees it, and a poster behind an arm is not known.
+    // A camera on top of its body sees the body, and the position of a poster behind an arm is not stated.
     let mut high = scene.clone();
     high.mounts[0].place_body_m = [-0.04, 0.0, 0.06];
     let ride_high = Ride::new(&high, &high.mounts[0], &track).unwrap();
@@ -291,14 +291,14 @@ fn a_camera_sees_out_of_the_body_that_carries_it_and_sees_the_others() {
 }
 
 #[test]
-fn a_body_that_the_camera_is_in_throws_its_shadow_all_the_same() {
+fn an_invisible_body_around_the_camera_still_casts_a_shadow() {
     let scene = room(
         "",
         "ambient_lux: 0, lamps: [(place_m: (2, 1, 2), intensity_cd: 100)]",
     );
     let level = UnitQuaternion::identity();
     let track = motion([0.0, 0.0, 1.5], level, [0.0; 3]);
-    // Between the lamp and (2, 4, 1), a third of the way.
+    // The body is at a third of the line from the lamp to (2, 4, 1).
     let bodies = [Body::moving("part0", cube([0.05, 0.3, 0.3]), track.clone()).unwrap()];
     let ride = Ride::new(&scene, &scene.mounts[0], &track).unwrap();
     let (camera, light) = (&scene.cameras[0], &scene.lights[0]);
@@ -329,7 +329,7 @@ fn bodies_outside_of_the_room_and_without_orientations_are_refused() {
         "{error}"
     );
     assert!(watch.check(3.0).is_err());
-    // What stands may stand beyond the walls: an arena larger than the room.
+    // Bodies that do not move may be outside of the walls, for an arena that is larger than the room.
     let far = Isometry3::from_parts(Translation3::new(9.0, 0.0, 0.0), level);
     let bodies = [Body::still("wall", cube([0.05; 3]), far)];
     let watch = Watch::new(&scene, &scene.mounts[0], &track, &bodies);

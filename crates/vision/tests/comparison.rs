@@ -1,4 +1,4 @@
-//! Folders of pictures: which belong together, what is said of them, and what is refused.
+//! Tests of comparing folders of pictures: pairing by name, results, and errors.
 
 use realgap_vision::{Answer, VisionOptions, compare_folders};
 
@@ -6,7 +6,7 @@ use crate::album::{VIEWS, folders, write};
 use crate::drawing::grey;
 
 #[test]
-fn a_simulated_picture_is_nearer_than_a_badly_lit_one_where_it_is_made_so() {
+fn simulated_pictures_that_are_made_similar_are_nearer_than_badly_lit_ones() {
     let root = tempfile::tempdir().unwrap();
     let [simulated, real, bad] = folders(root.path());
     let report = compare_folders(&simulated, &real, Some(&bad), &VisionOptions::default()).unwrap();
@@ -24,13 +24,13 @@ fn a_simulated_picture_is_nearer_than_a_badly_lit_one_where_it_is_made_so() {
         assert!(extractor.floor.unwrap().value > 0.0);
         assert!(extractor.gap_ratio.unwrap() > 0.0);
     }
-    // The same folders the other way round: what is badly lit is no nearer.
+    // If the folders are swapped, the badly lit pictures are not nearer.
     let other = compare_folders(&bad, &real, Some(&simulated), &VisionOptions::default()).unwrap();
     assert_eq!(other.extractors[0].verdict.unwrap().answer, Answer::Farther);
 }
 
 #[test]
-fn the_same_pictures_have_no_gap_and_leave_the_question_open() {
+fn identical_pictures_have_no_gap_and_the_test_is_not_significant() {
     let root = tempfile::tempdir().unwrap();
     let [simulated, ..] = folders(root.path());
     let report = compare_folders(
@@ -49,7 +49,7 @@ fn the_same_pictures_have_no_gap_and_leave_the_question_open() {
 }
 
 #[test]
-fn pictures_without_a_partner_are_named_and_none_at_all_is_an_error() {
+fn unpaired_pictures_give_a_warning_and_folders_without_pairs_an_error() {
     let root = tempfile::tempdir().unwrap();
     let [simulated, real, bad] = folders(root.path());
     std::fs::remove_file(bad.join("view3.png")).unwrap();
@@ -92,7 +92,7 @@ fn pictures_of_one_view_with_different_sizes_are_refused() {
 }
 
 #[test]
-fn a_list_of_views_that_is_wrong_says_where() {
+fn a_bad_list_of_views_gives_an_error_with_its_position() {
     let root = tempfile::tempdir().unwrap();
     let [simulated, real, _] = folders(root.path());
     let refused = |text: &str| {
@@ -107,7 +107,7 @@ fn a_list_of_views_that_is_wrong_says_where() {
         "{unknown}"
     );
     let twice = refused("Views(views: [(name: \"a\"), (name: \"a\")])");
-    assert!(twice.contains("stands twice"), "{twice}");
+    assert!(twice.contains("listed twice"), "{twice}");
     let outside = refused("Views(template: \"../secret.png\")");
     assert!(outside.contains("template"), "{outside}");
 }

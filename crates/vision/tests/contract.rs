@@ -1,4 +1,4 @@
-//! What every extractor of the registry must do.
+//! The contract test: properties that every extractor of the registry must have.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ const LETTERS: &str = "ABCDEFGHIJKLM\nNOPQRSTUVWXYZ\n0123456789";
 const DISC: [f64; 4] = [90.0, 160.0, 40.0, 40.0];
 const SIGN: [usize; 2] = [170, 120];
 
-/// Every extractor whose program, where it needs one, is installed; says which are left out.
+/// All extractors except those whose program is not installed; prints which are left out.
 fn usable() -> Vec<&'static dyn Extractor> {
     let is_usable = |extractor: &&dyn Extractor| match extractor.program().map(|p| p.version()) {
         Some(Err(error)) => {
@@ -69,7 +69,7 @@ fn scene() -> (Grey, Sought) {
     (picture, sought)
 }
 
-/// The same scene with less light, noise and one pixel to the right.
+/// The same scene with less light, with noise, and displaced by one pixel to the right.
 fn worse(picture: &Grey) -> Grey {
     grey(picture.width(), picture.height(), |x, y| {
         let noise = ((x * 7919 + y * 104_729 + x * y * 31) % 101) as f32 / 101.0 - 0.5;
@@ -78,7 +78,7 @@ fn worse(picture: &Grey) -> Grey {
 }
 
 #[test]
-fn names_are_found_again_and_every_extractor_has_its_own() {
+fn every_extractor_has_a_unique_name_by_which_it_is_found() {
     let names: BTreeSet<&str> = EXTRACTORS.iter().map(|e| e.name()).collect();
     assert_eq!(names.len(), EXTRACTORS.len());
     for extractor in EXTRACTORS {
@@ -90,7 +90,7 @@ fn names_are_found_again_and_every_extractor_has_its_own() {
 }
 
 #[test]
-fn an_extractor_that_is_another_program_is_asked_only_where_it_is_named() {
+fn an_extractor_that_calls_another_program_is_used_only_if_it_is_named() {
     let own: Vec<&str> = own_extractors().iter().map(|e| e.name()).collect();
     assert_eq!(own, ["edges", "template", "contour", "text"]);
     match extractor_by_name("tesseract") {
@@ -108,7 +108,7 @@ fn every_extractor_finds_its_feature_and_shows_its_steps() {
     for extractor in usable() {
         assert!(extractor.is_sought(&sought), "{}", extractor.name());
         let found = extractor.extract(&picture, &sought).unwrap();
-        // Another program shows what it is given.
+        // An extractor that calls another program shows only the picture that the program receives.
         let fewest = if extractor.program().is_some() { 1 } else { 4 };
         assert!(found.steps.len() >= fewest, "{}", extractor.name());
         for step in &found.steps {
@@ -132,7 +132,7 @@ fn every_extractor_finds_its_feature_and_shows_its_steps() {
 }
 
 #[test]
-fn a_distance_is_0_to_itself_the_same_from_both_sides_and_above_0_to_another() {
+fn a_distance_is_0_for_equal_features_symmetric_and_above_0_for_different_ones() {
     let (picture, sought) = scene();
     let blank = grey(320, 240, |x, _| 0.3 + 0.001 * x as f32);
     for extractor in usable() {
@@ -162,7 +162,7 @@ fn a_distance_is_0_to_itself_the_same_from_both_sides_and_above_0_to_another() {
 }
 
 #[test]
-fn without_what_is_sought_an_extractor_says_so() {
+fn an_extractor_without_anything_to_search_for_gives_an_error() {
     let (picture, _) = scene();
     let nothing = Sought::default();
     for extractor in EXTRACTORS {
@@ -179,10 +179,10 @@ fn without_what_is_sought_an_extractor_says_so() {
     }
 }
 
-/// Found in pictures of two folders, here the same; the program's version is part of the answer.
+/// Compares a folder of pictures with itself; the report states the version of the program.
 #[test]
 #[cfg(feature = "tesseract")]
-fn what_another_program_reads_is_compared_like_everything_else_with_its_version() {
+fn the_report_of_an_extractor_that_calls_another_program_states_its_version() {
     let named = extractor_by_name("tesseract").unwrap();
     if !usable().iter().any(|e| e.name() == named.name()) {
         return;

@@ -1,9 +1,9 @@
-//! Pictures whose outlines are known.
+//! Draws pictures with known outlines for tests.
 #![allow(dead_code, reason = "every test binary uses its own part")]
 
 use realgap_vision::Grey;
 
-/// A picture of what a function says of every pixel.
+/// A picture of the values of a function at every pixel.
 pub fn grey(width: usize, height: usize, value: impl Fn(usize, usize) -> f32) -> Grey {
     let values = (0..height)
         .flat_map(|y| (0..width).map(move |x| (x, y)))
@@ -12,7 +12,7 @@ pub fn grey(width: usize, height: usize, value: impl Fn(usize, usize) -> f32) ->
     Grey::new(width, height, values).unwrap()
 }
 
-/// A pattern without repetition, of whole numbers over 255: the same bits as in tools/golden_vision.py.
+/// A pattern without repetition, of whole numbers divided by 255; it has the same bits as in tools/golden_vision.py.
 pub fn texture(width: usize, height: usize) -> Grey {
     grey(width, height, |x, y| {
         let value = (x * x * 7 + y * y * 13 + x * y * 5 + 31 * x + 17 * y) % 256;
@@ -20,7 +20,7 @@ pub fn texture(width: usize, height: usize) -> Grey {
     })
 }
 
-/// An ellipse whose pixels at the border are mixed from 8 x 8 places each.
+/// An ellipse; each pixel at the border is the mean of 8 x 8 samples.
 pub fn ellipse(
     width: usize,
     height: usize,

@@ -1,4 +1,4 @@
-//! Agreement with scikit-image and scipy (tests/golden/vision.json by tools/golden_vision.py).
+//! Tests of agreement with scikit-image and scipy (tests/golden/vision.json, made by tools/golden_vision.py).
 
 use std::collections::BTreeSet;
 
@@ -19,7 +19,7 @@ fn numbers<const N: usize>(value: &Value) -> [f64; N] {
 }
 
 #[test]
-fn matching_in_the_fourier_domain_is_what_scipy_and_scikit_image_say() {
+fn matching_in_the_fourier_domain_agrees_with_scipy_and_scikit_image() {
     for case in golden()["matching"].as_array().unwrap() {
         let [width, height] = numbers(&case["picture"]).map(|v| v as usize);
         let [x_px, y_px, width_px, height_px] = numbers(&case["template"]).map(|v| v as usize);
@@ -56,7 +56,7 @@ fn matching_in_the_fourier_domain_is_what_scipy_and_scikit_image_say() {
 }
 
 #[test]
-fn gauss_and_otsu_are_those_of_scikit_image() {
+fn gaussian_filter_and_otsus_threshold_agree_with_scikit_image() {
     let golden = golden();
     let smooth = gauss(&texture(90, 70), 1.4);
     let known = golden["gauss"].as_array().unwrap();
@@ -69,7 +69,7 @@ fn gauss_and_otsu_are_those_of_scikit_image() {
         }
     }
     assert_eq!(index, known.len());
-    // Between two groups of values every threshold is as good; scikit-image takes the lowest of them, this program the middle.
+    // All thresholds between two groups of values are equally good; scikit-image uses the lowest of them, this program the middle.
     let shapes = ellipse(120, 100, [60.3, 48.7, 33.2, 21.9], 0.3, 0.7);
     let split = |threshold: f32| shapes.values().iter().filter(|v| **v < threshold).count();
     let theirs = golden["otsu"].as_f64().unwrap() as f32;
@@ -78,7 +78,7 @@ fn gauss_and_otsu_are_those_of_scikit_image() {
 }
 
 #[test]
-fn edges_are_those_of_scikit_image() {
+fn edges_agree_with_scikit_image() {
     let shapes = ellipse(120, 100, [60.3, 48.7, 33.2, 21.9], 0.3, 0.7);
     let found = Edges::PAPER.extract(&shapes, &Sought::default()).unwrap();
     let map = found.feature.map.unwrap();

@@ -1,4 +1,4 @@
-//! Pictures: what every extractor must do, agreement with scikit-image and scipy, known outlines, clean text, bad files.
+//! Tests of feature extractors, simulated cameras and comparisons of pictures.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 #![allow(
     clippy::print_stdout,

@@ -1,4 +1,4 @@
-//! Snakes on discs and ellipses whose outlines are known, and what is said where there is no edge.
+//! Tests of snakes on discs and ellipses with known outlines, and of the warnings if there is no edge.
 
 use realgap_vision::{
     Contour, Ending, Extractor, Feature, Snake, Sought, evenly, mean_distance_px,
@@ -43,9 +43,9 @@ fn both_windows_find_discs_and_ellipses_to_a_pixel() {
     }
 }
 
-/// The paper hopes that a larger window frees points that are held; where a line goes all the way round it does not.
+/// The paper expects that a larger window frees points that are stuck on a line; this is not so for a closed line.
 #[test]
-fn a_faint_line_around_a_thing_holds_the_contour_and_is_reported() {
+fn a_faint_line_around_an_object_stops_the_contour_and_is_reported() {
     let shape = [100.0, 80.0, 35.0, 35.0];
     let disc = ellipse(200, 160, shape, 0.2, 0.9);
     let settled = |window_px: usize, is_line: &dyn Fn(f64, f64) -> bool| {
@@ -81,7 +81,7 @@ fn a_faint_line_around_a_thing_holds_the_contour_and_is_reported() {
 }
 
 #[test]
-fn a_contour_on_nothing_is_stuck_and_says_so() {
+fn a_contour_in_a_uniform_picture_is_stuck_and_gives_a_warning() {
     let blank = grey(120, 90, |_, _| 0.5);
     let sought = Sought {
         start_px: around([60.0, 45.0, 30.0, 30.0], 1.0, 20),
@@ -117,7 +117,7 @@ fn a_contour_outside_of_the_picture_or_of_two_points_is_refused() {
 }
 
 #[test]
-fn distances_to_an_outline_are_those_to_its_sides() {
+fn distances_to_an_outline_are_distances_to_its_sides() {
     let square = [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]];
     let apart = |points: &[[f64; 2]]| mean_distance_px(points, &square).unwrap();
     assert_eq!(apart(&[[5.0, 3.0]]), 3.0);

@@ -1,29 +1,29 @@
-//! Another program that reads: what it says, and what is said where it is missing, fails, hangs or writes no text.
+//! Tests of calling another program: its output, and the errors if it is missing, fails, hangs or writes no text.
 #![cfg(unix)]
 
 use std::time::{Duration, Instant};
 
 use realgap_vision::Program;
 
-/// What a shell script makes of an input.
+/// The output of a shell script for an input.
 fn asked(script: &'static [&'static str], input: &[u8]) -> realgap_core::Result<String> {
     Program::new("sh", script, "install sh").read(input)
 }
 
 #[test]
-fn a_program_is_given_all_and_heard_to_its_end() {
+fn a_program_receives_all_input_and_its_whole_output_is_read() {
     let heard = asked(&["-c", "tr a-z A-Z"], b"room 42\nexit").unwrap();
     assert_eq!(heard, "ROOM 42\nEXIT");
-    // More than a pipe holds, both ways at once, beside as many complaints.
+    // More data than a pipe can buffer, in both directions at once, and as much on the standard error.
     let input = vec![b'x'; 900_000];
     let heard = asked(&["-c", "tee /dev/stderr"], &input).unwrap();
     assert_eq!(heard.len(), input.len());
-    // What does not want its input is no error.
+    // A program that does not read its input is not an error.
     assert_eq!(asked(&["-c", "echo EXIT"], &input).unwrap(), "EXIT\n");
 }
 
 #[test]
-fn a_program_that_is_missing_fails_or_writes_no_text_is_named_with_what_to_do() {
+fn the_error_for_a_program_that_is_missing_fails_or_writes_no_text_has_a_hint() {
     let refused = |program: &Program, expected: &[&str]| {
         let said = program.read(b"picture").unwrap_err().to_string();
         for word in expected {
@@ -58,14 +58,14 @@ fn a_program_that_is_missing_fails_or_writes_no_text_is_named_with_what_to_do() 
 }
 
 #[test]
-fn a_program_that_hangs_is_ended_in_time_and_nothing_of_it_is_left() {
+fn a_program_that_hangs_is_killed_at_the_time_limit_and_leaves_no_process() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name).display().to_string();
     for (name, rest) in [
         ("silent", "exec sleep 60"),
-        // It says that it is done and is not.
+        // It closes its output but does not end.
         ("closed", "exec >&- 2>&-; exec sleep 60"),
-        // It leaves something behind that holds its pipes.
+        // It leaves a child process that holds its pipes open.
         ("forked", "sleep 3 & exec sleep 60"),
     ] {
         let script = format!("echo $$ > {}; {rest}", at(name));
@@ -80,14 +80,14 @@ fn a_program_that_hangs_is_ended_in_time_and_nothing_of_it_is_left() {
         );
         assert!(begun.elapsed() < Duration::from_secs(10), "{name}");
         let process = std::fs::read_to_string(at(name)).unwrap();
-        // A process that nobody has asked how it ended would still be listed.
+        // A process that was killed but not waited for would still be listed.
         let is_left = std::path::Path::new("/proc").join(process.trim()).exists();
         assert!(!is_left, "{name}: {process}");
     }
 }
 
 #[test]
-fn a_version_is_the_first_line_of_what_is_said_of_it() {
+fn the_version_is_the_first_line_of_output() {
     let bash = Program::new("bash", &[], "");
     let version = bash.version().unwrap();
     assert!(version.starts_with("GNU bash, version"), "{version}");

@@ -1,4 +1,4 @@
-//! Reading text: clean, turned, of other sizes, spotted; the error rate.
+//! Tests of recognising text: clean, rotated, of other sizes, with noise; and of the error rate.
 
 use std::sync::Arc;
 
@@ -28,7 +28,7 @@ fn read(picture: &Grey, sought: &Sought) -> (f64, String) {
     (rate, found.feature.text.unwrap())
 }
 
-/// At 20 pixels to the em the narrow blank before a `j` is no wider than the gap after a `1`.
+/// At 20 pixels to the em, the narrow space before a `j` is not wider than the gap after a `1`.
 #[test]
 fn clean_text_is_read_without_an_error_from_24_pixels_to_the_em_on() {
     let sought = sought();
@@ -45,7 +45,7 @@ fn clean_text_is_read_without_an_error_from_24_pixels_to_the_em_on() {
 }
 
 #[test]
-fn turned_text_is_turned_back() {
+fn rotated_text_is_straightened() {
     let sought = sought();
     let page = print_text(TEXT, 40.0, 0.1).unwrap();
     for angle_deg in [-9.0_f64, -3.3, 1.7, 6.0] {
@@ -56,7 +56,7 @@ fn turned_text_is_turned_back() {
 }
 
 #[test]
-fn bright_paper_or_dim_light_does_not_matter_and_spots_are_filtered() {
+fn text_is_read_at_any_brightness_and_with_noise() {
     let sought = sought();
     let page = print_text(TEXT, 40.0, 0.1).unwrap();
     let dim = |low: f32, high: f32| {
@@ -82,7 +82,7 @@ fn bright_paper_or_dim_light_does_not_matter_and_spots_are_filtered() {
 }
 
 #[test]
-fn an_empty_page_has_no_text_and_no_page_too_small_for_letters_fails() {
+fn an_empty_or_very_small_page_has_no_text_and_is_not_an_error() {
     let sought = sought();
     for page in [
         print_text(" ", 40.0, 0.0).unwrap(),

@@ -1,4 +1,4 @@
-//! A camera on a body: it sees what a camera at the same place sees, and what moves while it exposes is smeared.
+//! Tests of a camera on a body: it takes the same pictures as a fixed camera at the same pose, with motion blur.
 
 use nalgebra::{UnitQuaternion, Vector3};
 use realgap_core::file::Source;
@@ -8,7 +8,7 @@ use realgap_vision::camera::{Camera, Pose, Ride, Scene, View, take};
 
 use crate::common;
 
-/// The shipped room with a small camera without noise, on a mount that begins at (3, 1) m and looks along the motion's x axis.
+/// The shipped scene with a small camera without noise, on a mount that begins at (3, 1) m and looks along the motion's x axis.
 fn room() -> Scene {
     let text = std::fs::read_to_string(common::project().join("scenes/room.ron")).unwrap();
     let (before, after) = (
@@ -63,7 +63,7 @@ fn sharpness(picture: &Grey) -> [f64; 2] {
 }
 
 #[test]
-fn a_body_at_rest_carries_its_camera_to_where_the_mount_says() {
+fn a_camera_on_a_body_at_rest_has_the_pose_of_the_mount() {
     let scene = room();
     let rest = motion(0.0, 0.0);
     let ride = Ride::new(&scene, &scene.mounts[0], &rest).unwrap();
@@ -85,7 +85,7 @@ fn a_body_at_rest_carries_its_camera_to_where_the_mount_says() {
         .zip(seen(&scene, &rest).values().to_vec());
     let worst = off.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
     assert!(worst < 0.01, "{worst}");
-    // A second at 0.4 m/s on: the motion's x axis is the room's y axis.
+    // After a second at 0.4 m/s; the motion's x axis is the room's y axis.
     let driving = motion(0.4, 0.0);
     let ride = Ride::new(&scene, &scene.mounts[0], &driving).unwrap();
     let place = ride.pose_at(1.0).unwrap().place_m;
@@ -96,10 +96,10 @@ fn a_body_at_rest_carries_its_camera_to_where_the_mount_says() {
 }
 
 #[test]
-fn turning_smears_as_a_turning_camera_does_and_driving_smears_the_border() {
+fn turning_blurs_the_whole_picture_and_driving_ahead_blurs_its_border() {
     let scene = room();
     let still = sharpness(&seen(&scene, &motion(0.0, 0.0)));
-    // 4 rad/s for 0.02 s: 0.08 rad are 10.7 pixels.
+    // At 4 rad/s, the camera turns by 0.08 rad in 0.02 s, which are 10.7 pixels.
     let turning = seen(&scene, &motion(0.0, 4.0));
     let [border, middle] = sharpness(&turning);
     assert!(
@@ -121,7 +121,7 @@ fn turning_smears_as_a_turning_camera_does_and_driving_smears_the_border() {
         .collect();
     let apart = realgap_core::statistics::mean(&apart);
     assert!(apart < 0.01, "{apart}");
-    // Fast ahead: what is aside passes by, what is ahead grows only.
+    // Driving fast ahead, things at the side move through the picture, and things ahead only grow.
     let start = motion(0.0, 0.0);
     let fast = motion(30.0, 0.0);
     let ride = Ride::new(&scene, &scene.mounts[0], &fast).unwrap();

@@ -1,4 +1,4 @@
-//! Camera settings found in pictures: those of a stand-in, which are known.
+//! Tests of tuning a camera: the known settings of a stand-in camera are recovered from its pictures.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use realgap_vision::{PictureSource, ViewsFile};
 
 use crate::common;
 
-/// The shipped room with a small camera that does not set its own gain, and a stand-in with these settings.
+/// The shipped scene with a small camera without automatic gain control, and a stand-in with these settings.
 fn room(standin: &str) -> Scene {
     let text = std::fs::read_to_string(common::project().join("scenes/room.ron")).unwrap();
     let (before, after) = (
@@ -31,7 +31,7 @@ fn room(standin: &str) -> Scene {
     Scene::parse(&Source::new("room.ron", text)).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Settings that nobody has told the fit.
+/// The settings of the stand-in, which the fit does not know.
 fn hidden(seed: u64) -> String {
     let mut rng = Numbered::SensorReading.generator(seed, 50);
     let mut between = |low: f64, high: f64| low + (high - low) * rng.random::<f64>();
@@ -104,7 +104,7 @@ fn truths(camera: &Camera) -> [f64; 8] {
 }
 
 #[test]
-fn hidden_settings_are_found_within_their_intervals_and_held_out_views_agree() {
+fn the_settings_of_a_stand_in_are_within_their_intervals_and_held_out_views_agree() {
     if !common::is_long_run("settings of a camera") {
         return;
     }
@@ -126,7 +126,7 @@ fn hidden_settings_are_found_within_their_intervals_and_held_out_views_agree() {
     );
     assert_eq!(found.real, PictureSource::StandIn);
     assert_eq!(found.held_out_views, ["left", "high"]);
-    // The file says the same camera.
+    // The camera is read back unchanged from its file.
     let root = tempfile::tempdir().unwrap();
     let path = root.path().join("tuned.ron");
     std::fs::write(&path, found.camera.to_ron().unwrap()).unwrap();
@@ -138,7 +138,7 @@ fn hidden_settings_are_found_within_their_intervals_and_held_out_views_agree() {
 /// A long one, for docs/validation/vision.md.
 #[test]
 #[ignore = "minutes"]
-fn intervals_of_camera_settings_hold_the_truth_as_often_as_they_promise() {
+fn intervals_of_camera_settings_contain_the_truth_as_often_as_stated() {
     let (mut held, mut asked) = ([0; 8], 0);
     let count = std::env::var("CAMERAS").map_or(20, |n| n.parse().unwrap());
     let mut names = Vec::new();
@@ -165,7 +165,7 @@ fn intervals_of_camera_settings_hold_the_truth_as_often_as_they_promise() {
     assert!(all as f64 >= 0.85 * f64::from(8 * asked), "{all}");
 }
 
-/// What cannot be seen is not said: where the camera sets its own gain, pictures look the same with any.
+/// With automatic gain control, pictures do not depend on the gain, so the gain must be reported as undetermined.
 #[test]
 fn a_gain_that_the_camera_sets_itself_is_not_determined() {
     if !common::is_long_run("settings of a camera") {
@@ -192,7 +192,7 @@ fn a_gain_that_the_camera_sets_itself_is_not_determined() {
     let gain = found.settings.iter().find(|s| s.name == "gain").unwrap();
     assert_ne!(gain.known, Known::Determined, "{gain:?}");
     assert_eq!(found.held_out_views, ["door", "left"]);
-    // And what cannot be done is refused.
+    // Impossible requests are refused.
     let refused = |options: &CameraOptions, start: &Camera, folder: &Path| {
         tune_camera(&scene, start, light, folder, options, None)
             .unwrap_err()
@@ -219,7 +219,7 @@ fn a_gain_that_the_camera_sets_itself_is_not_determined() {
         error.contains("kitchen") && error.contains("window"),
         "{error}"
     );
-    // Views that were swapped.
+    // Pictures with the names of other views are refused.
     for name in ["door", "right", "corner", "low"] {
         std::fs::copy(
             root.path().join("high.png"),

@@ -1,4 +1,4 @@
-//! Files that are no pictures, unusual ones, and things that cannot be in a picture.
+//! Tests of files that are not pictures, of unusual pictures, and of impossible requests.
 
 use realgap_vision::{Extractor, Grey, Picture, Region, Script, Sought, Template, correlation_map};
 
@@ -27,7 +27,7 @@ fn refused(bytes: &[u8]) -> String {
 }
 
 #[test]
-fn what_is_no_picture_is_said_to_be_none() {
+fn a_file_that_is_not_a_picture_gives_an_error() {
     assert!(refused(b"").contains("an empty file"));
     let text = refused(b"t_s,x_m,y_m\n0,0,0\n");
     assert!(
@@ -44,9 +44,9 @@ fn what_is_no_picture_is_said_to_be_none() {
     assert!(folder.contains("this is a folder"), "{folder}");
 }
 
-/// The header alone says 100 megapixels: nothing of that size is asked for.
+/// A header that states 100 megapixels is refused before memory for the picture is allocated.
 #[test]
-fn a_hundred_megapixels_are_refused_before_they_take_memory() {
+fn a_hundred_megapixels_are_refused_before_memory_is_allocated() {
     let mut bytes = texture(8, 8).picture().to_png().unwrap();
     bytes[16..20].copy_from_slice(&10_000_u32.to_be_bytes());
     bytes[20..24].copy_from_slice(&10_000_u32.to_be_bytes());
@@ -127,7 +127,7 @@ fn a_picture_of_one_pixel_goes_through_every_filter() {
 }
 
 #[test]
-fn templates_larger_than_the_picture_or_the_same_everywhere_are_refused() {
+fn templates_that_are_larger_than_the_picture_or_uniform_are_refused() {
     let small = texture(20, 20);
     let error = correlation_map(&small, &texture(21, 5))
         .unwrap_err()

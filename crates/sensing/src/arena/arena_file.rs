@@ -1,4 +1,4 @@
-//! The RON form of an arena.
+//! Reads arenas from RON files.
 
 use std::path::Path;
 
@@ -13,16 +13,16 @@ use realgap_core::file::{Source, parse_ron};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Arena")]
 pub struct ArenaFile {
-    /// Its name.
+    /// Name of the arena.
     name: String,
     /// Width and depth of the field, from (0, 0), metres.
     size_m: [f64; 2],
     /// Whether there are walls around the field.
     boundary: Boundary,
-    /// Corners of a closed wall around rooms, the last the first again.
+    /// Corners of a closed wall, metres; the last entry repeats the first.
     #[serde(default)]
     outline_m: Vec<[f64; 2]>,
-    /// Thickness of that wall, metres.
+    /// Thickness of the closed wall, metres.
     #[serde(default = "thin")]
     outline_thickness_m: f64,
     /// Straight walls.
@@ -31,13 +31,13 @@ pub struct ArenaFile {
     /// Boxes.
     #[serde(default)]
     boxes: Vec<BoxFile>,
-    /// Round things.
+    /// Circular obstacles.
     #[serde(default)]
     circles: Vec<CircleFile>,
     /// Radio stations.
     #[serde(default)]
     anchors: Vec<Anchor>,
-    /// Where robots start; else nowhere in particular.
+    /// Start pose of robots; optional.
     start: Option<StartFile>,
 }
 
@@ -52,7 +52,7 @@ struct WallFile {
     /// Thickness, metres.
     #[serde(default = "thin")]
     thickness_m: f64,
-    /// What it is made of; radio models may have a loss for each material.
+    /// Material of the wall; radio models may have a loss for each material.
     #[serde(default)]
     material: String,
 }
@@ -65,10 +65,10 @@ struct BoxFile {
     centre_m: [f64; 2],
     /// Half of its sides, metres.
     half_m: [f64; 2],
-    /// Turn to the left, degrees.
+    /// Rotation of the box counter-clockwise, degrees.
     #[serde(default)]
     turn_deg: f64,
-    /// What it is made of.
+    /// Material of the box.
     #[serde(default)]
     material: String,
 }
@@ -81,27 +81,27 @@ struct CircleFile {
     centre_m: [f64; 2],
     /// Radius, metres.
     radius_m: f64,
-    /// What it is made of.
+    /// Material of the circle.
     #[serde(default)]
     material: String,
 }
 
-/// A place in an arena.
+/// A start pose in an arena.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Start")]
 pub struct StartFile {
-    /// Place to the right, metres.
+    /// Coordinate x of the start, metres.
     x_m: f64,
-    /// Place up, metres.
+    /// Coordinate y of the start, metres.
     y_m: f64,
-    /// Heading from the x axis to the left, degrees.
+    /// Heading counter-clockwise from the x axis, degrees.
     #[serde(default)]
     heading_deg: f64,
 }
 
 impl StartFile {
-    /// The place, metres, and the heading, radians.
+    /// The position x and y, metres, and the heading, radians.
     pub fn pose(self) -> [f64; 3] {
         [self.x_m, self.y_m, self.heading_deg.to_radians()]
     }
@@ -111,10 +111,10 @@ fn thin() -> f64 {
     0.01
 }
 
-/// Largest field, metres, and most objects.
+/// Largest size of a field, metres, and largest number of objects.
 const LARGEST_M: f64 = 1e4;
 const MOST: usize = 10_000;
-/// An outline is closed where it ends this near to where it began, metres.
+/// An outline is closed if its last corner is within this distance of its first corner, metres.
 const CLOSED_M: f64 = 1e-6;
 
 impl Arena {
@@ -126,7 +126,7 @@ impl Arena {
         Self::parse(&Source::read(path, "arena")?)
     }
 
-    /// The arena in a text.
+    /// Parses an arena from a text.
     ///
     /// # Errors
     /// As [`Arena::read`].
@@ -166,7 +166,7 @@ fn wrong(field: &str, message: &str, found: impl std::fmt::Display, allowed: &st
 }
 
 impl ArenaFile {
-    /// Everything that stands in it.
+    /// All obstacles of the arena.
     fn objects(&self) -> Result<Vec<Object>> {
         if !self.size_m.iter().all(|s| *s > 0.0 && *s <= LARGEST_M) {
             return Err(wrong(

@@ -1,22 +1,22 @@
-//! What a beam meets.
+//! Casts beams in an arena: the first hit of a beam, and the walls between two points.
 
 use super::{Arena, Object, Shape};
 
-/// Where a beam meets an object.
+/// The first hit of a beam on an object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
-    /// Distance along the beam, metres; 0 where the beam begins inside of the object.
+    /// Distance along the beam, metres; 0 if the beam begins inside of the object.
     pub distance_m: f64,
     /// Angle between the beam and the normal of the surface, radians, 0 to π/2.
     pub incidence_rad: f64,
-    /// Angle between the sensor's axis and the beam, radians; 0 but in a cone.
+    /// Angle between the sensor's axis and the beam, radians; 0 for a single beam.
     pub offset_rad: f64,
     /// Index of the object.
     pub object: usize,
 }
 
 impl Arena {
-    /// What a beam from a point in a direction (radians from +x) meets first; `None` where nothing stands in its way.
+    /// The first hit of a beam from a point in a direction (radians from +x); `None` if the beam hits no object.
     pub fn cast(&self, from_m: [f64; 2], direction_rad: f64) -> Option<Hit> {
         let (sin, cos) = direction_rad.sin_cos();
         let mut nearest: Option<(f64, f64, usize)> = None;
@@ -39,8 +39,8 @@ impl Arena {
         })
     }
 
-    /// What the nearest of several beams meets, spread evenly over a cone of this half angle about a direction; the ideal line for one
-    /// beam.
+    /// The nearest hit of several beams that are spread evenly over a cone of this half angle about a direction; with one beam, the
+    /// hit along the direction itself.
     pub fn cast_cone(
         &self,
         from_m: [f64; 2],
@@ -64,20 +64,21 @@ impl Arena {
     }
 }
 
-/// Room for rounding in [`Object::may_meet`].
+/// Factor on the squared radius in [`Object::may_meet`] that allows for rounding errors.
 const ROUNDING: f64 = 1.0 + 1e-9;
+
 /// A wall between two points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crossing {
-    /// Length of the line within it, metres.
+    /// Length of the line within the wall, metres.
     pub thickness_m: f64,
-    /// Index of the object; of several that touch each other, the one with most of the length.
+    /// Index of the object; if the wall consists of several objects, the one with the longest part of the line.
     pub object: usize,
 }
 
 impl Arena {
-    /// The walls between two points, in order; objects that touch along the line are one wall, and what holds one of the two points
-    /// is not between them.
+    /// The walls between two points, in order. Objects that touch each other along the line count as one wall. An object that contains
+    /// one of the two points is not counted.
     pub fn crossings(&self, from_m: [f64; 2], to_m: [f64; 2]) -> Vec<Crossing> {
         let [dx, dy] = [to_m[0] - from_m[0], to_m[1] - from_m[1]];
         let length_m = dx.hypot(dy);
@@ -92,7 +93,7 @@ impl Arena {
             .filter_map(|(index, object)| {
                 let span = object.span(from_m, direction)?;
                 let is_between = span.enter_m > 0.0 && span.leave_m < length_m;
-                // Touched at a corner only.
+                // An object that the line touches at a corner only is not crossed.
                 let is_crossed = span.leave_m - span.enter_m > 1e-9;
                 (is_between && is_crossed).then_some((span.enter_m, span.leave_m, index))
             })
@@ -126,16 +127,16 @@ const TOUCHING_M: f64 = 1e-6;
 
 /// The part of a line that lies in an object.
 struct Span {
-    /// Where it enters, metres along the line; may be negative.
+    /// Where the line enters the object, metres along the line; may be negative.
     enter_m: f64,
-    /// Where it leaves.
+    /// Where the line leaves the object, metres along the line.
     leave_m: f64,
-    /// Cosine of the angle to the normal where it enters.
+    /// Cosine of the angle between the line and the normal of the surface where the line enters.
     along_normal: f64,
 }
 
 impl Object {
-    /// False where a beam passes the circle around the object: most beams pass most objects.
+    /// A fast test: false if a beam misses the circle around the object. Most beams miss most objects.
     fn may_meet(&self, from_m: [f64; 2], [cos, sin]: [f64; 2]) -> bool {
         let radius2 = match self.shape {
             Shape::Circle { radius_m } => radius_m * radius_m,
@@ -154,7 +155,7 @@ impl Object {
         (span.leave_m >= 0.0).then(|| (span.enter_m.max(0.0), span.along_normal))
     }
 
-    /// What of a line of unit direction lies in it.
+    /// The part of a line of unit direction that lies in the object.
     fn span(&self, from_m: [f64; 2], [cos, sin]: [f64; 2]) -> Option<Span> {
         let [x, y] = self.local(from_m);
         match self.shape {

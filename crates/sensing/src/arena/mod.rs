@@ -1,6 +1,7 @@
-//! Arenas: a field with its boundary, walls, boxes and circles; what a beam meets in it.
+//! Arenas: a field with its boundary, walls, boxes and circles, in which beams are cast.
 //!
-//! Beams are closed forms (slabs of turned boxes, circles), exact and without a scene to build: an arena has tens of objects.
+//! Intersections of beams with boxes and circles are computed in closed form. An arena has tens of objects, so that no acceleration
+//! structure is needed.
 //!
 //! ```
 //! use realgap_sensing::arena::Arena;
@@ -21,17 +22,17 @@ pub use arena_file::ArenaFile;
 pub use arena_file::StartFile;
 pub use cast::{Crossing, Hit};
 
-/// What ends the field.
+/// The boundary of the field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Boundary {
     /// Walls all round.
     Solid,
-    /// Nothing: beams leave it.
+    /// No walls: beams leave the field.
     Open,
 }
 
-/// What an object looks like from above.
+/// The shape of an object seen from above.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shape {
     /// A box, turned about its centre.
@@ -48,7 +49,7 @@ pub enum Shape {
     },
 }
 
-/// Something that stands in the field.
+/// An obstacle in the field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Object {
     /// Centre, metres.
@@ -59,31 +60,31 @@ pub struct Object {
     pub material: String,
 }
 
-/// A sender or receiver of radio waves that stays where it is.
+/// A fixed radio station: a sender or receiver of radio waves.
 #[derive(Debug, Clone, PartialEq, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Anchor {
-    /// Its name, as in the columns of logs.
+    /// Name of the anchor, as in the columns of logs.
     pub name: String,
-    /// Its place: x, y and height above the floor, metres.
+    /// Position of the anchor: x, y and height above the floor, metres.
     pub position_m: [f64; 3],
 }
 
-/// A field with what stands in it.
+/// A field with its obstacles and radio anchors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arena {
-    /// Its name.
+    /// Name of the arena.
     pub name: String,
-    /// From (0, 0) to here, metres.
+    /// Width and depth of the field, which begins at (0, 0), metres.
     pub size_m: [f64; 2],
-    /// What ends it.
+    /// Boundary of the field.
     pub boundary: Boundary,
-    /// What stands in it; the walls of a solid boundary and an outline are among them.
+    /// Obstacles in the field, including the walls of a solid boundary and of an outline.
     pub objects: Vec<Object>,
-    /// Radio stations that stay where they are.
+    /// Fixed radio stations.
     pub anchors: Vec<Anchor>,
-    /// Where robots begin: x, y in metres and heading in radians.
+    /// Start pose of robots: x, y in metres and heading in radians.
     pub start: Option<[f64; 3]>,
 }
 
@@ -95,7 +96,7 @@ impl Arena {
             .position(|object| object.distance_m(point_m) < 0.0)
     }
 
-    /// Distance from a point to the nearest object, metres; negative inside of one, infinite where there is none.
+    /// Distance from a point to the nearest object, metres; negative inside of an object, infinite in an arena without objects.
     pub fn clearance_m(&self, point_m: [f64; 2]) -> f64 {
         self.objects
             .iter()
@@ -106,7 +107,7 @@ impl Arena {
     /// Checks that a robot of this radius can stand here.
     ///
     /// # Errors
-    /// It would stand in an object, or outside of the field.
+    /// The robot would overlap an object, or would be outside of the field.
     pub fn check_place(&self, point_m: [f64; 2], radius_m: f64) -> Result<()> {
         let [x, y] = point_m;
         let is_in = (0.0..=self.size_m[0]).contains(&x) && (0.0..=self.size_m[1]).contains(&y);
@@ -131,16 +132,16 @@ impl Arena {
 }
 
 impl Anchor {
-    /// Checks it beside those before it.
+    /// Checks this anchor, and that its name differs from those of the anchors before it.
     ///
     /// # Errors
-    /// No name, the name of another one, a place that is not finite.
+    /// No name, the name of another anchor, a position that is not finite.
     pub fn check(&self, before: &[Self]) -> Result<()> {
         if self.name.is_empty() || before.iter().any(|other| other.name == self.name) {
             return Err(Error::invalid("not the name of an anchor")
                 .field("name")
                 .found(format!("`{}`", self.name))
-                .allowed("a name of its own"));
+                .allowed("a name that no other anchor has"));
         }
         if self.position_m.iter().any(|v| !v.is_finite()) {
             return Err(Error::invalid("not a place")
@@ -179,7 +180,7 @@ impl Object {
         }
     }
 
-    /// The corners of a box, or points around a circle, metres: for pictures.
+    /// The corners of a box, or points on a circle, for drawing, metres.
     pub fn outline_m(&self) -> Vec<[f64; 2]> {
         let [cx, cy] = self.centre_m;
         match self.shape {

@@ -1,15 +1,16 @@
-//! The density of a reading over a cell of distances that the sensor may tell apart.
+//! The mean density of a reading over a cell of distances, for sensors that resolve distances within a cell.
 
 use crate::range::{Beam, RangeSensor};
 
-/// Halvings until a distance within a cell is found: to a billionth of the cell.
+/// Number of bisection steps by which a distance within a cell is found, to a billionth of the cell.
 const HALVINGS: usize = 30;
 
 /// Logarithm of the mean density of a reading over the distances between the edges.
 ///
-/// Where the mean reading changes by less than its spread within the cell, the middle stands for all of it. Elsewhere only a share of
-/// the cell, the spread over that change, can have given the reading: it has the density of the distance that fits the reading best,
-/// and the rest that of the edge that fits worst (which is 0, or that of nonsense).
+/// If the mean reading changes within the cell by less than the standard deviation of readings, the density at the middle is used for
+/// the whole cell. Otherwise only a share of the cell (the standard deviation divided by that change) can have given the reading.
+/// This share gets the density at the distance that fits the reading best, and the rest the density at the edge that fits worst
+/// (which is 0, or the density of outliers).
 pub(super) fn log_density(
     sensor: &dyn RangeSensor,
     reading: f64,
@@ -21,7 +22,7 @@ pub(super) fn log_density(
     let (low, high) = (mean(low_m), mean(high_m));
     let change = (high - low).abs();
     let sd = sensor.sd(&Beam::straight(middle_m));
-    // A mean that is not finite leaves the middle, too.
+    // The middle is used, too, if the mean is not finite.
     if change.is_nan() || change <= sd {
         return at(middle_m);
     }

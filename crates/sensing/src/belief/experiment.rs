@@ -1,4 +1,5 @@
-//! Many trials of a few readings at a distance: what is believed, for a simulated sensor and for a real log (paper 000, section 5.1).
+//! Runs the Bayes filter on many trials of a few readings at a distance, for a simulated sensor and for a real log (paper 000,
+//! section 5.1).
 
 use std::fmt;
 
@@ -15,20 +16,20 @@ use realgap_core::table::Side::{Left, Right};
 use realgap_core::table::TextTable;
 use realgap_core::warning::{Code, Warning};
 
-/// What is tried.
+/// Options of the trials.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BeliefOptions {
     /// True distances at the beginning of a trial, in the model's unit.
     pub distances: Vec<f64>,
-    /// Trials.
+    /// Number of trials at each distance.
     pub trials: usize,
-    /// Readings of a trial.
+    /// Number of readings of a trial.
     pub readings: usize,
-    /// Cells of the grid over the sensor's range.
+    /// Number of cells of the grid over the sensor's range.
     pub cells: usize,
-    /// How much closer the robot comes from one reading to the next, in the model's unit; 0 stands still.
+    /// Distance by which the robot approaches from one reading to the next, in the model's unit; 0 for a robot that stands still.
     pub approach: f64,
-    /// Standard deviation of that, which robot and filter know.
+    /// Standard deviation of the approach that the filter uses, in the model's unit.
     pub approach_sd: f64,
     /// Seed of the simulated readings.
     pub seed: u64,
@@ -48,25 +49,25 @@ impl Default for BeliefOptions {
     }
 }
 
-/// What is believed after the readings of many trials.
+/// The beliefs after the readings of many trials.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TrialSet {
-    /// Trials.
+    /// Number of trials.
     pub trials: usize,
-    /// Probability of each cell, mean over the trials.
+    /// Probability of each cell, averaged over the trials.
     pub mean: Vec<f64>,
-    /// This is the 5 % quantile over the trials.
+    /// 5 % quantile of the probability of each cell over the trials.
     pub q05: Vec<f64>,
-    /// 95 % quantile over the trials: a 90 % band.
+    /// 95 % quantile of the probability of each cell over the trials; together with the 5 % quantile, a band of 90 %.
     pub q95: Vec<f64>,
-    /// Standard deviation of a trial's belief, mean over the trials, in the model's unit.
+    /// Standard deviation of a trial's belief, averaged over the trials, in the model's unit.
     pub belief_sd: f64,
-    /// Mean of the beliefs' means less the true distance, in the model's unit.
+    /// Mean of the beliefs minus the true distance, averaged over the trials, in the model's unit.
     pub bias: f64,
-    /// Share of trials whose 90 % credible interval holds the true distance.
+    /// Share of trials whose 90 % credible interval contains the true distance.
     pub held: f64,
-    /// How often all mass was gone.
+    /// How often a belief was set to the uniform distribution because a reading was impossible at every distance.
     pub restarts: usize,
 }
 
@@ -76,18 +77,18 @@ pub struct TrialSet {
 pub struct DistanceBelief {
     /// True distance at the end of a trial, in the model's unit.
     pub distance: f64,
-    /// The cells, in the model's unit.
+    /// Distances of the cells, in the model's unit.
     pub cells: Vec<f64>,
-    /// These are the trials of the simulated sensor.
+    /// The trials of the simulated sensor.
     pub simulated: TrialSet,
-    /// The trials of the real log, where there is one.
+    /// The trials of the real log, if there is one.
     pub real: Option<TrialSet>,
-    /// Readings of the log at this distance.
+    /// Number of readings of the log at this distance.
     pub logged: Option<usize>,
-    /// Common area of the two mean beliefs, 0 to 1.
+    /// Common area of the simulated and the real mean belief, 0 to 1.
     pub overlap: Option<f64>,
-    /// Standard deviation that a Kalman filter believes after as many readings, in the model's unit, where the mean is linear and the
-    /// robot stands still.
+    /// Standard deviation of a Kalman filter after as many readings, in the model's unit; `None` unless the mean reading is linear in
+    /// the distance and the robot stands still.
     pub kalman_sd: Option<f64>,
 }
 
@@ -97,21 +98,21 @@ pub struct DistanceBelief {
 pub struct BeliefReport {
     /// Symbol of the model's unit of length.
     pub unit: &'static str,
-    /// Readings of a trial.
+    /// Number of readings of a trial.
     pub readings: usize,
-    /// Distance by distance.
+    /// The beliefs at each distance.
     pub distances: Vec<DistanceBelief>,
-    /// What the reader should know.
+    /// Warnings to the reader.
     pub warnings: Vec<Warning>,
 }
 
-/// A belief whose standard deviation is below this share of a cell is one of the grid, not of the sensor.
+/// If the standard deviation of a belief is below this share of a cell, it is determined by the grid rather than by the sensor.
 const NARROW: f64 = 0.6;
 /// Level of credible intervals and bands.
 const LEVEL: f64 = 0.9;
 
 impl BeliefReport {
-    /// Believes readings of the model, and of a log where there is one.
+    /// Runs the filter on readings that the model draws, and on readings of a log if there is one.
     ///
     /// # Errors
     /// No distance, distances that are not positive, no trials or readings, a log in other units or without readings at a distance, a
@@ -167,20 +168,20 @@ impl BeliefReport {
             .map(|s| s.simulated.restarts + s.real.as_ref().map_or(0, |r| r.restarts))
             .sum();
         let cell = grid(model, options).cell_m() / metres;
-        // Beliefs of a robot that stands still are looked at in finer cells; a motion is believed on one grid.
+        // For a robot that stands still, the grid is refined; for a moving robot, all beliefs are on one grid.
         let narrow = |side: &&DistanceBelief| {
             options.approach != 0.0 && side.simulated.belief_sd < NARROW * cell
         };
         if let Some(side) = distances.iter().find(narrow) {
             warnings.push(Code::CoarseGrid.warning(format!(
-                "cells of {cell:.3} {} are too wide for beliefs at {}: take more of them",
+                "cells of {cell:.3} {} are too wide for beliefs at {}: use more cells",
                 model.distance_unit.symbol(),
                 side.distance
             )));
         }
         if restarts > 0 {
             warnings.push(Code::BeliefRestarted.warning(format!(
-                "readings were impossible at every distance {restarts} times; the belief began again from the uniform one"
+                "{restarts} readings were impossible at every distance; the belief was set to the uniform distribution after each of them"
             )));
         }
         Ok(Self {
@@ -230,7 +231,7 @@ fn check(model: &RangeModel, log: Option<&ReadingLog>, options: &BeliefOptions) 
     Ok(())
 }
 
-/// Cells over the sensor's range, and over the distances of the trials where these lie outside of it.
+/// A uniform belief over the sensor's range, extended to the distances of the trials if these lie outside of it.
 fn grid(model: &RangeModel, options: &BeliefOptions) -> Belief {
     let metres = model.distance_unit.metres();
     let way = options.approach * (options.readings - 1) as f64;
@@ -241,19 +242,19 @@ fn grid(model: &RangeModel, options: &BeliefOptions) -> Belief {
     Belief::uniform(near_m, far_m, options.cells)
 }
 
-/// What is believed after the readings of one trial.
+/// The belief after the readings of one trial.
 struct Trial {
-    /// On the grid of all trials.
+    /// The belief on the grid of all trials.
     whole: Belief,
-    /// On a grid that is fine enough for this belief.
+    /// The belief on a grid that is fine enough for it.
     fine: Belief,
 }
 
-/// Cells of a finer grid, at least.
+/// Smallest number of cells of a refined grid.
 const FINE_CELLS: usize = 65;
-/// Cells of the coarser grid on each side of the mean that a finer grid spans.
+/// A refined grid extends by this number of cells of the coarser grid on each side of the mean.
 const SPAN: f64 = 2.0;
-/// Finer grids, at most: each is at least sixteen times finer.
+/// Largest number of refinements; each grid is at least sixteen times finer than the one before.
 const MOST_GRIDS: usize = 10;
 
 impl Trial {
@@ -316,7 +317,7 @@ fn logged(log: &ReadingLog, distance: f64) -> Vec<Option<f64>> {
     same.map(|r| r.value).collect()
 }
 
-/// Trials of readings of a log: one after the other while they last, then drawn again at random.
+/// Trials with readings of a log: the readings are used in order until all are used, then drawn at random with replacement.
 fn replay(
     model: &RangeModel,
     options: &BeliefOptions,
@@ -370,8 +371,8 @@ fn summary(trials: &[Trial], true_m: f64, metres: f64) -> TrialSet {
     }
 }
 
-/// What a Kalman filter believes of a constant after so many readings: gains K = P / (P + R) with R at the true distance, from the
-/// uniform belief's variance.
+/// Standard deviation of a Kalman filter for a constant distance after the readings of a trial: gains K = P / (P + R) with R at the
+/// true distance, and the variance of the uniform belief at the start.
 fn kalman_sd(model: &RangeModel, distance: f64, options: &BeliefOptions) -> Option<f64> {
     if model.mean.form.name() != "linear" || options.approach != 0.0 {
         return None;

@@ -1,4 +1,4 @@
-//! Discrete Bayes filter over the distance (paper 000, algorithm 1), in logarithms.
+//! A discrete Bayes filter over the distance (paper 000, algorithm 1), computed in logarithms.
 
 mod cell;
 mod experiment;
@@ -9,8 +9,8 @@ pub use experiment::{BeliefOptions, BeliefReport, DistanceBelief, TrialSet};
 
 /// Probabilities of distances on a grid.
 ///
-/// Logarithms keep products of many small densities apart from 0. Where a reading has density 0 everywhere (or no number is left), all
-/// mass is gone: the belief starts again from the uniform one, and counts it.
+/// The computation in logarithms avoids underflow of products of many small densities. If a reading has density 0 at every distance
+/// (or the weights are not finite), the belief is set to the uniform distribution again, and the restart is counted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Belief {
     distances_m: Vec<f64>,
@@ -19,14 +19,14 @@ pub struct Belief {
 }
 
 impl Belief {
-    /// The same belief in `cells` distances from one to the other.
+    /// A uniform belief over `cells` evenly spaced distances from `near_m` to `far_m`.
     pub fn uniform(near_m: f64, far_m: f64, cells: usize) -> Self {
         let cells = cells.max(2);
         let step = (far_m - near_m) / (cells - 1) as f64;
         Self::on((0..cells).map(|k| near_m + step * k as f64).collect())
     }
 
-    /// The same belief in each of these distances: any grid.
+    /// A uniform belief over these distances, which may be any grid.
     pub fn on(distances_m: Vec<f64>) -> Self {
         Self {
             log_weights: vec![0.0; distances_m.len()],
@@ -40,12 +40,12 @@ impl Belief {
         &self.distances_m
     }
 
-    /// How often all mass was gone.
+    /// How often the belief was set to the uniform distribution because a reading was impossible at every distance.
     pub fn restarts(&self) -> usize {
         self.restarts
     }
 
-    /// Takes a reading into account: p ← constant · p(z | d) p.
+    /// Updates the belief by a reading: p ← constant · p(z | d) p.
     pub fn observe(&mut self, sensor: &dyn RangeSensor, reading: f64) {
         for (weight, distance_m) in self.log_weights.iter_mut().zip(&self.distances_m) {
             *weight += sensor.log_density(reading, &Beam::straight(*distance_m));
@@ -53,9 +53,10 @@ impl Belief {
         self.normalise();
     }
 
-    /// As [`Belief::observe`], for a sensor that may tell distances within one cell apart: p(z | cell) is the mean over the cell
-    /// (a histogram filter; Thrun, Burgard & Fox 2005, section 4.1.2). The density at a cell's middle alone would call a reading from
-    /// between two middles impossible, and prefer the widest spread, however far away.
+    /// Updates the belief by a reading of a sensor that may resolve distances within one cell: p(z | cell) is the mean over the cell
+    /// (a histogram filter; Thrun, Burgard & Fox 2005, section 4.1.2). With the density at the middle of each cell alone, a reading
+    /// from a distance between two middles would seem impossible, and cells with the largest standard deviation of readings would be
+    /// preferred, however far away they are.
     pub fn observe_within(&mut self, sensor: &dyn RangeSensor, reading: f64) {
         let half_m = 0.5 * self.cell_m();
         let (low_m, high_m) = self.ends_m();
@@ -69,8 +70,8 @@ impl Belief {
         self.normalise();
     }
 
-    /// Takes a motion into account: the distance becomes less by `closer_m` with this standard deviation. Mass that leaves the grid
-    /// stays at its end.
+    /// Updates the belief by a motion that reduces the distance by `closer_m` with this standard deviation. Probability that would
+    /// leave the grid stays in its last cell.
     pub fn move_by(&mut self, closer_m: f64, sd_m: f64) {
         let old = self.probabilities();
         let least = self.cell_m() * 0.3;
@@ -107,7 +108,7 @@ impl Belief {
         (high - low) / (self.distances_m.len() - 1) as f64
     }
 
-    /// The mass below a distance; that of a cell lies evenly in it.
+    /// The probability below a distance; the probability of a cell is spread evenly over the cell.
     fn below(&self, distance_m: f64) -> f64 {
         let width = self.cell_m();
         let share = |middle: f64| ((distance_m - middle) / width + 0.5).clamp(0.0, 1.0);

@@ -1,4 +1,4 @@
-//! A sensorgraph against a log that it has not seen (paper 001, sections 3.2.1 and 3.2.2).
+//! Evaluates a sensorgraph on a log that was not used for its fit (paper 001, sections 3.2.1 and 3.2.2).
 
 use std::fmt;
 
@@ -20,74 +20,76 @@ use realgap_core::table::TextTable;
 use realgap_core::unit::number;
 use realgap_core::warning::{Code, Warning};
 
-/// One segment of the scan.
+/// The errors of the model and of baselines in one segment of the scan.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SegmentReport {
     /// Middle of the segment, degrees counter-clockwise from straight ahead.
     pub segment_deg: f64,
-    /// Scans in which something came back from there.
+    /// Number of scans in which a beam of the segment returned.
     pub samples: usize,
-    /// Mean absolute error, metres.
+    /// Mean absolute error of the model, metres.
     pub mean_absolute_error_m: f64,
-    /// Its standard error, metres: scans along the way count as often as their errors are independent.
+    /// Standard error of the mean absolute error, metres, corrected for the autocorrelation of errors along the path.
     pub standard_error_m: f64,
-    /// So many scans are worth one independent error.
+    /// Autocorrelation time of the errors: number of scans that contain as much information as one independent error.
     pub scans_per_error: f64,
     /// Mean absolute error of the segment's mean over the log of the fit, metres.
     pub baseline_constant_m: f64,
     /// Mean absolute error of the reading at the nearest logged pose, metres.
     pub baseline_nearest_m: Option<f64>,
-    /// Mean absolute error of ideal beams in an arena, where one is given.
+    /// Mean absolute error of ideal beams in an arena, metres; `None` without an arena.
     pub baseline_ray_casting_m: Option<f64>,
-    /// Spearman's rank correlation of predicted and actual ranges; `None` where one of the two does not vary.
+    /// Spearman's rank correlation of predicted and actual ranges; `None` if one of the two does not vary.
     pub spearman: Option<f64>,
-    /// Its p value for as many independent pairs as the way is worth; `None` where these are fewer than three.
+    /// p value of the rank correlation for the effective number of independent pairs; `None` if that number is below three.
     pub p: Option<f64>,
-    /// This is the p value of Mann and Whitney's test of the errors against those of a random guess, of as many scans as are nearly
-    /// independent.
+    /// p value of Mann and Whitney's test of the model's errors against those of random guesses, on scans that are far enough from
+    /// each other to be nearly independent.
     pub mann_whitney_p: f64,
 }
 
-/// A sensorgraph held against a log.
+/// The errors of a sensorgraph and of baselines on a log.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Evaluation {
-    /// Mean absolute error over all segments of all scans, metres.
+    /// Mean absolute error of the model over all segments of all scans, metres.
     pub mean_absolute_error_m: f64,
-    /// Its standard error, metres: of the means of ten parts of the way, because neighbouring scans err alike.
+    /// Standard error of the mean absolute error, metres. It is computed from the means of ten parts of the path, because the errors
+    /// of neighbouring scans are correlated.
     pub standard_error_m: f64,
-    /// The same error of a guess that is always the segment's mean over the log of the fit, metres.
+    /// Mean absolute error of the segment's mean over the log of the fit, metres.
     pub baseline_constant_m: f64,
-    /// Of the reading at the nearest logged pose, a radian of heading counting as a metre.
+    /// Mean absolute error of the reading at the nearest logged pose, a radian of heading counting as a metre; metres.
     pub baseline_nearest_m: Option<f64>,
-    /// Of the reading at the nearest logged place, turned to the heading: the log itself used as a map.
+    /// Mean absolute error of the reading at the nearest logged position, turned to the heading (the log used as a map), metres.
     pub baseline_nearest_turned_m: Option<f64>,
-    /// Mean absolute error of ideal beams in an arena, where one is given, metres.
+    /// Mean absolute error of ideal beams in an arena, metres; `None` without an arena.
     pub baseline_ray_casting_m: Option<f64>,
-    /// Mean absolute error of a guess drawn evenly from the ranges of the log, metres.
+    /// Mean absolute error of guesses that are drawn uniformly from the interval of the log's ranges, metres.
     pub baseline_random_m: f64,
     /// Spearman's rank correlation of predicted and actual ranges, all segments together.
     pub spearman: Option<f64>,
-    /// Its p value for as many independent pairs as the way is worth in its best segment: segments of one scan count once.
+    /// p value of the rank correlation for the effective number of independent pairs of the segment that has most of them; the
+    /// segments of one scan are not counted separately.
     pub p: Option<f64>,
-    /// This is the p value of Mann and Whitney's test of the errors against those of the random guess, of one scan in `every`.
+    /// p value of Mann and Whitney's test of the model's errors against those of random guesses, on one scan in `every`.
     pub mann_whitney_p: f64,
-    /// From so many scans to as many later the errors of every segment are nearly independent.
+    /// Number of scans after which the errors of every segment are nearly independent.
     pub every: usize,
-    /// Scans of the log.
+    /// Number of scans of the log.
     pub scans: usize,
-    /// Segments in which something came back.
+    /// Number of segments, over all scans, in which a beam returned.
     pub samples: usize,
-    /// Share of scans at places outside of the rectangle that the fit has seen.
+    /// Share of scans at positions outside of the rectangle that contains the log of the fit.
     pub outside: f64,
-    /// Segment by segment.
+    /// The errors in each segment.
     pub segments: Vec<SegmentReport>,
-    /// What the reader should know.
+    /// Warnings to the reader.
     pub warnings: Vec<Warning>,
 }
 
-/// What one segment of one scan was, and what each guess said.
+/// The actual range of one segment of one scan, and the predictions of the model and of each baseline.
 struct Sample {
     segment: usize,
     scan: usize,
@@ -100,14 +102,14 @@ struct Sample {
     cast_m: Option<f64>,
 }
 
-/// Parts of the way whose means are taken as independent.
+/// Number of parts of the path whose means are treated as independent.
 const PARTS: usize = 10;
 
 impl Evaluation {
-    /// Holds the model against a log; `arena` is where ideal beams are cast to compare with.
+    /// Evaluates the model on a log. With an arena, ideal beams that are cast in it are a further baseline.
     ///
     /// # Errors
-    /// A log whose beams do not cover the model's segments, or from which nothing came back.
+    /// A log whose beams do not cover the model's segments, or in which no beam returned.
     pub fn new(
         model: &Sensorgraph,
         log: &ScanLog,
@@ -117,8 +119,8 @@ impl Evaluation {
         let samples = samples(model, log, arena, seed);
         if samples.is_empty() {
             return Err(
-                Error::invalid("nothing came back from any segment of the model").hint(
-                    "are the beams of this log in the directions that the model was fitted to?",
+                Error::invalid("the log has no range in any segment of the model").hint(
+                    "check that the beams of this log have the directions to which the model was fitted",
                 ),
             );
         }
@@ -154,7 +156,7 @@ impl Evaluation {
         let mut warnings = Vec::new();
         if outside > 0.0 {
             warnings.push(Code::Extrapolated.warning(format!(
-                "{:.1} % of the scans were taken outside of the places that the model was fitted to",
+                "{:.1} % of the scans were taken outside of the positions to which the model was fitted",
                 100.0 * outside
             )));
         }
@@ -166,7 +168,7 @@ impl Evaluation {
             let inside = inside.count();
             if inside > 0 {
                 warnings.push(Code::InsideWall.warning(format!(
-                    "{inside} of {} scans were taken inside of a wall of the arena, or outside of its field: is it the arena of this log?",
+                    "{inside} of {} scans were taken inside of a wall of the arena, or outside of its field: check that this is the arena of the log",
                     log.scans.len()
                 )));
             }
@@ -176,7 +178,7 @@ impl Evaluation {
         if mean_absolute_error_m >= baseline_constant_m {
             warnings.push(
                 Code::BaselineNotBeaten
-                    .warning("the model foretells no better than each segment's mean does"),
+                    .warning("the model predicts no better than the mean of each segment"),
             );
         }
         let optional = |of: fn(&Sample) -> Option<f64>| {
@@ -209,7 +211,7 @@ impl Evaluation {
     }
 }
 
-/// What to know where looking the log up foretells better than a model does.
+/// A warning if looking up the log predicts better than the model.
 pub(super) fn better_lookup(model_m: f64, tried: &[(Frame, Option<f64>)]) -> Option<Warning> {
     let known = tried
         .iter()
@@ -221,12 +223,12 @@ pub(super) fn better_lookup(model_m: f64, tried: &[(Frame, Option<f64>)]) -> Opt
     };
     (error_m < model_m).then(|| {
         Code::LookupBetter.warning(format!(
-            "the scan at the nearest logged {words} is {error_m:.3} m off where the polynomials are {model_m:.3} m off: a fit in the frame `{name}` makes a model of it"
+            "the scan at the nearest logged {words} has an error of {error_m:.3} m, the polynomials one of {model_m:.3} m: fit with the frame `{name}` to use it as the model"
         ))
     })
 }
 
-/// Absolute errors of one of the guesses, where it said something.
+/// Absolute errors of one of the predictions, for the samples that have one.
 fn errors<'a>(samples: &'a [&Sample]) -> impl Fn(fn(&Sample) -> Option<f64>) -> Vec<f64> + 'a {
     move |of| {
         samples
@@ -236,7 +238,8 @@ fn errors<'a>(samples: &'a [&Sample]) -> impl Fn(fn(&Sample) -> Option<f64>) -> 
     }
 }
 
-/// p value of the errors of the samples that are `kept` against the random guess's; of all where hardly any are.
+/// p value of Mann and Whitney's test of the model's errors against those of random guesses, on the samples that are `kept`; on
+/// all samples if none is kept.
 fn against_random(samples: &[&Sample], kept: impl Fn(&Sample) -> bool) -> Result<f64> {
     let thinned: Vec<&Sample> = samples.iter().copied().filter(|s| kept(s)).collect();
     let of = errors(if thinned.is_empty() {
@@ -252,7 +255,7 @@ fn both(samples: &[&Sample]) -> (Vec<f64>, Vec<f64>) {
     samples.iter().map(|s| (s.predicted_m, s.actual_m)).unzip()
 }
 
-/// How many independent pairs of predicted and actual ranges the samples of one segment are worth.
+/// Effective number of independent pairs of predicted and actual ranges in one segment.
 fn pairs_worth(samples: &[&Sample]) -> f64 {
     let (predicted, actual) = both(samples);
     independent_pairs(&predicted, &actual)
@@ -290,7 +293,7 @@ fn segment_report(segment_deg: f64, samples: &[&Sample]) -> Result<SegmentReport
     })
 }
 
-/// Standard error of the mean from those of the parts of the way.
+/// Standard error of the mean absolute error, from the means of parts of the path.
 fn by_parts(samples: &[&Sample], scans: usize) -> f64 {
     let part = |scan: usize| scan * PARTS / scans;
     let means: Vec<f64> = (0..PARTS)

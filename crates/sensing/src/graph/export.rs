@@ -1,4 +1,4 @@
-//! A sensorgraph as functions in other languages: nothing but arithmetic, so that it runs anywhere.
+//! Exports a sensorgraph as source code in C, Python or Rust that uses arithmetic only.
 
 use super::model::{Frame, Polynomial, Sensorgraph};
 use realgap_core::error::{Error, Result};
@@ -19,7 +19,7 @@ impl Language {
     /// Every language.
     pub const ALL: [Self; 3] = [Self::C, Self::Python, Self::Rust];
 
-    /// Its name in options.
+    /// The name of the language in options.
     pub fn name(self) -> &'static str {
         match self {
             Self::C => "c",
@@ -37,7 +37,7 @@ impl Language {
     }
 }
 
-/// A number that every language reads as a floating-point one.
+/// A number as a floating-point literal that is valid in every language.
 fn literal(value: f64) -> String {
     format!("{value:?}")
 }
@@ -61,14 +61,14 @@ fn sum(polynomial: &Polynomial) -> String {
     terms.join(" + ")
 }
 
-/// A file with one function, `sensorgraph_range_m(x_m, y_m, heading_rad, segment)`, and what it needs.
+/// A source file with the function `sensorgraph_range_m(x_m, y_m, heading_rad, segment)` and everything that it calls.
 ///
 /// # Errors
-/// A model that looks its log up, and has no polynomials.
+/// A model that looks up its log and therefore has no polynomials.
 pub fn functions(model: &Sensorgraph, language: Language) -> Result<String> {
     if model.frame.is_lookup() {
         return Err(
-            Error::invalid("a lookup has no polynomials that could be a function")
+            Error::invalid("a model that looks up its log has no polynomials to export")
                 .field("frame")
                 .hint("fit polynomials, in the frame `world` or `robot`"),
         );

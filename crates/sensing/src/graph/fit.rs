@@ -1,4 +1,4 @@
-//! From a log of scans to a sensorgraph.
+//! Fits a sensorgraph to a log of scans.
 
 use std::fmt;
 
@@ -16,50 +16,50 @@ use realgap_core::error::{Error, Result};
 use realgap_core::statistics::{mean, median};
 use realgap_core::warning::{Code, Warning};
 
-/// How well a sensorgraph foretells whose poses are of another time than their scans.
+/// The error of a sensorgraph if the poses are shifted in time against the scans.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Lag {
-    /// How long before its scan a pose is taken, seconds.
+    /// Time from a pose to its scan, seconds.
     pub lag_s: f64,
-    /// Mean absolute error over parts of the way that were left out, metres.
+    /// Mean absolute error of the cross-validation over parts of the path, metres.
     pub error_m: f64,
 }
 
-/// A fitted sensorgraph and what chose it.
+/// A fitted sensorgraph and the errors by which it was chosen.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FittedGraph {
     /// The model.
     #[serde(skip)]
     pub model: Sensorgraph,
-    /// Scans of the log.
+    /// Number of scans of the log.
     pub scans: usize,
-    /// Mean absolute error over parts of the way that were left out, metres, with polynomials of headings and segments; `None` where it
-    /// was not tried.
+    /// Mean absolute error of the cross-validation over parts of the path, metres, with polynomials for headings and segments; `None`
+    /// if it was not tried.
     pub robot_frame_error_m: Option<f64>,
-    /// That error with polynomials of directions of the world.
+    /// Mean absolute error of the cross-validation with polynomials for directions of the world, metres.
     pub world_frame_error_m: Option<f64>,
-    /// That error of the scan at the nearest logged pose.
+    /// Mean absolute error of the cross-validation with the scan at the nearest logged pose, metres.
     pub nearest_error_m: Option<f64>,
-    /// That error of the scan at the nearest logged place, turned to the heading.
+    /// Mean absolute error of the cross-validation with the scan at the nearest logged position, turned to the heading, metres.
     pub turned_error_m: Option<f64>,
-    /// The same error of what was taken, with poses of half an interval before and after their scans.
+    /// Errors of the chosen model with poses half an interval before and after their scans.
     pub lags: Vec<Lag>,
-    /// Which frame was taken.
+    /// The chosen frame.
     pub frame: Frame,
     /// Number of polynomials.
     pub polynomials: usize,
-    /// Number of all their terms.
+    /// Number of terms of all polynomials.
     pub terms: usize,
-    /// What the reader should know.
+    /// Warnings to the reader.
     pub warnings: Vec<Warning>,
 }
 
 /// Fits a sensorgraph to a log.
 ///
 /// # Errors
-/// Options out of range, a log too short or without a return, a robot that never moved.
+/// Options out of range, a log that is too short or without a range, a robot that never moved.
 pub fn fit(log: &ScanLog, options: &GraphOptions) -> Result<FittedGraph> {
     options.check()?;
     if log.scans.len() < 2 * FOLDS {
@@ -119,7 +119,7 @@ pub fn fit(log: &ScanLog, options: &GraphOptions) -> Result<FittedGraph> {
     let empty = model.polynomials.iter().filter(|p| p.samples == 0).count();
     if empty > 0 {
         warnings.push(Code::EmptyHeadings.warning(format!(
-            "the log has no sample for {empty} of {} polynomials; the mean of all stands in for them",
+            "the log has no sample for {empty} of {} polynomials; a mean of the log is used in their place",
             model.polynomials.len()
         )));
     }
@@ -129,7 +129,7 @@ pub fn fit(log: &ScanLog, options: &GraphOptions) -> Result<FittedGraph> {
         let fewer = model.polynomials.iter().filter(short).count();
         if fewer > 0 {
             warnings.push(Code::FewerTerms.warning(format!(
-                "{fewer} of {} polynomials have fewer than {asked} terms: a term needs {SAMPLES_PER_TERM} samples, and places that differ",
+                "{fewer} of {} polynomials have fewer than {asked} terms: each term needs {SAMPLES_PER_TERM} samples at different positions",
                 model.polynomials.len()
             )));
         }
@@ -175,10 +175,10 @@ fn with_polynomials(
     }
 }
 
-/// A lag matters that takes more than a fiftieth off the error.
+/// A lag is reported as better if its error is below this share of the error without a lag.
 const MATTERS: f64 = 0.98;
 
-/// Half an interval between scans before and after, where the robot was then.
+/// The errors with poses of half an interval between scans before and after each scan, and without a lag.
 fn with_lags(log: &ScanLog, graph: &Sensorgraph, options: &GraphOptions, error_m: f64) -> Vec<Lag> {
     let steps_s: Vec<f64> = log
         .scans
@@ -203,7 +203,7 @@ fn with_lags(log: &ScanLog, graph: &Sensorgraph, options: &GraphOptions, error_m
         .collect()
 }
 
-/// Mean absolute error of segments over parts of the way that are left out, metres.
+/// Mean absolute error of segments in a cross-validation over parts of the path, metres.
 fn left_out_error_m(log: &ScanLog, graph: &Sensorgraph, options: &GraphOptions) -> f64 {
     let (mut sum, mut count) = (0.0, 0);
     let width = graph.width_deg.to_radians();
@@ -260,7 +260,7 @@ impl fmt::Display for FittedGraph {
         if let [before, none, after] = self.lags.as_slice() {
             let least = before.error_m.min(after.error_m);
             let words = if least < MATTERS * none.error_m {
-                "a lag foretells better: fit and evaluate with that lag"
+                "a lag predicts better: fit and evaluate with that lag"
             } else {
                 "a lag is not needed"
             };

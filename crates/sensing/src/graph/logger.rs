@@ -1,4 +1,5 @@
-//! A robot that logs scans in an arena: by a random walk, as paper 001 made its sensorgraph, or along a given way, as its validation runs.
+//! Simulates a robot that logs scans in an arena: on a random walk, as in paper 001 for its sensorgraph, or along a given path, as
+//! in the validation runs of paper 001.
 
 use rand::RngExt;
 
@@ -9,14 +10,15 @@ use realgap_core::error::{Error, Result};
 use realgap_core::random::{Generator, Numbered, Once};
 use realgap_core::range::Range;
 
-/// A robot with a scanner; defaults are those of paper 001 where it gives them, but for the time between scans.
+/// A robot with a scanner. The defaults are the values of paper 001 where it gives them, except for the time between scans.
 ///
-/// Every 0.25 s there. 1400 scans would be 350 s, in which a robot at 0.5 m/s does not get everywhere in a field of 10 x 10 m.
+/// Paper 001 has a scan every 0.25 s. With that interval, 1400 scans would take 350 s, in which a robot at 0.5 m/s does not reach
+/// every part of a field of 10 x 10 m.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Logger {
-    /// Number of beams: 360 there.
+    /// Number of beams; 360 in paper 001.
     pub beams: usize,
-    /// From the rightmost to the leftmost, degrees: 180 there.
+    /// Angle of view from the rightmost to the leftmost beam, degrees; 180 in paper 001.
     pub view_deg: f64,
     /// Time from one scan to the next, seconds.
     pub interval_s: f64,
@@ -26,9 +28,9 @@ pub struct Logger {
     pub turn_rate_rad_s: f64,
     /// Radius of the robot, metres.
     pub radius_m: f64,
-    /// A random walk turns where something ahead is nearer than this, metres.
+    /// In a random walk, the robot turns if an obstacle ahead is nearer than this, metres.
     pub avoid_m: f64,
-    /// It also turns by a random angle after so many seconds.
+    /// In a random walk, the robot turns by a random angle after driving straight ahead for this time, seconds.
     pub turn_every_s: f64,
 }
 
@@ -47,18 +49,18 @@ impl Default for Logger {
     }
 }
 
-/// Most scans of a log, and most readings.
+/// Largest number of scans of a log, and largest number of readings.
 const MOST_SCANS: usize = 100_000;
 const MOST_READINGS: usize = 20_000_000;
-/// A random walk looks ahead so often, seconds, along so many beams.
+/// Interval at which a random walk checks for obstacles ahead, seconds, and number of beams for this check.
 const EPOCH_S: f64 = 0.1;
 const LOOKS: usize = 9;
-/// How far to either side an obstacle is in the way of a random walk, radians.
+/// Half angle ahead of the robot in which a random walk avoids obstacles, radians.
 const AHEAD_RAD: f64 = 0.6;
 /// Ranges are written in whole millimetres.
 const MILLIMETRES: f64 = 1e3;
 
-/// Where a robot is.
+/// Position and heading of the robot.
 #[derive(Debug, Clone, Copy)]
 struct Pose {
     place_m: [f64; 2],
@@ -73,11 +75,11 @@ impl Pose {
 }
 
 impl Logger {
-    /// A random walk of so many scans from the arena's start (its middle where it has none): straight on, away from what is near, and
-    /// by a random angle now and then.
+    /// Logs `scans` scans on a random walk from the arena's start (its middle if it has no start). The robot drives straight ahead,
+    /// turns away from near obstacles, and turns by a random angle from time to time.
     ///
     /// # Errors
-    /// Numbers out of range, a start in a wall, a sensor whose readings are no lengths.
+    /// Numbers out of range, a start in a wall, a sensor whose readings are not lengths.
     pub fn walk(
         &self,
         arena: &Arena,
@@ -105,7 +107,7 @@ impl Logger {
                 if left_rad == 0.0 {
                     since_s += epoch_s;
                     let next_m = pose.ahead(self.speed_m_s * epoch_s);
-                    let (near_m, _) = room_m(arena, pose, -AHEAD_RAD, AHEAD_RAD);
+                    let (near_m, _) = free_distance_m(arena, pose, -AHEAD_RAD, AHEAD_RAD);
                     if near_m < self.avoid_m || arena.check_place(next_m, self.radius_m).is_err() {
                         left_rad = away(arena, pose, &mut rng);
                     } else if since_s >= self.turn_every_s {
@@ -126,10 +128,10 @@ impl Logger {
         Ok(log)
     }
 
-    /// Along straight lines from place to place, turning where they meet.
+    /// Logs scans along straight lines from point to point; the robot turns on the spot where two lines meet.
     ///
     /// # Errors
-    /// As [`Logger::walk`], fewer than two places, a way through a wall, more than 100 000 scans.
+    /// The errors of [`Logger::walk`], fewer than two points, a path through a wall, more than 100 000 scans.
     pub fn follow(
         &self,
         arena: &Arena,
@@ -194,10 +196,10 @@ impl Logger {
         Ok(log)
     }
 
-    /// Checks its numbers and its sensor for a log of so many scans.
+    /// Checks the settings of the robot and its sensor for a log of `scans` scans.
     ///
     /// # Errors
-    /// Numbers out of range, a sensor whose readings are no lengths.
+    /// Numbers out of range, a sensor whose readings are not lengths.
     pub fn check(&self, sensor: &RangeModel, scans: usize) -> Result<()> {
         let (scans, beams) = (scans as f64, self.beams as f64);
         for (field, found, low, high, unit) in [
@@ -223,7 +225,7 @@ impl Logger {
         match sensor.reading_unit {
             ReadingUnit::Length(_) => Ok(()),
             ReadingUnit::Own(_) => Err(Error::invalid(
-                "a scanner reads lengths, this sensor does not",
+                "a scanner needs a sensor whose readings are lengths",
             )
             .field("reading_unit")
             .found(format!(
@@ -234,7 +236,7 @@ impl Logger {
         }
     }
 
-    /// Beams from right to left, as far apart as a scan of `view_deg` in so many steps.
+    /// A log without scans, with the directions of the beams from right to left.
     fn empty_log(&self) -> ScanLog {
         let step_deg = self.view_deg / self.beams as f64;
         let degrees = |k: usize| -0.5 * self.view_deg + step_deg * k as f64;
@@ -267,7 +269,8 @@ impl Logger {
                 incidence_rad: hit.incidence_rad,
                 offset_rad: 0.0,
             };
-            // Drawn before it is judged, so that one beam's answer leaves the others' as they are.
+            // A reading is drawn for every hit, even if it is discarded below, so that the random numbers of the other beams do
+            // not depend on it.
             let reading = sensor.draw(&beam, &mut rng)?;
             let range_m = (reading * unit_m * MILLIMETRES).round() / MILLIMETRES;
             (hit.distance_m <= far_m && range_m > 0.0).then_some(range_m)
@@ -281,8 +284,8 @@ impl Logger {
     }
 }
 
-/// Distance to what stands nearest between two directions from straight ahead, and the mean distance there; metres.
-fn room_m(arena: &Arena, pose: Pose, from_rad: f64, to_rad: f64) -> (f64, f64) {
+/// Distance to the nearest obstacle between two directions from straight ahead, and the mean distance to obstacles there; metres.
+fn free_distance_m(arena: &Arena, pose: Pose, from_rad: f64, to_rad: f64) -> (f64, f64) {
     let [width, depth] = arena.size_m;
     let beam = |k: usize| {
         let share = k as f64 / (LOOKS - 1) as f64;
@@ -296,11 +299,11 @@ fn room_m(arena: &Arena, pose: Pose, from_rad: f64, to_rad: f64) -> (f64, f64) {
     (nearest, seen.iter().sum::<f64>() / LOOKS as f64)
 }
 
-/// A turn of 60° to 180° to the side on which there is more room.
+/// A turn of 60° to 180° to the side on which the mean distance to obstacles is larger.
 fn away(arena: &Arena, pose: Pose, rng: &mut Generator) -> f64 {
-    let room = |side: f64| room_m(arena, pose, side * 0.1, side * 1.5).1;
+    let free_m = |side: f64| free_distance_m(arena, pose, side * 0.1, side * 1.5).1;
     let angle = std::f64::consts::PI * (1.0 + 2.0 * rng.random::<f64>()) / 3.0;
-    if room(1.0) >= room(-1.0) {
+    if free_m(1.0) >= free_m(-1.0) {
         angle
     } else {
         -angle
@@ -308,7 +311,7 @@ fn away(arena: &Arena, pose: Pose, rng: &mut Generator) -> f64 {
 }
 
 impl ScanLog {
-    /// What ideal beams would read at the same poses.
+    /// The log that ideal beams would give at the same poses in an arena.
     #[must_use]
     pub fn cast_in(&self, arena: &Arena) -> Self {
         let scans = self.scans.iter().map(|scan| Scan {

@@ -1,13 +1,13 @@
-//! The log itself as a model: what was read nearest to a pose.
+//! Predicts a scan by looking up the nearest pose of the log, without polynomials.
 
 use super::model::{LoggedPose, NOTHING, Sensorgraph};
 use super::scan::wrapped;
 
-/// Metres that a radian of heading counts as, for what the nearest pose is.
+/// Metres that a radian of heading counts as in the distance between poses.
 const METRES_PER_RADIAN: f64 = 1.0;
 
-/// A number of a [`LoggedPose`], where something came back.
-fn something(range_m: f64) -> Option<f64> {
+/// A range of a [`LoggedPose`]; `None` if no beam returned.
+fn returned(range_m: f64) -> Option<f64> {
     (range_m != NOTHING).then_some(range_m)
 }
 
@@ -34,17 +34,17 @@ impl Sensorgraph {
         self.nearest(position_world_m, heading_rad, METRES_PER_RADIAN)
     }
 
-    /// The logged pose at the nearest place, whatever its heading.
+    /// The logged pose at the nearest position, whatever its heading.
     pub(super) fn nearest_place(&self, position_world_m: [f64; 2]) -> Option<&LoggedPose> {
         self.nearest(position_world_m, 0.0, 0.0)
     }
 
-    /// What a segment read at a logged pose, metres.
+    /// The range of a segment at a logged pose, metres; `None` if no beam of the segment returned.
     pub(super) fn read_at(&self, pose: &LoggedPose, segment: usize) -> Option<f64> {
-        something(*pose.segments_m.get(segment)?)
+        returned(*pose.segments_m.get(segment)?)
     }
 
-    /// What a segment would have read at a logged place with another heading, metres.
+    /// The range that a segment would have had at a logged position with another heading, metres.
     pub(super) fn turned_at(
         &self,
         place: &LoggedPose,
@@ -52,7 +52,7 @@ impl Sensorgraph {
         segment: usize,
     ) -> Option<f64> {
         let (before, share) = self.between(heading_rad, segment);
-        let at = |k: usize| something(*place.directions_m.get(k % self.headings)?);
+        let at = |k: usize| returned(*place.directions_m.get(k % self.headings)?);
         let (low, high) = (at(before)?, at(before + 1)?);
         Some(low + share * (high - low))
     }

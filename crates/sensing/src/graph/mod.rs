@@ -1,8 +1,8 @@
-//! Sensorgraphs: what a scanner reads at a place, as transparent polynomials (paper 001).
+//! Sensorgraphs: models that predict the ranges of a scanner at a position by polynomials (paper 001).
 //!
-//! A [`ScanLog`] of poses and scans becomes medians of segments; for each heading and segment, or for each direction of the world,
-//! [`fit`](fit()) finds a polynomial in (x, y) whose terms forward regression chooses ([`regression`]). An [`Evaluation`] holds the
-//! model against a log that it has not seen, beside the guesses that a reader would ask for.
+//! A [`ScanLog`] of poses and scans is reduced to medians of segments. For each heading and segment, or for each direction of the
+//! world, [`fit`](fit()) finds a polynomial in (x, y) whose terms are chosen by forward regression ([`regression`]). An
+//! [`Evaluation`] tests the model on a log that was not used for the fit, and compares its errors with those of baselines.
 
 mod evaluation;
 mod export;

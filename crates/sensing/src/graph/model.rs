@@ -1,4 +1,4 @@
-//! A sensorgraph: what a scanner reads at a place, as polynomials (paper 001).
+//! The sensorgraph, a model that predicts the ranges of a scanner at a pose by polynomials (paper 001), and its file.
 
 use std::fmt;
 
@@ -8,18 +8,19 @@ use super::regression::{Powers, monomial};
 use super::scan::wrapped;
 use realgap_core::error::{Error, Result};
 
-/// What foretells a scan: polynomials, or the log itself.
+/// How a scan is predicted: by polynomials, or by looking up the log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Frame {
-    /// One for each range of headings and each segment of the scan, as in paper 001.
+    /// One polynomial for each range of headings and each segment of the scan, as in paper 001.
     Robot,
-    /// One for each direction in the world: a scanner that turns with its robot sees the same walls in other segments, so all headings
-    /// teach all polynomials. A segment is read between the two directions beside its middle.
+    /// One polynomial for each direction in the world. A scanner that turns with its robot sees the same walls in other segments, so
+    /// scans of all headings contribute to all polynomials. The range of a segment is interpolated between the two directions that
+    /// are nearest to its middle.
     World,
     /// No polynomials: the scan at the nearest logged pose, a radian of heading counting as a metre.
     Nearest,
-    /// No polynomials: the scan at the nearest logged place, turned to the heading.
+    /// No polynomials: the scan at the nearest logged position, turned to the heading.
     Turned,
 }
 
@@ -39,29 +40,29 @@ pub struct Term {
     pub powers: Powers,
     /// Coefficient, metres.
     pub value: f64,
-    /// Its standard error, as if the errors of a log were independent; 0 where it is not known.
+    /// Standard error of the coefficient, computed as if the errors of a log were independent; 0 if it is unknown.
     #[serde(default)]
     pub error: f64,
-    /// Error reduction ratio: the share of the squares that it explained when it was chosen.
+    /// Error reduction ratio: the share of the sum of squares that the term explained when it was chosen.
     #[serde(default)]
     pub ratio: f64,
 }
 
-/// A polynomial in the place, kept within what its log has seen.
+/// A polynomial in the position, limited to the ranges that occur in its log.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Polynomial {
-    /// Samples that it was fitted to; 0 for a direction that the log never looked into, which gets the segment's mean.
+    /// Number of samples of the fit; 0 for a direction without samples, for which the mean of the segment is used.
     pub samples: usize,
-    /// Smallest and largest range of these, metres: what it says is kept between.
+    /// Smallest and largest range of these samples, metres; predictions are limited to this interval.
     pub limits_m: (f64, f64),
     /// Terms in the order in which they were chosen.
     pub terms: Vec<Term>,
 }
 
 impl Polynomial {
-    /// The range at a scaled place, metres.
+    /// The range at a scaled position, metres.
     pub fn at(&self, place: [f64; 2]) -> f64 {
         let sum: f64 = self
             .terms
@@ -72,25 +73,25 @@ impl Polynomial {
     }
 }
 
-/// A pose of the log with its medians: for the baselines, and for looking at.
+/// A pose of the log with the medians of its scan, for baselines and for drawing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct LoggedPose {
     /// The pose is x and y in the world, metres, and the heading, radians.
     pub pose: (f64, f64, f64),
-    /// Median of each segment, metres; −1 where nothing came back.
+    /// Median of each segment, metres; −1 if no beam returned.
     pub segments_m: Vec<f64>,
-    /// Median of each direction of the world, metres; −1 where nothing came back.
+    /// Median of each direction of the world, metres; −1 if no beam returned.
     pub directions_m: Vec<f64>,
 }
 
-/// What a scanner reads at a pose.
+/// A model that predicts the ranges of a scanner at a pose.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Sensorgraph")]
 pub struct Sensorgraph {
-    /// What foretells a scan.
+    /// How a scan is predicted.
     pub frame: Frame,
     /// Middle of each segment, degrees counter-clockwise from straight ahead.
     pub segments_deg: Vec<f64>,
@@ -98,19 +99,20 @@ pub struct Sensorgraph {
     pub width_deg: f64,
     /// Number of ranges of headings, or of directions of the world.
     pub headings: usize,
-    /// This is what is taken off x and y, metres: u = (x − this) / scale.
+    /// Centre of the scaled coordinates, which is subtracted from x and y, metres: u = (x − centre) / scale.
     pub centre_m: (f64, f64),
     /// Metres of x and y per unit of u and v.
     pub scale_m: f64,
-    /// Mean of each segment over the log, metres: the simplest guess.
+    /// Mean of each segment over the log, metres; the simplest baseline.
     pub means_m: Vec<f64>,
-    /// Frame::Robot: heading by heading, each segment by segment. Frame::World: direction by direction. None for lookups.
+    /// With Frame::Robot, one for each segment of each range of headings, ordered by heading. With Frame::World, one for each
+    /// direction. Empty for lookups.
     pub polynomials: Vec<Polynomial>,
-    /// The log, thinned where it is long.
+    /// The poses of the log with their medians; long logs are thinned.
     pub log: Vec<LoggedPose>,
 }
 
-/// Missing, in numbers of a [`LoggedPose`].
+/// The value in a [`LoggedPose`] that means that no beam returned.
 pub(super) const NOTHING: f64 = -1.0;
 
 realgap_core::ron_file!(Sensorgraph, "sensorgraph");
@@ -147,7 +149,7 @@ impl Sensorgraph {
             self.width_deg,
         ];
         if !is_whole || !numbers.iter().all(|v| v.is_finite()) || self.scale_m <= 0.0 {
-            return Err(Error::invalid("not a whole sensorgraph").hint("fit it again"));
+            return Err(Error::invalid("the sensorgraph is incomplete").hint("fit it again"));
         }
         if self
             .polynomials
@@ -159,7 +161,7 @@ impl Sensorgraph {
         Ok(())
     }
 
-    /// A place as the polynomials take it.
+    /// A position in the scaled coordinates of the polynomials.
     pub(super) fn scaled(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [
             (x - self.centre_m.0) / self.scale_m,
@@ -167,7 +169,7 @@ impl Sensorgraph {
         ]
     }
 
-    /// The rectangle of scaled places that the log holds; the unit square where it was not kept.
+    /// The rectangle of scaled positions that contains the log; the square from −1 to 1 if the model contains no log.
     pub(super) fn extent(&self) -> ([f64; 2], [f64; 2]) {
         let places = self
             .log
@@ -196,13 +198,13 @@ impl Sensorgraph {
         std::f64::consts::TAU / self.headings as f64
     }
 
-    /// Which range of headings, from 0.
+    /// Index of the range of headings that contains this heading.
     pub(super) fn heading_bin(&self, heading_rad: f64) -> usize {
         let turn = heading_rad.rem_euclid(std::f64::consts::TAU);
         ((turn / self.step_rad()) as usize).min(self.headings - 1)
     }
 
-    /// The range that a segment's median has at a pose, metres.
+    /// The predicted median range of a segment at a pose, metres.
     pub fn range_m(&self, position_world_m: [f64; 2], heading_rad: f64, segment: usize) -> f64 {
         let place = self.scaled(position_world_m);
         match self.frame {
@@ -227,7 +229,8 @@ impl Sensorgraph {
         }
     }
 
-    /// The direction before a segment's middle, and how far it is on the way to the next. Direction k is k steps from +x.
+    /// Index of the last direction before a segment's middle, and the position of the middle between it and the next direction (0
+    /// to 1). Direction k is k steps counter-clockwise from +x.
     pub(super) fn between(&self, heading_rad: f64, segment: usize) -> (usize, f64) {
         let direction = wrapped(heading_rad + self.segments_deg[segment].to_radians());
         let steps = direction.rem_euclid(std::f64::consts::TAU) / self.step_rad();
@@ -255,7 +258,7 @@ impl fmt::Display for Polynomial {
 }
 
 impl fmt::Display for Sensorgraph {
-    /// Every polynomial in a line.
+    /// Every polynomial on a line of its own.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,

@@ -1,22 +1,23 @@
-//! How a log becomes a sensorgraph.
+//! Options of fitting a sensorgraph to a log.
 
 use super::model::Frame;
 use super::regression::Stop;
 use realgap_core::error::Result;
 use realgap_core::range::Range;
 
-/// How a log becomes a sensorgraph.
+/// Options of fitting a sensorgraph to a log.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GraphOptions {
     /// Largest degree of the polynomials.
     pub degree: u32,
-    /// Ranges of headings, or directions of the world.
+    /// Number of ranges of headings, or of directions of the world.
     pub headings: usize,
     /// Width of a segment of the scan, degrees.
     pub width_deg: f64,
-    /// When no more terms are taken.
+    /// The criterion by which the number of terms is chosen.
     pub stop: Stop,
-    /// What foretells a scan; where there is none, those polynomials that foretell parts of the way that are left out better.
+    /// How scans are predicted. With `None`, the fit chooses between the two kinds of polynomials by cross-validation over parts
+    /// of the path.
     pub frame: Option<Frame>,
 }
 

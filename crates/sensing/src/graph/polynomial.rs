@@ -1,4 +1,4 @@
-//! From samples to a polynomial: its terms, their number and its degree.
+//! Fits one polynomial to samples: chooses its degree and its terms and estimates the coefficients.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -8,14 +8,14 @@ use super::regression::{Powers, Stop, count, estimate, monomial, monomials, orde
 use super::sample::Sample;
 use realgap_core::statistics::mean;
 
-/// Parts of the way that are left out in turn: neighbouring samples see nearly the same.
+/// Number of folds of the cross-validation. A fold is a contiguous part of the path, because neighbouring samples are nearly equal.
 pub(super) const FOLDS: usize = 5;
-/// Most terms of a polynomial.
+/// Largest number of terms of a polynomial.
 const MOST_TERMS: usize = 15;
-/// A polynomial has at most one term for so many samples.
+/// Smallest number of samples for each term of a polynomial.
 pub(super) const SAMPLES_PER_TERM: usize = 3;
 
-/// Regressors and ranges.
+/// The regressors (one row for each sample, one column for each term) and the ranges.
 fn table(samples: &[Sample], terms: &[Powers]) -> (DMatrix<f64>, DVector<f64>) {
     (
         DMatrix::from_fn(samples.len(), terms.len(), |row, term| {
@@ -31,6 +31,7 @@ fn limits(samples: &[Sample]) -> (f64, f64) {
     (of(f64::min, f64::INFINITY), of(f64::max, f64::NEG_INFINITY))
 }
 
+/// Fits a polynomial to the samples; the constant `instead_m` if there are none.
 pub(super) fn polynomial(samples: &[Sample], options: &GraphOptions, instead_m: f64) -> Polynomial {
     let constant = |value: f64| Term {
         powers: [0, 0],
@@ -58,7 +59,7 @@ pub(super) fn polynomial(samples: &[Sample], options: &GraphOptions, instead_m: 
     })
 }
 
-/// The polynomial of this degree with at most so many terms; `None` where none can be fitted.
+/// The polynomial of this degree with at most `most` terms; `None` if none can be fitted.
 fn fitted(samples: &[Sample], degree: u32, most: usize, stop: Stop) -> Option<Polynomial> {
     let powers = monomials(degree);
     let (regressors, ranges) = table(samples, &powers);
@@ -83,12 +84,12 @@ fn fitted(samples: &[Sample], degree: u32, most: usize, stop: Stop) -> Option<Po
     })
 }
 
-/// Which part of the way a sample is left out with.
+/// The fold of a sample, from its position along the path (0 to 1).
 pub(super) fn fold(way: f64) -> usize {
     ((way * FOLDS as f64) as usize).min(FOLDS - 1)
 }
 
-/// Degree and number of terms that foretell parts of the way best: least mean absolute error, the smaller of equals.
+/// Degree and number of terms with the smallest mean absolute error in the cross-validation; of equals, the smaller.
 fn validated(samples: &[Sample], most_degree: u32) -> (u32, usize) {
     let mut best = (f64::INFINITY, 0, 1);
     for degree in 0..=most_degree {
@@ -118,7 +119,7 @@ fn validated(samples: &[Sample], most_degree: u32) -> (u32, usize) {
     (best.1, best.2)
 }
 
-/// Sum of absolute errors on `out` with the first 1, 2, … terms that `kept` chooses.
+/// Sums of absolute errors on the samples `out` with the first 1, 2, … terms that are chosen and fitted from the samples `kept`.
 fn errors_by_terms(kept: &[Sample], out: &[Sample], terms: &[Powers], most: usize) -> Vec<f64> {
     let (regressors, ranges) = table(kept, terms);
     let allowed = most.min((kept.len() / SAMPLES_PER_TERM).max(1));

@@ -1,27 +1,28 @@
-//! Forward regression with orthogonal least squares: which terms of a polynomial explain the data (Chen, Billings & Luo 1989).
+//! Forward regression with orthogonal least squares: chooses the terms of a polynomial that explain the data best (Chen, Billings &
+//! Luo 1989).
 //!
-//! In every step each candidate that is left is made orthogonal to the chosen ones, and the one with the largest error reduction
-//! ratio is taken: the share of yᵀy that it explains. As `sysidentpy.model_structure_selection.FROLS` 0.9 with `ols`
-//! (tests/golden/frols.json).
+//! In every step each remaining candidate is made orthogonal to the chosen ones, and the one with the largest error reduction
+//! ratio is chosen: the share of yᵀy that it explains. The results agree with `sysidentpy.model_structure_selection.FROLS` 0.9 with
+//! `ols` (tests/golden/frols.json).
 
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use realgap_core::error::{Error, Result};
 
-/// When no more terms are taken.
+/// The criterion by which the number of terms is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Stop {
-    /// At the least n ln(σ²) + 2 k (Akaike 1974).
+    /// The minimum of n ln(σ²) + 2 k (Akaike 1974).
     Aic,
-    /// At the least n ln(σ²) + k ln n (Schwarz 1978).
+    /// The minimum of n ln(σ²) + k ln n (Schwarz 1978).
     Bic,
-    /// Once the chosen terms explain this share of yᵀy.
+    /// The smallest number of terms that explains this share of yᵀy.
     Err(f64),
-    /// At this many terms.
+    /// This number of terms.
     Terms(usize),
-    /// At the number and degree that foretell parts of the way that were left out best.
+    /// The number of terms and the degree with the smallest error in a cross-validation over parts of the path.
     Validation,
 }
 
@@ -35,12 +36,12 @@ pub fn monomials(degree: u32) -> Vec<Powers> {
         .collect()
 }
 
-/// A monomial at a place.
+/// The value of a monomial at a point.
 pub fn monomial([px, py]: Powers, [x, y]: [f64; 2]) -> f64 {
     x.powi(px as i32) * y.powi(py as i32)
 }
 
-/// A term as it was chosen.
+/// A chosen term and its error reduction ratio.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chosen {
     /// Index of the regressor.
@@ -49,19 +50,19 @@ pub struct Chosen {
     pub ratio: f64,
 }
 
-/// What is left of a candidate below this share of its size is rounding: it depends on the terms before.
+/// A candidate depends linearly on the chosen terms if the share of its squared norm that is orthogonal to them is below this.
 const DEPENDENT: f64 = 1e-10;
 
-/// Regressors in the order in which they explain most, at most `most` of them and no dependent ones.
+/// The regressors in the order in which they are chosen: at most `most`, and none that depends linearly on earlier ones.
 ///
-/// `regressors` has a row a sample.
+/// `regressors` has one row for each sample and one column for each candidate.
 ///
 /// # Errors
 /// More terms than samples, values that are not finite, a `y` of zeros.
 pub fn order(regressors: &DMatrix<f64>, y: &DVector<f64>, most: usize) -> Result<Vec<Chosen>> {
     let (samples, count) = regressors.shape();
     if samples != y.len() || samples == 0 {
-        return Err(Error::invalid("a regression needs a row a sample")
+        return Err(Error::invalid("a regression needs one row for each sample")
             .found(format!("{samples} rows, {} samples", y.len())));
     }
     if most > samples {
@@ -75,7 +76,7 @@ pub fn order(regressors: &DMatrix<f64>, y: &DVector<f64>, most: usize) -> Result
     }
     if total == 0.0 {
         return Err(Error::invalid(
-            "there is nothing to explain: all values are 0",
+            "all values are 0, so that no terms can be chosen",
         ));
     }
     let size: Vec<f64> = regressors.column_iter().map(|c| c.norm_squared()).collect();
@@ -89,7 +90,7 @@ pub fn order(regressors: &DMatrix<f64>, y: &DVector<f64>, most: usize) -> Result
             let is_free = is_left[index] && norm > DEPENDENT * size[index] && norm > 0.0;
             is_free.then(|| column.dot(y).powi(2) / (norm * total))
         };
-        // The first of equals, so that the order of candidates decides and nothing else.
+        // Of candidates with equal ratios, the first is chosen, so that the result is deterministic.
         let best = (0..count).filter_map(|i| Some((i, ratio(i)?))).fold(
             None,
             |best: Option<(usize, f64)>, next| match best {
@@ -116,7 +117,7 @@ pub fn order(regressors: &DMatrix<f64>, y: &DVector<f64>, most: usize) -> Result
 pub struct Estimate {
     /// Coefficients.
     pub values: Vec<f64>,
-    /// Their standard errors, as if errors were independent; infinite without degrees of freedom.
+    /// Standard errors of the coefficients, computed as if errors were independent; infinite without degrees of freedom.
     pub errors: Vec<f64>,
     /// Mean squared residual.
     pub mean_square: f64,
@@ -135,8 +136,10 @@ pub fn estimate(
     let part = regressors.select_columns(&columns);
     let factors = part.clone().qr();
     let (q, r) = (factors.q(), factors.r());
-    let dependent =
-        || Error::invalid("the terms of a polynomial depend on each other").hint("log more places");
+    let dependent = || {
+        Error::invalid("the terms of a polynomial depend on each other")
+            .hint("log scans at more positions")
+    };
     let values = r
         .solve_upper_triangular(&(q.transpose() * y))
         .ok_or_else(dependent)?;
@@ -161,7 +164,7 @@ pub fn estimate(
     })
 }
 
-/// The mean squared residuals after 1, 2, … terms: what the ratios leave of yᵀy.
+/// The mean squared residuals after 1, 2, … terms, from the share of yᵀy that the terms do not explain.
 pub fn mean_squares(chosen: &[Chosen], y: &DVector<f64>) -> Vec<f64> {
     let total = y.norm_squared();
     let mut left = 1.0;
@@ -173,11 +176,11 @@ pub fn mean_squares(chosen: &[Chosen], y: &DVector<f64>) -> Vec<f64> {
     squares
 }
 
-/// The criterion after 1, 2, … terms: n ln σ² and the penalty, as SysIdentPy's information criteria.
+/// The information criterion after 1, 2, … terms: n ln σ² plus the penalty, as in SysIdentPy.
 pub fn criterion(stop: Stop, squares: &[f64], samples: usize) -> Vec<f64> {
     let n = samples as f64;
     let penalty = if stop == Stop::Aic { 2.0 } else { libm::log(n) };
-    // Residuals below rounding must not decide.
+    // Residuals are limited from below so that rounding errors do not affect the choice.
     squares
         .iter()
         .enumerate()
@@ -185,7 +188,7 @@ pub fn criterion(stop: Stop, squares: &[f64], samples: usize) -> Vec<f64> {
         .collect()
 }
 
-/// How many of the ordered terms to keep; [`Stop::Validation`] is not decided here.
+/// How many of the ordered terms to keep. [`Stop::Validation`] is decided by the caller, not by this function.
 pub fn count(stop: Stop, chosen: &[Chosen], y: &DVector<f64>) -> usize {
     let all = chosen.len();
     match stop {

@@ -1,4 +1,4 @@
-//! From a log of scans to the samples of each polynomial.
+//! Prepares a log of scans for the fit: the samples of each polynomial, the segments and the scale.
 
 use super::model::{Frame, LoggedPose, NOTHING, Sensorgraph};
 use super::option::GraphOptions;
@@ -6,10 +6,10 @@ use super::scan::ScanLog;
 use realgap_core::error::{Error, Result};
 use realgap_core::statistics::mean;
 
-/// Most poses that are kept for the baselines.
+/// Largest number of poses that are kept in the model for the baselines.
 const MOST_POSES: usize = 2000;
 
-/// A sample of one polynomial: scaled place, range, and where on the way (0 to 1) it was taken.
+/// A sample of one polynomial: scaled position, range, and position along the path (0 to 1).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sample {
     pub(super) place: [f64; 2],
@@ -17,14 +17,14 @@ pub(super) struct Sample {
     pub(super) way: f64,
 }
 
-/// The lowest and the highest of some values.
+/// The smallest and the largest of some values.
 pub(super) fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
         (low.min(value), high.max(value))
     })
 }
 
-/// Segments, scale and means of a log; no polynomials yet.
+/// A sensorgraph with the segments, scale and means of a log, but without polynomials.
 pub(super) fn frame_of_log(log: &ScanLog, options: &GraphOptions) -> Result<Sensorgraph> {
     let of = |axis: usize| {
         log.scans
@@ -35,7 +35,7 @@ pub(super) fn frame_of_log(log: &ScanLog, options: &GraphOptions) -> Result<Sens
     let scale_m = 0.5 * (x1 - x0).max(y1 - y0);
     if scale_m < 1e-3 {
         return Err(Error::invalid(
-            "the robot never moved: a sensorgraph needs different places",
+            "the robot never moved: a sensorgraph needs scans at different positions",
         ));
     }
     let segments_deg = segments(log, options.width_deg);
@@ -55,7 +55,7 @@ pub(super) fn frame_of_log(log: &ScanLog, options: &GraphOptions) -> Result<Sens
     }
     let known: Vec<f64> = means_m.iter().copied().filter(|m| m.is_finite()).collect();
     if known.is_empty() {
-        return Err(Error::invalid("not a single beam came back"));
+        return Err(Error::invalid("no beam of the log returned a range"));
     }
     let middle = mean(&known);
     means_m
@@ -75,7 +75,7 @@ pub(super) fn frame_of_log(log: &ScanLog, options: &GraphOptions) -> Result<Sens
     })
 }
 
-/// Middles of the segments: all round from straight ahead, or from the rightmost beam to the leftmost.
+/// Middles of the segments, degrees: all round from straight ahead, or from the rightmost beam to the leftmost.
 fn segments(log: &ScanLog, width_deg: f64) -> Vec<f64> {
     if log.is_all_round() {
         let count = (360.0 / width_deg).round().max(1.0) as usize;
@@ -138,7 +138,7 @@ pub(super) fn samples(log: &ScanLog, graph: &Sensorgraph, used: &[bool]) -> Vec<
     all
 }
 
-/// Whether a whole segment lies within the beams.
+/// Whether the beams cover the whole segment.
 fn is_seen(log: &ScanLog, centre_rad: f64, width_rad: f64) -> bool {
     if log.is_all_round() {
         return true;
@@ -148,7 +148,7 @@ fn is_seen(log: &ScanLog, centre_rad: f64, width_rad: f64) -> bool {
     centre - 0.5 * width_rad >= least - 0.02 && centre + 0.5 * width_rad <= most + 0.02
 }
 
-/// The log's poses and medians, thinned evenly where there are many.
+/// The poses of the log with their medians; a long log is thinned evenly.
 pub(super) fn logged(log: &ScanLog, graph: &Sensorgraph) -> Vec<LoggedPose> {
     let width = graph.width_deg.to_radians();
     let every = log.scans.len().div_ceil(MOST_POSES);

@@ -1,4 +1,4 @@
-//! Logs of poses and scans: CSV with a column a beam, or CARMEN's text.
+//! Logs of poses and scans, read from CSV with one column for each beam or from CARMEN's text format.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use realgap_core::unit::LengthUnit;
 use realgap_core::warning::{Code, Warning};
 use realgap_path::trajectory::{self, Interpolator};
 
-/// One scan, and where it was taken.
+/// One scan with the pose at which it was taken.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scan {
     /// Time, seconds.
@@ -20,11 +20,11 @@ pub struct Scan {
     pub position_world_m: [f64; 2],
     /// Heading, radians, counter-clockwise from +x of the world.
     pub heading_rad: f64,
-    /// One range a beam, metres; `None` where nothing came back.
+    /// One range for each beam, metres; `None` if the beam did not return.
     pub ranges_m: Vec<Option<f64>>,
 }
 
-/// Scans along a way, in order of time.
+/// Scans along a path, in order of time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScanLog {
     /// Direction of each beam, radians, counter-clockwise from straight ahead, in (−π, π].
@@ -44,16 +44,16 @@ const HINT: &str = "a log of scans has the columns t_s, x_m, y_m, heading_rad an
      counter-clockwise from straight ahead; or it is a CARMEN log with FLASER lines";
 
 impl ScanLog {
-    /// Reads a log: CSV, or CARMEN where the text begins as such logs do.
+    /// Reads a log in CSV, or in CARMEN's format if the first lines are in that format.
     ///
     /// # Errors
-    /// A missing file, missing columns, poses that are no numbers, negative ranges, times that fall, no scans.
+    /// A missing file, missing columns, poses that are not numbers, negative ranges, decreasing times, no scans.
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         Self::parse(path, &read_log_text(path)?)
     }
 
-    /// The log in a text; `path` is what errors call it.
+    /// Parses a log from a text; errors name it by `path`.
     ///
     /// # Errors
     /// As [`ScanLog::read`].
@@ -72,8 +72,8 @@ impl ScanLog {
         log.checked(path)
     }
 
-    /// Reads a CSV log of scans whose poses stand in a trajectory's file (TUM text or CSV) on the same clock; warns of scans outside of
-    /// its times, which are left out.
+    /// Reads a CSV log of scans whose poses are in a trajectory file (TUM text or CSV) with the same clock. Scans outside of the
+    /// times of the trajectory are left out, with a warning.
     ///
     /// # Errors
     /// As [`ScanLog::read`]; a trajectory without orientations; no scan within its times.
@@ -136,7 +136,7 @@ impl ScanLog {
         Ok(self)
     }
 
-    /// The scans from a share of the log to another: parts of the way.
+    /// The scans between two shares (0 to 1) of the log: a part of the path.
     pub fn part(&self, from: f64, to: f64) -> Self {
         let count = self.scans.len();
         let at = |share: f64| ((share * count as f64).round() as usize).min(count);
@@ -150,13 +150,14 @@ impl ScanLog {
         }
     }
 
-    /// The scans that are kept.
+    /// A log of the scans for which `keep` is true.
     pub(super) fn kept(&self, keep: &[bool]) -> Self {
         let scans = self.scans.iter().zip(keep).filter(|(_, keep)| **keep);
         self.with_scans(scans.map(|(scan, _)| scan.clone()).collect())
     }
 
-    /// The same scans with the poses of `lag_s` before them, on straight lines between those of the log; its ends stay.
+    /// The same scans, each with the pose of `lag_s` before it. Poses between those of the log are interpolated linearly; before the
+    /// first and after the last scan the pose is constant.
     pub fn with_lag(&self, lag_s: f64) -> Self {
         let pose_at = |time_s: f64| {
             let after = self.scans.partition_point(|scan| scan.time_s <= time_s);
@@ -185,7 +186,7 @@ impl ScanLog {
         self.with_scans(scans.collect())
     }
 
-    /// Whether the beams go all round.
+    /// Whether the beams cover all directions, with gaps below 0.5 rad.
     pub fn is_all_round(&self) -> bool {
         let mut beams = self.beams_rad.clone();
         beams.sort_by(f64::total_cmp);
@@ -197,8 +198,8 @@ impl ScanLog {
         widest.max(across) < 0.5
     }
 
-    /// Median range of a scan's beams within half of `width_rad` of a direction relative to straight ahead; `None` where nothing came
-    /// back from there. `from` belongs to the segment, `to` does not.
+    /// Median range of a scan's beams in a segment of width `width_rad` about a direction relative to straight ahead; `None` if no
+    /// beam of the segment returned. The lower edge belongs to the segment, the upper edge does not.
     pub fn median_m(&self, scan: &Scan, centre_rad: f64, width_rad: f64) -> Option<f64> {
         let ranges: Vec<f64> = self
             .beams_rad
@@ -246,7 +247,7 @@ fn csv(path: &Path, text: &str, has_poses: bool) -> Result<ScanLog> {
     for row in 0..table.row_count() {
         let time_s = table.number(row, time)?;
         if scans.last().is_some_and(|last| last.time_s > time_s) {
-            let error = Error::invalid("times must not fall")
+            let error = Error::invalid("times must not decrease")
                 .field("t_s")
                 .found(time_s);
             return Err(table.at(row, error));
@@ -258,10 +259,10 @@ fn csv(path: &Path, text: &str, has_poses: bool) -> Result<ScanLog> {
                     let error = Error::invalid("a range cannot be negative")
                         .field(&table.header()[column])
                         .found(range)
-                        .allowed("0 or more; nothing where nothing came back");
+                        .allowed("0 or more; an empty cell if the beam did not return");
                     Err(table.at(row, error))
                 }
-                // 0 is how scanners say that nothing came back.
+                // Scanners report 0 if a beam does not return.
                 range => Ok(range.filter(|r| *r > 0.0)),
             }
         };
@@ -285,7 +286,7 @@ fn csv(path: &Path, text: &str, has_poses: bool) -> Result<ScanLog> {
     })
 }
 
-/// Ranges from which on a CARMEN log means that nothing came back, metres.
+/// In a CARMEN log, ranges from this value on mean that the beam did not return, metres.
 const CARMEN_NOTHING_M: f64 = 80.0;
 
 /// `FLASER n r_1 … r_n x y θ odom_x odom_y odom_θ time host time`: a front laser over 180°, with its pose.
@@ -314,13 +315,14 @@ fn carmen(path: &Path, text: &str) -> Result<ScanLog> {
             .filter(|v: &f64| v.is_finite())
             .collect();
         if numbers.len() < count + 7 {
-            return Err(
-                wrong("a FLASER line ends too early, or holds what is no number")
-                    .allowed("n, n ranges, x y θ, odometry x y θ, a time"),
-            );
+            return Err(wrong(
+                "a FLASER line ends too early or contains a word that is not a number",
+            )
+            .allowed("n, n ranges, x y θ, odometry x y θ, a time"));
         }
         if beams_rad.is_empty() {
-            // From right to left; 180 and 360 beams lie a beam's width apart from 0, 181 and 361 include both ends.
+            // Beams are listed from right to left. With 180 or 360 beams, the outermost beams are half a step inside of ±90°; with
+            // 181 or 361 beams, they are at ±90°.
             let step = if count % 2 == 1 {
                 180.0 / (count - 1) as f64
             } else {

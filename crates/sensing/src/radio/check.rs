@@ -1,4 +1,4 @@
-//! Whether log, arena and anchors belong together.
+//! Checks that a log, an arena and anchors are consistent with each other.
 
 use super::log::RadioLog;
 use crate::arena::{Anchor, Arena};
@@ -6,7 +6,7 @@ use realgap_core::error::{Error, Result};
 use realgap_core::unit::counted;
 use realgap_core::warning::{Code, Warning};
 
-/// Readings and anchors that are where they can hardly be.
+/// Warnings about readings outside of the arena and about anchors inside of walls.
 pub(super) fn check_places(
     log: &RadioLog,
     arena: &Arena,
@@ -46,7 +46,7 @@ pub(super) fn check_places(
         .collect();
     if !walled.is_empty() {
         warnings.push(Code::AnchorInWall.warning(format!(
-            "in a wall, which does not count between it and a robot: anchor {}",
+            "these anchors are inside of a wall, and that wall is not counted between the anchor and a robot: {}",
             walled.join(", ")
         )));
     }

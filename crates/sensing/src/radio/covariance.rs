@@ -1,4 +1,4 @@
-//! How sure parameters are when neighbouring readings share their errors.
+//! The covariance of parameters that are fitted to readings with spatially correlated errors.
 
 use std::collections::BTreeMap;
 
@@ -6,10 +6,10 @@ use nalgebra::{DMatrix, DVector};
 
 use super::log::RadioLog;
 
-/// Two readings this near to each other were taken at the same spot, metres.
+/// Side of the square that is one spot, metres; readings in it count as taken at the same position.
 pub(super) const SPOT_M: f64 = 0.25;
 
-/// How errors of strengths lie: a part of the place and a part of the reading.
+/// The model of errors of strengths: shadowing, which depends on the position, and fading, which differs between readings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Spread {
     pub(super) shadowing_sd_db: f64,
@@ -17,9 +17,9 @@ pub(super) struct Spread {
     pub(super) fading_sd_db: f64,
 }
 
-/// Covariance of least squares parameters whose errors have the covariance s² exp(−h/L) between places of one anchor and a part of
-/// each reading: (X'X)⁻¹ X'ΣX (X'X)⁻¹. Readings of one spot (a quarter of a metre) count as taken at its middle. `None` where X'X
-/// has no inverse.
+/// Covariance of least-squares parameters, (X'X)⁻¹ X'ΣX (X'X)⁻¹, for errors with the covariance s² exp(−h/L) between positions of one
+/// anchor plus an independent part of each reading. Readings of one spot (a quarter of a metre) count as taken at its middle. `None`
+/// if X'X has no inverse.
 pub(super) fn covariance(
     log: &RadioLog,
     rows: &[Vec<f64>],
@@ -42,7 +42,7 @@ pub(super) fn covariance(
     for own in &spots {
         let own: Vec<_> = own.iter().collect();
         for (a, sum_a) in &own {
-            // Everything that shares errors with this spot.
+            // The sum over all spots, weighted by their correlation with this spot.
             let mut shared = DVector::zeros(columns);
             for (b, sum_b) in &own {
                 let [dx, dy] = [0, 1].map(|k| (a[k] - b[k]) as f64 * SPOT_M);

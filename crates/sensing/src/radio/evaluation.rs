@@ -1,4 +1,4 @@
-//! A radio model against a log that it has not seen.
+//! Evaluates a radio model on a log that was not used for its fit, and compares it with baselines.
 
 use std::fmt;
 
@@ -18,13 +18,13 @@ use realgap_core::table::TextTable;
 use realgap_core::unit::counted;
 use realgap_core::warning::{Code, Warning};
 
-/// One anchor of the log.
+/// The errors of the model for one anchor of the log.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AnchorReport {
-    /// Its name.
+    /// Name of the anchor.
     pub anchor: String,
-    /// Strengths.
+    /// Number of strengths.
     pub readings: usize,
     /// Root mean square error, dB.
     pub rmse_db: f64,
@@ -44,46 +44,46 @@ pub struct Guess {
     pub rmse_db: f64,
 }
 
-/// A radio model held against a log.
+/// The errors of a radio model on a log.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Evaluation {
-    /// The model's name.
+    /// Name of the propagation model.
     pub propagation: String,
     /// Root mean square error, dB.
     pub rmse_db: f64,
-    /// Where its 90 % interval over resampled places begins, dB.
+    /// Lower end of the 90 % interval of the root mean square error, over resampled places, dB.
     pub rmse_low_db: f64,
-    /// Where that interval ends, dB.
+    /// Upper end of the 90 % interval of the root mean square error, over resampled places, dB.
     pub rmse_high_db: f64,
     /// Mean of measured minus predicted, dB.
     pub bias_db: f64,
     /// Share of strengths in the model's 90 % interval.
     pub coverage_90: f64,
-    /// Half width of that interval, dB.
+    /// Half width of the model's 90 % interval, dB.
     pub interval_90_db: f64,
-    /// Anchor by anchor.
+    /// The errors for each anchor.
     pub anchors: Vec<AnchorReport>,
     /// The same log by other models of the same fit, the mean strength of that fit, and fingerprints where they were given.
     pub guesses: Vec<Guess>,
-    /// Strengths of the log.
+    /// Number of strengths of the log.
     pub readings: usize,
-    /// Strengths that are missing.
+    /// Number of missing strengths.
     pub missing: usize,
-    /// Middle of each quarter of a metre (metres) and the root mean square error there, dB: the map of what is not explained.
+    /// A map of the errors: the middle of each square of a quarter of a metre, metres, and the root mean square error in it, dB.
     #[serde(skip)]
     pub errors: Vec<([f64; 2], f64)>,
-    /// What the reader should know.
+    /// Warnings to the reader.
     pub warnings: Vec<Warning>,
 }
 
 const RESAMPLES: usize = 1000;
 
 impl Evaluation {
-    /// Holds the model against a log; `fingerprints` are another log as a map, for comparison.
+    /// Evaluates the model on a log; `fingerprints` (another log used as a map) are a further baseline.
     ///
     /// # Errors
-    /// An anchor of the log that nobody placed.
+    /// A log without strengths, an anchor of the log whose position is unknown.
     pub fn new(
         model: &RadioModel,
         arena: &Arena,
@@ -92,7 +92,7 @@ impl Evaluation {
         fingerprints: Option<&Fingerprints>,
     ) -> Result<Self> {
         if log.readings.is_empty() {
-            return Err(Error::invalid("nothing was heard in the whole log"));
+            return Err(Error::invalid("no signal was received in the whole log"));
         }
         let anchors = log.placed(anchors)?;
         let links: Vec<Link> = log
@@ -135,7 +135,7 @@ impl Evaluation {
         let mut warnings = log.warnings.clone();
         if half == 0.0 {
             warnings.push(Code::NoInterval.warning(
-                "the model states no interval, so that its coverage says nothing; `interval_90_db` in its file does, and a fit writes it",
+                "the model states no interval, so its coverage cannot be evaluated; the field `interval_90_db` of its file states the interval, and a fit writes it",
             ));
         }
         Ok(Self {
@@ -197,7 +197,7 @@ fn guesses(
     guesses
 }
 
-/// Of the root mean square, over resampled places.
+/// The 90 % interval of the root mean square error, over resampled places.
 fn interval(log: &RadioLog, errors: &[f64]) -> (f64, f64) {
     let (place, count) = places(log);
     let (mut squares, mut counts) = (vec![0.0; count], vec![0.0; count]);

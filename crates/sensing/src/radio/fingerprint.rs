@@ -1,21 +1,21 @@
-//! Fingerprints: a log used as a map, the baseline of every radio model.
+//! Fingerprints: a log used as a map of strengths, which is a baseline for radio models.
 
 use super::log::RadioLog;
 use realgap_core::error::{Error, Result};
 
-/// Where an anchor was heard (metres), and how strong (dBm).
-type Heard = Vec<([f64; 2], f64)>;
+/// Positions (metres) and strengths (dBm) at which an anchor was received.
+type Received = Vec<([f64; 2], f64)>;
 
 /// Predicts a strength by the mean of the nearest logged ones (k nearest neighbours).
 #[derive(Debug, Clone)]
 pub struct Fingerprints {
     neighbours: usize,
-    /// For each anchor of the log its name and where it was heard how strongly.
-    heard: Vec<(String, Heard)>,
+    /// For each anchor of the log, its name and the strengths at which it was received.
+    received: Vec<(String, Received)>,
 }
 
 impl Fingerprints {
-    /// Of a log, with this many neighbours.
+    /// The fingerprints of a log, with this number of neighbours.
     ///
     /// # Errors
     /// No neighbours.
@@ -25,7 +25,7 @@ impl Fingerprints {
                 .field("neighbours")
                 .found(0));
         }
-        let heard = log
+        let received = log
             .anchors
             .iter()
             .enumerate()
@@ -37,13 +37,16 @@ impl Fingerprints {
                 )
             })
             .collect();
-        Ok(Self { neighbours, heard })
+        Ok(Self {
+            neighbours,
+            received,
+        })
     }
 
-    /// The mean strength of an anchor at the nearest places; `None` where the log never heard it.
+    /// The mean strength of an anchor at the nearest logged positions; `None` if the anchor was never received in the log.
     pub fn strength_dbm(&self, anchor: &str, position_m: [f64; 2]) -> Option<f64> {
-        let (_, heard) = self.heard.iter().find(|(name, _)| name == anchor)?;
-        let mut near: Vec<(f64, f64)> = heard
+        let (_, received) = self.received.iter().find(|(name, _)| name == anchor)?;
+        let mut near: Vec<(f64, f64)> = received
             .iter()
             .map(|(at, dbm)| ((at[0] - position_m[0]).hypot(at[1] - position_m[1]), *dbm))
             .collect();

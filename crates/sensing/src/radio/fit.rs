@@ -1,4 +1,4 @@
-//! From a log of strengths to a radio model: every propagation model, chosen by places that were left out.
+//! Fits a radio model to a log of strengths: fits every propagation model and chooses by cross-validation over places.
 
 use super::check::check_places;
 use super::covariance::{Spread, covariance};
@@ -17,19 +17,19 @@ use realgap_core::statistics::{mean, standard_deviation, student_quantile};
 use realgap_core::unit::counted;
 use realgap_core::warning::Code;
 
-/// Fewest places of a log.
+/// Smallest number of places of a log.
 const FEWEST_PLACES: usize = 3;
 /// Level of all intervals.
 const LEVEL: f64 = 0.9;
 
-/// A model fitted with one cap.
+/// A propagation model fitted with one cap.
 struct Fitted {
     propagation: &'static dyn Propagation,
     cap: usize,
     materials: Vec<String>,
     values: Vec<f64>,
     rows: Vec<Vec<f64>>,
-    /// Errors with the place left out, in the log's order.
+    /// Errors at each reading of a fit without its place, in the order of the log.
     left_out_db: Vec<f64>,
     residuals_db: Vec<f64>,
 }
@@ -44,18 +44,19 @@ pub(super) fn root_mean_square(errors: &[f64]) -> f64 {
     mean(&errors.iter().map(|e| e * e).collect::<Vec<_>>()).sqrt()
 }
 
-/// What all candidates share.
-struct Material<'a> {
+/// The data of a fit, which all candidates share.
+struct FitData<'a> {
     log: &'a RadioLog,
     links: Vec<Link>,
     place: Vec<usize>,
     places: usize,
 }
 
-/// Fits a log.
+/// Fits a radio model to a log.
 ///
 /// # Errors
-/// An anchor of the log that nobody placed, a log outside of the arena, too few places, a model that the log does not determine.
+/// An anchor of the log whose position is unknown, a log outside of the arena, too few places, a model that the log does not
+/// determine.
 pub fn fit(
     log: &RadioLog,
     arena: &Arena,
@@ -80,34 +81,34 @@ pub fn fit(
         return Err(Error::invalid("too few places to fit a radio model")
             .found(format!("{} of {PLACE_M} m", counted(count, "square")))
             .allowed(format!("{FEWEST_PLACES} or more"))
-            .hint("log strengths along a way through the rooms"));
+            .hint("log strengths along a path through the rooms"));
     }
-    let material = Material {
+    let data = FitData {
         log,
         links,
         place,
         places: count,
     };
-    let most = material.links.iter().map(Link::walls).max().unwrap_or(0);
-    let mut fitted = candidates(&material, most, options);
+    let most = data.links.iter().map(Link::walls).max().unwrap_or(0);
+    let mut fitted = candidates(&data, most, options);
     fitted.sort_by(|a, b| a.rmse_db().total_cmp(&b.rmse_db()));
     let Some(best) = fitted.first() else {
         return Err(undetermined(most, options));
     };
     if most == 0 && options.propagation.is_none() {
         warnings.push(Code::NoWalls.warning(
-            "no link of the log crosses a wall of the arena, so that nothing is known of walls",
+            "no link of the log crosses a wall of the arena, so the losses of walls are unknown",
         ));
     }
-    let mut found = describe(&material, best, &fitted, options);
+    let mut found = describe(&data, best, &fitted, options);
     found.warnings.splice(0..0, warnings);
     Ok(found)
 }
 
-/// Every model that the log determines, with every cap.
-fn candidates(material: &Material<'_>, most: usize, options: &RadioOptions) -> Vec<Fitted> {
+/// Fits of every propagation model that the log determines, with every cap.
+fn candidates(data: &FitData<'_>, most: usize, options: &RadioOptions) -> Vec<Fitted> {
     let mut classes: Vec<String> = Vec::new();
-    for (name, _) in material.links.iter().flat_map(|link| &link.crossed) {
+    for (name, _) in data.links.iter().flat_map(|link| &link.crossed) {
         if !classes.contains(name) {
             classes.push(name.clone());
         }
@@ -135,30 +136,30 @@ fn candidates(material: &Material<'_>, most: usize, options: &RadioOptions) -> V
                 log_base: options.log_base,
                 ..RadioModel::paper002()
             };
-            // One class of walls is the model of walls again.
+            // With one material, the model `materials` is the same as the model `walls`.
             let is_same = bare.parameters().len() == 3 && propagation.name() == "materials";
             if is_same && options.propagation.is_none() {
                 continue;
             }
-            fitted.extend(fit_one(material, &bare));
+            fitted.extend(fit_one(data, &bare));
         }
     }
     fitted
 }
 
-fn fit_one(material: &Material<'_>, bare: &RadioModel) -> Option<Fitted> {
-    let (rows, targets): (Vec<Vec<f64>>, Vec<f64>) = material
+fn fit_one(data: &FitData<'_>, bare: &RadioModel) -> Option<Fitted> {
+    let (rows, targets): (Vec<Vec<f64>>, Vec<f64>) = data
         .links
         .iter()
-        .zip(&material.log.readings)
+        .zip(&data.log.readings)
         .map(|(link, reading)| {
             let (factors, fixed_db) = bare.row(link);
             (factors, reading.strength_dbm - fixed_db)
         })
         .unzip();
-    let by_place = ByPlace::new(&rows, &targets, &material.place, material.places);
+    let by_place = ByPlace::new(&rows, &targets, &data.place, data.places);
     let values = by_place.solve(|_| 1.0)?;
-    let without: Vec<Vec<f64>> = (0..material.places)
+    let without: Vec<Vec<f64>> = (0..data.places)
         .map(|left_out| by_place.solve(|place| f64::from(u8::from(place != left_out))))
         .collect::<Option<_>>()?;
     let error = |index: usize, values: &[f64]| {
@@ -172,7 +173,7 @@ fn fit_one(material: &Material<'_>, bare: &RadioModel) -> Option<Fitted> {
         materials: bare.materials.clone(),
         left_out_db: readings
             .clone()
-            .map(|i| error(i, &without[material.place[i]]))
+            .map(|i| error(i, &without[data.place[i]]))
             .collect(),
         residuals_db: readings.map(|i| error(i, &values)).collect(),
         values,
@@ -189,43 +190,43 @@ fn undetermined(most: usize, options: &RadioOptions) -> Error {
     if most == 0 {
         error.hint("no link crosses a wall of the arena; a model without walls can be fitted")
     } else {
-        error.hint("too few distances, or every wall in the way of the same links; a simpler model can be fitted")
+        error.hint("the log has too few distances, or all walls are crossed by the same links; a simpler model can be fitted")
     }
 }
 
-/// Mean squares of the errors of each place.
-fn squares_by_place(material: &Material<'_>, fitted: &Fitted) -> Vec<f64> {
-    let mut own = vec![Vec::new(); material.places];
-    for (place, error) in material.place.iter().zip(&fitted.left_out_db) {
+/// Mean squares of the errors at each place.
+fn squares_by_place(data: &FitData<'_>, fitted: &Fitted) -> Vec<f64> {
+    let mut own = vec![Vec::new(); data.places];
+    for (place, error) in data.place.iter().zip(&fitted.left_out_db) {
         own[*place].push(error * error);
     }
     own.iter().map(|squares| mean(squares)).collect()
 }
 
 fn describe(
-    material: &Material<'_>,
+    data: &FitData<'_>,
     best: &Fitted,
     all: &[Fitted],
     options: &RadioOptions,
 ) -> FittedRadio {
-    let best_squares = squares_by_place(material, best);
+    let best_squares = squares_by_place(data, best);
     let candidate = |fitted: &Fitted| {
-        let apart: Vec<f64> = squares_by_place(material, fitted)
+        let differences: Vec<f64> = squares_by_place(data, fitted)
             .iter()
             .zip(&best_squares)
             .map(|(other, best)| other - best)
             .collect();
-        let error = standard_deviation(&apart) / (apart.len() as f64).sqrt();
+        let error = standard_deviation(&differences) / (differences.len() as f64).sqrt();
         Candidate {
             propagation: fitted.propagation.name(),
             cap: fitted.propagation.has_walls().then_some(fitted.cap),
             left_out_rmse_db: fitted.rmse_db(),
-            as_good: mean(&apart) <= 2.0 * error,
+            as_good: mean(&differences) <= 2.0 * error,
         }
     };
     let mut warnings = Vec::new();
-    let mut left_out = vec![Vec::new(); material.places];
-    for (place, error) in material.place.iter().zip(&best.left_out_db) {
+    let mut left_out = vec![Vec::new(); data.places];
+    for (place, error) in data.place.iter().zip(&best.left_out_db) {
         left_out[*place].push(*error);
     }
     let largest = best
@@ -234,18 +235,13 @@ fn describe(
         .fold(0.0, |a: f64, e| a.max(e.abs()));
     let interval_90_db = grouped_quantile(&left_out, LEVEL).unwrap_or_else(|| {
         warnings.push(Code::FewPlaces.warning(format!(
-            "{} are too few to say what 90 % of the strengths elsewhere will be within; the interval is the largest error here",
-            counted(material.places, "place")
+            "{} are too few for a 90 % interval of the strengths at other places; the largest error of this log is used as the interval",
+            counted(data.places, "place")
         )));
         largest
     });
-    let spread = shadow::estimate(material.log, &best.residuals_db, &best.rows);
-    let strengths: Vec<f64> = material
-        .log
-        .readings
-        .iter()
-        .map(|r| r.strength_dbm)
-        .collect();
+    let spread = shadow::estimate(data.log, &best.residuals_db, &best.rows);
+    let strengths: Vec<f64> = data.log.readings.iter().map(|r| r.strength_dbm).collect();
     let fit_of = |fitted: &Fitted| OtherFit {
         propagation: fitted.propagation,
         values: fitted.values.clone(),
@@ -255,7 +251,7 @@ fn describe(
             _ => Vec::new(),
         },
     };
-    // Of every other model the best cap.
+    // The fit with the best cap of every other propagation model.
     let mut others: Vec<OtherFit> = Vec::new();
     for other in all {
         let is_known = |fit: &OtherFit| fit.propagation == other.propagation;
@@ -282,7 +278,7 @@ fn describe(
         formula: best.propagation.formula(),
         log_base: options.log_base.name(),
         reference_distance_m: options.reference_distance_m,
-        parameters: parameters(material, best, &model, &spread),
+        parameters: parameters(data, best, &model, &spread),
         cap: best.propagation.has_walls().then_some(best.cap),
         candidates: all.iter().map(candidate).collect(),
         left_out_rmse_db: best.rmse_db(),
@@ -291,33 +287,29 @@ fn describe(
         shadowing_distance_m: spread.shadowing_distance_m,
         fading_sd_db: spread.fading_sd_db,
         interval_90_db,
-        readings: material.log.readings.len(),
-        missing: material.log.missing,
-        places: material.places,
+        readings: data.log.readings.len(),
+        missing: data.log.missing,
+        places: data.places,
         warnings,
         model,
     }
 }
 
-/// A strength is known if its interval is narrower than this, dB.
+/// A strength is determined if its interval is narrower than this, dB.
 const KNOWN_DB: f64 = 10.0;
 
-/// Values with intervals; neighbouring readings share their errors.
+/// The parameters with intervals that take the correlation of neighbouring readings into account.
 fn parameters(
-    material: &Material<'_>,
+    data: &FitData<'_>,
     best: &Fitted,
     model: &RadioModel,
     spread: &Spread,
 ) -> Vec<FittedParameter> {
-    let covariance = covariance(material.log, &best.rows, spread);
-    let crossing = material
-        .links
-        .iter()
-        .filter(|link| link.walls() > 0)
-        .count();
-    let share = crossing as f64 / material.links.len() as f64;
-    // What errors are like is known from so many places at most.
-    let degrees = material.places.saturating_sub(best.values.len()).max(1);
+    let covariance = covariance(data.log, &best.rows, spread);
+    let crossing = data.links.iter().filter(|link| link.walls() > 0).count();
+    let share = crossing as f64 / data.links.len() as f64;
+    // The degrees of freedom are limited by the number of places, because readings at one place have correlated errors.
+    let degrees = data.places.saturating_sub(best.values.len()).max(1);
     let quantile = student_quantile(0.5 * (1.0 + LEVEL), degrees as f64);
     model
         .parameters()
@@ -332,7 +324,8 @@ fn parameters(
             let (low, high) = (value - half, value + half);
             let is_strength = index == 0;
             let why = if is_strength {
-                (high - low > KNOWN_DB).then(|| format!("known to {:.0} dB only", high - low))
+                (high - low > KNOWN_DB)
+                    .then(|| format!("its interval is {:.0} dB wide", high - low))
             } else if low <= 0.0 {
                 let walls = format!("; {:.0} % of the links cross a wall", 100.0 * share);
                 let walls = if parameter.name.contains("loss_db") {
@@ -340,7 +333,7 @@ fn parameters(
                 } else {
                     String::new()
                 };
-                Some(format!("the interval holds 0{walls}"))
+                Some(format!("the interval contains 0{walls}"))
             } else {
                 (high - low > value).then(|| "the interval is wider than the value".to_owned())
             };

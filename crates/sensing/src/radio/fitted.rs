@@ -1,4 +1,4 @@
-//! What a fit of a radio model found, and what speaks for it.
+//! The result of fitting a radio model, with intervals and the candidates that were tried.
 
 use std::fmt;
 
@@ -14,77 +14,78 @@ use realgap_core::warning::Warning;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FittedParameter {
-    /// Its name.
+    /// Name of the parameter.
     pub name: String,
-    /// Its unit, empty for none.
+    /// Unit of the parameter; empty for a parameter without unit.
     pub unit: &'static str,
-    /// Its value.
+    /// Value of the parameter.
     pub value: f64,
-    /// Where its 90 % interval begins.
+    /// Lower end of the 90 % interval.
     pub low: f64,
-    /// Where that interval ends.
+    /// Upper end of the 90 % interval.
     pub high: f64,
-    /// Whether the log says what it is: an interval narrower than the value (a loss, an exponent) or than 10 dB (a strength), and
-    /// without 0.
+    /// Whether the log determines the parameter: its interval does not contain 0 and is narrower than the value (for a loss or an
+    /// exponent) or than 10 dB (for a strength).
     pub determined: bool,
-    /// This says why it is not determined.
+    /// The reason why the parameter is not determined.
     pub why: Option<String>,
 }
 
-/// A model that was tried.
+/// A propagation model that was tried.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Candidate {
-    /// Its name.
+    /// Name of the propagation model.
     pub propagation: &'static str,
-    /// Walls that count at most; `None` for models without walls.
+    /// Largest number of walls that count; `None` for models without walls.
     pub cap: Option<usize>,
-    /// Root mean square error at places that were left out, dB.
+    /// Root mean square error at left-out places, dB.
     pub left_out_rmse_db: f64,
-    /// Whether it cannot be told from the best: places' mean squares differ by less than two standard errors.
+    /// Whether the model is not significantly worse than the best: the mean squares at places differ by less than two standard
+    /// errors.
     pub as_good: bool,
 }
 
-/// A log as a radio model.
+/// A radio model that was fitted to a log, with the statistics of the fit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FittedRadio {
     /// The model.
     #[serde(skip)]
     pub model: RadioModel,
-    /// Its name.
+    /// Name of the propagation model.
     pub propagation: &'static str,
-    /// Its formula.
+    /// Formula of the propagation model.
     pub formula: &'static str,
-    /// Base of the logarithm in it, `10` or `e`.
+    /// Base of the logarithm in the formula, `10` or `e`.
     pub log_base: &'static str,
-    /// Distance at which its first parameter holds, metres.
+    /// Reference distance, at which the first parameter is the strength, metres.
     pub reference_distance_m: f64,
-    /// Its parameters.
+    /// Parameters of the propagation model.
     pub parameters: Vec<FittedParameter>,
-    /// C; `None` for models without walls.
+    /// C, the largest number of walls that count; `None` for models without walls.
     pub cap: Option<usize>,
-    /// Everything that was tried, best first.
+    /// All models that were tried, best first.
     pub candidates: Vec<Candidate>,
-    /// Root mean square error at places that were left out, dB.
+    /// Root mean square error at left-out places, dB.
     pub left_out_rmse_db: f64,
     /// Root mean square error on the log itself, dB.
     pub rmse_db: f64,
-    /// Standard deviation of what a place adds, dB.
+    /// Standard deviation of shadowing, dB.
     pub shadowing_sd_db: f64,
-    /// Distance at which places share 1/e of it, metres.
+    /// Correlation distance of shadowing, at which its correlation is 1/e, metres.
     pub shadowing_distance_m: f64,
-    /// Standard deviation of what a reading adds, dB.
+    /// Standard deviation of fading, dB.
     pub fading_sd_db: f64,
-    /// Half width of the interval for 90 % of strengths at new places, dB.
+    /// Half width of the interval that contains 90 % of strengths at new places, dB.
     pub interval_90_db: f64,
-    /// Strengths of the log.
+    /// Number of strengths of the log.
     pub readings: usize,
-    /// Strengths that are missing.
+    /// Number of missing strengths.
     pub missing: usize,
-    /// Places (squares of one metre) of the log.
+    /// Number of places (squares of one metre) of the log.
     pub places: usize,
-    /// What the reader should know.
+    /// Warnings to the reader.
     pub warnings: Vec<Warning>,
 }
 
@@ -108,7 +109,7 @@ impl fmt::Display for FittedRadio {
                     format!("{:.2} dB", c.left_out_rmse_db)
                 }),
                 ("", Left, &|c| match c.as_good {
-                    true => "cannot be told from the best".to_owned(),
+                    true => "not significantly worse than the best".to_owned(),
                     false => String::new(),
                 }),
             ],
@@ -149,7 +150,7 @@ impl fmt::Display for FittedRadio {
         )?;
         write!(
             f,
-            "a place adds {:.1} dB (alike within {:.1} m), a reading {:.1} dB",
+            "shadowing {:.1} dB (correlation distance {:.1} m), fading {:.1} dB",
             self.shadowing_sd_db, self.shadowing_distance_m, self.fading_sd_db
         )
     }

@@ -1,4 +1,4 @@
-//! Logs of strengths at known places.
+//! Reads logs of radio strengths at known positions, and lists of anchors.
 
 use std::path::Path;
 
@@ -8,44 +8,44 @@ use realgap_core::file::{LogTable, read_log_text};
 use realgap_core::unit::counted;
 use realgap_core::warning::{Code, Warning};
 
-/// One strength.
+/// One strength at a position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaceReading {
     /// Row of the log, from 0.
     pub row: usize,
-    /// Where the robot was, metres.
+    /// Position of the robot, metres.
     pub position_m: [f64; 2],
-    /// Which anchor was heard, index of [`RadioLog::anchors`].
+    /// Index of the received anchor in [`RadioLog::anchors`].
     pub anchor: usize,
-    /// How strong, dBm.
+    /// Strength of the signal, dBm.
     pub strength_dbm: f64,
 }
 
-/// Strengths along a robot's way.
+/// Strengths along a robot's path.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RadioLog {
     /// Names of the anchors, as in the columns.
     pub anchors: Vec<String>,
-    /// What was heard.
+    /// All strengths that were received.
     pub readings: Vec<PlaceReading>,
-    /// Poses of the log.
+    /// Number of poses of the log.
     pub poses: usize,
-    /// How many strengths are missing.
+    /// Number of missing strengths.
     pub missing: usize,
-    /// What the reader should know.
+    /// Warnings to the reader.
     pub warnings: Vec<Warning>,
 }
 
-/// Which part of a log.
+/// Options of reading a log.
 #[derive(Debug, Clone, Default)]
 pub struct RadioLogOptions {
-    /// Only rows whose column `session` says this.
+    /// Use only rows with this value in the column `session`.
     pub session: Option<String>,
 }
 
-/// Strengths outside of this are how loggers say that nothing was heard, dBm.
+/// Possible strengths, dBm. Loggers report strengths outside of this interval if no signal was received.
 const POSSIBLE_DBM: std::ops::Range<f64> = -120.0..0.0;
-/// What columns may be called.
+/// The names that columns may have.
 const COLUMNS: &str = "a log of strengths has the columns x_m, y_m, one that ends in _dbm for every anchor (anchor_1_dbm …), and where \
      there are several sessions `session`";
 
@@ -61,13 +61,13 @@ impl RadioLog {
     /// Reads a log.
     ///
     /// # Errors
-    /// A missing file, missing columns, cells that are no numbers, no strength at all, no row of the session.
+    /// A missing file, missing columns, cells that are not numbers, no strength at all, no row of the session.
     pub fn read_with(path: impl AsRef<Path>, options: &RadioLogOptions) -> Result<Self> {
         let path = path.as_ref();
         Self::parse_with(path, &read_log_text(path)?, options)
     }
 
-    /// The log in a text; `path` is what errors call it.
+    /// Parses a log from a text; errors name it by `path`.
     ///
     /// # Errors
     /// As [`RadioLog::read_with`].
@@ -128,7 +128,7 @@ impl RadioLog {
         }
         log.missing += impossible;
         if log.readings.is_empty() {
-            return Err(Error::invalid("nothing was heard in the whole log")
+            return Err(Error::invalid("no signal was received in the whole log")
                 .at_file(path)
                 .found(format!(
                     "{} empty, {impossible} of 0 dBm or more or under -120 dBm",
@@ -139,23 +139,23 @@ impl RadioLog {
         }
         if impossible > 0 {
             log.warnings.push(Code::ImpossibleReadings.warning(format!(
-                "{} of 0 dBm or more, or under -120 dBm, counted as not heard",
+                "{} of 0 dBm or more, or under -120 dBm, counted as not received",
                 counted(impossible, "strength")
             )));
         }
         if wanted.is_none() && sessions.len() > 1 {
             log.warnings.push(Code::SeveralSessions.warning(format!(
-                "sessions {} are taken together; choose one to hold the others against it",
+                "sessions {} are used together; choose one session for the fit to evaluate the model on the others",
                 sessions.join(", ")
             )));
         }
         Ok(log)
     }
 
-    /// For each anchor of the log the one of an arena.
+    /// The anchors of an arena that correspond to the anchors of the log, in the order of the log.
     ///
     /// # Errors
-    /// An anchor of the log that nobody placed.
+    /// An anchor of the log whose position is unknown.
     pub fn placed(&self, anchors: &[Anchor]) -> Result<Vec<Anchor>> {
         let find = |name: &String| {
             anchors
@@ -164,7 +164,7 @@ impl RadioLog {
                 .cloned()
                 .ok_or_else(|| {
                     let known: Vec<&str> = anchors.iter().map(|a| a.name.as_str()).collect();
-                    Error::invalid("nobody says where an anchor of the log is")
+                    Error::invalid("the position of an anchor of the log is unknown")
                         .found(name)
                         .allowed(if known.is_empty() {
                             "this arena has no anchors".to_owned()
@@ -178,10 +178,10 @@ impl RadioLog {
     }
 }
 
-/// Places of anchors from a CSV with the columns id, x, y and z (metres).
+/// Reads the positions of anchors from a CSV with the columns id, x, y and z (metres).
 ///
 /// # Errors
-/// A missing file, missing columns, cells that are no numbers, a name twice.
+/// A missing file, missing columns, cells that are not numbers, a repeated name.
 pub fn read_anchors(path: impl AsRef<Path>) -> Result<Vec<Anchor>> {
     let path = path.as_ref();
     let table = LogTable::parse(path, &read_log_text(path)?)?;

@@ -1,4 +1,4 @@
-//! A radio model: a propagation model with its numbers, and how far strengths lie about it.
+//! The radio model: a propagation model with its parameters, and the variation of strengths about it.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,10 +11,10 @@ use realgap_core::range::Range;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum LogBase {
-    /// 10, as usual.
+    /// Base 10, which is common.
     #[default]
     Ten,
-    /// The base is e, which the numbers of paper 002 need.
+    /// Base e, which is needed for the numbers of paper 002.
     E,
 }
 
@@ -36,47 +36,47 @@ impl LogBase {
     }
 }
 
-/// How strong a signal arrives. Its file has the same fields.
+/// A model of the strength of received signals. Its file has the same fields.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Radio")]
 pub struct RadioModel {
-    /// Where its numbers come from.
+    /// Source of the numbers.
     #[serde(default)]
     pub description: String,
-    /// How strength falls, by name; `realgap sense radio fit --help` lists the models.
+    /// Name of the propagation model; `realgap sense radio fit --help` lists the models.
     #[cfg_attr(feature = "schema", schemars(with = "String"))]
     pub propagation: &'static dyn Propagation,
-    /// Its parameters, in the order in which the fit prints them.
+    /// Parameters of the propagation model, in the order in which the fit prints them.
     pub values: Vec<f64>,
-    /// Distance d0 of P(d0), metres.
+    /// Reference distance d0 of P(d0), metres.
     #[serde(default = "one")]
     pub reference_distance_m: f64,
     /// Base of the logarithm.
     #[serde(default)]
     pub log_base: LogBase,
-    /// C: walls beyond so many do not count.
+    /// C, the largest number of walls that count.
     #[serde(default = "unlimited")]
     pub cap: usize,
-    /// Materials that have a loss of their own; none for models that do not ask.
+    /// Materials whose losses are parameters; empty for propagation models that do not use materials.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub materials: Vec<String>,
     /// Height of a robot's antenna above the floor, metres.
     #[serde(default)]
     pub robot_height_m: f64,
-    /// Standard deviation of what a place adds, dB: the same for all readings there.
+    /// Standard deviation of shadowing, dB; shadowing is the same for all readings at a place.
     #[serde(default)]
     pub shadowing_sd_db: f64,
-    /// Distance at which two places share 1/e of it, metres.
+    /// Correlation distance of shadowing, at which its correlation is 1/e, metres.
     #[serde(default = "one")]
     pub shadowing_distance_m: f64,
-    /// Standard deviation of what one reading adds, dB.
+    /// Standard deviation of fading, which differs between readings, dB.
     #[serde(default)]
     pub fading_sd_db: f64,
-    /// Half width of the interval that holds 90 % of the strengths at new places, dB.
+    /// Half width of the interval that contains 90 % of the strengths at new places, dB.
     #[serde(default)]
     pub interval_90_db: f64,
-    /// Mean of all strengths of the log, dBm: the guess that knows nothing.
+    /// Mean of all strengths of the log, dBm; the simplest baseline.
     #[serde(default)]
     pub mean_dbm: f64,
     /// The weakest signal that is received, dBm.
@@ -92,15 +92,15 @@ pub struct RadioModel {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct OtherFit {
-    /// How strength falls, by name.
+    /// Name of the propagation model.
     #[cfg_attr(feature = "schema", schemars(with = "String"))]
     pub propagation: &'static dyn Propagation,
-    /// Its parameters.
+    /// Parameters of the propagation model.
     pub values: Vec<f64>,
-    /// C: walls beyond so many do not count.
+    /// C, the largest number of walls that count.
     #[serde(default = "unlimited")]
     pub cap: usize,
-    /// Materials that have a loss of their own.
+    /// Materials whose losses are parameters.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub materials: Vec<String>,
 }
@@ -123,7 +123,7 @@ pub(super) const SENSITIVITY_DBM: f64 = -92.0;
 realgap_core::ron_file!(RadioModel, "radio model");
 
 impl RadioModel {
-    /// The model of another fit to the same log.
+    /// This model with the propagation model and parameters of another fit to the same log.
     pub(super) fn with(&self, other: &OtherFit) -> Self {
         Self {
             propagation: other.propagation,
@@ -135,8 +135,8 @@ impl RadioModel {
         }
     }
 
-    /// Table I of paper 002: WAF 7 dB, C 4, n 1, −50 dBm at 2 m; logarithm to base e, with which its table II has distances of 8.5
-    /// to 11.5 m (with base 10 they would be 55 to 100 m). The paper states no spread: 0.
+    /// Table I of paper 002: WAF 7 dB, C 4, n 1, −50 dBm at 2 m; logarithm to base e, with which the strengths of its table II correspond
+    /// to distances of 8.5 to 11.5 m (with base 10, to 55 to 100 m). The paper states no shadowing or fading, so both are 0.
     pub fn paper002() -> Self {
         Self {
             description: "paper 002, table I".to_owned(),
@@ -157,7 +157,7 @@ impl RadioModel {
         }
     }
 
-    /// What the propagation model asks of a link.
+    /// The quantities of a link that the propagation model needs.
     pub(super) fn terms(&self, link: &Link) -> Terms<'_> {
         let ratio = link.distance_m / self.reference_distance_m;
         Terms {
@@ -168,7 +168,7 @@ impl RadioModel {
         }
     }
 
-    /// What each parameter is multiplied with, and what is added, dB.
+    /// The factor of each parameter, and the term that does not depend on parameters, dB.
     pub(super) fn row(&self, link: &Link) -> (Vec<f64>, f64) {
         let terms = self.terms(link);
         (
@@ -177,7 +177,7 @@ impl RadioModel {
         )
     }
 
-    /// Strength of the signal that arrives on average, dBm.
+    /// Mean strength of the received signal, dBm.
     pub fn strength_dbm(&self, link: &Link) -> f64 {
         let (factors, fixed_db) = self.row(link);
         fixed_db
@@ -193,21 +193,21 @@ impl RadioModel {
         self.propagation.parameters(&self.materials)
     }
 
-    /// A place at the height of a robot's antenna.
+    /// The position of a robot's antenna, for a robot at this position.
     pub fn robot_at(&self, [x_m, y_m]: [f64; 2]) -> [f64; 3] {
         [x_m, y_m, self.robot_height_m]
     }
 
-    /// Checks what no single number says.
+    /// Checks that the numbers of the model are consistent.
     ///
     /// # Errors
-    /// Numbers that are not finite, negative spreads, a reference distance that is not positive, another number of values than the
-    /// model has parameters.
+    /// Numbers that are not finite, negative standard deviations, a reference distance that is not positive, a number of values that
+    /// differs from the number of parameters.
     pub fn check(&self) -> Result<()> {
         let names: Vec<String> = self.parameters().into_iter().map(|p| p.name).collect();
         if names.len() != self.values.len() {
             return Err(Error::invalid(format!(
-                "the model {} has other parameters",
+                "wrong number of values for the model {}",
                 self.propagation.name()
             ))
             .field("values")

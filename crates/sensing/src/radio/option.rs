@@ -1,16 +1,16 @@
-//! How a log of strengths is fitted.
+//! Options of fitting a radio model to a log of strengths.
 
 use super::model::LogBase;
 use super::propagation::Propagation;
 use realgap_core::error::{Error, Result};
 use realgap_core::range::Range;
 
-/// How a log is fitted.
+/// Options of fitting a radio model to a log of strengths.
 #[derive(Debug, Clone)]
 pub struct RadioOptions {
-    /// The model; `None` for the one that foretells places that were left out best.
+    /// The propagation model; with `None` it is chosen by cross-validation over places.
     pub propagation: Option<&'static dyn Propagation>,
-    /// d₀, metres.
+    /// Reference distance d₀, metres.
     pub reference_distance_m: f64,
     /// Base of the logarithm.
     pub log_base: LogBase,

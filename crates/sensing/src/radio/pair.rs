@@ -1,59 +1,59 @@
-//! What two places alone decide of a message, kept: neither walls nor shadows move while a service lasts.
+//! A cache of the mean strength and the shadowing between pairs of positions, which are constant during a simulation.
 
 use std::collections::HashMap;
 use std::sync::{PoisonError, RwLock};
 
-/// Pairs of places that are kept at most, each direction for itself: at most 9 MB.
+/// Largest number of cached pairs of positions, where both directions count separately; they take at most 9 MB.
 pub const MOST_PAIRS: usize = 1 << 16;
 
-/// From where to where, bit by bit: what is not exactly the same pair is another one.
+/// The bits of the two positions, so that only exactly equal pairs have the same key.
 type Key = [[u64; 3]; 2];
 
 fn key(from_m: [f64; 3], to_m: [f64; 3]) -> Key {
     [from_m, to_m].map(|place| place.map(f64::to_bits))
 }
 
-/// What lies between two places.
+/// The cached values for a pair of positions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Between {
-    /// Strength by distance and walls, dBm.
+    /// Mean strength, which depends on distance and walls, dBm.
     pub(super) mean_dbm: f64,
-    /// The field of shadows there, in standard deviations; 0 where there are none.
+    /// Value of the shadowing field, in standard deviations; 0 if noise is off.
     pub(super) shadow: f64,
 }
 
-/// The pairs asked for last and those before them. When the former are as many as may be, the latter go.
+/// The two generations of the cache: when the recent one is full, it replaces the earlier one, which is discarded.
 #[derive(Debug, Default)]
-struct Halves {
+struct Generations {
     recent: HashMap<Key, Between>,
     earlier: HashMap<Key, Between>,
 }
 
-/// Pairs that were asked for before. What is kept is what would be computed, so that nobody can tell but by the time it takes.
+/// The cache of pairs. A cached value equals the value that would be computed, so the cache affects only the computing time.
 #[derive(Debug, Default)]
-pub(super) struct Pairs(RwLock<Halves>);
+pub(super) struct Pairs(RwLock<Generations>);
 
 impl Pairs {
     pub(super) fn get(&self, from_m: [f64; 3], to_m: [f64; 3]) -> Option<Between> {
-        let halves = self.0.read().unwrap_or_else(PoisonError::into_inner);
+        let generations = self.0.read().unwrap_or_else(PoisonError::into_inner);
         let key = key(from_m, to_m);
-        halves
+        generations
             .recent
             .get(&key)
-            .or_else(|| halves.earlier.get(&key))
+            .or_else(|| generations.earlier.get(&key))
             .copied()
     }
 
     pub(super) fn keep(&self, from_m: [f64; 3], to_m: [f64; 3], between: Between) {
-        let mut halves = self.0.write().unwrap_or_else(PoisonError::into_inner);
-        if halves.recent.len() >= MOST_PAIRS / 2 {
-            halves.earlier = std::mem::take(&mut halves.recent);
+        let mut generations = self.0.write().unwrap_or_else(PoisonError::into_inner);
+        if generations.recent.len() >= MOST_PAIRS / 2 {
+            generations.earlier = std::mem::take(&mut generations.recent);
         }
-        halves.recent.insert(key(from_m, to_m), between);
+        generations.recent.insert(key(from_m, to_m), between);
     }
 
     pub(super) fn len(&self) -> usize {
-        let halves = self.0.read().unwrap_or_else(PoisonError::into_inner);
-        halves.recent.len() + halves.earlier.len()
+        let generations = self.0.read().unwrap_or_else(PoisonError::into_inner);
+        generations.recent.len() + generations.earlier.len()
     }
 }

@@ -1,4 +1,6 @@
-//! Places: readings less than a metre from each other share their errors, so nothing is split within a place.
+//! Groups readings into places (squares of one metre), and solves least squares with whole places left out.
+//!
+//! Readings less than a metre from each other have correlated errors, so cross-validation and resampling do not split a place.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -7,7 +9,7 @@ use super::log::RadioLog;
 /// Side of the square that is one place, metres.
 pub(super) const PLACE_M: f64 = 1.0;
 
-/// Which place each reading was taken at, numbered as they first appear, and how many there are.
+/// The place of each reading, numbered in the order of the log, and the number of places.
 pub(super) fn places(log: &RadioLog) -> (Vec<usize>, usize) {
     let mut known: Vec<[i64; 2]> = Vec::new();
     let of = log
@@ -27,14 +29,14 @@ pub(super) fn places(log: &RadioLog) -> (Vec<usize>, usize) {
     (of, known.len())
 }
 
-/// Least squares, a place at a time: normal equations of each.
+/// The normal equations of least squares, separately for each place.
 pub(super) struct ByPlace {
     matrices: Vec<DMatrix<f64>>,
     rights: Vec<DVector<f64>>,
 }
 
 impl ByPlace {
-    /// Of rows and what they should give.
+    /// The normal equations of these rows and targets.
     pub(super) fn new(rows: &[Vec<f64>], targets: &[f64], place: &[usize], places: usize) -> Self {
         let columns = rows.first().map_or(0, Vec::len);
         let mut matrices = vec![DMatrix::zeros(columns, columns); places];
@@ -47,7 +49,7 @@ impl ByPlace {
         Self { matrices, rights }
     }
 
-    /// The solution with a weight for each place; `None` where the readings do not determine it.
+    /// The solution with a weight for each place; `None` if the readings do not determine it.
     pub(super) fn solve(&self, weight: impl Fn(usize) -> f64) -> Option<Vec<f64>> {
         let columns = self.matrices.first()?.ncols();
         let mut matrix = DMatrix::zeros(columns, columns);
@@ -59,7 +61,7 @@ impl ByPlace {
                 right.axpy(weight, own_right, 1.0);
             }
         }
-        // A column that is nearly a mix of others is not determined, whatever rounding leaves of it.
+        // The parameter of a column that is nearly a linear combination of others is not determined.
         let scale: Vec<f64> = (0..columns).map(|k| matrix[(k, k)].sqrt()).collect();
         if scale.iter().any(|s| *s <= 0.0 || !s.is_finite()) {
             return None;

@@ -1,4 +1,4 @@
-//! Messages between robots: delivered, too weak, or lost (paper 002, section IV: the server).
+//! Simulates messages between robots, which are delivered, too weak or lost (paper 002, section IV: the server).
 
 use std::fmt;
 
@@ -17,25 +17,25 @@ use realgap_core::range::Range;
 use realgap_core::statistics::{mean, quantile};
 use realgap_core::unit::counted;
 
-/// How messages travel.
+/// Options of the simulation of messages.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ServiceOptions {
-    /// Seed of everything that is random.
+    /// Seed of all random numbers.
     pub seed: u64,
-    /// Whether places and readings add what the model says they do; otherwise every strength is the mean.
+    /// Whether shadowing and fading are added; otherwise every strength is the mean strength.
     pub noise: bool,
     /// Strength above the sensitivity at which half of the messages are lost, dB.
     pub loss_half_db: f64,
-    /// Decibels over which the loss falls from 73 % to 27 %; 0 for a sharp edge, as in the paper.
+    /// Width in decibels over which the probability of loss falls from 73 % to 27 %; 0 for a step, as in the paper.
     pub loss_width_db: f64,
-    /// Mean time from sending to arriving, seconds.
+    /// Mean time from sending to receiving, seconds.
     pub latency_s: f64,
-    /// Standard deviation of that time, seconds.
+    /// Standard deviation of the time from sending to receiving, seconds.
     pub latency_sd_s: f64,
 }
 
 impl Default for ServiceOptions {
-    /// As paper 002: what arrives above the sensitivity is delivered, at once.
+    /// As in paper 002: a message whose strength is above the sensitivity is delivered without delay.
     fn default() -> Self {
         Self {
             seed: 1,
@@ -48,45 +48,45 @@ impl Default for ServiceOptions {
     }
 }
 
-/// A message on its way.
+/// A message that is sent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Message {
-    /// Its number: what is random of it depends on this and the seed alone.
+    /// Number of the message; its random numbers depend on this number and the seed only.
     pub number: u64,
-    /// Where the sender is, metres.
+    /// Position of the sender, metres.
     pub from_m: [f64; 3],
-    /// Where the receiver is.
+    /// Position of the receiver, metres.
     pub to_m: [f64; 3],
-    /// When it is sent, seconds.
+    /// Time of sending, seconds.
     pub at_s: f64,
 }
 
-/// What becomes of a message.
+/// The outcome of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Delivery {
-    /// It arrives.
+    /// The message is received.
     Delivered {
-        /// When it arrives, seconds.
+        /// Time of receiving, seconds.
         at_s: f64,
-        /// How strong, dBm.
+        /// Strength of the signal, dBm.
         strength_dbm: f64,
     },
     /// The signal is below the receiver's sensitivity.
     TooWeak {
-        /// How strong, dBm.
+        /// Strength of the signal, dBm.
         strength_dbm: f64,
     },
-    /// It was strong enough and lost all the same.
+    /// The signal is strong enough, but the message is lost.
     Lost {
-        /// How strong, dBm.
+        /// Strength of the signal, dBm.
         strength_dbm: f64,
     },
 }
 
-/// Delivers messages, or does not. The same message has the same fate whatever else is sent, and in whatever order.
+/// Simulates the delivery of messages. The outcome of a message does not depend on other messages or their order.
 ///
-/// Walls and shadow between two places are kept for the next message between them, of at most
+/// The mean strength and the shadowing between two positions are cached for later messages between them, for at most
 /// [`MOST_PAIRS`](super::MOST_PAIRS) pairs.
 #[derive(Debug)]
 pub struct Service<'a> {
@@ -101,7 +101,7 @@ impl<'a> Service<'a> {
     /// A service in an arena.
     ///
     /// # Errors
-    /// Negative widths or times, anything not finite.
+    /// Negative widths or times, numbers that are not finite.
     pub fn new(model: &'a RadioModel, arena: &'a Arena, options: ServiceOptions) -> Result<Self> {
         for (field, value, least, unit) in [
             ("loss_half_db", options.loss_half_db, -1e9, "dB"),
@@ -121,7 +121,7 @@ impl<'a> Service<'a> {
         })
     }
 
-    /// What becomes of a message.
+    /// Simulates the delivery of a message and returns its outcome.
     pub fn send(&self, message: &Message) -> Delivery {
         let options = &self.options;
         let mut rng = Numbered::Message.generator(options.seed, message.number);
@@ -147,7 +147,7 @@ impl<'a> Service<'a> {
         }
     }
 
-    /// How many pairs of places it has kept, each direction for itself; at most [`MOST_PAIRS`](super::MOST_PAIRS).
+    /// Number of cached pairs of positions, where both directions count separately; at most [`MOST_PAIRS`](super::MOST_PAIRS).
     pub fn kept_pairs(&self) -> usize {
         self.pairs.len()
     }
@@ -157,7 +157,8 @@ impl<'a> Service<'a> {
             return between;
         }
         let shadow = match self.pairs.get(to_m, from_m) {
-            // Bit by bit the same: a sum of two does not depend on their order. Walls are met in another order, and may.
+            // Shadowing is bitwise equal in both directions, because it is a sum of two terms. The loss of walls is computed for
+            // each direction, because the order of walls may affect its rounding.
             Some(back) => back.shadow,
             None if self.options.noise => {
                 let [a, b] = [from_m, to_m].map(|[x, y, _]| [x, y]);
@@ -172,7 +173,7 @@ impl<'a> Service<'a> {
         between
     }
 
-    /// Probability that a message of this margin above the sensitivity is lost.
+    /// Probability that a message is lost whose strength is this margin above the sensitivity.
     pub fn loss(&self, margin_db: f64) -> f64 {
         let above_db = margin_db - self.options.loss_half_db;
         if self.options.loss_width_db == 0.0 {
@@ -182,28 +183,28 @@ impl<'a> Service<'a> {
     }
 }
 
-/// What became of many messages.
+/// Statistics of the outcomes of many messages.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ServiceReport {
-    /// Messages that were sent.
+    /// Number of messages that were sent.
     pub sent: usize,
-    /// Messages that arrived.
+    /// Number of messages that were received.
     pub delivered: usize,
-    /// Messages below the sensitivity.
+    /// Number of messages below the sensitivity.
     pub too_weak: usize,
-    /// Messages that were lost above it.
+    /// Number of messages above the sensitivity that were lost.
     pub lost: usize,
-    /// Mean strength of all, dBm.
+    /// Mean strength of all messages, dBm.
     pub mean_strength_dbm: f64,
-    /// Median time from sending to arriving, seconds; `None` where nothing arrived.
+    /// Median time from sending to receiving, seconds; `None` if no message was received.
     pub median_latency_s: Option<f64>,
-    /// Time within which 95 % of those that arrived did, seconds.
+    /// 95 % quantile of the time from sending to receiving, seconds; `None` if no message was received.
     pub latency_95_s: Option<f64>,
 }
 
 impl ServiceReport {
-    /// Counts messages with what became of them; at least one.
+    /// The statistics of messages with their outcomes; at least one message is needed.
     pub fn new(messages: &[(Message, Delivery)]) -> Self {
         let (mut latencies_s, mut too_weak, mut lost) = (Vec::new(), 0, 0);
         let mut strengths = Vec::with_capacity(messages.len());

@@ -1,4 +1,4 @@
-//! Readings that share distance, angles and session, what is nonsense among them, and what the rest amounts to.
+//! Groups readings of equal distance, angles and session into cells, and finds the outliers of each cell.
 
 use super::log::ReadingLog;
 use super::model::Outliers;
@@ -11,17 +11,17 @@ pub(super) struct Cell {
     pub distance: f64,
     pub incidence_deg: f64,
     pub offset_deg: f64,
-    /// Index of the session; 0 where the log has none.
+    /// Index of the session; 0 if the log names no sessions.
     pub session: usize,
-    /// Readings that came and are no outliers, in the order of the log.
+    /// Readings without dropouts and outliers, in the order of the log.
     pub values: Vec<f64>,
     /// Readings that have nothing to do with the distance.
     pub outliers: Vec<f64>,
-    /// Readings that never came.
+    /// Number of dropouts.
     pub dropouts: usize,
 }
 
-/// What a fit needs of a cell.
+/// The statistics of a cell that a fit uses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Summary {
     pub distance: f64,
@@ -34,13 +34,14 @@ pub(super) struct Summary {
     pub squares: f64,
 }
 
-/// Deviations of more than this many robust standard deviations are nonsense: 6 in ten million of normal readings.
+/// A reading is an outlier if it deviates by more than this many robust standard deviations; 6 in ten million of normal readings do.
 const FAR: f64 = 5.0;
-/// The robust standard deviation of few readings is itself uncertain.
+/// The limit is increased by this number divided by the number of readings, because the robust standard deviation of few readings is
+/// uncertain.
 const FAR_OF_FEW: f64 = 20.0;
-/// Fewest readings that outliers are looked for among.
+/// Smallest number of readings of a cell in which outliers are searched for.
 const LEAST: usize = 8;
-/// From median absolute deviation to standard deviation, for normal readings.
+/// Ratio of the standard deviation to the median absolute deviation of normally distributed readings.
 const PER_MAD: f64 = 1.4826;
 
 /// Cells of a log in order of distance and angles, and the smallest step between different readings.
@@ -80,7 +81,7 @@ pub(super) fn cells(log: &ReadingLog) -> (Vec<Cell>, f64) {
     let resolution = resolution(log);
     let usual = usual_sd(&cells, resolution);
     for cell in &mut cells {
-        part(cell, resolution, usual);
+        move_outliers(cell, resolution, usual);
     }
     (cells, resolution)
 }
@@ -90,7 +91,7 @@ fn resolution(log: &ReadingLog) -> f64 {
     let mut values: Vec<f64> = log.readings.iter().filter_map(|r| r.value).collect();
     values.sort_by(f64::total_cmp);
     let steps = values.windows(2).map(|w| w[1] - w[0]);
-    // Steps of rounding alone are none.
+    // Differences that are rounding errors of floating-point numbers are ignored.
     let size = values
         .last()
         .map_or(0.0, |v| v.abs())
@@ -101,14 +102,14 @@ fn resolution(log: &ReadingLog) -> f64 {
     if least.is_finite() { least } else { 0.0 }
 }
 
-/// Robust standard deviation of readings around their median.
+/// Median and robust standard deviation of readings.
 fn robust(values: &[f64]) -> (f64, f64) {
     let centre = median(values);
     let deviations: Vec<f64> = values.iter().map(|v| (v - centre).abs()).collect();
     (centre, PER_MAD * median(&deviations))
 }
 
-/// The median of the cells' robust standard deviations: what a cell spreads like whose readings are nearly all the same step.
+/// The median of the cells' robust standard deviations. It is used for a cell whose readings are nearly all rounded to the same value.
 fn usual_sd(cells: &[Cell], resolution: f64) -> f64 {
     let enough = cells.iter().filter(|cell| cell.values.len() >= LEAST);
     let sds: Vec<f64> = enough.map(|cell| robust(&cell.values).1).collect();
@@ -118,24 +119,24 @@ fn usual_sd(cells: &[Cell], resolution: f64) -> f64 {
     median(&sds).max(resolution)
 }
 
-/// Moves readings that are far from every crowd of the cell to its outliers.
-fn part(cell: &mut Cell, resolution: f64, usual: f64) {
+/// Moves readings that are far from every peak of the cell to its outliers.
+fn move_outliers(cell: &mut Cell, resolution: f64, usual: f64) {
     if cell.values.len() < LEAST {
         return;
     }
     let mut sorted = cell.values.clone();
     sorted.sort_by(f64::total_cmp);
     let reach = FAR + FAR_OF_FEW / cell.values.len() as f64;
-    let crowds: Vec<(f64, f64)> = peaks(&sorted, resolution)
+    let intervals: Vec<(f64, f64)> = peaks(&sorted, resolution)
         .into_iter()
         .map(|peak| {
             let (centre, sd) = robust(&sorted[peak]);
-            // Most readings on one step hide how far the others spread.
+            // If most readings are rounded to the same value, the robust standard deviation of the peak is too small.
             (centre, reach * if sd < resolution { usual } else { sd })
         })
         .collect();
     let is_near = |v: &f64| {
-        crowds
+        intervals
             .iter()
             .any(|(centre, far)| (v - centre).abs() <= *far)
     };
@@ -144,7 +145,7 @@ fn part(cell: &mut Cell, resolution: f64, usual: f64) {
     cell.outliers = outliers;
 }
 
-/// What a fit needs, of the cells that have readings.
+/// The statistics of the cells that have readings.
 pub(super) fn summaries(cells: &[Cell]) -> Vec<Summary> {
     let with_values = cells.iter().filter(|cell| !cell.values.is_empty());
     with_values
@@ -163,7 +164,7 @@ pub(super) fn summaries(cells: &[Cell]) -> Vec<Summary> {
         .collect()
 }
 
-/// Where outliers lie: over all readings, which they are spread among.
+/// The model of outliers: their share, and a uniform distribution over the interval of all readings.
 pub(super) fn outlier_model(cells: &[Cell]) -> Outliers {
     let outliers: Vec<f64> = cells
         .iter()

@@ -1,4 +1,4 @@
-//! From a log to a model, with what speaks for it and against it.
+//! Fits a range sensor's model to a log, with confidence intervals and tests of the model.
 
 mod distance;
 mod text;
@@ -7,7 +7,7 @@ use serde::{Serialize, Serializer};
 use statrs::function::gamma::gamma_ur;
 
 pub use distance::{DistanceReport, Normality};
-use distance::{crowds, normality, report};
+use distance::{normality, reading_warnings, report};
 
 use super::cell::{Cell, Summary, cells, outlier_model, summaries};
 use super::choice::{Candidate, choose};
@@ -24,47 +24,48 @@ use realgap_core::statistics::{
 use realgap_core::unit::LengthUnit;
 use realgap_core::warning::{Code, Warning};
 
-/// Level of intervals where none is asked for.
+/// Default level of intervals.
 pub const LEVEL: f64 = 0.95;
 
-/// How a log is characterised.
+/// Options of a characterisation.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
-    /// Form of the mean; chosen where there is none.
+    /// Form of the mean; with `None` it is chosen by cross-validation.
     pub mean: Option<&'static dyn Form>,
-    /// Form of the spread; chosen where there is none.
+    /// Form of the standard deviation; with `None` it is chosen by cross-validation.
     pub spread: Option<&'static dyn Form>,
-    /// Width of a bin of histograms, in the reading's unit; a fifth of the spread where there is none.
+    /// Width of a bin of histograms, in the reading's unit; with `None`, a fifth of the standard deviation.
     pub bin: Option<f64>,
-    /// Change below which a histogram counts as stopped; an eighth where there is none.
+    /// Largest change at which a histogram counts as stable; with `None`, an eighth.
     pub tolerance: Option<f64>,
-    /// Level of all intervals, above 0 and below 1; [`LEVEL`] where there is none.
+    /// Level of all intervals, above 0 and below 1; with `None`, [`LEVEL`].
     pub level: Option<f64>,
     /// Seed of the sample-size study.
     pub seed: u64,
 }
 
-/// An eighth of the readings in another bin: what 200 readings leave in paper 000's histograms (docs/validation/sensing.md).
+/// Default tolerance of the change of a histogram: an eighth, which is the change at the 200 readings of paper 000
+/// (docs/validation/sensing.md).
 const TOLERANCE: f64 = 0.125;
 
 /// A fitted number.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Value {
-    /// Its name, e.g. `slope`.
+    /// Name of the parameter, e.g. `slope`.
     pub name: String,
-    /// The most likely value.
+    /// The maximum-likelihood estimate.
     pub value: f64,
-    /// Lower end of its interval.
+    /// Lower end of the confidence interval.
     pub low: f64,
-    /// Upper end.
+    /// Upper end of the confidence interval.
     pub high: f64,
-    /// Standard error.
+    /// Standard error of the estimate.
     pub standard_error: f64,
 }
 
 impl Value {
-    /// `reach` is the half width of the interval in standard errors.
+    /// A value with its interval; `reach` is the half width of the interval in standard errors.
     fn new(name: String, value: f64, standard_error: f64, reach: f64) -> Self {
         let half = reach * standard_error;
         Self {
@@ -77,7 +78,7 @@ impl Value {
     }
 }
 
-/// A log's model, and what it rests on.
+/// The model that was fitted to a log, and the statistics of the fit.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Characterisation {
@@ -87,37 +88,38 @@ pub struct Characterisation {
     pub model: RangeModel,
     /// Form of the mean.
     pub mean_form: &'static str,
-    /// Form of the spread.
+    /// Form of the standard deviation.
     pub spread_form: &'static str,
     /// Parameters of the mean, terms in the angles last.
     pub mean: Vec<Value>,
-    /// Parameters of the spread; within a session, where the log tells sessions apart.
+    /// Parameters of the standard deviation; within a session, if the log names sessions.
     pub spread: Vec<Value>,
     /// Level of the intervals.
     pub level: f64,
-    /// How sessions differ, where the log tells them apart: all intervals of the mean hold for any session then.
+    /// Variation between sessions, if the log names sessions; all intervals of the mean then hold for any session.
     pub sessions: Option<SessionSpread>,
     /// Smallest step between two readings, in the reading's unit.
     pub step: f64,
-    /// Readings that never came, of all that were asked for.
+    /// Number and share of dropouts among all rows of the log.
     pub dropouts: Proportion,
-    /// Readings that have nothing to do with the distance, of all that came.
+    /// Number and share of readings that have nothing to do with the distance, without dropouts.
     pub outliers: Proportion,
-    /// The pairs of forms that were tried; empty where nothing was left to choose.
+    /// The pairs of forms that were tried; empty if the options leave no choice.
     pub candidates: Vec<Candidate>,
-    /// Probability of mean readings at least this far off the model if its form were true (χ²); `None` without degrees of freedom.
+    /// p value of the test of lack of fit: probability of mean readings at least this far from the model if its form were true
+    /// (χ²); `None` without degrees of freedom.
     pub lack_of_fit_p: Option<f64>,
-    /// Is the spread normal?
+    /// Tests whether readings are distributed normally.
     pub normality: Normality,
-    /// How many readings are enough, at the distance with the most.
+    /// Number of readings that is needed, at the distance with most readings.
     pub sample_size: Option<SampleSize>,
-    /// What was read, by distance.
+    /// Statistics of the readings at each distance.
     pub distances: Vec<DistanceReport>,
-    /// What the reader should know.
+    /// Warnings to the reader.
     pub warnings: Vec<Warning>,
 }
 
-/// The model as numbers that JSON can hold.
+/// The numbers of the model, without its curves, as they are written to JSON.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Numbers<'a> {
@@ -151,22 +153,23 @@ fn as_file<S: Serializer>(
     .serialize(serializer)
 }
 
-/// Lack of fit and normality are told below this probability.
+/// Lack of fit and deviations from normality give a warning if the p value is below this.
 const DOUBTFUL: f64 = 0.01;
 
 impl Characterisation {
     /// Fits a model to a log.
     ///
     /// # Errors
-    /// One distance only, no readings that came, a form that cannot be near the data, readings that never vary.
+    /// One distance only, dropouts only, a form that cannot be fitted to the data, readings that never vary.
     pub fn new(log: &ReadingLog, options: &Options) -> Result<Self> {
         let (cells, resolution) = cells(log);
         let data = summaries(&cells);
         let (first, last) = ends(&data, log.readings.len())?;
         let least_spread = resolution / 12f64.sqrt();
         if resolution == 0.0 {
-            return Err(Error::invalid("all readings are the same")
-                .hint("is this the column of the readings, and did the sensor work?"));
+            return Err(Error::invalid("all readings are the same").hint(
+                "check that this is the column of the readings, and that the sensor worked",
+            ));
         }
         let differs = |of: fn(&Summary) -> f64| data.iter().any(|s| of(s) != of(&data[0]));
         let mut warnings = log.warnings.clone();
@@ -183,7 +186,7 @@ impl Characterisation {
         let mut sessions = None;
         if (1..LEAST_SESSIONS).contains(&log.sessions.len()) {
             warnings.push(Code::FewSessions.warning(format!(
-                "{} sessions do not tell how sessions differ: intervals are those of independent readings, and too sure for another session",
+                "{} sessions are too few to estimate how sessions differ: the intervals treat readings as independent and are too narrow for another session",
                 log.sessions.len()
             )));
         } else if !log.sessions.is_empty() {
@@ -199,7 +202,7 @@ impl Characterisation {
             let here = cell.values.len() + cell.outliers.len();
             (came + here, asked + here + cell.dropouts)
         });
-        let nonsense: usize = cells.iter().map(|cell| cell.outliers.len()).sum();
+        let outliers: usize = cells.iter().map(|cell| cell.outliers.len()).sum();
         let dropouts = Proportion::new(asked - came, asked, level);
         let everywhere = sessions.as_ref().map(|s| s.everywhere);
         let model = RangeModel {
@@ -223,13 +226,17 @@ impl Characterisation {
             .map(|cell| report(cell, &fitted, log.sessions.get(cell.session), resolution))
             .collect();
         let normality = normality(&distances);
-        // Sessions that differ are no lack of the form.
+        // Differences between sessions would be taken for lack of fit, so the test is omitted for a log with sessions.
         let lack_of_fit_p = match sessions {
             Some(_) => None,
             None => lack_of_fit(&fitted, &data),
         };
         warnings.extend(doubts(plan, lack_of_fit_p, normality));
-        warnings.extend(crowds(&distances, resolution, log.reading_unit.symbol()));
+        warnings.extend(reading_warnings(
+            &distances,
+            resolution,
+            log.reading_unit.symbol(),
+        ));
         Ok(Self {
             mean_form: plan.mean.name(),
             spread_form: plan.spread.name(),
@@ -239,7 +246,7 @@ impl Characterisation {
             sessions,
             step: resolution,
             dropouts,
-            outliers: Proportion::new(nonsense, came, level),
+            outliers: Proportion::new(outliers, came, level),
             candidates,
             lack_of_fit_p,
             normality,
@@ -251,17 +258,18 @@ impl Characterisation {
     }
 }
 
-/// The first and the last distance of a log of so many rows.
+/// The first and the last distance of a log; `rows` is the number of its rows.
 fn ends(data: &[Summary], rows: usize) -> Result<(f64, f64)> {
     let (first, last) = match (data.first(), data.last()) {
         (Some(first), Some(last)) => (first.distance, last.distance),
         _ => {
-            return Err(Error::invalid("not a single reading came").found(format!("{} rows", rows)));
+            return Err(Error::invalid("the log contains no reading, only dropouts")
+                .found(format!("{} rows", rows)));
         }
     };
     if first == last {
         return Err(
-            Error::invalid("readings at one distance say nothing about others")
+            Error::invalid("a model cannot be fitted to readings at one distance")
                 .field("distance")
                 .found(format!("{first} only"))
                 .allowed("two or more different distances"),
@@ -270,18 +278,18 @@ fn ends(data: &[Summary], rows: usize) -> Result<(f64, f64)> {
     Ok((first, last))
 }
 
-/// Where the form or the normal spread misses the readings, in words.
+/// Warnings if the form does not fit the mean readings or if readings are not distributed normally.
 fn doubts(plan: Plan, lack_of_fit_p: Option<f64>, normality: Normality) -> Vec<Warning> {
     let mut warnings = Vec::new();
     if lack_of_fit_p.is_some_and(|p| p < DOUBTFUL) {
         warnings.push(Code::LackOfFit.warning(format!(
-            "mean readings are further from the {} form than chance puts them: its intervals are too sure, and between the distances of the log it may be off",
+            "mean readings deviate from the {} form by more than chance explains: its intervals are too narrow, and it may be wrong between the distances of the log",
             plan.mean.name()
         )));
     }
     if normality.adjusted_p < DOUBTFUL {
         warnings.push(Code::NotNormal.warning(format!(
-            "readings are not spread normally at {} of {} distances (rounded readings alone can be why)",
+            "readings are not distributed normally at {} of {} distances (rounding of readings alone can be the reason)",
             normality.rejected,
             normality.tested
         )));
@@ -289,7 +297,7 @@ fn doubts(plan: Plan, lack_of_fit_p: Option<f64>, normality: Normality) -> Vec<W
     warnings
 }
 
-/// Every pair of forms that the options leave open.
+/// Every pair of forms that the options allow.
 fn plans(options: &Options, incidence: bool, offset: bool, least_spread: f64) -> Vec<Plan> {
     let forms = |asked: Option<&'static dyn Form>| asked.map_or(FORMS.to_vec(), |form| vec![form]);
     let mut plans = Vec::new();
@@ -315,12 +323,12 @@ fn pick(plans: &[Plan], data: &[Summary], warnings: &mut Vec<Warning>) -> (Plan,
     distances.dedup();
     if distances.len() > 2 {
         let (candidates, chosen) = choose(plans, data);
-        // Where nothing can be fitted the first is tried, whose error says why.
+        // If no pair of forms can be fitted, the first one is returned, so that its fit gives the error.
         return (plans[chosen.unwrap_or(0)], candidates);
     }
     warnings.push(
         Code::FewDistances
-            .warning("two distances cannot tell one form from another; the line is a guess"),
+            .warning("the form cannot be chosen from two distances; a straight line is assumed"),
     );
     let is_line = |form: &dyn Form| form.name() == Linear.name();
     let line = plans
@@ -351,7 +359,7 @@ fn values(
         .collect()
 }
 
-/// A spread is above 0, so its factors have intervals of their logarithms.
+/// The parameters of the standard deviation. It is above 0, so the intervals of its factors are computed from their logarithms.
 fn spread_values(plan: Plan, fitted: &Fitted, reach: f64) -> Vec<Value> {
     let spread = &fitted.spread;
     let mut all = values(
@@ -398,13 +406,13 @@ fn mean_values(plan: Plan, fitted: &Fitted, reach: &[f64]) -> Vec<Value> {
     all
 }
 
-/// χ² of the cells' means about the curve, with the cells' own spreads.
+/// p value of χ² of the cells' means about the curve, with the standard deviations of the cells themselves.
 fn lack_of_fit(fitted: &Fitted, data: &[Summary]) -> Option<f64> {
     let freedom = data
         .len()
         .checked_sub(fitted.mean_errors.len())
         .filter(|f| *f > 0)?;
-    // A spread that has to hold what the form misses would hide it.
+    // The fitted standard deviation would hide a lack of fit, because it includes the deviations of the means from the form.
     let own_sd = |s: &Summary| {
         (s.count >= LEAST_FOR_NORMALITY as f64).then(|| (s.squares / (s.count - 1.0)).sqrt())
     };
@@ -424,7 +432,7 @@ fn lack_of_fit(fitted: &Fitted, data: &[Summary]) -> Option<f64> {
 }
 
 fn sample_size(cells: &[Cell], fitted: &Fitted, options: &Options) -> Option<SampleSize> {
-    // The first of those with the most readings, nearest to the middle of the log.
+    // The cell with the most readings; of several, the one nearest to the middle of the log.
     let middle = 0.5 * (cells.first()?.distance + cells.last()?.distance);
     let cell = cells.iter().max_by(|a, b| {
         let off = |cell: &Cell| (cell.distance - middle).abs();

@@ -1,4 +1,4 @@
-//! Which forms? Those that foretell the readings at distances that were left out.
+//! Chooses the forms of mean and standard deviation by cross-validation over distances.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -7,33 +7,34 @@ use super::cell::Summary;
 use super::fit::{Plan, fit};
 use super::form::Form;
 
-/// A pair of forms and how well it foretells.
+/// A pair of forms and its score in the cross-validation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Candidate {
     /// Form of the mean.
     pub mean: &'static str,
-    /// Form of the spread.
+    /// Form of the standard deviation.
     pub spread: &'static str,
     /// Number of parameters.
     pub parameters: usize,
-    /// Mean logarithm of the density of a reading at a distance that was left out of the fit; higher is better. `None` where the
-    /// form cannot be fitted.
+    /// Mean logarithm of the density of a reading at a distance that was left out of the fit; higher is better. `None` if the
+    /// forms cannot be fitted.
     pub log_score: Option<f64>,
-    /// How much less that is than the best candidate's.
+    /// Score of the best candidate minus the score of this candidate.
     pub behind: Option<f64>,
-    /// The standard error of that difference over the distances.
+    /// Standard error of that difference, over the distances.
     pub behind_error: Option<f64>,
     /// Whether this pair was chosen.
     pub is_chosen: bool,
 }
 
-/// Distances are left out in at most this many groups.
+/// Largest number of groups in which distances are left out.
 const MOST_FOLDS: usize = 20;
-/// A held-out reading that a fit calls impossible.
+/// Lower limit of the log density of a held-out reading, for readings that are impossible according to a fit.
 const WORST: f64 = -1e3;
 
-/// The groups of held-out cells: neighbours are apart, and the two ends stay in, because foretelling beyond them is another question.
+/// The groups of held-out cells. Neighbouring distances are in different groups. The first and the last distance are never left out,
+/// because a form is to be tested by interpolation, not by extrapolation.
 fn folds(data: &[Summary]) -> Vec<Vec<bool>> {
     let mut distances: Vec<f64> = data.iter().map(|s| s.distance).collect();
     distances.dedup();
@@ -52,16 +53,16 @@ fn folds(data: &[Summary]) -> Vec<Vec<bool>> {
         .collect()
 }
 
-/// Tries every plan; the best comes with a mark. Among those that are not clearly worse than the best (within one standard error of
-/// the difference; Hastie, Tibshirani & Friedman 2009, section 7.10) the one with the fewest parameters is chosen, then the best.
+/// Scores every plan and chooses one. Among the plans whose score is within one standard error of the best score (Hastie, Tibshirani &
+/// Friedman 2009, section 7.10), the one with the fewest parameters is chosen; among these, the one with the best score.
 ///
-/// `data` are in order of distance, with three different ones at least.
+/// `data` are in order of distance, with at least three different distances.
 pub(super) fn choose(plans: &[Plan], data: &[Summary]) -> (Vec<Candidate>, Option<usize>) {
     let folds = folds(data);
     let scores: Vec<Option<Vec<f64>>> = plans
         .par_iter()
         .map(|plan| {
-            // Refused where all the data cannot be fitted.
+            // A plan is refused if it cannot be fitted to all data.
             fit(*plan, data)?;
             let of_fold = |held: &Vec<bool>| {
                 let part = |wanted: bool| -> Vec<Summary> {

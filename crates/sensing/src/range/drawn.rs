@@ -1,40 +1,40 @@
-//! A log that a sensor's model draws: a stand-in for a real log, with known truth.
+//! Draws a synthetic log from a sensor's model, with which a fit can be tested against known parameters.
 
 use realgap_core::random::Numbered;
 use realgap_core::{Error, Result, Warning};
 
 use super::{Beam, RangeModel, RangeSensor, ReadingUnit};
 
-/// Most rows of a log.
+/// Largest number of rows of a log.
 const MOST: usize = 5_000_000;
-/// Distances where none are named.
+/// Default number of distances.
 const DISTANCES: u32 = 21;
 
-/// What is drawn.
+/// Options of a synthetic log.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawOptions {
-    /// Distances, in the model's unit; evenly spaced over its range where there are none.
+    /// Distances, in the model's unit; if empty, they are evenly spaced over the range of the model.
     pub distances: Vec<f64>,
-    /// Readings at each distance.
+    /// Number of readings at each distance.
     pub readings: u32,
     /// Angle of incidence, degrees.
     pub incidence_deg: f64,
-    /// Sessions, each with all distances and so many readings; a column names them where they are several.
+    /// Number of sessions, each with readings at all distances; a column names them if there are several.
     pub sessions: u32,
     /// Seed of the readings.
     pub seed: u64,
 }
 
-/// A log that was drawn; [`ReadingLog`](super::ReadingLog) reads it back.
+/// A synthetic log, which [`ReadingLog`](super::ReadingLog) can read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawnLog {
-    /// Its text, CSV.
+    /// The text of the log, in CSV.
     pub csv: String,
     /// Number of distances.
     pub distances: usize,
     /// Number of readings.
     pub readings: usize,
-    /// What the reader should know.
+    /// Warnings to the reader.
     pub warnings: Vec<Warning>,
 }
 
@@ -42,7 +42,7 @@ impl DrawnLog {
     /// Draws readings of a model.
     ///
     /// # Errors
-    /// A distance that is none, or more readings than a log should hold.
+    /// A distance that is not above 0, or more readings than a log may have.
     pub fn new(sensor: &RangeModel, options: &DrawOptions) -> Result<Self> {
         let (low, high) = sensor.range;
         let spaced = |k: u32| low + (high - low) * f64::from(k) / f64::from(DISTANCES - 1);
@@ -112,7 +112,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_same_seed_draws_the_same_log_and_a_row_is_a_reading() {
+    fn the_same_seed_draws_the_same_log_with_one_row_for_each_reading() {
         let sensor = find_sensor("ultrasonic").unwrap();
         let options = DrawOptions {
             distances: vec![0.5 * (sensor.range.0 + sensor.range.1)],

@@ -1,14 +1,16 @@
-//! Maximum likelihood of a normal reading whose mean and spread are curves over the distance, by Fisher scoring.
+//! Maximum-likelihood fit of normal readings whose mean and standard deviation ("spread") are curves over the distance, by Fisher
+//! scoring.
 //!
-//! The information of mean and spread is block-diagonal for a normal density (Barndorff-Nielsen & Cox 1994, section 3.2), so the two
-//! are improved in turn: weighted least squares for the mean, scoring for the spread. Inverse information gives standard errors.
+//! The Fisher information of mean and spread is block-diagonal for a normal density (Barndorff-Nielsen & Cox 1994, section 3.2), so
+//! both are improved in turn: the mean by weighted least squares, the spread by scoring. The inverse information gives standard
+//! errors.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::cell::Summary;
 use super::form::{Curve, Form, Point};
 
-/// What is fitted.
+/// The forms and terms of a fit.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Plan {
     pub mean: &'static dyn Form,
@@ -17,7 +19,7 @@ pub(super) struct Plan {
     pub incidence: bool,
     /// Whether the mean has a term in the angle of offset.
     pub offset: bool,
-    /// Spreads are at least this: the rounding of readings.
+    /// Lower limit of standard deviations, which follows from the rounding of readings.
     pub least_spread: f64,
 }
 
@@ -35,16 +37,17 @@ pub(super) struct Fitted {
     pub incidence_per_deg: f64,
     pub offset_per_deg: f64,
     pub spread: Curve,
-    /// Standard errors: of the mean's parameters, then of the terms in the angles that were fitted.
+    /// Standard errors of the mean's parameters, followed by those of the fitted terms in the angles.
     pub mean_errors: Vec<f64>,
+    /// Standard errors of the spread's parameters.
     pub spread_errors: Vec<f64>,
 }
 
 const ROUNDS: usize = 200;
 const HALVINGS: usize = 30;
-/// The fit is done when the log-likelihood of a reading gains less than this in a round.
+/// The fit has converged if a round increases the log-likelihood per reading by less than this.
 const GAIN: f64 = 1e-12;
-/// Distances are pooled into this many groups where the spread's start is looked for.
+/// Number of groups into which distances are pooled for the initial guess of the spread.
 const POOLS: usize = 21;
 
 impl Fitted {
@@ -54,7 +57,7 @@ impl Fitted {
             + self.offset_per_deg * s.offset_deg
     }
 
-    /// Log-likelihood of a cell; −∞ where the spread is not positive.
+    /// Log-likelihood of a cell; −∞ if the spread is not positive.
     pub(super) fn log_likelihood(&self, s: &Summary) -> f64 {
         let (mean, sd) = (self.mean_at(s), self.spread.at(s.distance));
         if !(sd > 0.0 && sd.is_finite() && mean.is_finite()) {
@@ -70,7 +73,7 @@ impl Fitted {
     }
 }
 
-/// Fits the plan to the data; `None` where a form cannot be near the data.
+/// Fits the plan to the data; `None` if a form cannot be fitted to the data.
 pub(super) fn fit(plan: Plan, data: &[Summary]) -> Option<Fitted> {
     let mut distances: Vec<f64> = data.iter().map(|s| s.distance).collect();
     distances.dedup();
@@ -98,8 +101,8 @@ pub(super) fn fit(plan: Plan, data: &[Summary]) -> Option<Fitted> {
         spread_errors: Vec::new(),
     };
     let readings: f64 = data.iter().map(|s| s.count).sum();
-    // Rounding is a spread too: each cell has at least that of even errors within one step. And the parameters of the mean have taken
-    // some of what spreads (as n − 1 does for a single mean).
+    // Rounding contributes to the spread: each cell has at least the variance of uniform errors within one step. The parameters of
+    // the mean take degrees of freedom, for which the sums of squares are corrected (as by n − 1 for a single mean).
     let parameters = plan.parameters(&fitted);
     let taken = readings / (readings - parameters as f64).max(1.0);
     let data: Vec<Summary> = data
@@ -146,13 +149,13 @@ pub(super) fn fit(plan: Plan, data: &[Summary]) -> Option<Fitted> {
     Some(fitted)
 }
 
-/// Standard deviations around a mean curve, of neighbouring distances together.
+/// Standard deviations around a mean curve, pooled over neighbouring distances.
 fn spreads(mean: &Curve, data: &[Summary], least: f64) -> Vec<Point> {
     let size = data.len().div_ceil(POOLS).max(1);
     data.chunks(size)
         .map(|pool| {
             let count: f64 = pool.iter().map(|s| s.count).sum();
-            // Deviations from the cell's own mean where cells have many readings, from the curve where they have one.
+            // Deviations are taken from the mean of the cell if it has several readings, and from the curve if it has one.
             let squares: f64 = pool
                 .iter()
                 .map(|s| match s.count {
@@ -170,7 +173,7 @@ fn spreads(mean: &Curve, data: &[Summary], least: f64) -> Vec<Point> {
 }
 
 impl Fitted {
-    /// Derivatives of a mean reading by the parameters of the mean.
+    /// Derivatives of a mean reading with respect to the parameters of the mean.
     pub(super) fn mean_gradient(&self, plan: Plan, s: &Summary) -> Vec<f64> {
         let mut gradient = self.mean.gradient(s.distance);
         gradient.extend(plan.incidence.then_some(s.incidence_deg));
@@ -240,7 +243,8 @@ fn accumulate(
     sums.unwrap_or_else(|| (DMatrix::zeros(0, 0), DVector::zeros(0)))
 }
 
-/// The factor of an information matrix, whose parameters may have sizes far apart, and these sizes; `None` where some cannot be told.
+/// Cholesky factor of an information matrix that is scaled to a unit diagonal (because its parameters may differ by orders of
+/// magnitude), and the scales; `None` if a parameter is not determined.
 pub(super) fn factor(matrix: &DMatrix<f64>) -> Option<(Cholesky<f64, Dyn>, Vec<f64>)> {
     let scale: Vec<f64> = (0..matrix.nrows()).map(|i| matrix[(i, i)].sqrt()).collect();
     if !scale.iter().all(|s| s.is_finite() && *s > 0.0) {
@@ -250,7 +254,7 @@ pub(super) fn factor(matrix: &DMatrix<f64>) -> Option<(Cholesky<f64, Dyn>, Vec<f
     Some((scaled.cholesky()?, scale))
 }
 
-/// A square matrix, in units of the sizes of its parameters.
+/// A square matrix whose rows and columns are divided by the scales.
 pub(super) fn scaled_by(matrix: &DMatrix<f64>, scale: &[f64]) -> DMatrix<f64> {
     DMatrix::from_fn(scale.len(), scale.len(), |i, j| {
         matrix[(i, j)] / (scale[i] * scale[j])
@@ -277,7 +281,7 @@ fn errors(information: &DMatrix<f64>) -> Option<Vec<f64>> {
     )
 }
 
-/// Takes the step, or a half, a quarter … of it: the first that does not lose likelihood.
+/// Takes the step, or a half, a quarter … of it: the longest one that does not decrease the likelihood.
 fn improve(
     fitted: &mut Fitted,
     data: &[Summary],

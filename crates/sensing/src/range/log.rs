@@ -1,4 +1,4 @@
-//! Logs of readings at known distances.
+//! Reads logs of readings at known distances.
 
 use std::path::Path;
 
@@ -17,9 +17,9 @@ pub struct Reading {
     pub incidence_deg: f64,
     /// Angle of offset, degrees.
     pub offset_deg: f64,
-    /// Index of its session in the log's; 0 where the log has none.
+    /// Index of the session in [`ReadingLog::sessions`]; 0 if the log names no sessions.
     pub session: usize,
-    /// What the sensor said; `None` where it said nothing.
+    /// The reading of the sensor; `None` for a dropout.
     pub value: Option<f64>,
 }
 
@@ -32,28 +32,28 @@ pub struct ReadingLog {
     pub reading_unit: ReadingUnit,
     /// The readings, in the order of the log.
     pub readings: Vec<Reading>,
-    /// Names of the sessions in the order in which they come; empty where the log does not tell them apart.
+    /// Names of the sessions in the order of the log; empty if the log names no sessions.
     pub sessions: Vec<String>,
-    /// Material that the log was limited to.
+    /// Material to which the log was limited.
     pub material: Option<String>,
-    /// Time from one reading to the next, seconds, where the log has times.
+    /// Time from one reading to the next, seconds; `None` if the log has no times.
     pub sampling_time_s: Option<f64>,
-    /// What the reader should know.
+    /// Warnings to the reader.
     pub warnings: Vec<Warning>,
 }
 
-/// How a log is read, where its columns do not say.
+/// Options of reading a log.
 #[derive(Debug, Clone, Default)]
 pub struct LogOptions {
-    /// Unit of a column `distance`.
+    /// Unit of a column `distance`, whose name does not state a unit.
     pub unit: LengthUnit,
-    /// Only readings off this material.
+    /// Use only readings from this material.
     pub material: Option<String>,
-    /// The column that names sessions; `session` where there is one of that name.
+    /// The column that names sessions; by default the column `session`, if there is one.
     pub session: Option<String>,
 }
 
-/// What columns may be called.
+/// The names that columns may have.
 const COLUMNS: &str = "distance_cm (or _m, _mm, or `distance`), reading_cm (or _m, _mm, any other ending for the sensor's own unit, or \
      `reading`), and where known incidence_deg, offset_deg, material, session, t_s";
 
@@ -69,13 +69,13 @@ impl ReadingLog {
     /// Reads a log.
     ///
     /// # Errors
-    /// A missing file, missing columns, distances that are not positive numbers, cells that are no numbers, no rows.
+    /// A missing file, missing columns, distances that are not positive numbers, cells that are not numbers, no rows.
     pub fn read_with(path: impl AsRef<Path>, options: &LogOptions) -> Result<Self> {
         let path = path.as_ref();
         Self::parse_with(path, &read_log_text(path)?, options)
     }
 
-    /// The log in a text; `path` is what errors call it.
+    /// Parses a log from a text; errors name it by `path`.
     ///
     /// # Errors
     /// As [`ReadingLog::read_with`].
@@ -105,7 +105,9 @@ impl ReadingLog {
         let (rows, materials) = table.chosen("material", wanted)?;
         let time = table.column("t_s");
         let session = match &options.session {
-            Some(name) => Some(table.require(name, "it was named as that of sessions")?),
+            Some(name) => {
+                Some(table.require(name, "the options name this column as the one of sessions")?)
+            }
             None => table.column("session"),
         };
         let mut log = Self {
@@ -127,7 +129,7 @@ impl ReadingLog {
                 return Err(table.at(row, error));
             }
             let mut value = table.optional(row, reading)?;
-            // A length that is not positive is how many sensors say that nothing came back.
+            // Many sensors report a length that is not positive if they receive no echo.
             if matches!(log.reading_unit, ReadingUnit::Length(_)) && value.is_some_and(|v| v <= 0.0)
             {
                 value = None;
@@ -164,20 +166,20 @@ impl ReadingLog {
         }
         if wanted.is_none() && materials.len() > 1 {
             log.warnings.push(Code::SeveralMaterials.warning(format!(
-                "readings off {} are fitted as one sensor; choose one to tell them apart",
+                "readings from {} are fitted as one sensor; choose one material to fit it separately",
                 materials.join(", ")
             )));
         }
         if impossible > 0 {
             log.warnings.push(Code::ImpossibleReadings.warning(format!(
-                "{} of 0 or below counted as readings that never came",
+                "{} of 0 or below counted as dropouts",
                 counted(impossible, "reading")
             )));
         }
         Ok(log)
     }
 
-    /// The index of the session of this name, which may be new.
+    /// The index of the session with this name; a new name is added to the sessions.
     fn session(&mut self, name: &str) -> usize {
         let known = self.sessions.iter().position(|known| known == name);
         known.unwrap_or_else(|| {

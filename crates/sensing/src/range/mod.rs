@@ -1,7 +1,7 @@
-//! Sensors that measure one distance.
+//! Models of sensors that measure one distance.
 //!
-//! [`ReadingLog`] holds readings at known distances, [`Characterisation`] makes a [`RangeModel`] of them, with intervals and with what
-//! speaks against it; anything that implements [`RangeSensor`] can be simulated and believed.
+//! A [`ReadingLog`] contains readings at known distances. [`Characterisation`] fits a [`RangeModel`] to them, with confidence
+//! intervals and tests of the model. Every type that implements [`RangeSensor`] can be simulated and used in a Bayes filter.
 
 mod cell;
 mod characterisation;

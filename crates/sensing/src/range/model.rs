@@ -1,4 +1,4 @@
-//! A range sensor's model: what it reads, on average and in spread, and how often nothing or nonsense.
+//! The model of a range sensor: mean and standard deviation of its readings over the distance, dropouts and outliers.
 
 use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
@@ -11,7 +11,7 @@ use realgap_core::range::Range;
 use realgap_core::unit::LengthUnit;
 use realgap_core::warning::{Code, Warning};
 
-/// What a beam meets.
+/// The geometry of a beam where it hits an object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Beam {
     /// Distance to the object along the beam, metres.
@@ -33,30 +33,30 @@ impl Beam {
     }
 }
 
-/// Anything that answers a beam with a reading: p(z | d, θ, φ) of paper 000, equation 1, and how often there is no answer.
+/// A sensor that gives a reading for a beam: p(z | d, θ, φ) of paper 000, equation 1, and the probability of a dropout.
 ///
-/// Readings are numbers in the sensor's own unit. What is random draws from the generator it is given, and nothing else.
+/// Readings are numbers in the sensor's own unit. All random numbers come from the generator that is passed to a method.
 pub trait RangeSensor: Sync {
-    /// Shortest and longest distance that it was made or characterised for, metres.
+    /// Shortest and longest distance for which the sensor was made or characterised, metres.
     fn range_m(&self) -> (f64, f64);
 
-    /// Mean reading, nonsense apart.
+    /// Mean reading, without outliers.
     fn mean(&self, beam: &Beam) -> f64;
 
-    /// Standard deviation of readings, nonsense apart; above 0.
+    /// Standard deviation of readings, without outliers; above 0.
     fn sd(&self, beam: &Beam) -> f64;
 
-    /// Probability that no reading comes.
+    /// Probability of a dropout, that is, of no reading.
     fn dropout(&self, _beam: &Beam) -> f64 {
         0.0
     }
 
-    /// Logarithm of the density of a reading, given that one comes.
+    /// Logarithm of the density of a reading, given that it is not a dropout.
     fn log_density(&self, reading: f64, beam: &Beam) -> f64 {
         log_normal_density(reading, self.mean(beam), self.sd(beam))
     }
 
-    /// A reading; `None` where none comes.
+    /// A random reading; `None` for a dropout.
     fn draw(&self, beam: &Beam, rng: &mut dyn Rng) -> Option<f64> {
         let (missing, normal): (f64, f64) = (rng.random(), rng.sample(StandardNormal));
         (missing >= self.dropout(beam)).then(|| self.mean(beam) + self.sd(beam) * normal)
@@ -69,18 +69,18 @@ pub(crate) fn log_normal_density(value: f64, mean: f64, sd: f64) -> f64 {
     -0.5 * z * z - libm::log(sd) - 0.5 * libm::log(std::f64::consts::TAU)
 }
 
-/// What the numbers of a sensor are.
+/// The unit of a sensor's readings.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum ReadingUnit {
     /// Lengths.
     Length(LengthUnit),
-    /// The sensor's own, e.g. steps of a converter; may be unnamed.
+    /// A unit of the sensor itself, e.g. steps of an analogue-to-digital converter; its name may be empty.
     Own(String),
 }
 
 impl ReadingUnit {
-    /// Symbol for tables: `cm`, or the own unit's name.
+    /// Symbol for tables: `cm`, or the name of the sensor's own unit.
     pub fn symbol(&self) -> &str {
         match self {
             Self::Length(unit) => unit.symbol(),
@@ -94,23 +94,23 @@ impl ReadingUnit {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Outliers {
-    /// Their share of the readings that come.
+    /// Share of outliers among all readings, without dropouts.
     pub share: f64,
-    /// Where they begin, in the reading's unit; they lie evenly from there on.
+    /// Lower end of the interval over which outliers are uniformly distributed, in the reading's unit.
     pub low: f64,
-    /// Where they end.
+    /// Upper end of the interval over which outliers are uniformly distributed, in the reading's unit.
     pub high: f64,
 }
 
-/// A sensor as its log says it is: mean and spread over the distance, terms in the angles, dropouts and outliers. Its file has the same
-/// fields.
+/// The model of a range sensor: mean and standard deviation over the distance, terms in the angles, dropouts and outliers. Its file
+/// has the same fields.
 ///
-/// Numbers are in the units of its log; [`RangeSensor`] takes metres and radians.
+/// Numbers are in the units of the log to which the model was fitted; the methods of [`RangeSensor`] take metres and radians.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "RangeSensor")]
 pub struct RangeModel {
-    /// Which sensor, and where the numbers come from.
+    /// Description of the sensor, and the source of the numbers.
     #[serde(default)]
     pub description: String,
     /// Unit of distances in both curves.
@@ -119,43 +119,43 @@ pub struct RangeModel {
     pub reading_unit: ReadingUnit,
     /// Shortest and longest distance of the log, in its unit.
     pub range: (f64, f64),
-    /// Time from one reading to the next, seconds, where known.
+    /// Time from one reading to the next, seconds; optional.
     #[serde(default)]
     pub sampling_time_s: Option<f64>,
-    /// Mean reading over the distance.
+    /// Mean reading as a function of the distance.
     pub mean: Curve,
-    /// Standard deviation over the distance.
+    /// Standard deviation of readings as a function of the distance.
     pub spread: Curve,
-    /// Change of the mean per degree of incidence.
+    /// Change of the mean reading per degree of the angle of incidence.
     #[serde(default)]
     pub incidence_per_deg: f64,
-    /// Change of the mean per degree of offset.
+    /// Change of the mean reading per degree of the angle of offset.
     #[serde(default)]
     pub offset_per_deg: f64,
-    /// Probability that no reading comes.
+    /// Probability of a dropout, that is, of no reading.
     #[serde(default)]
     pub dropout: f64,
     /// Readings that have nothing to do with the distance.
     #[serde(default)]
     pub outliers: Outliers,
-    /// Standard deviation of what one session adds to all its mean readings, in the reading's unit.
+    /// Standard deviation, over sessions, of an offset that a session adds to all its mean readings, in the reading's unit.
     #[serde(default)]
     pub session_sd: f64,
-    /// Standard deviation of the share of the mean reading that one session adds.
+    /// Standard deviation, over sessions, of an error of scale of all mean readings of a session, as a share of the mean reading.
     #[serde(default)]
     pub session_share: f64,
 }
 
-/// Where a spread that must be positive is looked at, between the ends of the range.
+/// Number of intervals of the range at whose ends it is checked that the standard deviation is positive.
 const CHECKED: usize = 200;
 
 realgap_core::ron_file!(RangeModel, "sensor model");
 
 impl RangeModel {
-    /// Checks what no single number says.
+    /// Checks that the numbers of the model are consistent.
     ///
     /// # Errors
-    /// A range that is empty or not positive, probabilities outside 0 to 1, a mean that is not finite or a spread that is not
+    /// A range that is empty or not positive, probabilities outside 0 to 1, a mean that is not finite or a standard deviation that is not
     /// positive somewhere in the range.
     pub fn check(&self) -> Result<()> {
         for (field, curve) in [("mean", &self.mean), ("spread", &self.spread)] {
@@ -211,18 +211,18 @@ impl RangeModel {
         Ok(())
     }
 
-    /// What to know about beams of this length: outside of what the model was made for.
+    /// A warning if a beam of this length is outside of the range of the model.
     pub fn warning_at(&self, distance_m: f64) -> Option<Warning> {
         let (low_m, high_m) = self.range_m();
         (distance_m < low_m - 1e-9 || distance_m > high_m + 1e-9).then(|| {
             Code::Extrapolated.warning(format!(
-                "{:.4} m is outside of the {low_m:.4} to {high_m:.4} m for which the sensor was characterised; what it would read there is extrapolated",
+                "{:.4} m is outside of the {low_m:.4} to {high_m:.4} m for which the sensor was characterised; readings there are extrapolated",
                 distance_m
             ))
         })
     }
 
-    /// The sensor in one session: what that adds to all its mean readings is drawn.
+    /// The sensor in one session, with a random offset and error of scale of its mean readings.
     pub fn in_session(&self, rng: &mut dyn Rng) -> InSession<'_> {
         let (add, share): (f64, f64) = (rng.sample(StandardNormal), rng.sample(StandardNormal));
         InSession {
@@ -249,7 +249,8 @@ impl RangeSensor for RangeModel {
             + self.offset_per_deg * beam.offset_rad.to_degrees()
     }
 
-    /// Beyond its range a linear spread may become negative; it is then as at the nearest end.
+    /// Outside of the range, a linear curve of the standard deviation may become negative; then the value at the nearest end of the
+    /// range is used.
     fn sd(&self, beam: &Beam) -> f64 {
         let d = self.d(beam);
         let spread = self.spread.at(d);
@@ -276,15 +277,15 @@ impl RangeSensor for RangeModel {
     }
 
     fn draw(&self, beam: &Beam, rng: &mut dyn Rng) -> Option<f64> {
-        // Always the same amount of randomness, so that a change of one number leaves the other draws as they are.
-        let (missing, nonsense, place): (f64, f64, f64) =
-            (rng.random(), rng.random(), rng.random());
+        // The same number of random numbers is drawn in every case, so that a change of one parameter of the model does not change
+        // the random numbers of later readings.
+        let (missing, outlier, place): (f64, f64, f64) = (rng.random(), rng.random(), rng.random());
         let normal: f64 = rng.sample(StandardNormal);
         if missing < self.dropout {
             return None;
         }
         let Outliers { share, low, high } = self.outliers;
-        Some(if nonsense < share {
+        Some(if outlier < share {
             low + (high - low) * place
         } else {
             self.mean(beam) + self.sd(beam) * normal
@@ -292,13 +293,13 @@ impl RangeSensor for RangeModel {
     }
 }
 
-/// A sensor in one session, which differs from others.
+/// A sensor in one session; the mean readings of sessions differ from each other.
 #[derive(Debug, Clone)]
 pub struct InSession<'a> {
     model: &'a RangeModel,
-    /// What the session adds to every mean reading.
+    /// Offset that the session adds to every mean reading, in the reading's unit.
     add: f64,
-    /// The share of the mean reading that it adds.
+    /// Error of scale of the session, as a share of the mean reading.
     share: f64,
 }
 
@@ -308,7 +309,8 @@ impl InSession<'_> {
         self.model.mean(beam) * (1.0 + self.share) + self.add
     }
 
-    /// A reading; `None` where none comes. The model's draws, moved by what the session adds.
+    /// A random reading in this session; `None` for a dropout. It is the reading that the model draws plus the difference of the
+    /// session's mean from the model's.
     pub fn draw(&self, beam: &Beam, rng: &mut dyn Rng) -> Option<f64> {
         let moved = self.mean(beam) - self.model.mean(beam);
         self.model.draw(beam, rng).map(|reading| reading + moved)
@@ -339,7 +341,7 @@ pub fn sensor_by_name(name: &str) -> Result<RangeModel> {
 /// A shipped model by its name, or one from a file that ends in `.ron`.
 ///
 /// # Errors
-/// As [`sensor_by_name`] and [`RangeModel::read`].
+/// The errors of [`sensor_by_name`] and [`RangeModel::read`].
 pub fn find_sensor(name_or_path: &str) -> Result<RangeModel> {
     if name_or_path.ends_with(".ron") {
         RangeModel::read(name_or_path)

@@ -1,4 +1,4 @@
-//! Where the readings of one distance crowd: in one place, or in several.
+//! Detects whether the readings at one distance have one peak or several.
 
 use std::ops::Range;
 
@@ -6,32 +6,32 @@ use serde::Serialize;
 
 use realgap_core::statistics::{median, quantile, standard_deviation};
 
-/// A crowd of readings at one distance.
+/// A peak of the distribution of readings at one distance.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Peak {
-    /// Median of its readings.
+    /// Median of the readings of the peak.
     pub centre: f64,
-    /// Its share of the readings of this distance that are not nonsense.
+    /// Share of the readings at this distance, without outliers, that belong to the peak.
     pub share: f64,
-    /// This is the standard deviation of its readings.
+    /// Standard deviation of the readings of the peak.
     pub sd: f64,
 }
 
-/// Fewest readings that are looked at for more than one peak.
+/// Smallest number of readings in which several peaks are searched for.
 const LEAST: usize = 20;
-/// Fewest readings of a peak, and their least share: fewer are nonsense that happens to agree.
+/// Smallest number and share of readings of a peak; fewer readings may be outliers that agree by chance.
 const LEAST_OF_PEAK: usize = 5;
 const LEAST_SHARE: f64 = 0.05;
-/// A peak stands above the valley before it by so many standard deviations of the difference of two counts.
+/// A peak must be higher than the valley next to it by this many standard deviations of the difference of two counts.
 const CLEAR: f64 = 2.5;
-/// A crowd this many times wider than the narrowest is spread evenly rather than crowded.
+/// Readings that are spread over more than this many times the half width of the narrowest peak are not a peak.
 const WIDEST: f64 = 6.0;
-/// The narrowest interval that holds a quarter of normal readings is this many standard deviations wide.
+/// Width, in standard deviations, of the narrowest interval that contains a quarter of normally distributed readings.
 const QUARTER: f64 = 0.637;
 
-/// The peaks of sorted readings, as ranges of their indices in order; readings of no peak belong to none of them. One range, that of
-/// all readings, where there are no several peaks.
+/// The peaks of sorted readings, as ranges of indices in order; some readings may belong to no peak. If there are not several peaks,
+/// the result is one range of all readings.
 pub(super) fn peaks(sorted: &[f64], resolution: f64) -> Vec<Range<usize>> {
     let whole = 0..sorted.len();
     if sorted.len() < LEAST {
@@ -42,7 +42,7 @@ pub(super) fn peaks(sorted: &[f64], resolution: f64) -> Vec<Range<usize>> {
         .windows(quarter + 1)
         .map(|w| w[quarter] - w[0])
         .fold(f64::INFINITY, f64::min);
-    // Neighbouring steps of a rounded reading touch: they are one peak.
+    // The half width is at least half of the resolution, so that neighbouring values of rounded readings belong to one peak.
     let half = (narrowest / QUARTER).max(0.51 * resolution);
     let counts: Vec<f64> = sorted
         .iter()
@@ -61,7 +61,7 @@ pub(super) fn peaks(sorted: &[f64], resolution: f64) -> Vec<Range<usize>> {
     if parts.len() > 1 { parts } else { vec![whole] }
 }
 
-/// Splits a range at its clearest valley, and the parts again.
+/// Splits a range at its clearest valley, and splits the parts in the same way.
 fn split(
     sorted: &[f64],
     counts: &[f64],
@@ -76,7 +76,7 @@ fn split(
     );
     let mut best: Option<(f64, usize)> = None;
     let mut walk = |indices: &mut dyn Iterator<Item = usize>, is_right: bool| {
-        // The lowest count since the top, and the first index on the right side of it.
+        // The lowest count since the top, and the first index to the right of it.
         let (mut valley, mut before) = ((counts[top], top), top);
         for i in indices {
             let border = if is_right { i } else { before };
@@ -109,7 +109,7 @@ fn split(
     }
 }
 
-/// The peaks of readings that are not nonsense, in order; empty where there is only one.
+/// The peaks of readings without outliers, in order; empty if there is only one peak.
 pub(super) fn described(values: &[f64], resolution: f64) -> Vec<Peak> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn one_crowd_is_one_peak_rounded_or_not() {
+    fn readings_of_one_normal_distribution_are_one_peak_whether_rounded_or_not() {
         for step in [0.0, 0.2, 1.0, 3.0] {
             let several = (0..200)
                 .filter(|seed| {
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn two_crowds_are_two_peaks_with_their_shares() {
+    fn readings_of_two_normal_distributions_are_two_peaks_with_their_shares() {
         for (seed, step) in [(1, 0.0), (2, 0.5), (3, 1.0)] {
             let found = described(
                 &drawn(seed, &[(140, 10.0, 0.5), (60, 14.0, 0.5)], step),

@@ -1,38 +1,39 @@
-//! How many readings until the histogram stops changing (paper 000, section 4.1)?
+//! Estimates how many readings are needed until the histogram of readings hardly changes any more (paper 000, section 4.1).
 
 use rand::RngExt;
 use serde::Serialize;
 
 use realgap_core::random::Once;
 
-/// How much the histogram of a log of some size still changes.
+/// The change of the histogram for one number of readings.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SizeStep {
-    /// Readings.
+    /// Number of readings.
     pub readings: usize,
-    /// Share of readings that lie in another bin than in an endless log: the total variation distance between the two histograms,
-    /// mean over random parts of the log of this size.
+    /// Total variation distance between the histogram of this number of readings and that of an infinitely long log, averaged over
+    /// random parts of the log of this size.
     pub change: f64,
 }
 
-/// The study of one distance.
+/// The number of readings that is needed at one distance.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SampleSize {
     /// Distance, in the log's unit.
     pub distance: f64,
-    /// Readings there.
+    /// Number of readings of the log at this distance.
     pub readings: usize,
     /// Width of a bin, in the reading's unit.
     pub bin: f64,
     /// The sizes that were tried.
     pub steps: Vec<SizeStep>,
-    /// The histogram counts as stopped below this change.
+    /// Largest change at which the histogram counts as stable.
     pub tolerance: f64,
-    /// Readings from which on it is (the change falls with the root of the readings); may be more than the log has.
+    /// Number of readings from which on the histogram is stable. It may be extrapolated beyond the readings of the log, because the
+    /// change is inversely proportional to the square root of the number of readings.
     pub enough: usize,
-    /// Relative standard error of the spread at that size, 1/√(2n).
+    /// Relative standard error of the standard deviation of readings at that number of readings, 1/√(2n).
     pub spread_error: f64,
 }
 
@@ -40,15 +41,15 @@ pub struct SampleSize {
 const SIZES: [usize; 14] = [
     10, 50, 100, 200, 300, 400, 500, 600, 700, 800, 900, 1000, 1500, 2000,
 ];
-/// Random parts of each size.
+/// Number of random parts of each size.
 const PARTS: usize = 100;
-/// A part must leave this share of the log to be compared with.
+/// Largest share of the log that a part may have, so that it can be compared with the whole log.
 const MOST: f64 = 0.8;
 
 /// Studies readings of one distance; `None` for fewer than 20 readings or a bin that is not positive.
 ///
-/// The change of a part of n of the log's N readings against the whole log is that against an endless log times √(1 − n/N), since
-/// the whole contains the part; it is divided by that.
+/// The whole log of N readings contains the part of n readings. Therefore the change of the part against the whole log is smaller by
+/// the factor √(1 − n/N) than its change against an infinitely long log, and it is divided by that factor.
 pub(super) fn study(
     distance: f64,
     values: &[f64],
@@ -104,7 +105,7 @@ pub(super) fn study(
         })
         .collect();
     let last = steps.last()?;
-    // Where the log itself is large enough, the first size that is; else by the root.
+    // If the log is large enough, this is the first size with a change within the tolerance; otherwise it is extrapolated.
     let enough = match steps.iter().find(|step| step.change <= tolerance) {
         Some(step) => step.readings,
         None => (last.readings as f64 * (last.change / tolerance).powi(2)).ceil() as usize,

@@ -1,10 +1,10 @@
-//! How sessions of one sensor differ: a random effect on every session's mean readings.
+//! Estimates the variation between sessions of one sensor by random effects on the mean readings of each session.
 //!
-//! The mean of session s at distance d is µ(d) + a_s w(d) + c_sd u(d), with normal a and c of mean 0: what a session adds everywhere
-//! (how the sensor was mounted, how warm it was) and what it adds at each distance by itself (how the target was put there). Their
-//! variances are those of restricted maximum likelihood, the curve is that of generalised least squares (Searle, Casella & McCulloch
-//! 1992, chapter 6), and intervals are Student's with Satterthwaite's degrees of freedom from the expected information (Giesbrecht &
-//! Burns 1985).
+//! The mean of session s at distance d is µ(d) + a_s w(d) + c_sd u(d), with normal a and c of mean 0. The effect a is the same at all
+//! distances (how the sensor was mounted, how warm it was); the effect c differs between distances (how the target was placed). Their
+//! variances are estimated by restricted maximum likelihood, the curve by generalised least squares (Searle, Casella & McCulloch
+//! 1992, chapter 6). Intervals are those of Student's distribution with Satterthwaite's degrees of freedom from the expected
+//! information (Giesbrecht & Burns 1985).
 
 mod mixed;
 
@@ -25,17 +25,18 @@ use realgap_core::statistics::{mean, median, student_quantile};
 pub struct Spread {
     /// The standard deviation, in the reading's unit.
     pub sd: f64,
-    /// Lower end of its interval.
+    /// Lower end of the interval of the standard deviation.
     pub low: f64,
-    /// Upper end.
+    /// Upper end of the interval of the standard deviation.
     pub high: f64,
-    /// Whether it grows with the mean reading, as an error of scale does; it is then the one at the mean of all mean readings.
+    /// Whether the standard deviation grows with the mean reading, as for an error of scale; it is then stated for the mean of all
+    /// mean readings.
     pub grows_with_reading: bool,
-    /// Share of the mean reading that it is, where it grows with it; 0 elsewhere.
+    /// The standard deviation as a share of the mean reading, if it grows with the mean reading; otherwise 0.
     pub share: f64,
 }
 
-/// What the next session reads at one distance.
+/// Prediction of the readings of the next session at one distance.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NextSession {
@@ -45,33 +46,33 @@ pub struct NextSession {
     pub incidence_deg: f64,
     /// Angle of offset, degrees.
     pub offset_deg: f64,
-    /// Mean reading of all sessions, by the model.
+    /// Mean reading over all sessions according to the model.
     pub mean: f64,
-    /// Lower end of the interval of the session's mean, of as many readings as the log's sessions have there.
+    /// Lower end of the interval of the session's mean, for as many readings as the sessions of the log have at this distance.
     pub mean_low: f64,
-    /// Upper end.
+    /// Upper end of the interval of the session's mean.
     pub mean_high: f64,
-    /// Lower end of the interval of one of its readings.
+    /// Lower end of the interval of a single reading of the session.
     pub reading_low: f64,
-    /// Upper end.
+    /// Upper end of the interval of a single reading of the session.
     pub reading_high: f64,
 }
 
-/// How the sessions of a log differ.
+/// Variation between the sessions of a log.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SessionSpread {
     /// Number of sessions.
     pub sessions: usize,
-    /// What a session adds at all distances alike.
+    /// Variation between sessions that is common to all distances.
     pub everywhere: Spread,
-    /// What a session adds at each distance by itself.
+    /// Variation between sessions that differs between distances.
     pub by_distance: Spread,
-    /// What the next session reads, by distance.
+    /// Prediction of the next session, for each distance.
     pub next: Vec<NextSession>,
 }
 
-/// A curve whose intervals know of sessions.
+/// A fitted curve whose intervals include the variation between sessions.
 pub(super) struct WithSessions {
     pub fitted: Fitted,
     /// Degrees of freedom of the mean's parameters.
@@ -79,12 +80,12 @@ pub(super) struct WithSessions {
     pub spread: SessionSpread,
 }
 
-/// Fewest sessions that a spread between them is told of.
+/// Smallest number of sessions for an estimate of the variation between sessions.
 pub(super) const LEAST_SESSIONS: usize = 3;
-/// Rounds of curve, spread and variances.
+/// Number of rounds in which curve, spread and variances are estimated in turn.
 const ROUNDS: usize = 3;
 
-/// Fits curve and sessions; `start` is the fit of independent readings.
+/// Fits the curve and the variation between sessions; `start` is the fit that treats all readings as independent.
 ///
 /// # Errors
 /// Fewer than three sessions, sessions that hardly ever read twice at a distance.
@@ -97,7 +98,7 @@ pub(super) fn with_sessions(
 ) -> Result<WithSessions> {
     if sessions < LEAST_SESSIONS {
         return Err(
-            Error::invalid("too few sessions for the spread between them")
+            Error::invalid("too few sessions to estimate the variation between them")
                 .field("session")
                 .found(sessions)
                 .allowed(format!(
@@ -108,7 +109,7 @@ pub(super) fn with_sessions(
     let twice: Vec<&Summary> = data.iter().filter(|s| s.count > 1.0).collect();
     if twice.len() < 2 * plan.parameters(start) {
         return Err(
-            Error::invalid("sessions hardly ever read twice at one distance, so their spread and that of readings are one")
+            Error::invalid("sessions have hardly any repeated readings at one distance, so the variation between sessions cannot be separated from that of readings")
                 .field("session")
                 .found(format!("{} distances of sessions with two readings", twice.len()))
                 .hint("keep several readings of each session at each distance, or leave the column out"),
@@ -129,21 +130,26 @@ pub(super) fn with_sessions(
                 let solved = mixed.solve(variances)?;
                 Some((index, mixed, variances, solved))
             })
-            .min_by(|a, b| (a.1.doubt(&a.3)).total_cmp(&b.1.doubt(&b.3)))
+            .min_by(|a, b| {
+                let (a, b) = (a.1.penalised_deviance(&a.3), b.1.penalised_deviance(&b.3));
+                a.total_cmp(&b)
+            })
             .ok_or_else(cannot)?;
         fitted.move_mean(plan, found.3.step.as_slice());
         last = Some(found);
     }
     let (_, mixed, variances, solved) = last.ok_or_else(cannot)?;
-    Ok(told(plan, fitted, data, &mixed, variances, &solved, level))
+    Ok(summarised(
+        plan, fitted, data, &mixed, variances, &solved, level,
+    ))
 }
 
 fn cannot() -> Error {
-    Error::invalid("the spread between sessions cannot be told from this log")
+    Error::invalid("the variation between sessions cannot be estimated from this log")
         .hint("leave the column of sessions out, or give each session more distances")
 }
 
-/// The spread of readings within their session: deviations from the session's own mean.
+/// The standard deviation of readings within their session, from deviations from the session's own mean.
 fn spread_within(plan: Plan, fitted: &Fitted, twice: &[&Summary]) -> Option<super::form::Curve> {
     let data: Vec<Summary> = twice
         .iter()
@@ -156,7 +162,8 @@ fn spread_within(plan: Plan, fitted: &Fitted, twice: &[&Summary]) -> Option<supe
     fit(plan, &data).map(|within| within.spread)
 }
 
-/// The four ways in which sessions may differ: by an amount or by a factor, everywhere and at each distance.
+/// The four models of the differences between sessions: a constant offset or an error of scale, for the common effect and for the
+/// effect at each distance.
 fn candidates(plan: Plan, fitted: &Fitted, data: &[Summary], sessions: usize) -> Vec<Mixed> {
     let gradients: Vec<Vec<f64>> = data.iter().map(|s| fitted.mean_gradient(plan, s)).collect();
     let columns = gradients.first().map_or(0, Vec::len);
@@ -193,7 +200,8 @@ fn candidates(plan: Plan, fitted: &Fitted, data: &[Summary], sessions: usize) ->
         .collect()
 }
 
-fn told(
+/// The standard errors, degrees of freedom, variation between sessions and predictions of a solution.
+fn summarised(
     plan: Plan,
     mut fitted: Fitted,
     data: &[Summary],
@@ -265,7 +273,8 @@ fn same_place(a: &Summary, b: &Summary) -> bool {
     [a.distance, a.incidence_deg, a.offset_deg] == [b.distance, b.incidence_deg, b.offset_deg]
 }
 
-/// The interval of a variance that is told with an error's: their sum has these degrees of freedom (χ²).
+/// The interval of a standard deviation whose variance is known only as a sum with the variance of an error; the sum has these
+/// degrees of freedom (χ²).
 fn interval(variance: f64, error: f64, degrees: f64, level: f64) -> (f64, f64) {
     let Ok(chi) = ChiSquared::new(degrees.max(1.0)) else {
         return (0.0, f64::INFINITY);
@@ -277,14 +286,16 @@ fn interval(variance: f64, error: f64, degrees: f64, level: f64) -> (f64, f64) {
     (end(0.5 + 0.5 * level), end(0.5 - 0.5 * level))
 }
 
-/// A session's mean over its distances tells what it adds everywhere, but for what it adds by distance and its readings.
+/// The variation that is common to all distances. It is estimated from the mean of each session over its distances, whose errors are
+/// the effect at each distance and the noise of readings.
 fn everywhere(mixed: &Mixed, [a, c]: [f64; 2], level: f64) -> Spread {
-    let mut told = vec![0.0; mixed.sessions];
+    let mut precisions = vec![0.0; mixed.sessions];
     for k in 0..mixed.within.len() {
         let own = mixed.within[k] + c * mixed.by_distance[k].powi(2);
-        told[mixed.session[k]] += mixed.everywhere[k].powi(2) / own;
+        precisions[mixed.session[k]] += mixed.everywhere[k].powi(2) / own;
     }
-    let errors: Vec<f64> = told.iter().filter(|t| **t > 0.0).map(|t| 1.0 / t).collect();
+    let known = precisions.iter().filter(|p| **p > 0.0);
+    let errors: Vec<f64> = known.map(|p| 1.0 / p).collect();
     let ends = interval(a, mean(&errors), (mixed.sessions - 1) as f64, level);
     mixed.spread(0, a, ends)
 }

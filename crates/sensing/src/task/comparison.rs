@@ -1,4 +1,4 @@
-//! Real against simulated task times, condition by condition and in their order.
+//! Compares real with simulated task times for each condition, and compares the order of the conditions.
 
 use std::fmt;
 
@@ -14,71 +14,71 @@ use realgap_core::table::Side::{Left, Right};
 use realgap_core::table::TextTable;
 use realgap_core::warning::{Code, Warning};
 
-/// Trials of one condition in one of the two worlds.
+/// The real or the simulated trials of one condition.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SideReport {
-    /// How many trials there are.
+    /// Number of trials.
     pub trials: usize,
-    /// How many of them were finished.
+    /// Number of trials that were finished.
     pub finished: usize,
-    /// When half was finished, seconds (Kaplan and Meier); `None` where it never was.
+    /// Median duration, seconds (Kaplan and Meier); `None` if less than half of the trials were finished.
     pub median_s: Option<f64>,
-    /// The lower end of its 90 % interval; `None` where the trials do not bound it.
+    /// Lower end of the 90 % interval of the median, seconds; `None` if the trials do not bound it.
     pub median_low_s: Option<f64>,
-    /// The upper end of that interval.
+    /// Upper end of the 90 % interval of the median, seconds; `None` if the trials do not bound it.
     pub median_high_s: Option<f64>,
-    /// When a quarter was finished, seconds.
+    /// Time at which a quarter of the trials was finished, seconds.
     pub quartile_low_s: Option<f64>,
-    /// When three quarters were finished, seconds.
+    /// Time at which three quarters of the trials were finished, seconds.
     pub quartile_high_s: Option<f64>,
-    /// The share that was not finished, over time.
+    /// Share of the trials that are not finished, as a function of time.
     #[serde(skip)]
     pub curve: KaplanMeier,
 }
 
-/// One condition.
+/// The comparison of real and simulated trials of one condition.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ConditionReport {
-    /// `robot=PER, mode=teleoperation`.
+    /// The levels of all factors, for example `robot=PER, mode=teleoperation`.
     pub condition: String,
     /// The real trials.
     pub real: SideReport,
     /// The simulated trials.
     pub simulated: SideReport,
-    /// Simulated over real median.
+    /// Simulated median divided by real median.
     pub median_ratio: Option<f64>,
-    /// `mann-whitney`, or `log-rank` where trials were given up.
+    /// The test: `mann-whitney`, or `log-rank` if trials were given up.
     pub test: &'static str,
-    /// Its p value; `None` where too little was finished.
+    /// p value of the test; `None` if too few trials were finished.
     pub p: Option<f64>,
-    /// Cliff's δ: how much likelier a simulated trial takes longer than a real one than the reverse, −1 to 1; pairs of which nobody
-    /// knows are neither (Gehan).
+    /// Cliff's δ, from −1 to 1: the probability that a simulated trial takes longer than a real one minus the probability of the
+    /// reverse. Pairs whose order is unknown because a trial was given up count for neither (Gehan).
     pub effect: f64,
-    /// Where its 90 % interval over resampled trials begins.
+    /// Lower end of the 90 % interval of the effect, over resampled trials.
     pub effect_low: f64,
-    /// Where that interval ends.
+    /// Upper end of the 90 % interval of the effect, over resampled trials.
     pub effect_high: f64,
 }
 
-/// One factor: do real and simulated trials put its levels into the same order?
+/// The order of the levels of one factor in the real and in the simulated trials.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FactorReport {
-    /// Its name.
+    /// Name of the factor.
     pub factor: String,
-    /// Levels by their real median, fastest first.
+    /// Levels ordered by their real median, fastest first.
     pub real: Vec<String>,
-    /// They are ordered by their simulated median.
+    /// Levels ordered by their simulated median, fastest first.
     pub simulated: Vec<String>,
-    /// Whether they are the same.
+    /// Whether both orders are the same.
     pub same_order: bool,
-    /// How often they are if trials are resampled in both worlds.
+    /// Share of resamples of the real and the simulated trials in which both orders are the same.
     pub same_order_share: f64,
 }
 
-/// Task times, real against simulated.
+/// The comparison of real with simulated task times.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TaskComparison {
@@ -86,21 +86,21 @@ pub struct TaskComparison {
     pub conditions: Vec<ConditionReport>,
     /// Every factor of both logs with more than one level.
     pub factors: Vec<FactorReport>,
-    /// Spearman's rank correlation of the conditions' medians; `None` for fewer than three.
+    /// Spearman's rank correlation of the conditions' medians; `None` for fewer than three conditions.
     pub spearman: Option<f64>,
-    /// Its p value.
+    /// p value of the rank correlation.
     pub spearman_p: Option<f64>,
-    /// What the reader should know.
+    /// Warnings to the reader.
     pub warnings: Vec<Warning>,
 }
 
 const RESAMPLES: usize = 1000;
 const LEVEL: f64 = 0.9;
-/// Fewer trials of a condition say little.
+/// A condition with fewer trials than this gives a warning.
 const FEW: usize = 5;
 
 impl TaskComparison {
-    /// Compares two logs; the seed is that of the intervals.
+    /// Compares two logs; the seed is used for the resampling of the intervals.
     ///
     /// # Errors
     /// Logs without a condition in common.
@@ -134,7 +134,7 @@ impl TaskComparison {
         if conditions.is_empty() {
             return Err(Error::invalid("the two logs have no condition in common")
                 .found(lonely.join("; "))
-                .hint("columns and their values must be called alike in both"));
+                .hint("columns and their values must have the same names in both logs"));
         }
         if !lonely.is_empty() {
             warnings.push(Code::UnmatchedConditions.warning(format!(
@@ -188,10 +188,11 @@ fn name(wanted: &[(&str, &str)]) -> String {
     parts.join(", ")
 }
 
-/// Factors with the level that each of them has.
+/// Pairs of a factor and its level.
 type Levels<'a> = Vec<(&'a str, &'a str)>;
 
-/// Levels of every condition that both logs have, in the order of the real one, and names of those that one has alone.
+/// The levels of every condition that occurs in both logs, in the order of the real log, and the names of the conditions that
+/// occur in one log only.
 fn conditions<'a>(
     real: &'a TaskLog,
     simulated: &'a TaskLog,
@@ -279,7 +280,7 @@ fn condition(
     })
 }
 
-/// Share of pairs whose simulated trial surely took longer minus the share whose real one did.
+/// Share of pairs in which the simulated trial certainly took longer minus the share in which the real trial certainly did.
 fn effect(real: &[Duration], real_weights: &[f64], simulated: &[Duration], weights: &[f64]) -> f64 {
     let surely_longer = |a: &Duration, b: &Duration| {
         b.finished && (a.time_s > b.time_s || (!a.finished && a.time_s == b.time_s))
@@ -297,7 +298,7 @@ fn effect(real: &[Duration], real_weights: &[f64], simulated: &[Duration], weigh
     sum
 }
 
-/// Levels by their median, fastest first; a level that was never half finished comes last.
+/// Levels ordered by their median, fastest first; a level of which less than half of the trials were finished comes last.
 fn order(levels: &[String], durations: &[Vec<Duration>]) -> Vec<String> {
     let median = |own: &Vec<Duration>| {
         let curve = KaplanMeier::new(own).ok();
@@ -330,7 +331,7 @@ fn factor(name: &str, real: &TaskLog, simulated: &TaskLog, seed: u64) -> Option<
     };
     let worlds = [of(real), of(simulated)];
     let [real, simulated] = [0, 1].map(|world| order(&levels, &worlds[world]));
-    // Every level of every world is resampled with numbers of its own.
+    // Every level of the real and of the simulated trials is resampled with its own stream of random numbers.
     let mut drawn: Vec<[Vec<Vec<Duration>>; 2]> = vec![Default::default(); RESAMPLES];
     for (world, own) in worlds.iter().enumerate() {
         for (index, durations) in own.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Logs of task times.
+//! Reads logs of task times.
 
 use std::path::Path;
 
@@ -8,27 +8,27 @@ use realgap_core::statistics::Duration;
 use realgap_core::text::shown;
 use realgap_core::warning::{Code, Warning};
 
-/// One trial.
+/// One trial of a task.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trial {
     /// The level of each factor, in the order of [`TaskLog::factors`].
     pub levels: Vec<String>,
-    /// How long it took, or after how long it was given up.
+    /// Time until the task was finished or given up.
     pub duration: Duration,
 }
 
 /// Trials of a task.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TaskLog {
-    /// What differs between trials: names of columns.
+    /// Names of the columns that state the conditions of a trial.
     pub factors: Vec<String>,
     /// The trials, in the order of the log.
     pub trials: Vec<Trial>,
-    /// What the reader should know.
+    /// Warnings to the reader.
     pub warnings: Vec<Warning>,
 }
 
-/// Columns that only number trials.
+/// Names of columns that number trials and are not conditions.
 const NUMBERS: [&str; 8] = [
     "trial",
     "run",
@@ -39,29 +39,30 @@ const NUMBERS: [&str; 8] = [
     "repeat",
     "session",
 ];
-/// Times beyond this are not seconds of a task (a week).
+/// Durations above this (a week) give a warning, because they are probably not in seconds.
 const LONG_S: f64 = 604_800.0;
-/// Longer ones are not times of a task at all (thirty years).
+/// Durations above this (thirty years) are refused.
 const LONGEST_S: f64 = 1e9;
 
 impl TaskLog {
     /// Reads a log.
     ///
     /// # Errors
-    /// A missing file, no column `duration_s`, durations that are not above 0 (or above thirty years), a `finished` that is neither yes nor no, no rows.
+    /// A missing file, no column `duration_s`, durations that are not above 0 or are above thirty years, a `finished` that is neither
+    /// yes nor no, no rows.
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         Self::parse(path, &read_log_text(path)?)
     }
 
-    /// The log in a text; `path` is what errors call it.
+    /// Parses a log from a text; errors name it by `path`.
     ///
     /// # Errors
     /// As [`TaskLog::read`].
     pub fn parse(path: impl AsRef<Path>, text: &str) -> Result<Self> {
         let path = path.as_ref();
         let table = LogTable::parse(path, text)?;
-        let hint = "a log of task times has the column duration_s (seconds), where some were given up `finished` (1 or 0), and any columns \
+        let hint = "a log of task times has the column duration_s (seconds), the column finished (1 or 0) if some trials were given up, and any columns \
              that name conditions";
         let duration = table.require("duration_s", hint)?;
         let finished = table.column("finished");

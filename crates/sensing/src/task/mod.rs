@@ -1,8 +1,8 @@
-//! Task times: how long people or robots take, some of them without finishing, real against simulated (paper 002, section V).
+//! Compares real and simulated task times, including those of trials that were given up (paper 002, section V).
 //!
-//! A [`TaskLog`] has one row a trial: a duration, whether the task was finished, and any columns that say under which conditions.
-//! A [`TaskComparison`] sets the real and the simulated trials of each condition beside each other, and asks whether the order of
-//! the conditions is the same.
+//! A [`TaskLog`] has one row for each trial: a duration, whether the task was finished, and further columns that state the conditions.
+//! A [`TaskComparison`] compares the real and the simulated trials of each condition, and tests whether the order of the conditions
+//! is the same in both.
 //!
 //! ```
 //! use realgap_sensing::task::{TaskComparison, TaskLog};

@@ -1,32 +1,34 @@
-//! Task times of trajectories: when does a robot reach a place?
+//! Computes from a trajectory the time at which a robot reaches a goal.
 
 use realgap_core::error::{Error, Result};
 use realgap_core::statistics::Duration;
 use realgap_path::trajectory::Trajectory;
 
-/// A place to reach.
+/// A position to reach.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Goal {
-    /// Where it is, metres.
+    /// Position of the goal, world frame, metres.
     pub position_world_m: [f64; 2],
-    /// How near is there, metres.
+    /// The goal is reached within this distance, metres.
     pub within_m: f64,
 }
 
-/// When a robot first comes within reach of a goal, from its first sample on; given up at its last sample where it does not.
-/// Between samples it moves straight.
+/// The time from the first sample until the robot first is within the given distance of the goal. If the robot does not reach the
+/// goal, the trial counts as given up at the last sample. Between samples the robot is assumed to move on a straight line.
 ///
 /// # Errors
-/// A reach that is not above 0, a place that is no place, a robot that begins at the goal.
+/// A distance that is not above 0, a position that is not finite, a robot that starts at the goal.
 pub fn time_to_reach(motion: &Trajectory, goal: &Goal) -> Result<Duration> {
     if !(goal.within_m > 0.0 && goal.within_m.is_finite()) {
-        return Err(Error::usage("not a reach")
-            .field("within")
-            .found(goal.within_m)
-            .allowed("metres above 0"));
+        return Err(
+            Error::usage("the distance at which the goal is reached must be above 0")
+                .field("within")
+                .found(goal.within_m)
+                .allowed("metres above 0"),
+        );
     }
     if !goal.position_world_m.iter().all(|v| v.is_finite()) {
-        return Err(Error::usage("not a place")
+        return Err(Error::usage("the position of the goal must be finite")
             .field("reach")
             .found(format!("{:?}", goal.position_world_m))
             .allowed("metres, finite"));
@@ -45,14 +47,14 @@ pub fn time_to_reach(motion: &Trajectory, goal: &Goal) -> Result<Duration> {
     let first = off.first().zip(times.first());
     if first.is_none_or(|([x, y], _)| x.hypot(*y) <= goal.within_m) {
         return Err(Error::invalid(
-            "a robot that begins at the goal takes no time",
+            "the robot starts at the goal, so it has no time to reach it",
         ));
     }
     let start_s = times[0];
     for index in 1..off.len() {
         let ([ax, ay], [bx, by]) = (off[index - 1], off[index]);
         let (dx, dy) = (bx - ax, by - ay);
-        // |a + u d|² = r² for the first u in 0 to 1.
+        // Solves |a + u d|² = r² for the smallest u in 0 to 1.
         let (aa, ad, dd) = (ax * ax + ay * ay, ax * dx + ay * dy, dx * dx + dy * dy);
         let rest = ad * ad - dd * (aa - goal.within_m * goal.within_m);
         if dd > 0.0 && rest >= 0.0 {

@@ -1,4 +1,4 @@
-//! Radio: the tables of paper 002, known parameters found again, messages, and a real flat.
+//! Tests of radio models: the tables of paper 002, recovery of known parameters, messages, and logs of a real flat.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 #![allow(
     clippy::print_stdout,
@@ -52,7 +52,7 @@ fn known() -> RadioModel {
     }
 }
 
-/// A way through the rooms with strengths of a model, its shadowing and its fading.
+/// A log along a path through the rooms, with strengths of a model, its shadowing and its fading.
 fn drawn(model: &RadioModel, arena: &Arena, seed: u64, poses: usize) -> RadioLog {
     let mut rng = Numbered::SensorReading.generator(seed, 0);
     let field = ShadowField::new(seed, model.shadowing_distance_m);
@@ -99,7 +99,7 @@ fn the_tables_of_paper_002_give_its_errors_and_distances_only_with_the_natural_l
     );
     assert!((rmse(formula) - 2.85).abs() < 0.005);
     assert!((rmse(simulator) - 6.53).abs() < 0.005);
-    // The paper gives no distances: those at which its own equation has its own values.
+    // The paper states no distances; these are the distances at which its equation gives its strengths.
     let model = RadioModel::paper002();
     for (walls, dbm) in walls.into_iter().zip(formula) {
         let loss = -50.0 - dbm - 7.0 * f64::from(walls);
@@ -112,7 +112,7 @@ fn the_tables_of_paper_002_give_its_errors_and_distances_only_with_the_natural_l
         };
         assert!((model.strength_dbm(&link) - dbm).abs() < 1e-9);
     }
-    // Beyond C walls nothing is lost.
+    // Walls beyond C cause no further loss.
     let behind = |count| Link {
         distance_m: 2.0,
         crossed: vec![(String::new(), 0.1); count],
@@ -135,12 +135,12 @@ fn walls_are_counted_once_where_they_touch_and_not_at_their_own_anchor() {
     assert_eq!(thickness([1.0, 1.0], [1.0, 9.0]), [0.1]);
     // Through the door.
     assert_eq!(thickness([1.0, 4.5], [9.0, 4.5]), [] as [f64; 0]);
-    // Both walls, apart from each other.
+    // Through both walls, which do not touch.
     assert_eq!(arena.crossings([1.0, 1.0], [9.0, 8.0]).len(), 1);
     assert_eq!(arena.crossings([6.0, 4.5], [4.0, 9.0]).len(), 2);
     // Along the joint of two walls: one wall.
     assert_eq!(arena.crossings([4.5, 5.6], [5.5, 4.6]).len(), 1);
-    // What holds an end is not between.
+    // A wall that contains an end of the link is not counted.
     assert_eq!(arena.crossings([5.0, 2.0], [9.0, 2.0]).len(), 0);
     assert_eq!(arena.crossings([3.0, 3.0], [3.0, 3.0]).len(), 0);
     let back = arena.crossings([9.0, 8.0], [1.0, 1.0]);
@@ -186,7 +186,7 @@ fn every_propagation_model_keeps_its_contract() {
         let (one, two) = (dbm(3.0, &["brick"]), dbm(3.0, &["brick", "wood"]));
         assert_eq!(one < dbm(3.0, &[]), propagation.has_walls(), "{name}");
         assert!(two <= one, "{name}");
-        // Another base is another exponent, and nothing else.
+        // Another base of the logarithm changes the exponent only.
         if count > 1 {
             let mut natural = model.clone();
             natural.log_base = LogBase::E;
@@ -197,7 +197,7 @@ fn every_propagation_model_keeps_its_contract() {
             };
             assert!((natural.strength_dbm(&link) - model.strength_dbm(&link)).abs() < 1e-12);
         }
-        // Its file says the same.
+        // The model is read back unchanged from its file.
         let again = RadioModel::parse(&Source::new("radio.ron", model.to_ron().unwrap())).unwrap();
         assert_eq!(again, model, "{name}");
         assert!(std::ptr::eq(
@@ -207,9 +207,9 @@ fn every_propagation_model_keeps_its_contract() {
     }
 }
 
-/// How often intervals hold the truth, and the 90 % interval strengths at places that nobody has been to (docs/validation/radio.md).
+/// How often intervals contain the true parameters, and the 90 % interval the strengths at new places (docs/validation/radio.md).
 #[test]
-fn known_parameters_lie_in_their_intervals_and_new_places_in_theirs() {
+fn intervals_contain_known_parameters_and_strengths_at_new_places() {
     if !common::is_long_run("coverage of radio fits") {
         return;
     }
@@ -228,7 +228,7 @@ fn known_parameters_lie_in_their_intervals_and_new_places_in_theirs() {
             asked += 1;
             held += usize::from(parameter.low <= *value && *value <= parameter.high);
         }
-        // Another way through the same field of shadows is a log at other places.
+        // Another path through the same shadowing field is a log at other places.
         let other = drawn(&truth, &arena, seed + 1000, 400);
         let seen = Evaluation::new(&found.model, &arena, &arena.anchors, &other, None).unwrap();
         covered.push(seen.coverage_90);
@@ -237,13 +237,13 @@ fn known_parameters_lie_in_their_intervals_and_new_places_in_theirs() {
         "{held} of {asked} intervals hold the truth; {:.1} % of new strengths",
         100.0 * mean(&covered)
     );
-    // Nine of ten are promised; two dozen walks are few, and one walk decides on three.
+    // The intervals have a level of 90 %. The limit is lower because there are only two dozen logs with three parameters each.
     assert!(held as f64 >= 0.8 * f64::from(asked), "{held} of {asked}");
     assert!((0.88..0.97).contains(&mean(&covered)), "{}", mean(&covered));
 }
 
 #[test]
-fn the_right_model_and_the_spread_of_a_known_truth_are_found() {
+fn a_fit_recovers_the_right_model_its_shadowing_and_its_fading() {
     let (arena, truth) = (rooms(), known());
     let log = drawn(&truth, &arena, 7, 3000);
     let found = fit(&log, &arena, &arena.anchors, &RadioOptions::default()).unwrap();
@@ -273,7 +273,7 @@ fn the_right_model_and_the_spread_of_a_known_truth_are_found() {
         "{}",
         found.shadowing_distance_m
     );
-    // To base e the exponent is smaller by the logarithm of 10, and nothing else changes.
+    // With base e, the exponent is smaller by the factor ln 10, and nothing else changes.
     let natural = RadioOptions {
         log_base: LogBase::E,
         ..RadioOptions::default()
@@ -285,8 +285,8 @@ fn the_right_model_and_the_spread_of_a_known_truth_are_found() {
 }
 
 #[test]
-fn what_a_log_does_not_say_is_not_determined() {
-    // One room: no wall between anything.
+fn parameters_that_the_log_does_not_determine_are_reported_as_such() {
+    // An arena without walls.
     let open = Arena::parse(&Source::new(
         "open",
         r#"Arena(name: "open", size_m: (10, 10), boundary: Open, anchors: [(name: "1", position_m: (1, 1, 2)),
@@ -308,7 +308,7 @@ fn what_a_log_does_not_say_is_not_determined() {
         error.contains("no link of") || error.contains("no link crosses a wall"),
         "{error}"
     );
-    // Walls between few links only.
+    // An arena in which few links cross a wall.
     let arena = rooms();
     let mut near = drawn(&known(), &arena, 4, 4000);
     near.readings.retain(|reading| {
@@ -322,7 +322,7 @@ fn what_a_log_does_not_say_is_not_determined() {
 }
 
 #[test]
-fn shadows_are_alike_nearby_and_the_same_in_both_directions() {
+fn shadowing_is_correlated_nearby_and_the_same_in_both_directions() {
     let (distance_m, mut near, mut all) = (1.0, Vec::new(), Vec::new());
     for seed in 0..1500 {
         let field = ShadowField::new(seed, distance_m);
@@ -332,13 +332,13 @@ fn shadows_are_alike_nearby_and_the_same_in_both_directions() {
         near.push(field.at(sender, a) * field.at(sender, b));
     }
     assert!(mean(&all).abs() < 0.1 && (standard_deviation(&all) - 1.0).abs() < 0.08);
-    // exp(-1) a correlation distance away.
+    // At the correlation distance, the correlation is exp(-1).
     assert!((mean(&near) - 0.368).abs() < 0.08, "{}", mean(&near));
 }
 
-/// Session 0 of a real flat fitted, session 2 foretold (docs/validation/radio.md).
+/// A model is fitted to session 0 of a real flat and evaluated on session 2 (docs/validation/radio.md).
 #[test]
-fn a_real_flat_is_foretold_better_than_by_fingerprints() {
+fn strengths_in_a_real_flat_are_predicted_better_than_by_fingerprints() {
     let Some(folder) = common::shared_data("radio_flat") else {
         return;
     };

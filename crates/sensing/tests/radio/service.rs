@@ -1,4 +1,4 @@
-//! Messages: delivered by strength, the same whatever else is sent and whatever was kept.
+//! Tests that the outcome of a message depends on its strength only, not on other messages or on the cache.
 
 use rayon::prelude::*;
 use realgap_sensing::radio::{
@@ -72,7 +72,7 @@ fn messages_are_delivered_by_strength_whatever_else_is_sent() {
             Delivery::Lost { strength_dbm } => assert!(*strength_dbm >= -64.0),
         }
     }
-    // As many are lost above the sensitivity as the curve says.
+    // The share of messages that are lost above the sensitivity follows the loss curve.
     let strong = sent.iter().filter_map(|(_, delivery)| match delivery {
         Delivery::Delivered { strength_dbm, .. } | Delivery::Lost { strength_dbm } => {
             Some(service.loss(strength_dbm + 64.0))
@@ -85,7 +85,7 @@ fn messages_are_delivered_by_strength_whatever_else_is_sent() {
 }
 
 #[test]
-fn what_is_kept_of_two_places_changes_no_bit_in_any_order_on_any_number_of_threads() {
+fn the_cache_of_pairs_changes_no_bit_in_any_order_on_any_number_of_threads() {
     let arena = rooms();
     let model = RadioModel {
         fading_sd_db: 0.0,
@@ -135,7 +135,7 @@ fn what_is_kept_of_two_places_changes_no_bit_in_any_order_on_any_number_of_threa
 }
 
 #[test]
-fn a_service_keeps_no_more_pairs_than_it_says_and_goes_on() {
+fn a_service_caches_at_most_the_stated_number_of_pairs() {
     let (arena, model) = (rooms(), known());
     let options = ServiceOptions {
         noise: false,
@@ -154,6 +154,6 @@ fn a_service_keeps_no_more_pairs_than_it_says_and_goes_on() {
         assert!(service.kept_pairs() <= MOST_PAIRS);
     }
     assert_eq!(service.kept_pairs(), MOST_PAIRS);
-    // Long forgotten, and the same.
+    // A pair that is no longer cached is computed again with the same result.
     assert_eq!(service.send(&message(0)), first);
 }

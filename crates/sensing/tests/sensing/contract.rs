@@ -1,4 +1,4 @@
-//! What every form and every model must do.
+//! The contract test: properties that every form and every shipped sensor must have.
 
 use realgap_core::random::Numbered;
 use realgap_core::statistics::{Proportion, kolmogorov_smirnov, mean, standard_deviation};
@@ -10,7 +10,7 @@ use realgap_sensing::range::{
 use super::{example, log_of, model};
 
 #[test]
-fn every_form_knows_its_slopes_and_starts_at_the_data() {
+fn every_form_has_correct_derivatives_and_starts_at_the_data() {
     for form in FORMS {
         let distances: Vec<f64> = (1..=21).map(f64::from).collect();
         let knots = if form.name() == "table" {
@@ -61,7 +61,8 @@ fn every_form_knows_its_slopes_and_starts_at_the_data() {
     }
 }
 
-/// What every model keeps: a finite mean and spread over its range, draws as its density says, dropouts as often as stated.
+/// Asserts that a model has a finite mean and standard deviation over its range, draws readings that follow its density, and has
+/// dropouts as often as stated.
 fn keeps_the_contract(name: &str, sensor: &RangeModel, draws: usize) {
     let (low_m, high_m) = sensor.range_m();
     for step in 0..=100 {
@@ -82,7 +83,7 @@ fn keeps_the_contract(name: &str, sensor: &RangeModel, draws: usize) {
             missing.low <= stated && stated <= missing.high,
             "{name}: {missing:?}"
         );
-        // Quantiles of the density by its integral, against the draws.
+        // Quantiles from the integral of the density are compared with the drawn readings.
         let step = 0.005 * sd;
         let mut below = 0.0;
         let mut quantiles = Vec::new();
@@ -103,7 +104,7 @@ fn keeps_the_contract(name: &str, sensor: &RangeModel, draws: usize) {
 }
 
 #[test]
-fn every_shipped_sensor_draws_what_its_density_says() {
+fn every_shipped_sensor_draws_readings_that_follow_its_density() {
     for name in shipped_sensors() {
         let sensor = sensor_by_name(name).unwrap();
         assert_eq!(sensor.dropout, 0.0, "{name}: no dropouts were stated");
@@ -111,7 +112,7 @@ fn every_shipped_sensor_draws_what_its_density_says() {
     }
 }
 
-/// A form is one file and one line of the registry; this holds of each of them, as mean and as spread.
+/// Tests all registered forms, as the mean and as the standard deviation.
 #[test]
 fn every_registered_form_makes_a_model_that_keeps_the_contract() {
     for mean in FORMS {
@@ -129,7 +130,7 @@ fn every_registered_form_makes_a_model_that_keeps_the_contract() {
 }
 
 #[test]
-fn dropouts_and_nonsense_are_drawn_as_often_as_they_are_stated_and_found_again() {
+fn dropouts_and_outliers_are_drawn_as_often_as_stated_and_recovered_by_a_fit() {
     let sensor = model(
         ("linear", &[0.7626, 0.9582]),
         ("linear", &[0.4878, 0.0093]),
@@ -150,10 +151,10 @@ fn dropouts_and_nonsense_are_drawn_as_often_as_they_are_stated_and_found_again()
         "{:?}",
         found.dropouts
     );
-    // Nonsense that happens to lie near the truth cannot be told: about 5 sd each way of 200.
-    let told = 0.02 * (1.0 - 10.0 * 0.6 / 200.0);
+    // Outliers that happen to be near the truth (about 5 sd to each side, of 200) cannot be detected.
+    let detectable = 0.02 * (1.0 - 10.0 * 0.6 / 200.0);
     assert!(
-        found.outliers.low < told && told < found.outliers.high,
+        found.outliers.low < detectable && detectable < found.outliers.high,
         "{:?}",
         found.outliers
     );
@@ -161,9 +162,9 @@ fn dropouts_and_nonsense_are_drawn_as_often_as_they_are_stated_and_found_again()
     assert!(slope.low < 0.9582 && 0.9582 < slope.high, "{slope:?}");
 }
 
-/// A sensor of one's own is one implementation: everything else is given.
+/// A user's own sensor needs only an implementation of the required methods of the trait.
 #[test]
-fn own_sensors_draw_with_what_they_state() {
+fn a_users_own_sensor_draws_with_its_mean_deviation_and_dropouts() {
     struct Bumper;
     impl RangeSensor for Bumper {
         fn range_m(&self) -> (f64, f64) {

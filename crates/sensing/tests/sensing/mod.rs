@@ -1,4 +1,4 @@
-//! Range sensors: what every form and model must do, whether known ones are found again, and what bad logs are told.
+//! Tests of range sensors: the contract of forms and models, recovery of known models, and errors for bad logs.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 #![allow(
     clippy::print_stdout,
@@ -15,7 +15,7 @@ use realgap_core::random::Numbered;
 use realgap_sensing::range::form::Form;
 use realgap_sensing::range::{Beam, RangeModel, RangeSensor, ReadingLog};
 
-/// Readings of a model at whole and half distances of its unit, as a log.
+/// A log of readings of a model at 21 evenly spaced distances.
 fn log_of(sensor: &RangeModel, readings: usize, seed: u64) -> ReadingLog {
     let mut text = String::from("distance_cm,reading\n");
     let (low, high) = sensor.range;

@@ -1,4 +1,4 @@
-//! Known models are found again, as surely as intervals say.
+//! Tests that fits recover known models, and that their intervals contain the truth as often as stated.
 
 use realgap_core::random::Numbered;
 use realgap_core::statistics::Proportion;
@@ -9,7 +9,7 @@ use realgap_sensing::range::{
 
 use super::{log_of, model};
 
-/// How often intervals hold the truth, by model and parameter (docs/validation/sensing.md).
+/// How often intervals contain the truth, for each model and parameter (docs/validation/sensing.md).
 fn coverage(logs: u64) -> Vec<(String, Proportion)> {
     let models = [
         (
@@ -53,7 +53,7 @@ fn coverage(logs: u64) -> Vec<(String, Proportion)> {
         for seed in 0..logs {
             let found = Characterisation::new(&log_of(&sensor, 60, seed), &options).unwrap();
             let truth: Vec<f64> = if is_table {
-                // The fit has knots of its own: the truth at those.
+                // The fit chooses its own knots, so the truth is evaluated at those.
                 let at = |curve: &realgap_sensing::range::form::Curve, of: &RangeModel| {
                     of.mean
                         .knots
@@ -91,7 +91,7 @@ fn coverage(logs: u64) -> Vec<(String, Proportion)> {
 }
 
 #[test]
-fn intervals_hold_known_parameters_as_often_as_they_promise() {
+fn intervals_contain_known_parameters_as_often_as_stated() {
     let table = coverage(150);
     let mut by_model: std::collections::BTreeMap<String, (usize, usize)> =
         std::collections::BTreeMap::new();
@@ -99,7 +99,7 @@ fn intervals_hold_known_parameters_as_often_as_they_promise() {
         let (model, _) = name.rsplit_once(' ').unwrap();
         let sum = by_model.entry(model.to_owned()).or_default();
         *sum = (sum.0 + held.count, sum.1 + held.trials);
-        // At the 99.9 % level some fifty parameters may all be asked.
+        // The level is 99.9 % because about fifty parameters are tested.
         assert!(held.high > 0.95, "{name}: {held:?}");
     }
     for (model, (held, of)) in by_model {
@@ -132,7 +132,7 @@ fn the_form_that_made_the_log_is_chosen() {
             .count();
         assert!(right >= 8, "{mean}, {spread}: {right} of 10");
     }
-    // No formula: the table is chosen, not the formula that misses least.
+    // If no formula fits, the table is chosen instead of the formula with the smallest error.
     let odd = model(
         ("table", &[2.0, 9.0, 11.0, 30.0]),
         ("linear", &[0.2, 0.01]),
@@ -140,7 +140,7 @@ fn the_form_that_made_the_log_is_chosen() {
     );
     let found = Characterisation::new(&log_of(&odd, 100, 1), &Options::default()).unwrap();
     assert_eq!(found.mean_form, "table");
-    // Asked for a line all the same, it says that the line misses.
+    // A fit of a line that is asked for explicitly gives a warning of lack of fit.
     let options = Options {
         mean: Some(form_by_name("linear").unwrap()),
         ..Options::default()

@@ -1,10 +1,10 @@
-//! Bad logs and models are told what is wrong with them; the commands.
+//! Tests of the errors for bad logs of readings and bad models.
 
 use realgap_core::file::Source;
 use realgap_sensing::range::{Characterisation, Options, RangeModel, ReadingLog, find_sensor};
 
 #[test]
-fn a_bad_log_is_told_what_is_wrong_with_it() {
+fn a_bad_log_gives_an_error_that_names_the_problem() {
     for (text, said) in [
         ("distance_cm,reading_cm\n", "no readings"),
         ("reading_cm\n1\n", "no column `distance`"),
@@ -28,9 +28,9 @@ fn a_bad_log_is_told_what_is_wrong_with_it() {
             .to_string()
     };
     assert!(refused("5,5.1\n5,5.2\n5,4.9\n").contains("one distance"));
-    assert!(refused("5,\n6,\n").contains("not a single reading"));
+    assert!(refused("5,\n6,\n").contains("only dropouts"));
     assert!(refused("5,7\n6,7\n5,7\n").contains("all readings are the same"));
-    // Nothing that came back: sensors say 0 or -1, and that is no length.
+    // Sensors report 0 or -1 if they receive no echo; these values are not lengths.
     let log = ReadingLog::parse(
         "log.csv",
         "distance_cm,reading_cm\n1,1.1\n1,0\n2,2.1\n2,-1\n",

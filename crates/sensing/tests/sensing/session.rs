@@ -1,4 +1,4 @@
-//! Sessions that differ, readings in steps, readings that crowd in two places.
+//! Tests of logs with sessions that differ, with rounded readings, and with readings that have two peaks.
 
 use rand::RngExt as _;
 use rand_distr::StandardNormal;
@@ -7,7 +7,8 @@ use realgap_core::statistics::Proportion;
 use realgap_sensing::range::form::form_by_name;
 use realgap_sensing::range::{Characterisation, Options, ReadingLog};
 
-/// A log of sessions: what each adds everywhere, what it adds at each distance, and how its readings spread.
+/// Parameters of a synthetic log of sessions: standard deviations between sessions at all distances together, at each distance
+/// separately, and of readings.
 struct Stand {
     sessions: usize,
     distances: usize,
@@ -27,7 +28,7 @@ impl Stand {
         (0..self.distances).map(move |k| 5.0 + 30.0 * k as f64 / last as f64)
     }
 
-    /// The readings of session after session; the last is kept out of the log.
+    /// The log of all sessions but the last, and the readings of the last session.
     fn log(&self, seed: u64) -> (ReadingLog, Vec<(f64, Vec<f64>)>) {
         let mut rng = Numbered::SensorSession.generator(seed, 7);
         let mut normal = move || rng.sample::<f64, _>(StandardNormal);
@@ -53,7 +54,7 @@ impl Stand {
     }
 }
 
-/// Logs of each kind.
+/// Number of logs of each kind.
 const LOGS: usize = 500;
 
 fn options() -> Options {
@@ -66,8 +67,8 @@ fn options() -> Options {
     }
 }
 
-/// How often 90 % intervals hold: parameters of the mean, the spread between sessions, a session that is not in the log and its
-/// readings (docs/validation/sensing.md).
+/// How often 90 % intervals contain the truth: for parameters of the mean, the variation between sessions, a session that is not in the
+/// log, and its readings (docs/validation/sensing.md).
 fn shares(stand: &Stand, logs: u64) -> Vec<(&'static str, f64)> {
     let mut held = [(0_usize, 0_usize); 5];
     for seed in 0..logs {
@@ -130,10 +131,10 @@ fn intervals_hold_for_sessions_that_are_not_in_the_log() {
         };
         for (what, share) in shares(&stand, LOGS as u64) {
             println!("| {name} | {sessions} | {what} | {:.1} % |", 100.0 * share);
-            // The interval of a spread that is 0 begins there, and can miss it on one side only.
+            // The interval of a standard deviation of 0 begins at 0, so it can miss the truth on one side only.
             let is_none = (what.contains("everywhere") && everywhere == 0.0)
                 || (what.contains("itself") && by_distance == 0.0);
-            // All distances of one log share their sessions: a log counts once.
+            // The intervals at all distances of one log depend on the same sessions, so a log counts once.
             let held = Proportion::new((share * LOGS as f64).round() as usize, LOGS, 0.99);
             assert!(
                 held.high >= 0.9 && (held.low <= 0.9 || is_none),
@@ -144,7 +145,7 @@ fn intervals_hold_for_sessions_that_are_not_in_the_log() {
 }
 
 #[test]
-fn independent_readings_are_too_sure_of_the_next_session() {
+fn intervals_that_ignore_sessions_are_too_narrow_for_the_next_session() {
     let stand = Stand {
         sessions: 8,
         distances: 6,
@@ -163,7 +164,7 @@ fn independent_readings_are_too_sure_of_the_next_session() {
         [log, without].map(|log| Characterisation::new(&log, &options()).unwrap());
     let width = |found: &Characterisation| found.mean[0].high - found.mean[0].low;
     assert!(width(&with) > 3.0 * width(&without));
-    // The spread of readings is that within a session.
+    // The standard deviation of readings is the one within a session.
     assert!((with.spread[0].value + 20.0 * with.spread[1].value - 0.3).abs() < 0.03);
     assert!(without.spread[0].value + 20.0 * without.spread[1].value > 0.4);
     assert!(
@@ -173,9 +174,9 @@ fn independent_readings_are_too_sure_of_the_next_session() {
     );
 }
 
-/// 70 % of the readings on one step and 30 % on another one: what many cheap sensors do between two echoes.
+/// 70 % of the readings have one value and 30 % another one, as with many cheap sensors between two echoes.
 #[test]
-fn readings_in_steps_and_in_two_crowds_are_described_and_are_no_nonsense() {
+fn rounded_readings_with_two_peaks_are_described_and_not_treated_as_outliers() {
     let mut text = String::from("distance_cm,reading_cm\n");
     let mut rng = Numbered::SensorReading.generator(3, 0);
     for distance in [5.0_f64, 10.0, 15.0, 20.0] {
@@ -195,8 +196,8 @@ fn readings_in_steps_and_in_two_crowds_are_described_and_are_no_nonsense() {
     let found = Characterisation::new(&log, &Options::default()).unwrap();
     assert_eq!(found.outliers.count, 4, "{:?}", found.outliers);
     assert!((found.step - 0.1).abs() < 1e-9);
-    let crowds: Vec<usize> = found.distances.iter().map(|d| d.peaks.len()).collect();
-    assert_eq!(crowds, [0, 0, 2, 2]);
+    let peaks: Vec<usize> = found.distances.iter().map(|d| d.peaks.len()).collect();
+    assert_eq!(peaks, [0, 0, 2, 2]);
     let peak = found.distances[3].peaks[1];
     assert!((peak.centre - 20.9).abs() < 1e-9 && (peak.share - 0.3).abs() < 1e-9);
     let codes: Vec<&str> = found.warnings.iter().map(|w| w.code.name()).collect();
@@ -209,7 +210,7 @@ fn readings_in_steps_and_in_two_crowds_are_described_and_are_no_nonsense() {
 }
 
 #[test]
-fn two_sessions_are_too_few_and_single_readings_do_not_repeat() {
+fn two_sessions_give_a_warning_and_sessions_without_repeated_readings_an_error() {
     let rows = |sessions: usize, readings: usize| {
         let mut text = String::from("distance_cm,reading_cm,session\n");
         let mut rng = Numbered::SensorReading.generator(5, 0);
@@ -227,5 +228,5 @@ fn two_sessions_are_too_few_and_single_readings_do_not_repeat() {
     assert!(two.sessions.is_none());
     assert!(two.warnings.iter().any(|w| w.code.name() == "few-sessions"));
     let error = rows(5, 1).unwrap_err().to_string();
-    assert!(error.contains("hardly ever read twice"), "{error}");
+    assert!(error.contains("hardly any repeated readings"), "{error}");
 }

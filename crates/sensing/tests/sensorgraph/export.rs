@@ -1,12 +1,12 @@
-//! Models as functions of other languages, and the commands.
+//! Tests that exported functions in other languages give the same ranges as the model.
 
 use realgap_sensing::graph::{Frame, GraphOptions, Language, ScanLog, fit, functions};
 
 use super::{common, room};
 
-/// Every polynomial is a function of any language: the same numbers as the model's, where there is something that runs them.
+/// The exported functions give the same ranges as the model, for each language whose interpreter or compiler is installed.
 #[test]
-fn functions_in_other_languages_say_what_the_model_says() {
+fn exported_functions_in_other_languages_give_the_ranges_of_the_model() {
     let log = ScanLog::parse("room.csv", &room(300, true)).unwrap();
     let folder = tempfile::tempdir().unwrap();
     for frame in [Frame::Robot, Frame::World] {

@@ -1,4 +1,4 @@
-//! Logs of scans: what is read, and what is refused.
+//! Tests of reading logs of scans, and of the errors for bad logs.
 
 use realgap_sensing::graph::regression::Stop;
 use realgap_sensing::graph::{Frame, GraphOptions, Polynomial, ScanLog, fit};
@@ -40,7 +40,7 @@ fn a_carmen_log_is_read_as_its_csv() {
 }
 
 #[test]
-fn a_bad_log_of_scans_is_told_what_is_wrong_with_it() {
+fn a_bad_log_of_scans_gives_an_error_that_names_the_problem() {
     for (text, said) in [
         ("t_s,x_m,y_m,heading_rad\n0,0,0,0\n", "no ranges"),
         (
@@ -58,7 +58,7 @@ fn a_bad_log_of_scans_is_told_what_is_wrong_with_it() {
         ),
         (
             "t_s,x_m,y_m,heading_rad,range_000_m\n1,0,0,0,1\n0,0,0,0,1\n",
-            "must not fall",
+            "must not decrease",
         ),
     ] {
         let error = ScanLog::parse("scans.csv", text).unwrap_err().to_string();
@@ -102,9 +102,9 @@ fn a_bad_log_of_scans_is_told_what_is_wrong_with_it() {
         fit(&blind, &GraphOptions::default())
             .unwrap_err()
             .to_string()
-            .contains("not a single beam")
+            .contains("no beam of the log returned")
     );
-    // Only some headings: said, and the mean stands in.
+    // A log that contains only some headings: there is a warning, and means are used for the others.
     let log = ScanLog::parse("a.csv", &room(60, true)).unwrap();
     let options = GraphOptions {
         frame: Some(Frame::Robot),
@@ -114,7 +114,7 @@ fn a_bad_log_of_scans_is_told_what_is_wrong_with_it() {
     let found = fit(&log, &options).unwrap();
     assert_eq!(found.warnings[0].code.name(), "empty-headings");
     assert!(found.model.range_m([0.0, 0.0], 0.1, 0).is_finite());
-    // More terms than samples: as many as they bear, and said.
+    // More terms than the samples allow: there is a warning, and the number of terms is reduced.
     let options = GraphOptions {
         stop: Stop::Terms(15),
         headings: 12,
@@ -131,9 +131,9 @@ fn a_bad_log_of_scans_is_told_what_is_wrong_with_it() {
     assert!(found.model.polynomials.iter().all(|p| sound(&p)));
 }
 
-/// The poses of a log, taken out into a file of their own, between whose samples scans lie, give the log again.
+/// If the poses of a log are in a separate file with other times than the scans, the log is restored by interpolation.
 #[test]
-fn poses_in_a_file_of_their_own_are_read_at_the_times_of_the_scans() {
+fn poses_in_a_separate_file_are_interpolated_at_the_times_of_the_scans() {
     let folder = tempfile::tempdir().unwrap();
     let whole = ScanLog::parse("room.csv", &room(200, true)).unwrap();
     let write = |name: &str, text: String| {

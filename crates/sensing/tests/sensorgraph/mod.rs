@@ -1,4 +1,4 @@
-//! Sensorgraphs: forward regression as SysIdentPy's, known polynomials found again, and a real scanner on a way that was left out.
+//! Tests of sensorgraphs: forward regression against SysIdentPy, recovery of known polynomials, and logs of a real scanner.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 #![allow(
     clippy::print_stdout,
@@ -15,7 +15,7 @@ mod walk;
 use realgap_sensing::graph::{Evaluation, Frame, GraphOptions, ScanLog, fit};
 
 #[test]
-fn a_room_is_foretold_on_a_way_that_was_left_out() {
+fn scans_of_a_room_are_predicted_on_a_part_of_the_path_that_was_left_out() {
     for all_round in [true, false] {
         let log = ScanLog::parse("room.csv", &room(900, all_round)).unwrap();
         assert_eq!(log.is_all_round(), all_round);
@@ -50,9 +50,9 @@ fn a_room_is_foretold_on_a_way_that_was_left_out() {
     }
 }
 
-/// Real scans of a furnished flat, fitted on a part of the way and held against the rest.
+/// Real scans of a furnished flat: a model is fitted to a part of the path and evaluated on the rest.
 #[test]
-fn a_real_flat_is_foretold_better_than_by_constants_and_by_the_nearest_pose() {
+fn scans_of_a_real_flat_are_predicted_better_than_by_constants() {
     let Some(folder) = common::shared_data("radio_flat") else {
         return;
     };

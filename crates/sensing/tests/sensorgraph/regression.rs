@@ -1,4 +1,4 @@
-//! Forward regression takes the terms of SysIdentPy, and finds known polynomials.
+//! Tests that forward regression chooses the same terms as SysIdentPy, and recovers known polynomials.
 
 use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
@@ -28,9 +28,9 @@ struct Golden {
     bic: Vec<f64>,
 }
 
-/// Its order of terms, ratios, coefficients and criteria (tools/golden_frols.py).
+/// The order of terms, ratios, coefficients and criteria agree with those of SysIdentPy (tools/golden_frols.py).
 #[test]
-fn forward_regression_is_that_of_sysidentpy() {
+fn forward_regression_agrees_with_sysidentpy() {
     let text = common::read(&common::golden(), "frols.json");
     let cases: Vec<Golden> = serde_json::from_str(&text).unwrap();
     assert_eq!(cases.len(), 4);
@@ -63,7 +63,7 @@ fn forward_regression_is_that_of_sysidentpy() {
 }
 
 #[test]
-fn a_sparse_polynomial_is_found_with_its_terms_and_standard_errors_that_hold() {
+fn a_sparse_polynomial_is_recovered_with_its_terms_and_correct_standard_errors() {
     let truth = [([0, 0], 3.0), ([1, 0], 1.2), ([1, 1], -0.8), ([0, 3], 0.6)];
     let (mut right, mut held, mut asked) = (0, 0, 0);
     for seed in 0..100 {
@@ -99,10 +99,10 @@ fn a_sparse_polynomial_is_found_with_its_terms_and_standard_errors_that_hold() {
         known.sort_unstable();
         right += usize::from(powers == known);
     }
-    // BIC takes a needless term now and then, which does not bias the others.
+    // BIC sometimes chooses a needless term, which does not bias the others.
     assert!(right >= 75, "{right} of 100");
     assert!(held as f64 >= 0.9 * asked as f64, "{held} of {asked}");
-    // The ratio of all terms together explains what they were asked to.
+    // The sum of the ratios of the kept terms reaches the share that was asked for.
     let places: Vec<[f64; 2]> = (0..50)
         .map(|k| [f64::from(k) / 50.0, (f64::from(k) * 0.37).sin()])
         .collect();
@@ -115,7 +115,7 @@ fn a_sparse_polynomial_is_found_with_its_terms_and_standard_errors_that_hold() {
 }
 
 #[test]
-fn a_regression_that_cannot_be_is_refused() {
+fn an_impossible_regression_is_refused() {
     let places = [[0.0, 0.0], [0.5, 0.1], [1.0, -0.2]];
     let y = DVector::from_vec(vec![1.0, 2.0, 3.0]);
     let of = |most: usize, y: &DVector<f64>| {
@@ -125,14 +125,14 @@ fn a_regression_that_cannot_be_is_refused() {
     assert!(
         of(2, &DVector::zeros(3))
             .unwrap_err()
-            .contains("nothing to explain")
+            .contains("no terms can be chosen")
     );
     assert!(
         of(2, &DVector::from_vec(vec![1.0, f64::NAN, 1.0]))
             .unwrap_err()
             .contains("finite")
     );
-    // The same place over and over: one term and no more.
+    // If all samples are at the same position, only one term is independent.
     let same = [[0.3, 0.3]; 8];
     let chosen = order(&regressors(&same, 2), &DVector::from_element(8, 2.0), 6).unwrap();
     assert_eq!(chosen.len(), 1);

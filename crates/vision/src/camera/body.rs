@@ -1,4 +1,4 @@
-//! Bodies that move through a room while pictures are taken: those of a robot, and what else is in its motion.
+//! Bodies that move through the room of a scene while pictures are taken, for example the parts of a robot.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -11,30 +11,30 @@ use super::vector::Vector;
 use realgap_core::error::{Error, Result};
 use realgap_path::trajectory::{Interpolator, Trajectory};
 
-/// A box of a body, or what planes leave of it.
+/// A box of a body, which may be cut by planes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyBox {
     /// Half of its sides, metres.
     pub half_m: Vector3<f64>,
-    /// Its own axes in the body's frame, from its centre.
+    /// Pose of the box in the body's frame.
     pub body_from_box: Isometry3<f64>,
-    /// Share of the light that comes back, for red, green and blue.
+    /// Reflectance for red, green and blue, 0 to 1.
     pub colour: [f64; 3],
-    /// What is beyond these is cut off; none for a box.
+    /// Planes that cut off parts of the box; empty for a whole box.
     pub planes: Arc<[Plane]>,
 }
 
-/// A rigid body in the world of a motion. Its whole boxes show the dots of a die.
+/// A rigid body in the world frame of a motion. Boxes that are not cut show the dots of a die.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
     name: String,
     boxes: Vec<BodyBox>,
-    way: Way,
+    motion: BodyMotion,
 }
 
-/// Where a body is.
+/// The pose of a body over time.
 #[derive(Debug, Clone, PartialEq)]
-enum Way {
+enum BodyMotion {
     Still(Isometry3<f64>),
     Moving(Trajectory),
 }
@@ -46,36 +46,36 @@ impl Body {
     /// A motion without orientations.
     pub fn moving(name: &str, boxes: Vec<BodyBox>, motion: Trajectory) -> Result<Self> {
         if motion.orientations_world_from_body().is_none() {
-            return Err(Error::invalid("nobody knows how this body is turned")
+            return Err(Error::invalid("the orientation of this body is unknown")
                 .field(name)
                 .found("a motion without orientations")
-                .allowed("columns qw, qx, qy and qz of it"));
+                .allowed("a motion with the columns qw, qx, qy and qz"));
         }
         Ok(Self {
             name: name.to_owned(),
             boxes,
-            way: Way::Moving(motion),
+            motion: BodyMotion::Moving(motion),
         })
     }
 
-    /// A body that stands where it is.
+    /// A body that does not move.
     pub fn still(name: &str, boxes: Vec<BodyBox>, world_from_body: Isometry3<f64>) -> Self {
         Self {
             name: name.to_owned(),
             boxes,
-            way: Way::Still(world_from_body),
+            motion: BodyMotion::Still(world_from_body),
         }
     }
 
-    /// Its name.
+    /// Name of the body.
     pub fn name(&self) -> &str {
         &self.name
     }
 
     fn pose(&self, since_start_s: f64) -> Isometry3<f64> {
-        match &self.way {
-            Way::Still(pose) => *pose,
-            Way::Moving(motion) => {
+        match &self.motion {
+            BodyMotion::Still(pose) => *pose,
+            BodyMotion::Moving(motion) => {
                 let mut at = Interpolator::new(motion);
                 let place_m = at.position_world_m(since_start_s);
                 let turn = at.orientation_world_from_body(since_start_s);
@@ -84,16 +84,16 @@ impl Body {
         }
     }
 
-    fn blocks(&self, entry: &Entry, since_start_s: f64) -> Vec<Block> {
+    fn blocks(&self, frame: &MotionFrame, since_start_s: f64) -> Vec<Block> {
         let world_from_body = self.pose(since_start_s);
         let blocks = self.boxes.iter().map(|one| {
             let world_from_box = world_from_body * one.body_from_box;
             let turn = world_from_box.rotation;
             Block {
-                centre_m: entry.place_m(world_from_box.translation.vector),
+                centre_m: frame.place_m(world_from_box.translation.vector),
                 half_m: one.half_m.into(),
                 axes: [Vector3::x(), Vector3::y(), Vector3::z()]
-                    .map(|axis| entry.direction(turn * axis)),
+                    .map(|axis| frame.direction(turn * axis)),
                 colour: one.colour,
                 planes: Arc::clone(&one.planes),
                 faces: match one.planes.is_empty() {
@@ -107,17 +107,18 @@ impl Body {
     }
 }
 
-/// Where the world of a motion is in a room.
+/// The transformation from the world frame of a motion to the frame of the room.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Entry {
+pub(super) struct MotionFrame {
     first_m: [f64; 2],
     start_m: [f64; 2],
-    /// Cosine and sine.
+    /// Cosine and sine of the rotation about the vertical.
     facing: [f64; 2],
 }
 
-impl Entry {
-    /// The motion's first place stands where the mount says, at its own height, and its x axis points as the mount says.
+impl MotionFrame {
+    /// The transformation that moves the first position of the motion to the start of the mount, keeps heights, and turns the x axis of
+    /// the motion to the direction of the mount.
     pub(super) fn new(mount: &Mount, motion: &Trajectory) -> Self {
         let first_m = motion.positions_world_m()[0];
         let (sin, cos) = mount.facing_rad.sin_cos();
@@ -141,27 +142,27 @@ impl Entry {
     }
 }
 
-/// A room with the bodies of one motion in it.
+/// A scene with the bodies of one motion in it.
 #[derive(Debug, Clone)]
-pub(super) struct Company<'a> {
+pub(super) struct MovingScene<'a> {
     pub(super) scene: &'a Scene,
-    pub(super) entry: Entry,
+    pub(super) frame: MotionFrame,
     pub(super) bodies: &'a [Body],
-    /// The body that carries the camera, by its name.
+    /// Name of the body that carries the camera.
     pub(super) carrier: Option<&'a str>,
     pub(super) duration_s: f64,
 }
 
-impl<'a> Company<'a> {
-    /// The room and all in it at a time, for a camera at this place: it does not see the body that carries it while it is in one of
-    /// that body's boxes.
+impl<'a> MovingScene<'a> {
+    /// The scene with all bodies at a time, for a camera at this position. The body that carries the camera is invisible while the camera
+    /// is inside of one of its boxes.
     pub(super) fn room_at(&self, since_start_s: f64, camera_m: Vector) -> Cow<'a, Scene> {
         if self.bodies.is_empty() {
             return Cow::Borrowed(self.scene);
         }
         let mut scene = self.scene.clone();
         for body in self.bodies {
-            let mut blocks = body.blocks(&self.entry, since_start_s);
+            let mut blocks = body.blocks(&self.frame, since_start_s);
             let carries = self.carrier == Some(body.name());
             if carries && blocks.iter().any(|block| block.holds(camera_m)) {
                 for block in &mut blocks {
@@ -173,10 +174,10 @@ impl<'a> Company<'a> {
         Cow::Owned(scene)
     }
 
-    /// Checks that this is a time of the motion, and that what moves is inside of the room then.
+    /// Checks that this is a time of the motion, and that all moving bodies are inside of the room at that time.
     ///
     /// # Errors
-    /// If not: what, where and when.
+    /// A time outside of the motion; a body outside of the room, with its name, position and the time.
     pub(super) fn check(&self, since_start_s: f64) -> Result<()> {
         if !(0.0..=self.duration_s).contains(&since_start_s) {
             return Err(Error::invalid("not a time of the motion")
@@ -185,10 +186,10 @@ impl<'a> Company<'a> {
         }
         let room_m = self.scene.room_m;
         for body in self.bodies {
-            if matches!(body.way, Way::Still(_)) {
+            if matches!(body.motion, BodyMotion::Still(_)) {
                 continue;
             }
-            for block in body.blocks(&self.entry, since_start_s) {
+            for block in body.blocks(&self.frame, since_start_s) {
                 let [x, y, z] = block.centre_m;
                 let is_inside =
                     (0..3).all(|i| block.centre_m[i] > 0.0 && block.centre_m[i] < room_m[i]);
@@ -199,7 +200,7 @@ impl<'a> Company<'a> {
                             "`{name}` at ({x:.3}, {y:.3}, {z:.3}) m after {since_start_s} s"
                         ))
                         .allowed(format!("between (0, 0, 0) and {room_m:?} m"))
-                        .hint("`start_m` and `facing_deg` of the mount say where the motion begins; its lengths may be in another unit, its heights from another floor"));
+                        .hint("`start_m` and `facing_deg` of the mount state where the motion begins; its lengths may be in another unit, or its heights relative to another floor"));
                 }
             }
         }

@@ -1,4 +1,4 @@
-//! The RON form of a camera: in a scene, and as a file of its own.
+//! Reads and writes cameras as RON, inside of a scene file or as a separate file.
 
 use std::path::Path;
 
@@ -16,47 +16,47 @@ use realgap_core::file::{Source, parse_ron, write_ron};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Camera")]
 pub struct CameraFile {
-    /// Whether it takes the place of a real one: its pictures are labelled so.
+    /// Whether the camera stands in for a real one; its pictures are labelled as such.
     #[serde(default)]
     stand_in: bool,
-    /// Columns and rows.
+    /// Number of columns and rows.
     #[serde(default = "resolution")]
     resolution_px: (usize, usize),
     /// Horizontal field of view of the pinhole, degrees.
     #[serde(default = "field_of_view")]
     field_of_view_deg: f64,
-    /// First and second radial coefficient.
+    /// First and second coefficient of radial distortion.
     #[serde(default)]
     distortion: [f64; 2],
-    /// Standard deviation of how far the lens spreads a point, pixels.
+    /// Standard deviation of the blur of the lens, pixels.
     #[serde(default)]
     blur_px: f64,
-    /// Time of exposure, seconds.
+    /// Exposure time, seconds.
     exposure_s: f64,
-    /// Electrons in a second for one candela per square metre, each colour.
+    /// Electrons per second for a luminance of one candela per square metre, for each colour.
     electrons_per_cd_s: f64,
-    /// Electrons that a pixel holds; more is white.
+    /// Full-well capacity: electrons at which a pixel is white with gain 1.
     #[serde(default = "full_well")]
     full_well_e: f64,
-    /// Standard deviation of what reading adds, electrons.
+    /// Standard deviation of the read noise, electrons.
     #[serde(default)]
     read_noise_e: f64,
-    /// Amplification: with 1, a full pixel is white.
+    /// Gain; with 1, a full pixel is white.
     #[serde(default = "one")]
     gain: f64,
-    /// The camera raises the gain up to this where the picture would be dark; 0, or anything up to `gain`, for never.
+    /// Largest gain of the automatic gain control, which the camera uses for dark pictures; 0, or a value up to `gain`, turns it off.
     #[serde(default)]
     most_gain: f64,
-    /// Quality of the JPEG compression, 1 to 100; without it there is none.
+    /// Quality of the JPEG compression, 1 to 100; optional, without it there is no compression.
     #[serde(default)]
     jpeg_quality: Option<u8>,
-    /// Standard deviation of where it stands, each axis, metres.
+    /// Standard deviation of the camera's position, for each axis, metres.
     #[serde(default)]
     place_sd_m: f64,
-    /// Standard deviation of where it looks, each axis, degrees.
+    /// Standard deviation of the camera's orientation, for each axis, degrees.
     #[serde(default)]
     angle_sd_deg: f64,
-    /// Speed at which it turns while exposing, to the right and down, degrees per second.
+    /// Speed at which the camera turns during the exposure, to the right and down, degrees per second.
     #[serde(default)]
     turning_deg_s: [f64; 2],
 }
@@ -77,7 +77,7 @@ fn one() -> f64 {
     1.0
 }
 
-/// Largest picture, pixels.
+/// Largest number of pixels of a camera.
 const MOST_PIXELS: usize = 16_000_000;
 
 impl CameraFile {
@@ -151,7 +151,7 @@ impl CameraFile {
 }
 
 impl Camera {
-    /// Reads a camera from a file of its own, named after the file.
+    /// Reads a camera from a separate file; the name of the camera is that of the file.
     ///
     /// # Errors
     /// A missing file, anything that is not a camera, values out of range.
@@ -163,7 +163,7 @@ impl Camera {
         file.camera(&Reader(&source), "", name.into_owned())
     }
 
-    /// The text of such a file.
+    /// The text of a camera file.
     ///
     /// # Errors
     /// None.

@@ -1,19 +1,19 @@
-//! What a ray meets: the room's inside, boxes and posters, found through a tree of boxes around them.
+//! Casts rays in a scene: finds the first hit on the room, its blocks and posters through a bounding-volume hierarchy.
 
 use super::scene::{Block, Poster, Scene};
 use super::vector::{Vector, add, dot, less, times};
 
-/// What a ray meets.
+/// The object that a ray hits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Thing {
-    /// One of the six sides of the room: axis, and whether it is the far one.
+    /// One of the six sides of the room: the axis, and whether it is the far side.
     Side(usize, bool),
-    /// A box, and the axis and sign of the face: true where it looks along the axis; 3 + k for plane k.
+    /// A block and its face: the axis (3 + k for plane k), and whether the face looks along the axis.
     Block(usize, usize, bool),
     Poster(usize),
 }
 
-/// Where a ray ends.
+/// The first hit of a ray.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Hit {
     pub distance_m: f64,
@@ -27,7 +27,7 @@ enum Solid {
     Poster(usize),
 }
 
-/// A box around things: the children of an inner one are the next and `other`.
+/// A node of the hierarchy with its bounding box; the children of an inner node are the next node and `other`.
 #[derive(Debug, Clone)]
 struct Node {
     low: Vector,
@@ -36,16 +36,16 @@ struct Node {
     things: std::ops::Range<usize>,
 }
 
-/// A scene that can be asked.
+/// A scene with the hierarchy for casting rays.
 pub(super) struct Caster<'a> {
     scene: &'a Scene,
     nodes: Vec<Node>,
     solids: Vec<Solid>,
 }
 
-/// A leaf has at most this many things.
+/// Largest number of objects in a leaf.
 const LEAF: usize = 3;
-/// Posters hang this far before what is behind them, metres.
+/// Distance of posters from the wall behind them, and smallest distance of a hit, metres.
 pub(super) const BEFORE_M: f64 = 1e-4;
 
 fn bounds(scene: &Scene, solid: Solid) -> (Vector, Vector) {
@@ -86,7 +86,7 @@ impl<'a> Caster<'a> {
         }
     }
 
-    /// The first thing that a ray from inside of the room meets, for a camera.
+    /// The first hit of a camera's ray from inside of the room; invisible blocks are ignored.
     pub(super) fn first(&self, from: Vector, direction: Vector) -> Hit {
         let mut best = self.side(from, direction);
         self.visit(from, direction, best.distance_m, |solid, nearest| {
@@ -102,7 +102,7 @@ impl<'a> Caster<'a> {
         best
     }
 
-    /// Whether nothing stands between a point and another.
+    /// Whether the line between two points is free of blocks and posters.
     pub(super) fn sees(&self, from: Vector, to: Vector) -> bool {
         let way = less(to, from);
         let distance = dot(way, way).sqrt();
@@ -116,7 +116,7 @@ impl<'a> Caster<'a> {
         is_free
     }
 
-    /// Visits what may be met nearer than `nearest`; the visitor may lower that, and says whether to go on.
+    /// Visits the objects that a ray may hit at a distance below `nearest`. The visitor may lower `nearest`, and returns whether to go on.
     fn visit(
         &self,
         from: Vector,
@@ -129,7 +129,7 @@ impl<'a> Caster<'a> {
         }
         let inverse = direction.map(|d| 1.0 / d);
         let mut nearest = nearest;
-        // Deep enough for any number of things that a scene may have: every level halves them.
+        // The stack is deep enough for any number of objects, because every level of the hierarchy halves them.
         let mut open = [0_usize; 64];
         let mut count = 1;
         while count > 0 {
@@ -167,7 +167,7 @@ impl<'a> Caster<'a> {
         }
     }
 
-    /// Where a ray from inside leaves the room.
+    /// The hit of a ray from inside on a side of the room.
     fn side(&self, from: Vector, direction: Vector) -> Hit {
         let mut best = (f64::INFINITY, 0, false);
         for axis in 0..3 {
@@ -202,7 +202,7 @@ impl<'a> Caster<'a> {
     }
 }
 
-/// Distance to a poster's front and where it is met, −1 to 1 to the right and down.
+/// Distance to the front of a poster, and coordinates of the hit from −1 to 1 to the right and down.
 pub(super) fn meet_poster(
     poster: &Poster,
     from: Vector,
@@ -210,7 +210,7 @@ pub(super) fn meet_poster(
 ) -> Option<(f64, f64, f64)> {
     let normal = poster.normal();
     let against = dot(normal, direction);
-    // Its back is not seen.
+    // The back of a poster is invisible.
     if against >= 0.0 {
         return None;
     }
@@ -240,17 +240,17 @@ fn meet_block(block: &Block, index: usize, from: Vector, direction: Vector) -> O
         leave = leave.min(a.max(b));
     }
     for (number, plane) in block.planes.iter().enumerate() {
-        let (along, room) = (
+        let (along, clearance) = (
             dot(plane.normal, towards),
             plane.level_m - dot(plane.normal, from),
         );
         if along > 0.0 {
-            leave = leave.min(room / along);
-        } else if along < 0.0 && room / along > enter {
-            enter = room / along;
+            leave = leave.min(clearance / along);
+        } else if along < 0.0 && clearance / along > enter {
+            enter = clearance / along;
             face = (3 + number, true);
             normal = Some(plane.normal);
-        } else if along == 0.0 && room < 0.0 {
+        } else if along == 0.0 && clearance < 0.0 {
             return None;
         }
     }
@@ -265,7 +265,7 @@ fn meet_block(block: &Block, index: usize, from: Vector, direction: Vector) -> O
     })
 }
 
-/// Adds the tree over some things; halves them along the axis on which their centres lie farthest apart.
+/// Adds the hierarchy of some objects; they are halved along the axis on which their centres have the largest extent.
 fn split(
     scene: &Scene,
     solids: &mut [Solid],

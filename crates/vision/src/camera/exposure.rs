@@ -1,4 +1,4 @@
-//! From light to bytes: photons are counted, read with noise, amplified, cut off, rounded and compressed.
+//! The image sensor: converts light to bytes with photon noise, read noise, gain, saturation, rounding and compression.
 
 use std::sync::LazyLock;
 
@@ -8,29 +8,29 @@ use super::super::picture::{Grey, Picture};
 use realgap_core::error::Result;
 use realgap_core::random::Numbered;
 
-/// A sensor and how it is exposed.
+/// An image sensor with its exposure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensor {
-    /// Time of exposure, seconds.
+    /// Exposure time, seconds.
     pub exposure_s: f64,
-    /// Electrons in a second for one candela per square metre, each colour.
+    /// Electrons per second for a luminance of one candela per square metre, for each colour.
     pub electrons_per_cd_s: f64,
-    /// Electrons that a pixel holds; more is white.
+    /// Full-well capacity: electrons at which a pixel is white with gain 1.
     pub full_well_e: f64,
-    /// Standard deviation of what reading adds, electrons.
+    /// Standard deviation of the read noise, electrons.
     pub read_noise_e: f64,
-    /// Amplification: with 1, a full pixel is white.
+    /// Gain; with 1, a full pixel is white.
     pub gain: f64,
-    /// The camera raises the gain up to this where the picture would be dark; 0, or anything up to `gain`, for never.
+    /// Largest gain of the automatic gain control, which the camera uses for dark pictures; 0, or a value up to `gain`, turns it off.
     pub most_gain: f64,
-    /// Quality of the JPEG compression, 1 to 100; `None` for none.
+    /// Quality of the JPEG compression, 1 to 100; `None` for no compression.
     pub jpeg_quality: Option<u8>,
 }
 
-/// Share of white that automatic gain makes the mean of a picture.
+/// Mean of a picture, as a share of white, at which automatic gain control aims.
 const AIM: f64 = 0.3;
 
-/// sRGB: half of the light is more than half of the value.
+/// The transfer function of sRGB.
 fn curve(share: f64) -> f64 {
     if share <= 0.003_130_8 {
         12.92 * share
@@ -43,10 +43,10 @@ fn encoded(share: f64) -> u8 {
     (255.0 * curve(share)).round() as u8
 }
 
-/// Pieces into which [`Encoding`] divides the light from black to white.
+/// Number of intervals into which [`Encoding`] divides the light from black to white.
 const PIECES: usize = 4096;
 
-/// [`encoded`] by looking it up: where each value begins, and the value at the beginning of each piece.
+/// A lookup table for [`encoded`]: the light at which each value begins, and the value at the beginning of each interval.
 struct Encoding {
     begins: [f64; 257],
     of_piece: Vec<u8>,
@@ -56,7 +56,7 @@ impl Encoding {
     fn new() -> Self {
         let mut begins = [f64::INFINITY; 257];
         for (value, begin) in begins.iter_mut().enumerate().take(256) {
-            // Neighbouring floats of one sign are neighbouring whole numbers.
+            // The bits of neighbouring positive floats are consecutive integers, so a bisection over bits is exact.
             let (mut low, mut high) = (0.0_f64.to_bits(), 1.0_f64.to_bits());
             while low < high {
                 let middle = low + (high - low) / 2;
@@ -88,7 +88,7 @@ impl Encoding {
 static ENCODING: LazyLock<Encoding> = LazyLock::new(Encoding::new);
 
 impl Sensor {
-    /// The gain for this light, which the camera may set itself.
+    /// The gain for this light, including automatic gain control.
     fn gain_for(&self, light: &[Grey; 3]) -> f64 {
         let (mut sum, mut count) = (0.0, 0_usize);
         for value in light.iter().flat_map(|plane| plane.values()) {
@@ -100,8 +100,8 @@ impl Sensor {
         wanted.min(self.most_gain).max(self.gain)
     }
 
-    /// The picture of this light without noise, rounding and compression: what many pictures are on average, but for what noise makes
-    /// of the curve and of white.
+    /// The picture of this light without noise, rounding and compression. It is about the mean of many pictures; the difference is due
+    /// to the nonlinearity of the transfer function and to saturation.
     pub fn calm(&self, light: &[Grey; 3]) -> [Grey; 3] {
         let factor =
             self.exposure_s * self.electrons_per_cd_s * self.gain_for(light) / self.full_well_e;
@@ -110,8 +110,9 @@ impl Sensor {
         })
     }
 
-    /// The picture of this light (candela per square metre: red, green, blue). Photons are drawn normally, which differs from
-    /// Poisson's below about twenty of them. Every row has its own stream, so that threads do not matter.
+    /// The picture of this light (candela per square metre: red, green, blue). Photon noise is drawn from a normal distribution, which
+    /// differs from a Poisson distribution below about twenty photons. Every row has its own stream of random numbers, so that the
+    /// result does not depend on threads.
     pub fn picture(&self, light: &[Grey; 3], seed: u64, number: u64) -> Result<Picture> {
         let (width, height) = (light[0].width(), light[0].height());
         let per_light = self.exposure_s * self.electrons_per_cd_s;
@@ -142,13 +143,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn values_that_are_looked_up_are_those_of_the_formula() {
+    fn the_lookup_table_agrees_with_the_formula() {
         let encoding = Encoding::new();
         for k in 0..=1_000_000 {
             let share = f64::from(k) / 1e6;
             assert_eq!(encoding.of(share), encoded(share), "{share}");
         }
-        // Next to where a value begins, too.
+        // Test the smallest light of each value, and the float just below it.
         for value in 1..=255_u8 {
             let begin = encoding.begins[usize::from(value)];
             assert_eq!(encoding.of(begin), value);

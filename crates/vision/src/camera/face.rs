@@ -1,17 +1,17 @@
-//! What the faces of a box show, so that it can be seen how it stands.
+//! The pattern of a die on the faces of a box, which makes its orientation visible.
 
 use super::scene::Block;
 use super::vector::Vector;
 
-/// Width of a rim and radius of a dot, as shares of half the shorter side of a face.
+/// Width of the rim and radius of a dot, as shares of half the shorter side of a face.
 const RIM: f64 = 0.1;
 const DOT: f64 = 0.16;
-/// Distance of dots from the middle, in the same measure.
-const APART: f64 = 0.5;
-/// Share of the light that the dark ones leave.
+/// Distance of dots from the middle, as a share of half the shorter side of a face.
+const DOT_DISTANCE: f64 = 0.5;
+/// Reflectance of the rim and of dots relative to the rest of the face.
 const DARK: f64 = 0.3;
 
-/// Places of the dots on the face with this number, −1 to 1.
+/// Positions of the dots on the face with this number, −1 to 1.
 fn dots(number: usize) -> &'static [[i8; 2]] {
     match number {
         1 => &[[0, 0]],
@@ -23,8 +23,8 @@ fn dots(number: usize) -> &'static [[i8; 2]] {
     }
 }
 
-/// Share of a die's colour at a point of one of its faces, where rays are this far apart: borders of what is dark are a ray wide,
-/// and what is smaller than a ray counts by its share of the face.
+/// Brightness of a die at a point of one of its faces relative to its colour, for rays with this spacing: borders of dark parts are as
+/// wide as the spacing, and parts that are smaller than the spacing are replaced by the mean over the face.
 pub(super) fn tone(
     block: &Block,
     (axis, is_far): (usize, bool),
@@ -42,7 +42,7 @@ pub(super) fn tone(
         |by_m: f64, size_m: f64| (by_m / spacing_m.min(size_m).max(1e-9) + 0.5).clamp(0.0, 1.0);
     let from_rim_m = (half_m[0] - at_m[0].abs()).min(half_m[1] - at_m[1].abs());
     let to_dot_m = dots.iter().map(|dot| {
-        let off = [0, 1].map(|k| at_m[k] - APART * unit_m * f64::from(dot[k]));
+        let off = [0, 1].map(|k| at_m[k] - DOT_DISTANCE * unit_m * f64::from(dot[k]));
         off[0].hypot(off[1])
     });
     let to_dot_m = to_dot_m.fold(f64::INFINITY, f64::min);

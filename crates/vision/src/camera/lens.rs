@@ -1,27 +1,27 @@
-//! Pinhole, lens and where the camera is: from pixels to rays and back.
+//! The lens and the pose of a camera: conversion between pixels and rays.
 
 use super::vector::{Vector, add, cross, dot, less, times, unit};
 
-/// A pinhole with radial distortion: a ray at radius r (1 at 45 degrees) is seen at r (1 + k1 r² + k2 r⁴), as OpenCV's.
+/// A pinhole with radial distortion: a ray at radius r (1 at 45 degrees) is seen at r (1 + k1 r² + k2 r⁴), as in OpenCV.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lens {
-    /// Columns.
+    /// Number of columns.
     pub width_px: usize,
-    /// Rows.
+    /// Number of rows.
     pub height_px: usize,
     /// Horizontal field of view of the pinhole, radians.
     pub field_of_view_rad: f64,
-    /// First and second radial coefficient.
+    /// First and second coefficient of radial distortion.
     pub distortion: [f64; 2],
-    /// Standard deviation of how far it spreads a point, pixels.
+    /// Standard deviation of the blur, pixels.
     pub blur_px: f64,
 }
 
-/// Steps of the iteration that undoes distortion.
+/// Number of steps of the iteration that inverts the distortion.
 const UNDISTORTING: usize = 8;
 
 impl Lens {
-    /// Pixels from the centre to a ray at 45 degrees.
+    /// The focal length, pixels: distance from the centre to an undistorted ray at 45 degrees.
     pub fn focal_px(&self) -> f64 {
         0.5 * self.width_px as f64 / (0.5 * self.field_of_view_rad).tan()
     }
@@ -37,7 +37,7 @@ impl Lens {
         ]
     }
 
-    /// Where a ray goes that is seen at (x, y): to the right and down, for one ahead.
+    /// The direction of the ray that is seen at (x, y), as slopes to the right and down for a unit length ahead.
     pub(super) fn slope(&self, x: f64, y: f64) -> [f64; 2] {
         let (focal, centre) = (self.focal_px(), self.centre());
         let seen = [(x - centre[0]) / focal, (y - centre[1]) / focal];
@@ -52,7 +52,7 @@ impl Lens {
         slope
     }
 
-    /// Where a point is seen; `None` behind the camera.
+    /// Position at which a point is seen, pixels; `None` for a point behind the camera.
     pub fn project_px(&self, pose: &Pose, point_m: [f64; 3]) -> Option<[f64; 2]> {
         let from = less(point_m, pose.place_m);
         let ahead = dot(from, pose.ahead);
@@ -69,17 +69,17 @@ impl Lens {
     }
 }
 
-/// Where a camera is and where it looks; its picture is level where it was made by [`Pose::towards`].
+/// Position and orientation of a camera. A pose from [`Pose::towards`] has no roll, so that its picture is level.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
-    /// Its place, metres.
+    /// Position, metres.
     pub place_m: [f64; 3],
     pub(super) ahead: Vector,
     pub(super) right: Vector,
 }
 
 impl Pose {
-    /// From here to there; `None` for straight up, straight down, or nowhere.
+    /// The pose of a camera that looks at a point; `None` if the point is straight above or below, equal to the position, or not finite.
     pub fn towards(place_m: [f64; 3], look_at_m: [f64; 3]) -> Option<Self> {
         let to = less(look_at_m, place_m);
         let level = to[0].hypot(to[1]);
@@ -98,7 +98,7 @@ impl Pose {
         cross(self.ahead, self.right)
     }
 
-    /// The direction of a slope to the right and down.
+    /// The direction in the room of a ray with these slopes to the right and down.
     pub(super) fn direction(&self, slope: [f64; 2]) -> Vector {
         unit(add(
             self.ahead,
@@ -106,7 +106,8 @@ impl Pose {
         ))
     }
 
-    /// Moved (metres, in the room), and turned by angles (radians): to the right, down, and clockwise about the line of sight.
+    /// The pose after a translation (metres, in the frame of the room) and rotations (radians) to the right, down, and clockwise about the
+    /// line of sight.
     pub fn moved(&self, by_m: Vector, turn_rad: Vector) -> Self {
         let turned = |a: Vector, b: Vector, angle: f64| {
             let (sin, cos) = angle.sin_cos();

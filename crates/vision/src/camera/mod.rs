@@ -1,12 +1,12 @@
-//! A camera in a room: pictures by ray casting, with the errors of a real camera.
+//! Simulates a camera in a room: pictures by ray casting, with the errors of a real camera.
 //!
 //! A [`Scene`] is a closed room with boxes, posters, lights, cameras and viewpoints (`scenes/*.ron`). A [`Camera`] is a pinhole with
-//! a lens that distorts, an exposure during which it may turn, and a sensor that counts photons. What is to be found where in a
-//! picture is known, so that pictures come with a `views.ron`. [`Body`]s move through a room: the camera rides on one ([`Ride`]) or
-//! stands and watches them ([`Watch`]).
+//! a distorting lens, an exposure during which it may turn, and a sensor that counts photons. The positions of things in a picture are
+//! known and are written to a `views.ron`. [`Body`]s move through the room: the camera is mounted on one of them ([`Ride`]) or stands
+//! still and observes them ([`Watch`]).
 //!
-//! Light is diffuse: every surface is lit by the ambient light and by the lamps that it sees, and looks as bright from everywhere
-//! (Lambert). There are no mirrors and no light off other surfaces; ambient light stands for that.
+//! Light is diffuse (Lambert): every surface is lit by the ambient light and by the lamps that are visible from it, and its luminance
+//! is the same from all directions. There are no mirrors and no light from other surfaces; ambient light approximates it.
 
 mod body;
 mod camera_file;

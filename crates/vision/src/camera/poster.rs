@@ -1,4 +1,4 @@
-//! What posters show.
+//! The pictures that posters show.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use realgap_core::error::{Error, Result};
 #[derive(Debug, Clone, PartialEq, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Motif {
-    /// A logo: three bars, a ring and a corner; looks like nothing else, not even like itself turned.
+    /// A logo of three bars, a ring and a corner, which differs from everything else and from itself after any rotation.
     Logo,
     /// A dark disc.
     Disc,
@@ -20,12 +20,12 @@ pub enum Motif {
     Text(String),
 }
 
-/// Rows of a drawn motif, and size of letters, pixels.
+/// Side of a drawn motif and size of letters, pixels; additional space between letters, in multiples of their size.
 const SIDE: usize = 384;
 const LETTER_PX: f64 = 72.0;
 const TRACKING_EM: f64 = 0.1;
 
-/// A poster's picture in several sizes, each half of the one before: far ones need no fine one.
+/// The picture of a poster in several sizes, each half of the one before, because distant posters need less resolution.
 #[derive(Debug, Clone)]
 pub(super) struct Texture {
     levels: Arc<Vec<Grey>>,
@@ -42,12 +42,12 @@ impl Texture {
         })
     }
 
-    /// Width over height.
+    /// Ratio of width to height.
     pub(super) fn shape(&self) -> f64 {
         self.levels[0].width() as f64 / self.levels[0].height() as f64
     }
 
-    /// The value at a place (−1 to 1 to the right and down), for samples this far apart (in the same measure).
+    /// The value at a position (−1 to 1 to the right and down), for samples with this spacing (in the same unit).
     pub(super) fn at(&self, u: f64, v: f64, spacing: f64) -> f64 {
         let pixels = 0.5 * spacing * self.levels[0].width() as f64;
         let level = (pixels.max(1.0).log2().round() as usize).min(self.levels.len() - 1);
@@ -57,7 +57,7 @@ impl Texture {
     }
 }
 
-/// Half the width of the bottle at a height (−1 the top, 1 the bottom); `None` beyond it.
+/// Half the width of the bottle at a height (−1 at the top, 1 at the bottom of the poster); `None` above and below the bottle.
 fn bottle(v: f64) -> Option<f64> {
     let smooth = |from: f64, to: f64, share: f64| {
         let s = share.clamp(0.0, 1.0);
@@ -76,7 +76,7 @@ fn bottle(v: f64) -> Option<f64> {
 const DISC: f64 = 0.55;
 
 impl Motif {
-    /// Its name in files.
+    /// Name of the motif in files.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Logo => "logo",
@@ -86,7 +86,7 @@ impl Motif {
         }
     }
 
-    /// Its picture; white paper is 1.
+    /// The picture of the motif; white paper is 1.
     ///
     /// # Errors
     /// Text that is too long for a picture.
@@ -97,7 +97,7 @@ impl Motif {
             }
             return print_text(text, LETTER_PX, TRACKING_EM);
         }
-        // Borders are mixed of 4 x 4 places each.
+        // Each pixel is the mean of 4 x 4 samples, so that borders are smooth.
         Ok(Grey::from_fn(SIDE, SIDE, |x, y| {
             let mut sum = 0.0;
             for part in 0..16 {
@@ -134,7 +134,7 @@ impl Motif {
         }
     }
 
-    /// Points around what has an outline, −1 to 1 to the right and down, clockwise.
+    /// Points on the outline of a disc or bottle, −1 to 1 to the right and down, clockwise; empty for other motifs.
     pub(super) fn outline(&self, points: usize) -> Vec<[f64; 2]> {
         match self {
             Self::Disc => (0..points)

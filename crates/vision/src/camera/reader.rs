@@ -1,10 +1,10 @@
-//! Values of a file, checked with their places in it.
+//! Checks values of a file and makes errors that name their position in the file.
 
 use realgap_core::error::{Error, Result};
 use realgap_core::file::Source;
 use realgap_core::range::Range;
 
-/// A text with the error of one of its values.
+/// The text of a file, for errors about its values.
 pub(super) struct Reader<'a>(pub &'a Source);
 
 impl Reader<'_> {

@@ -1,7 +1,7 @@
-//! From a scene to a picture.
+//! Renders a scene to a picture.
 //!
-//! One ray goes through every pixel. Where neighbours see different things, or one of two sees a lamp, the pixel is divided; on
-//! posters only the place on them is, since the light there hardly changes within a pixel.
+//! One ray is cast through every pixel. If neighbouring pixels show different objects or differ in illuminance, the pixel is
+//! divided. On posters only their texture is sampled several times within a pixel, because the illuminance hardly changes within it.
 
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
@@ -16,29 +16,30 @@ use super::vector::{Vector, add, dot, less, times};
 use realgap_core::error::Result;
 use realgap_core::random::Numbered;
 
-/// Rays of a divided pixel along each side.
+/// Number of rays of a divided pixel along each side.
 const PARTS: usize = 3;
-/// Places on a poster within a pixel, along each side.
+/// Number of samples of a poster's texture within a pixel along each side.
 const PLACES: usize = 2;
-/// A pixel is divided where the light on it differs by this share from a neighbour's.
+/// A pixel is divided if its illuminance differs from that of a neighbour by this share.
 const CONTRAST: f64 = 0.1;
-/// A moved camera stays this far from walls, metres.
+/// Smallest distance of a displaced camera from walls, metres.
 const FROM_WALLS_M: f64 = 0.02;
 
-/// A face that is met more aslant than this counts as met so, cosine.
+/// Lower limit of the cosine of the angle of incidence for the spacing of rays on a face.
 const LEAST_SLOPE: f64 = 0.2;
 
-/// What the ray through a pixel saw.
+/// The result of the ray through a pixel.
 #[derive(Clone, Copy)]
 struct Seen {
     thing: Thing,
     /// Illuminance, lux.
     lux: f64,
-    /// Share of the light that comes back.
+    /// Reflectance for red, green and blue.
     colour: Vector,
 }
 
-struct Eye<'a> {
+/// A camera at a pose in a scene with a light.
+struct Renderer<'a> {
     scene: &'a Scene,
     caster: Caster<'a>,
     light: &'a Light,
@@ -46,8 +47,8 @@ struct Eye<'a> {
     pose: Pose,
 }
 
-/// Takes a picture. `number` is that of the picture: with the same seed, every number has its own noise and, for a camera that is
-/// never put down twice at the same place, its own place. The second value is where the camera was.
+/// Takes a picture. `number` is the number of the picture: with the same seed, every number has its own noise and its own random
+/// displacement of the camera. The second value is the pose of the camera.
 ///
 /// # Errors
 /// None for scenes that could be read.
@@ -64,19 +65,20 @@ pub fn take(
     Ok((expose(camera, &planes, seed, number)?, pose))
 }
 
-/// The light that reaches every pixel from a place, candela per square metre: red, green, blue. Neither blurred nor smeared.
+/// The luminance of every pixel from a pose, candela per square metre: red, green, blue; without blur and motion blur.
 pub fn luminance(scene: &Scene, camera: &Camera, pose: &Pose, light: &Light) -> [Grey; 3] {
-    let eye = Eye {
+    let renderer = Renderer {
         scene,
         caster: Caster::new(scene),
         light,
         camera,
         pose: *pose,
     };
-    eye.light()
+    renderer.light()
 }
 
-/// What a camera makes of light: blur, smear, photons, electrons, bytes. `number` is that of the picture, as in [`take`].
+/// The picture that a camera takes of this light: blur, motion blur, noise, and conversion to bytes. `number` is the number of the
+/// picture, as in [`take`].
 ///
 /// # Errors
 /// None for planes of one size.
@@ -84,7 +86,7 @@ pub fn expose(camera: &Camera, light: &[Grey; 3], seed: u64, number: u64) -> Res
     camera.sensor.picture(&focused(camera, light), seed, number)
 }
 
-/// The light on the sensor: blurred, and smeared where the camera turns.
+/// The light on the sensor: blurred by the lens, and by the turning of the camera.
 pub fn focused(camera: &Camera, light: &[Grey; 3]) -> [Grey; 3] {
     let shift = camera
         .turning_rad_s
@@ -92,7 +94,7 @@ pub fn focused(camera: &Camera, light: &[Grey; 3]) -> [Grey; 3] {
     [0, 1, 2].map(|i| moved(&gauss(&light[i], camera.lens.blur_px), shift))
 }
 
-/// What the rays through some places of a picture end at, metres.
+/// The points of the scene that the rays through some positions of a picture hit, metres.
 pub fn met_m(scene: &Scene, camera: &Camera, pose: &Pose, places_px: &[[f64; 2]]) -> Vec<Vector> {
     let caster = Caster::new(scene);
     let met = |[x, y]: &[f64; 2]| {
@@ -103,7 +105,7 @@ pub fn met_m(scene: &Scene, camera: &Camera, pose: &Pose, places_px: &[[f64; 2]]
     places_px.iter().map(met).collect()
 }
 
-/// Where the camera really stands.
+/// The pose of the camera after its random displacement.
 pub(super) fn placed(scene: &Scene, camera: &Camera, view: &View, seed: u64, number: u64) -> Pose {
     let mut rng = Numbered::CameraPlace.generator(seed, number);
     let mut normal = |sd: f64| -> f64 {
@@ -120,7 +122,7 @@ pub(super) fn placed(scene: &Scene, camera: &Camera, view: &View, seed: u64, num
     pose
 }
 
-/// Smeared along a straight line, as a camera that turns while it exposes sees it.
+/// Motion blur along a straight line, for a camera that turns during the exposure.
 fn moved(plane: &Grey, [dx, dy]: [f64; 2]) -> Grey {
     let steps = dx.hypot(dy).ceil() as usize;
     if steps == 0 {
@@ -137,7 +139,7 @@ fn moved(plane: &Grey, [dx, dy]: [f64; 2]) -> Grey {
     })
 }
 
-impl Eye<'_> {
+impl Renderer<'_> {
     /// Luminance of every pixel, candela per square metre: red, green, blue.
     fn light(&self) -> [Grey; 3] {
         let lens = &self.camera.lens;
@@ -191,7 +193,7 @@ impl Eye<'_> {
         }
     }
 
-    /// The mean of rays all over a pixel.
+    /// The mean over several rays within a pixel.
     fn divided(&self, x: f64, y: f64) -> Vector {
         let mut sum = [0.0; 3];
         for part in 0..PARTS * PARTS {
@@ -202,7 +204,7 @@ impl Eye<'_> {
         times(sum, 1.0 / (PARTS * PARTS) as f64)
     }
 
-    /// The mean colour of a poster over a pixel that sees nothing else.
+    /// The mean colour of a poster over a pixel that shows nothing else.
     fn on_poster(&self, index: usize, x: f64, y: f64) -> Option<Vector> {
         let poster = &self.scene.posters[index];
         let mut tone = 0.0;
@@ -217,7 +219,7 @@ impl Eye<'_> {
         Some([tone / (PLACES * PLACES) as f64; 3])
     }
 
-    /// How far apart the rays of two pixels are on a poster, as a share of half its width.
+    /// Spacing of the rays of two pixels on a poster, as a share of half its width.
     fn spacing(&self, distance_m: f64, poster: usize) -> f64 {
         let right = self.scene.posters[poster].right_m;
         distance_m / self.camera.lens.focal_px() / dot(right, right).sqrt()
@@ -254,7 +256,7 @@ impl Eye<'_> {
                 if block.faces == Faces::Plain {
                     return block.colour;
                 }
-                // Rays of two pixels are farther apart where they meet aslant.
+                // The spacing of rays on a face is larger at an oblique angle of incidence.
                 let slope = dot(direction, hit.normal).abs().max(LEAST_SLOPE);
                 let spacing_m = hit.distance_m / self.camera.lens.focal_px() / slope;
                 times(block.colour, tone(block, (axis, is_far), point, spacing_m))

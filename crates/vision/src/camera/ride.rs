@@ -1,44 +1,44 @@
-//! A camera that rides on a body: its place follows a motion, simulated or recorded, and what moves while it exposes is smeared.
+//! A camera that is mounted on a body and follows its simulated or recorded motion, with motion blur.
 
 use nalgebra::Vector3;
 
 use super::super::picture::Picture;
-use super::body::{Body, Company, Entry};
+use super::body::{Body, MotionFrame, MovingScene};
 use super::lens::Pose;
 use super::scene::{Camera, Light, Mount, Scene, View};
 use super::smear::Exposure;
 use realgap_core::error::{Error, Result};
 use realgap_path::trajectory::{Interpolator, Trajectory};
 
-/// A motion through a scene with a camera on it.
+/// A camera that is mounted on a moving body in a scene.
 #[derive(Debug, Clone)]
 pub struct Ride<'a> {
     mount: &'a Mount,
     motion: &'a Trajectory,
-    company: Company<'a>,
+    moving_scene: MovingScene<'a>,
 }
 
 impl<'a> Ride<'a> {
-    /// The motion of the body that carries the camera. It begins where the mount says, whatever its own first place is; heights above
-    /// the floor and directions are those of the motion, turned about the vertical as the mount says.
+    /// A camera on the body with this motion. The motion begins at the start of the mount, whatever its own first position is. Heights
+    /// above the floor are those of the motion, and directions are turned about the vertical according to the mount.
     ///
     /// # Errors
     /// A motion without orientations.
     pub fn new(scene: &'a Scene, mount: &'a Mount, motion: &'a Trajectory) -> Result<Self> {
         if motion.orientations_world_from_body().is_none() {
-            return Err(
-                Error::invalid("nobody knows where a camera on this body looks")
-                    .found("a motion without orientations")
-                    .allowed("columns qw, qx, qy and qz")
-                    .hint("`realgap simulate` writes them"),
-            );
+            return Err(Error::invalid(
+                "the orientation of the body that carries the camera is unknown",
+            )
+            .found("a motion without orientations")
+            .allowed("columns qw, qx, qy and qz")
+            .hint("`realgap simulate` writes them"));
         }
         Ok(Self {
             mount,
             motion,
-            company: Company {
+            moving_scene: MovingScene {
                 scene,
-                entry: Entry::new(mount, motion),
+                frame: MotionFrame::new(mount, motion),
                 bodies: &[],
                 carrier: None,
                 duration_s: motion.duration_s(),
@@ -46,21 +46,21 @@ impl<'a> Ride<'a> {
         })
     }
 
-    /// Bodies in the world of the same motion are in the room, too. The one called `carrier` carries the camera: while the camera is in
-    /// one of its boxes it sees nothing of that body, else of all of it what is before it.
+    /// Adds bodies in the world frame of the same motion. The body named `carrier` carries the camera. It is invisible to the camera while
+    /// the camera is inside of one of its boxes; otherwise the camera sees it like any other body.
     #[must_use]
     pub fn with_bodies(mut self, bodies: &'a [Body], carrier: &'a str) -> Self {
-        self.company.bodies = bodies;
-        self.company.carrier = Some(carrier);
+        self.moving_scene.bodies = bodies;
+        self.moving_scene.carrier = Some(carrier);
         self
     }
 
-    /// Seconds that the motion lasts.
+    /// Duration of the motion, seconds.
     pub fn duration_s(&self) -> f64 {
-        self.company.duration_s
+        self.moving_scene.duration_s
     }
 
-    /// Where the camera is so many seconds after the first sample.
+    /// The pose of the camera at a time after the first sample.
     fn pose(&self, since_start_s: f64) -> Pose {
         let mut at = Interpolator::new(self.motion);
         let body_m = at.position_world_m(since_start_s);
@@ -68,23 +68,23 @@ impl<'a> Ride<'a> {
             .orientation_world_from_body(since_start_s)
             .unwrap_or_default();
         let ahead = Vector3::from(self.mount.ahead_body);
-        // To the right of who looks ahead on an upright body.
+        // On an upright body, the picture is level.
         let right = ahead.cross(&Vector3::z()).normalize();
-        let entry = &self.company.entry;
+        let frame = &self.moving_scene.frame;
         Pose {
-            place_m: entry.place_m(body_m + turn * Vector3::from(self.mount.place_body_m)),
-            ahead: entry.direction(turn * ahead),
-            right: entry.direction(turn * right),
+            place_m: frame.place_m(body_m + turn * Vector3::from(self.mount.place_body_m)),
+            ahead: frame.direction(turn * ahead),
+            right: frame.direction(turn * right),
         }
     }
 
     /// The pose in the middle of an exposure at this time.
     ///
     /// # Errors
-    /// A time that is not within the motion, a place outside of the room or in a box of it, another body outside of the room.
+    /// A time outside of the motion, a camera outside of the room or inside of a box of the scene, another body outside of the room.
     pub fn pose_at(&self, since_start_s: f64) -> Result<Pose> {
-        self.company.check(since_start_s)?;
-        let scene = self.company.scene;
+        self.moving_scene.check(since_start_s)?;
+        let scene = self.moving_scene.scene;
         let pose = self.pose(since_start_s);
         let place = pose.place_m;
         let is_inside = (0..3).all(|i| place[i] > 0.0 && place[i] < scene.room_m[i]);
@@ -102,20 +102,20 @@ impl<'a> Ride<'a> {
         Ok(pose)
     }
 
-    /// The room with the bodies in it, as the camera sees it at a time.
+    /// The scene with the bodies in it, as the camera sees it at a time.
     pub fn room_at(&self, since_start_s: f64) -> Scene {
         let pose = self.pose(since_start_s);
-        self.company
+        self.moving_scene
             .room_at(since_start_s, pose.place_m)
             .into_owned()
     }
 
-    /// Takes a picture whose exposure lies around a time, as [`take`](super::take) does at a fixed place. Light of several places on
-    /// the way is added, so that turning, rolling and driving all smear it, and bodies that move are smeared by their own motion. The
-    /// second value is where the camera was in the middle.
+    /// Takes a picture whose exposure is centred at a time, as [`take`](super::take) does with a fixed pose. The light at several moments
+    /// of the exposure is averaged, which gives motion blur for all motions of the camera and of bodies. The second value is the view in
+    /// the middle of the exposure.
     ///
     /// # Errors
-    /// As [`Ride::pose_at`].
+    /// The errors of [`Ride::pose_at`].
     pub fn take(
         &self,
         camera: &Camera,
@@ -126,7 +126,7 @@ impl<'a> Ride<'a> {
     ) -> Result<(Picture, View)> {
         let pose = self.pose_at(since_start_s)?;
         let exposure = Exposure {
-            company: &self.company,
+            moving_scene: &self.moving_scene,
             camera,
             light,
             middle_s: since_start_s,

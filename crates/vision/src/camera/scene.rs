@@ -1,4 +1,4 @@
-//! What a scene holds.
+//! The types of a scene: the room with its blocks, posters, lights, cameras, views and mounts.
 
 use std::sync::Arc;
 
@@ -7,20 +7,20 @@ use super::lens::{Lens, Pose};
 use super::poster::{Motif, Texture};
 use super::vector::{Vector, add, cross, dot, less, times, unit};
 
-/// A room with what stands in it, its lights, and cameras.
+/// A room with blocks and posters, its lights, and cameras.
 #[derive(Debug, Clone)]
 pub struct Scene {
-    /// Its name.
+    /// Name of the scene.
     pub name: String,
-    /// From the corner (0, 0, 0) to here, metres.
+    /// Size of the room, which begins at the corner (0, 0, 0), metres.
     pub room_m: [f64; 3],
-    /// Share of the light that comes back, for red, green and blue: walls, floor, ceiling.
+    /// Reflectance of the walls for red, green and blue, 0 to 1.
     pub wall: [f64; 3],
-    /// The floor.
+    /// Reflectance of the floor for red, green and blue, 0 to 1.
     pub floor: [f64; 3],
-    /// The ceiling.
+    /// Reflectance of the ceiling for red, green and blue, 0 to 1.
     pub ceiling: [f64; 3],
-    /// Side of the floor's tiles, of which every other is darker; 0 for none.
+    /// Side of the floor's tiles, of which every second is darker, metres; 0 for a floor without tiles.
     pub tile_m: f64,
     /// Boxes and cubes.
     pub blocks: Vec<Block>,
@@ -30,56 +30,57 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Cameras by name.
     pub cameras: Vec<Camera>,
-    /// Where pictures are taken.
+    /// Viewpoints from which pictures are taken.
     pub views: Vec<View>,
-    /// How cameras ride on bodies, by name.
+    /// Mounts of cameras on bodies, by name.
     pub mounts: Vec<Mount>,
 }
 
-/// What the faces of a box show.
+/// The pattern of the faces of a box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Faces {
     /// Plain faces, without a rim or dots.
     #[default]
     Plain,
-    /// A dark rim and the dots of a die: one where its x axis points, two for y, three for z, six, five and four on the other sides.
+    /// A dark rim and the dots of a die: one dot on the side of its x axis, two for y, three for z; six, five and four on the opposite
+    /// sides.
     Die,
 }
 
-/// A plane: its normal, and how far along that it is from the origin, metres.
+/// A plane, by its normal and its distance from the origin along the normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plane {
-    /// Of length one.
+    /// Normal of length one.
     pub normal: [f64; 3],
-    /// Distance from the origin, metres.
+    /// Distance from the origin along the normal, metres.
     pub level_m: f64,
 }
 
-/// A box, or what planes leave of it.
+/// A box, which may be cut by planes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Block {
     /// Centre, metres.
     pub centre_m: [f64; 3],
     /// Half of its sides, metres.
     pub half_m: [f64; 3],
-    /// Directions of its own axes in the room, of length one and at right angles.
+    /// Axes of the box in the frame of the room: unit vectors at right angles.
     pub axes: [[f64; 3]; 3],
-    /// Share of the light that comes back, for red, green and blue.
+    /// Reflectance for red, green and blue, 0 to 1.
     pub colour: [f64; 3],
-    /// What is beyond these is cut off; along its own axes, from its centre.
+    /// Planes that cut off parts of the box, in the frame of the box.
     pub planes: Arc<[Plane]>,
-    /// What its faces show.
+    /// Pattern of the faces.
     pub faces: Faces,
-    /// Whether cameras see it; what they do not see throws its shadow all the same.
+    /// Whether cameras see the box; an invisible box still casts a shadow.
     pub is_seen: bool,
 }
 
 impl Block {
-    /// A direction of the room along its own axes.
+    /// A direction of the room in the frame of the box.
     pub(super) fn own(&self, direction: Vector) -> Vector {
         let [x, y, z] = self.axes;
-        // Most boxes stand upright, and every ray asks.
+        // A short cut for upright boxes, which are most, because this function is called for every ray.
         if z[2] == 1.0 {
             return [
                 x[0] * direction[0] + x[1] * direction[1],
@@ -90,19 +91,19 @@ impl Block {
         [x, y, z].map(|axis| dot(axis, direction))
     }
 
-    /// A point of the room as seen from its centre, metres along its own axes.
+    /// A point of the room in the frame of the box, metres.
     pub(super) fn own_m(&self, point_m: Vector) -> Vector {
         self.own(less(point_m, self.centre_m))
     }
 
-    /// The point of the room that is so many metres along its own axes from its centre.
+    /// A point in the frame of the box in the frame of the room, metres.
     pub(super) fn point_m(&self, own_m: Vector) -> Vector {
         (0..3).fold(self.centre_m, |sum, axis| {
             add(sum, times(self.axes[axis], own_m[axis]))
         })
     }
 
-    /// Its corners, metres.
+    /// The corners of the box in the frame of the room, metres.
     pub(super) fn corners_m(&self) -> [Vector; 8] {
         std::array::from_fn(|corner| {
             self.point_m([0, 1, 2].map(|axis| {
@@ -112,6 +113,7 @@ impl Block {
         })
     }
 
+    /// Whether a point of the room is inside of the box.
     pub(super) fn holds(&self, point_m: Vector) -> bool {
         let own_m = self.own_m(point_m);
         (0..3).all(|axis| own_m[axis].abs() < self.half_m[axis])
@@ -119,27 +121,27 @@ impl Block {
     }
 }
 
-/// A rectangle with a picture, upright.
+/// A poster: an upright rectangle with a picture.
 #[derive(Debug, Clone)]
 pub struct Poster {
     /// Centre, metres.
     pub centre_m: [f64; 3],
-    /// Half of its width, along which its picture goes to the right, metres.
+    /// Vector of half its width, in the direction to the right of its picture, metres.
     pub right_m: [f64; 3],
-    /// Half of its height, downwards, metres.
+    /// Vector of half its height, downwards, metres.
     pub down_m: [f64; 3],
-    /// What it shows.
+    /// Motif of the poster.
     pub motif: Motif,
     pub(super) texture: Texture,
 }
 
 impl Poster {
-    /// Where it faces.
+    /// The direction that the poster faces.
     pub(super) fn normal(&self) -> Vector {
         unit(cross(self.down_m, self.right_m))
     }
 
-    /// A point of it: −1 to 1 to the right and down.
+    /// A point of the poster, by coordinates from −1 to 1 to the right and down.
     pub(super) fn point_m(&self, u: f64, v: f64) -> Vector {
         add(
             self.centre_m,
@@ -148,23 +150,23 @@ impl Poster {
     }
 }
 
-/// A lamp that shines alike in all directions.
+/// A lamp with the same intensity in all directions.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Lamp {
-    /// Where it hangs, metres.
+    /// Position, metres.
     pub place_m: [f64; 3],
     /// Luminous intensity, candela.
     pub intensity_cd: f64,
 }
 
-/// A way the room is lit.
+/// The lighting of a room.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Light {
-    /// Its name.
+    /// Name of the light.
     pub name: String,
-    /// Illuminance from everywhere, lux.
+    /// Ambient illuminance, lux.
     pub ambient_lux: f64,
     /// Lamps.
     pub lamps: Vec<Lamp>,
@@ -173,44 +175,44 @@ pub struct Light {
 /// A camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
-    /// Its name.
+    /// Name of the camera.
     pub name: String,
-    /// Whether it takes the place of a real one.
+    /// Whether the camera stands in for a real one.
     pub is_stand_in: bool,
     /// Lens and resolution.
     pub lens: Lens,
     /// Sensor and exposure.
     pub sensor: Sensor,
-    /// Standard deviation of where it stands, each axis, metres: nobody puts a camera down twice at the same place.
+    /// Standard deviation of the camera's position between pictures, for each axis, metres.
     pub place_sd_m: f64,
-    /// Standard deviation of where it looks, each axis, radians.
+    /// Standard deviation of the camera's orientation between pictures, for each axis, radians.
     pub angle_sd_rad: f64,
-    /// Speed at which it turns while exposing, to the right and down, radians per second.
+    /// Speed at which the camera turns during the exposure, to the right and down, radians per second.
     pub turning_rad_s: [f64; 2],
 }
 
 /// A viewpoint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct View {
-    /// Its name.
+    /// Name of the view.
     pub name: String,
-    /// From where, and where to.
+    /// Pose of the camera.
     pub pose: Pose,
 }
 
-/// How a camera rides on a body, and where the body's motion begins in the room.
+/// The mount of a camera on a body, with the start of the body's motion in the room.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mount {
-    /// Its name.
+    /// Name of the mount.
     pub name: String,
-    /// The body: a name of the motion's file; `None` for the tracked one.
+    /// Name of the body in the file of the motion; `None` for the tracked body.
     pub body: Option<String>,
-    /// Where the camera is on the body, metres, in the body's axes.
+    /// Position of the camera on the body, in the body's frame, metres.
     pub place_body_m: [f64; 3],
-    /// Where it looks, in the body's axes.
+    /// Direction in which the camera looks, in the body's frame.
     pub ahead_body: [f64; 3],
-    /// Where the motion begins, metres.
+    /// Position in the room at which the motion begins, metres.
     pub start_m: [f64; 2],
-    /// Where the motion's x axis points in the room, anticlockwise from the room's.
+    /// Direction of the motion's x axis in the room, counter-clockwise from the room's x axis, radians.
     pub facing_rad: f64,
 }

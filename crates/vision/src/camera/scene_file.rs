@@ -1,4 +1,4 @@
-//! The RON form of a scene.
+//! Reads scenes from RON files.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -14,7 +14,7 @@ use super::scene::{Block, Camera, Lamp, Light, Mount, Poster, Scene, View};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{Source, check_name, look_up, orientation, parse_ron};
 
-/// A place, a direction or a colour.
+/// A position, a direction or a colour.
 type Three = [f64; 3];
 
 /// A room to take pictures of, as its file states it.
@@ -22,20 +22,20 @@ type Three = [f64; 3];
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Scene")]
 pub struct SceneFile {
-    /// Its name.
+    /// Name of the scene.
     name: String,
-    /// The room, from the corner (0, 0, 0) to here, metres.
+    /// Size of the room, which begins at the corner (0, 0, 0), metres.
     room_m: Three,
-    /// Share of the light that comes back from walls, for red, green and blue.
+    /// Reflectance of the walls for red, green and blue, 0 to 1.
     #[serde(default = "light_grey")]
     wall: Three,
-    /// As `wall`, from the floor.
+    /// Reflectance of the floor for red, green and blue, 0 to 1.
     #[serde(default = "light_grey")]
     floor: Three,
-    /// As `wall`, from the ceiling.
+    /// Reflectance of the ceiling for red, green and blue, 0 to 1.
     #[serde(default = "light_grey")]
     ceiling: Three,
-    /// Side of the floor's tiles, of which every other is darker, metres; 0 for none.
+    /// Side of the floor's tiles, of which every second is darker, metres; 0 for a floor without tiles.
     #[serde(default)]
     tile_m: f64,
     /// Boxes and cubes.
@@ -48,9 +48,9 @@ pub struct SceneFile {
     lights: BTreeMap<String, LightFile>,
     /// Cameras, by name.
     cameras: BTreeMap<String, CameraFile>,
-    /// Where pictures are taken.
+    /// Viewpoints from which pictures are taken.
     views: Vec<ViewFile>,
-    /// How cameras ride on bodies (`realgap sense picture --ride`), and where motions begin, by name.
+    /// Mounts of cameras on bodies (`realgap sense picture --ride`), with the start of the motion, by name.
     #[serde(default)]
     mounts: BTreeMap<String, MountFile>,
 }
@@ -66,13 +66,13 @@ struct BlockFile {
     /// Orientation in the room, a quaternion, real part first.
     #[serde(default = "upright")]
     orientation_wxyz: (f64, f64, f64, f64),
-    /// Turn to the left of what has that orientation, degrees.
+    /// Rotation about the vertical after that orientation, counter-clockwise, degrees.
     #[serde(default)]
     turn_deg: f64,
-    /// Share of the light that comes back, for red, green and blue.
+    /// Reflectance for red, green and blue, 0 to 1.
     #[serde(default = "light_grey")]
     colour: Three,
-    /// What its faces show.
+    /// Pattern of the faces.
     #[serde(default)]
     faces: Faces,
 }
@@ -85,9 +85,9 @@ struct PosterFile {
     centre_m: Three,
     /// Width, metres.
     width_m: f64,
-    /// Where it looks, degrees from the x axis to the left.
+    /// Direction that the poster faces, degrees counter-clockwise from the x axis.
     facing_deg: f64,
-    /// What it shows.
+    /// Motif of the poster.
     motif: Motif,
 }
 
@@ -95,7 +95,7 @@ struct PosterFile {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Light")]
 struct LightFile {
-    /// Illuminance from everywhere, lux.
+    /// Ambient illuminance, lux.
     ambient_lux: f64,
     /// Lamps.
     #[serde(default)]
@@ -106,11 +106,11 @@ struct LightFile {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "View")]
 struct ViewFile {
-    /// Its name, which pictures have.
+    /// Name of the view, which is also the name of its pictures.
     name: String,
-    /// Where the camera stands, metres.
+    /// Position of the camera, metres.
     place_m: Three,
-    /// What it looks at, metres.
+    /// Point at which the camera looks, metres.
     look_at_m: Three,
 }
 
@@ -118,18 +118,18 @@ struct ViewFile {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Mount")]
 struct MountFile {
-    /// The body: a part in the file of `realgap simulate --parts`; without it the tracked one.
+    /// Name of the body: a part in the file of `realgap simulate --parts`; by default the tracked body.
     #[serde(default)]
     body: Option<String>,
-    /// Where the camera is on the body, metres, in the body's axes.
+    /// Position of the camera on the body, in the body's frame, metres.
     #[serde(default)]
     place_m: Three,
-    /// Where it looks, in the body's axes.
+    /// Direction in which the camera looks, in the body's frame.
     #[serde(default = "forwards")]
     ahead: Three,
-    /// Where in the room the motion begins, metres.
+    /// Position in the room at which the motion begins, metres.
     start_m: [f64; 2],
-    /// Where the motion's x axis points in the room, degrees from the room's to the left.
+    /// Direction of the motion's x axis in the room, degrees counter-clockwise from the room's x axis.
     #[serde(default)]
     facing_deg: f64,
 }
@@ -146,7 +146,7 @@ fn light_grey() -> Three {
     [0.7; 3]
 }
 
-/// Largest room, metres, and most things in it.
+/// Largest side of a room, metres, and largest number of blocks and posters in it.
 const LARGEST_M: f64 = 1000.0;
 const MOST: usize = 10_000;
 
@@ -224,7 +224,7 @@ impl Reader<'_> {
         let (sin, cos) = facing.to_radians().sin_cos();
         Ok(Poster {
             centre_m: self.inside(&format!("{field}.centre_m"), file.centre_m, room_m)?,
-            // Who looks at it looks against where it faces, so right is to the left of that.
+            // For an observer, right is to the left of the direction that the poster faces.
             right_m: [-0.5 * width_m * sin, 0.5 * width_m * cos, 0.0],
             down_m: [0.0, 0.0, -0.5 * height_m],
             motif: file.motif,
@@ -242,13 +242,18 @@ impl Reader<'_> {
         let Some(pose) = Pose::towards(place, file.look_at_m) else {
             return Err(self.wrong(
                 field,
-                "the camera looks nowhere",
+                "the direction of the camera is not valid",
                 format!("{:?} m", file.look_at_m),
-                "a place that is not right above or below",
+                "a point that is not straight above or below the camera",
             ));
         };
         if scene.views.iter().any(|v| v.name == file.name) {
-            return Err(self.wrong(field, "a view stands twice", file.name, "different names"));
+            return Err(self.wrong(
+                field,
+                "a view is listed twice",
+                file.name,
+                "different names",
+            ));
         }
         Ok(View {
             name: file.name,
@@ -264,9 +269,9 @@ impl Reader<'_> {
         if !(length.is_finite() && level > 1e-3 * length) {
             return Err(self.wrong(
                 &at("ahead"),
-                "not where a camera can look",
+                "the direction of the camera is not valid",
                 format!("{ahead:?}"),
-                "a direction that is not right up or down",
+                "a direction that is not straight up or down",
             ));
         }
         for (field, places) in [("place_m", &place[..]), ("start_m", &file.start_m)] {
@@ -295,10 +300,10 @@ impl Scene {
         Self::parse(&Source::read(path, "scene")?)
     }
 
-    /// The scene in a text.
+    /// Parses a scene from a text.
     ///
     /// # Errors
-    /// As [`Scene::read`].
+    /// The errors of [`Scene::read`].
     pub fn parse(source: &Source) -> Result<Self> {
         let file: SceneFile = parse_ron(source)?;
         let reader = Reader(source);

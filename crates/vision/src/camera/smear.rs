@@ -1,7 +1,7 @@
-//! What moves while a camera exposes: light of several places on the way is added, of the camera and of all bodies alike.
+//! Motion blur: averages the light at several moments of an exposure, for motions of the camera and of bodies.
 
 use super::super::picture::{Grey, Picture};
-use super::body::Company;
+use super::body::MovingScene;
 use super::cast::{Caster, Thing};
 use super::lens::Pose;
 use super::render::{expose, luminance, met_m};
@@ -9,24 +9,24 @@ use super::scene::{Camera, Light};
 use super::vector::{Vector, add, times};
 use realgap_core::error::Result;
 
-/// Places within one exposure: at most one pixel apart, and at most so many.
+/// Largest number of moments within one exposure; between two of them the picture moves by at most one pixel if fewer suffice.
 const MOST_PLACES: usize = 24;
-/// Columns and rows of places of a picture that are asked how far what is there moves.
+/// Columns and rows of the grid of pixels at which the motion of bodies is measured.
 const GRID: [usize; 2] = [16, 12];
 
-/// What is exposed, and when the middle of it is.
+/// An exposure: the scene, the camera, the light, and the time of its middle.
 pub(super) struct Exposure<'a> {
-    pub(super) company: &'a Company<'a>,
+    pub(super) moving_scene: &'a MovingScene<'a>,
     pub(super) camera: &'a Camera,
     pub(super) light: &'a Light,
     pub(super) middle_s: f64,
 }
 
 impl Exposure<'_> {
-    /// The picture of a camera whose pose at any time is known.
+    /// Takes the picture of a camera whose pose is a function of time.
     ///
     /// # Errors
-    /// As [`expose`].
+    /// The errors of [`expose`].
     pub(super) fn picture(
         &self,
         pose_at: impl Fn(f64) -> Pose,
@@ -43,7 +43,7 @@ impl Exposure<'_> {
         for place in 0..places {
             let now_s = time_s((place as f64 + 0.5) / places as f64);
             let there = pose_at(now_s);
-            let room = self.company.room_at(now_s, there.place_m);
+            let room = self.moving_scene.room_at(now_s, there.place_m);
             let planes = luminance(&room, camera, &there, self.light);
             for (sum, plane) in sum.iter_mut().zip(&planes) {
                 for (sum, value) in sum.iter_mut().zip(plane.values()) {
@@ -56,12 +56,12 @@ impl Exposure<'_> {
         expose(camera, &planes, seed, number)
     }
 
-    /// How far anything in the picture moves while it is exposed, at most, pixels.
+    /// Largest motion of anything in the picture during the exposure, pixels.
     fn smear_px(&self, ends_s: [f64; 2], poses: [Pose; 2]) -> f64 {
         self.room_px(&poses).max(self.bodies_px(ends_s, &poses))
     }
 
-    /// The same of the room: its corners and its middle, where only the camera moves.
+    /// Largest motion of the room in the picture, which is due to the camera only: at the corners and the middle of the picture, pixels.
     fn room_px(&self, [from, to]: &[Pose; 2]) -> f64 {
         let lens = &self.camera.lens;
         let (right, low) = (lens.width_px as f64 - 1.0, lens.height_px as f64 - 1.0);
@@ -72,7 +72,7 @@ impl Exposure<'_> {
             [right, low],
             [0.5 * right, 0.5 * low],
         ];
-        let met = met_m(self.company.scene, self.camera, from, &places);
+        let met = met_m(self.moving_scene.scene, self.camera, from, &places);
         let moved = met.iter().zip(places).filter_map(|(point, [x, y])| {
             let [to_x, to_y] = lens.project_px(to, *point)?;
             Some((to_x - x).hypot(to_y - y))
@@ -80,17 +80,17 @@ impl Exposure<'_> {
         moved.fold(0.0, f64::max)
     }
 
-    /// The same of bodies: their corners that are in the picture, and what is seen of them on a grid.
+    /// Largest motion of bodies in the picture: of their corners, and of points that are seen on a grid of pixels.
     fn bodies_px(&self, ends_s: [f64; 2], poses: &[Pose; 2]) -> f64 {
-        if self.company.bodies.is_empty() {
+        if self.moving_scene.bodies.is_empty() {
             return 0.0;
         }
         let lens = &self.camera.lens;
         let (width, height) = (lens.width_px as f64, lens.height_px as f64);
-        let rooms = [0, 1].map(|end| self.company.room_at(ends_s[end], poses[end].place_m));
-        let own = self.company.scene.blocks.len();
+        let rooms = [0, 1].map(|end| self.moving_scene.room_at(ends_s[end], poses[end].place_m));
+        let own = self.moving_scene.scene.blocks.len();
         let is_within = |[x, y]: [f64; 2]| (0.0..width).contains(&x) && (0.0..height).contains(&y);
-        let apart = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+        let distance_px = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
         let mut most_px = 0.0_f64;
         for (before, after) in rooms[0].blocks[own..].iter().zip(&rooms[1].blocks[own..]) {
             if !before.is_seen {
@@ -102,7 +102,7 @@ impl Exposure<'_> {
                 if let [Some(from), Some(to)] = seen
                     && (is_within(from) || is_within(to))
                 {
-                    most_px = most_px.max(apart(from, to));
+                    most_px = most_px.max(distance_px(from, to));
                 }
             }
         }
@@ -124,7 +124,7 @@ impl Exposure<'_> {
             let met_m: Vector = add(poses[0].place_m, times(direction, hit.distance_m));
             let later_m = rooms[1].blocks[index].point_m(rooms[0].blocks[index].own_m(met_m));
             if let Some(to) = lens.project_px(&poses[1], later_m) {
-                most_px = most_px.max(apart(at, to));
+                most_px = most_px.max(distance_px(at, to));
             }
         }
         most_px

@@ -1,4 +1,4 @@
-//! What is known of a picture: where posters are in it.
+//! Computes the known truth of a simulated picture: the positions of posters in it.
 
 use super::super::lettering::print_text;
 use super::super::picture::{Grey, Region};
@@ -10,16 +10,16 @@ use super::scene::{Camera, Poster, Scene};
 use super::vector::less;
 use realgap_core::error::Result;
 
-/// The characters of the learning picture that is written beside pictures.
+/// The text of the learning picture that is written together with pictures.
 pub const ALPHABET_TEXT: &str = "ABCDEFGHIJKLM\nNOPQRSTUVWXYZ\n0123456789";
 
-/// A contour begins this far outside of the outline, times its size.
+/// Size of the start contour of a snake, relative to the outline.
 const AROUND: f64 = 1.3;
 const START_POINTS: usize = 32;
 const OUTLINE_POINTS: usize = 160;
-/// Text is looked for this far within its poster, as a share of half the poster, so that the wall does not count.
+/// Size of the region of text, as a share of its poster, so that the region contains no part of the wall.
 const WITHIN: f64 = 0.95;
-/// Smallest region of text, pixels.
+/// Smallest side of a region of text, pixels.
 const LEAST_PX: f64 = 16.0;
 
 /// The learning picture.
@@ -30,7 +30,7 @@ pub fn alphabet_picture() -> Result<Grey> {
     print_text(ALPHABET_TEXT, 64.0, 0.1)
 }
 
-/// Places of a poster's points in a picture; `None` unless all are inside and nothing stands before them.
+/// Positions of points of a poster in a picture; `None` unless all of them are inside of the picture and not occluded.
 fn seen(
     scene: &Scene,
     camera: &Camera,
@@ -56,7 +56,7 @@ fn seen(
         .collect()
 }
 
-/// Extent of some points, pixels: the smaller side of the box around them.
+/// The smaller side of the bounding box of some points, pixels.
 fn size(points: &[(f64, f64)]) -> f64 {
     let side = |of: fn(&(f64, f64)) -> f64| {
         let values = points.iter().map(of);
@@ -68,7 +68,7 @@ fn size(points: &[(f64, f64)]) -> f64 {
     side(|p| p.0).min(side(|p| p.1))
 }
 
-/// What is known of a view from this place: the logo's centre, the contour of the larger disc or bottle, the text.
+/// The known truth of a view from this pose: the centre of the logo, the contour of the larger disc or bottle, and the text.
 pub fn known(scene: &Scene, camera: &Camera, pose: &Pose, name: &str) -> ViewFile {
     let corners = |share: f64| {
         [
@@ -125,7 +125,7 @@ fn contour(
         (left, right) = (left.min(*u), right.max(*u));
         (top, low) = (top.min(*v), low.max(*v));
     }
-    // An ellipse around it, within the poster.
+    // The start contour is an ellipse around the outline, within the poster.
     let half = |low: f64, high: f64| (0.5 * (high - low) * AROUND).min(0.97);
     let (a, b) = (half(left, right), half(top, low));
     let start: Vec<[f64; 2]> = (0..START_POINTS)
@@ -137,7 +137,7 @@ fn contour(
     Some((places(&start)?, places(&outline)?))
 }
 
-/// The upright rectangle inside of four corners (from the top left, clockwise).
+/// The upright rectangle inside of four corners (clockwise from the top left).
 fn inner(corners: &[(f64, f64)]) -> Option<Region> {
     let [a, b, c, d] = corners else {
         return None;

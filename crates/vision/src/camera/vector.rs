@@ -1,6 +1,6 @@
-//! Points and directions.
+//! Arithmetic on points and directions as arrays.
 
-/// A point or direction of the world, z up.
+/// A point or direction in the frame of the room, z up.
 pub(super) type Vector = [f64; 3];
 
 pub(super) fn add(a: Vector, b: Vector) -> Vector {

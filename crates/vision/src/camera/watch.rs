@@ -1,26 +1,26 @@
-//! A robot in motion, watched from a room's viewpoints.
+//! Takes pictures of a moving robot from the fixed viewpoints of a scene.
 
 use super::super::picture::Picture;
-use super::body::{Body, Company, Entry};
+use super::body::{Body, MotionFrame, MovingScene};
 use super::render::placed;
 use super::scene::{Camera, Light, Mount, Scene, View};
 use super::smear::Exposure;
 use realgap_core::error::Result;
 use realgap_path::trajectory::Trajectory;
 
-/// Bodies that move through a scene before cameras that stand.
+/// Bodies that move through a scene with fixed cameras.
 #[derive(Debug, Clone)]
 pub struct Watch<'a> {
-    company: Company<'a>,
+    moving_scene: MovingScene<'a>,
 }
 
 impl<'a> Watch<'a> {
-    /// Bodies in the world of one motion, which begins where the mount says; its camera is not used.
+    /// Bodies in the world frame of one motion, which begins at the start of the mount; the camera of the mount is not used.
     pub fn new(scene: &'a Scene, mount: &Mount, motion: &Trajectory, bodies: &'a [Body]) -> Self {
         Self {
-            company: Company {
+            moving_scene: MovingScene {
                 scene,
-                entry: Entry::new(mount, motion),
+                frame: MotionFrame::new(mount, motion),
                 bodies,
                 carrier: None,
                 duration_s: motion.duration_s(),
@@ -28,30 +28,32 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Seconds that the motion lasts.
+    /// Duration of the motion, seconds.
     pub fn duration_s(&self) -> f64 {
-        self.company.duration_s
+        self.moving_scene.duration_s
     }
 
     /// Checks that a picture can be taken at a time.
     ///
     /// # Errors
-    /// A time that is not within the motion, a body outside of the room.
+    /// A time outside of the motion, a body outside of the room.
     pub fn check(&self, since_start_s: f64) -> Result<()> {
-        self.company.check(since_start_s)
+        self.moving_scene.check(since_start_s)
     }
 
-    /// The room with the bodies in it, at a time.
+    /// The scene with the bodies in it at a time.
     pub fn room_at(&self, since_start_s: f64) -> Scene {
         let nowhere = [f64::NAN; 3];
-        self.company.room_at(since_start_s, nowhere).into_owned()
+        self.moving_scene
+            .room_at(since_start_s, nowhere)
+            .into_owned()
     }
 
-    /// Takes a picture whose exposure lies around a time; bodies that move meanwhile are smeared. `place` numbers where the camera
-    /// was put down, `number` the picture, as in [`take`](super::take). The second value is from where it was taken.
+    /// Takes a picture whose exposure is centred at a time, with motion blur of bodies. `place` numbers the random displacements of the
+    /// camera and `number` the pictures, as in [`take`](super::take). The second value is the view from which the picture was taken.
     ///
     /// # Errors
-    /// As [`Watch::check`].
+    /// The errors of [`Watch::check`].
     pub fn take(
         &self,
         camera: &Camera,
@@ -62,9 +64,9 @@ impl<'a> Watch<'a> {
         [place, number]: [u64; 2],
     ) -> Result<(Picture, View)> {
         self.check(since_start_s)?;
-        let pose = placed(self.company.scene, camera, view, seed, place);
+        let pose = placed(self.moving_scene.scene, camera, view, seed, place);
         let exposure = Exposure {
-            company: &self.company,
+            moving_scene: &self.moving_scene,
             camera,
             light,
             middle_s: since_start_s,

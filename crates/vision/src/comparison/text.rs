@@ -1,4 +1,4 @@
-//! The report of a comparison in words.
+//! Formats the report of a comparison of pictures as text for the terminal.
 
 use std::fmt;
 
@@ -36,7 +36,7 @@ impl fmt::Display for PairedComparison {
         let answer = match self.answer {
             Answer::Nearer => "yes",
             Answer::Farther => "no",
-            Answer::Open => "cannot be told",
+            Answer::Open => "undecided",
         };
         write!(f, "{answer}: nearer in {} of {}", self.nearer, self.views)?;
         if self.equal > 0 {
@@ -56,7 +56,7 @@ fn errors(report: &VisionReport) -> TextTable {
         .iter()
         .filter_map(|e| Some((e, e.error_measure?)))
         .collect();
-    // Two may measure the same.
+    // Two extractors may report the same quantity; then the name of the extractor is added.
     let is_shared = |measure: Measure| measured.iter().filter(|m| m.1 == measure).count() > 1;
     TextTable::of(
         &measured,
@@ -95,7 +95,7 @@ fn distances(report: &VisionReport) -> TextTable {
 }
 
 impl fmt::Display for ExtractorReport {
-    /// View by view.
+    /// A table with one row for each view.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let cell = |value: Option<f64>| value.map_or("-".to_owned(), |v| shown(v, ""));
         let table = TextTable::of(
@@ -137,8 +137,9 @@ impl fmt::Display for VisionReport {
             "{}",
             match self.relative_to {
                 RelativeTo::Own =>
-                    "distances after each picture is turned and shifted to where the other's known places are",
-                RelativeTo::View => "distances as the pictures are: where each camera stood counts",
+                    "distances after the pictures are aligned by the positions that are known in both",
+                RelativeTo::View =>
+                    "distances without alignment of the pictures; they include the displacement of cameras",
             }
         )?;
         for e in &self.extractors {

@@ -1,25 +1,27 @@
-//! What the method gets wrong of a lens: the real pictures are simulated with the camera that was found, at the places that were found,
-//! and its lens is sought in these doubles as in the real ones (Efron & Tibshirani 1993, chapter 10: bias by parametric bootstrap).
+//! Estimates the bias of the estimated lens by a parametric bootstrap (Efron & Tibshirani 1993, chapter 10).
+//!
+//! The real pictures are simulated with the estimated camera at the estimated poses, and the lens is estimated from these simulated
+//! pictures in the same way as from the real ones.
 
 use rayon::prelude::*;
 
 use super::extrinsics::{Extrinsics, Prior};
 use super::lens::in_degrees;
-use super::room::Room;
+use super::room::LitScene;
 use super::shot::{Shot, extrinsics_of};
 use crate::camera::{Camera, expose, luminance};
 use realgap_core::error::Result;
 use realgap_core::statistics::{mean, standard_deviation, student_quantile};
 
-/// Doubles of all pictures.
-const DOUBLES: u64 = 8;
-/// Numbers of their noise begin here, and lie so far apart.
+/// Number of bootstrap replicates of all pictures.
+const REPLICATES: u64 = 8;
+/// First number of the noise of simulated pictures, and difference of the first numbers of two replicates.
 const FIRST_NUMBER: u64 = 1 << 25;
-const APART: u64 = 1 << 16;
+const STRIDE: u64 = 1 << 16;
 
-/// The three numbers of a lens: by how much the method finds them too large, and how far off that may leave them at this level.
+/// For each of the three numbers of a lens, the bias of the method and the half width of the interval at this level.
 pub(super) fn lens_bias(
-    room: Room<'_>,
+    lit_scene: LitScene<'_>,
     camera: &Camera,
     (shots, extrinsics): (&[&Shot], &[Extrinsics]),
     prior: &Prior,
@@ -27,12 +29,12 @@ pub(super) fn lens_bias(
 ) -> Result<[(f64, f64); 3]> {
     let lit: Vec<_> = extrinsics
         .par_iter()
-        .map(|its| luminance(room.scene, camera, &its.pose(), room.light))
+        .map(|its| luminance(lit_scene.scene, camera, &its.pose(), lit_scene.light))
         .collect();
-    let found: Vec<[f64; 3]> = (0..DOUBLES)
+    let found: Vec<[f64; 3]> = (0..REPLICATES)
         .into_par_iter()
-        .map(|double| {
-            let first = FIRST_NUMBER + double * APART;
+        .map(|replicate| {
+            let first = FIRST_NUMBER + replicate * STRIDE;
             let own: Vec<Shot> = shots
                 .iter()
                 .zip(&lit)
@@ -48,15 +50,15 @@ pub(super) fn lens_bias(
                 })
                 .collect::<Result<_>>()?;
             let own: Vec<&Shot> = own.iter().collect();
-            let (double, _) = extrinsics_of(room, camera, &own, prior)?;
-            Ok(in_degrees(&double.lens))
+            let (refitted, _) = extrinsics_of(lit_scene, camera, &own, prior)?;
+            Ok(in_degrees(&refitted.lens))
         })
         .collect::<Result<_>>()?;
-    let count = DOUBLES as f64;
+    let count = REPLICATES as f64;
     let its = in_degrees(&camera.lens);
     Ok([0, 1, 2].map(|k| {
         let own: Vec<f64> = found.iter().map(|numbers| numbers[k]).collect();
-        // That of the real pictures, and that of the mean of the doubles.
+        // The variance is that of the estimate from the real pictures plus that of the mean over the replicates.
         let sd = standard_deviation(&own) * (1.0 + 1.0 / count).sqrt();
         let half = student_quantile(0.5 + 0.5 * level, count - 1.0) * sd;
         (mean(&own) - its[k], half)

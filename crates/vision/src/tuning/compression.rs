@@ -1,5 +1,7 @@
-//! With which quality a picture was compressed before: it changes less when it is compressed with that one again (Farid 2009,
-//! "Exposing digital forgeries from JPEG ghosts").
+//! Estimates the JPEG quality with which pictures were compressed.
+//!
+//! A picture changes less if it is compressed again with the same quality as before (Farid 2009, "Exposing digital forgeries from JPEG
+//! ghosts").
 
 use rayon::prelude::*;
 
@@ -9,17 +11,19 @@ use crate::Picture;
 use crate::camera::Camera;
 use realgap_core::error::Result;
 
-/// The part of a picture that is compressed again, at most, pixels: whole blocks of two times eight.
+/// Largest part of a picture that is compressed again, pixels; it consists of whole blocks of two times eight pixels.
 const PART: (usize, usize) = (320, 240);
-/// Qualities that are tried.
+/// The qualities that are tried.
 const QUALITIES: std::ops::RangeInclusive<u8> = 5..=99;
-/// Neighbours on either side that a quality is held against, and the share of their change below which it stands out.
+/// Number of neighbouring qualities on either side with which a quality is compared, and the share of their change below which a
+/// quality counts as found in one picture.
 const NEIGHBOURS: usize = 2;
 const STANDS_OUT: f64 = 0.75;
-/// The same for all pictures together, in which chance counts less.
+/// The same limit for the mean over all pictures, which has less random variation.
 const STANDS_OUT_TOGETHER: f64 = 0.9;
 
-/// How much less than its neighbours each quality changes a picture: 1 for alike, 0 for not at all.
+/// For each quality, the change of a picture divided by the smallest change with neighbouring qualities: 1 if the changes are equal, 0
+/// if this quality does not change the picture.
 fn shares(picture: &Picture) -> Result<Vec<f64>> {
     let whole = |side: usize, most: usize| match side.min(most) / 16 * 16 {
         0 => side,
@@ -36,8 +40,8 @@ fn shares(picture: &Picture) -> Result<Vec<f64>> {
     let changes: Vec<f64> = QUALITIES
         .map(|quality| {
             let again = Picture::decode(&part.to_jpeg(quality)?)?.grey();
-            let apart = grey.values().iter().zip(again.values());
-            let squares: f64 = apart.map(|(a, b)| f64::from(a - b).powi(2)).sum();
+            let pairs = grey.values().iter().zip(again.values());
+            let squares: f64 = pairs.map(|(a, b)| f64::from(a - b).powi(2)).sum();
             Ok((squares / (width * height) as f64).sqrt())
         })
         .collect::<Result<_>>()?;
@@ -58,15 +62,15 @@ fn shares(picture: &Picture) -> Result<Vec<f64>> {
         .collect())
 }
 
-/// The quality; `None` where none stands out.
+/// The quality with the smallest change; `None` if its change is not below the limit.
 fn quality(shares: &[f64], stands_out: f64) -> Option<u8> {
     let best = (0..shares.len()).min_by(|a, b| shares[*a].total_cmp(&shares[*b]))?;
     let first = usize::from(*QUALITIES.start()) + NEIGHBOURS;
     (shares[best] < stands_out).then_some((first + best) as u8)
 }
 
-/// The quality that all pictures together say: that of the geometric mean of their shares. `None` unless it stays the same whichever
-/// picture is left out.
+/// The quality from the geometric mean of the changes of all pictures. `None` unless it stays the same if any one picture is left
+/// out.
 fn together(all: &[Vec<f64>]) -> Option<u8> {
     let without = |left_out: Option<usize>| {
         let own = || {
@@ -88,8 +92,8 @@ fn together(all: &[Vec<f64>]) -> Option<u8> {
     is_same.then_some(best)
 }
 
-/// The quality of compression: from the lowest to the highest that most pictures have, or the one that all have together. Where
-/// neither is found it stays as it was.
+/// The quality of compression with its interval: from the qualities found in single pictures if most of them have one, otherwise from
+/// all pictures together. If neither is found, the setting of the start is kept.
 pub(super) fn compression(start: &Camera, shots: &[&Shot]) -> Result<(TunedSetting, Option<u8>)> {
     let shares: Vec<Vec<f64>> = shots
         .par_iter()
@@ -97,7 +101,7 @@ pub(super) fn compression(start: &Camera, shots: &[&Shot]) -> Result<(TunedSetti
         .collect::<Result<_>>()?;
     let each = shares.iter().filter_map(|own| quality(own, STANDS_OUT));
     let mut found: Vec<u8> = each.collect();
-    // A few pictures without anything fine in them do not tell.
+    // If a quality is found in half of the pictures or fewer, all pictures are evaluated together.
     if 2 * found.len() <= shares.len() {
         found = together(&shares).into_iter().collect();
     }
@@ -129,7 +133,7 @@ mod tests {
     use super::*;
     use crate::camera::take;
 
-    /// Six small pictures of the shipped room.
+    /// Six small pictures of the shipped scene of a room.
     fn pictures(jpeg_quality: Option<u8>, read_noise_e: f64, seed: u64) -> Vec<Picture> {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/room.ron");
         let scene = crate::camera::Scene::read(path).unwrap();
@@ -154,8 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn a_quality_is_found_in_all_pictures_together_and_none_in_pictures_that_were_never_compressed()
-    {
+    fn the_quality_is_found_in_compressed_pictures_and_none_in_pictures_without_compression() {
         for (seed, read_noise_e) in [(1, 2.0), (2, 15.0), (3, 40.0)] {
             let never = found(&pictures(None, read_noise_e, seed));
             assert_eq!(never, (0, None), "{read_noise_e}");

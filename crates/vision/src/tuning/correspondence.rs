@@ -1,12 +1,12 @@
-//! Where points of a scene are seen in a real picture: patches of the simulated picture, looked for in the real one.
+//! Finds correspondences between points of a scene and a real picture, by matching patches of a simulated picture in the real one.
 
-use super::room::Room;
+use super::room::LitScene;
 use crate::camera::{Camera, Pose, luminance, met_m};
 use crate::template::top;
 use crate::{Grey, gauss, sobel};
 use realgap_core::error::Result;
 
-/// A point of the scene and where it is seen.
+/// A point of the scene and the position at which it is seen in the picture.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Correspondence {
     pub point_m: [f64; 3],
@@ -15,35 +15,36 @@ pub(super) struct Correspondence {
 
 /// Half the side of a patch, pixels.
 const HALF: i64 = 6;
-/// Patches are as many as these fit into a picture's longer side.
+/// Number of cells along the longer side of a picture; at most one patch is taken from each cell.
 const CELLS: usize = 20;
-/// A patch is found where it correlates at least so much.
-const ALIKE: f64 = 0.75;
-/// A cell without a corner this strong, as a share of the strongest, has none.
+/// Smallest correlation at which a patch counts as found.
+const LEAST_CORRELATION: f64 = 0.75;
+/// A cell is skipped if its strongest corner is weaker than this share of the strongest corner of the picture.
 const WEAK: f32 = 0.002;
-/// Standard deviation of the filter before anything is compared, and of the sum of a corner's differences, pixels.
+/// Standard deviation of the Gaussian filter before patches are compared, and of that for the products of derivatives of corners,
+/// pixels.
 const SMOOTH_PX: f64 = 0.8;
 const CORNER_PX: f64 = 1.5;
 
-/// Luminance as a picture's grey values go with it, up to a factor: about the curve of sRGB.
+/// Luminance with a tone curve that approximates that of sRGB, so that it is about proportional to the grey values of a picture.
 pub(super) fn toned(light: &[Grey; 3]) -> Result<Grey> {
     let grey = grey(light)?;
     let values = grey.values().iter().map(|value| value.max(0.0).powf(0.45));
     Grey::new(grey.width(), grey.height(), values.collect())
 }
 
-/// Red, green and blue in one, weighed as [`Picture::grey`](crate::Picture::grey) does.
+/// Grey values from red, green and blue, with the weights of [`Picture::grey`](crate::Picture::grey).
 fn grey([red, green, blue]: &[Grey; 3]) -> Result<Grey> {
     let values = red.values().iter().zip(green.values()).zip(blue.values());
     let values = values.map(|((r, g), b)| 0.2125 * r + 0.7154 * g + 0.0721 * b);
     Grey::new(red.width(), red.height(), values.collect())
 }
 
-/// Looks for corners of the scene in a real picture, in both at `1 / factor` of its size, up to `reach` (small) pixels from where this
-/// camera at this place would see them. Where the sensor is known, the simulated picture is as bright as the real one, and as white
-/// where light is cut off, which moves edges.
+/// Searches for corners of the scene in a real picture. Both pictures are reduced to `1 / factor` of their size, and the search extends
+/// `reach` reduced pixels from the position at which this camera at this pose would see a corner. If the sensor is known, the
+/// simulated picture has the brightness of the real one, including saturation, which moves edges.
 pub(super) fn correspondences(
-    Room { scene, light }: Room<'_>,
+    LitScene { scene, light }: LitScene<'_>,
     (camera, is_sensor_known): (&Camera, bool),
     pose: &Pose,
     real: &Grey,
@@ -53,7 +54,8 @@ pub(super) fn correspondences(
     let mut small = camera.clone();
     small.lens.width_px = width;
     small.lens.height_px = height;
-    // As blurred as the real one, as far as that is known: a patch that is sharper fits best a little beside its place.
+    // The simulated picture is blurred like the real one, as far as the blur is known, because the best match of a sharper patch is
+    // displaced.
     let blurred = luminance(scene, &small, pose, light)
         .map(|plane| gauss(&plane, camera.lens.blur_px / factor as f64));
     let tone = if is_sensor_known {
@@ -71,7 +73,8 @@ pub(super) fn correspondences(
     let mut seen = Vec::new();
     for (x, y) in corners(&model, reach)? {
         let found = shift(&model, &real_small, x, y, reach);
-        // Where a patch's surroundings differ, its correlation with its own picture is not highest at its place either.
+        // Depending on the surroundings of a patch, its correlation with its own picture may not be highest at its own position, either.
+        // This displacement is subtracted.
         let own = shift(&model, &model, x, y, 1);
         if let (Some([dx, dy]), Some([own_dx, own_dy])) = (found, own) {
             places.push([x as f64, y as f64]);
@@ -86,7 +89,7 @@ pub(super) fn correspondences(
         .collect())
 }
 
-/// The strongest corner of each cell (Shi & Tomasi 1994: the smaller eigenvalue of the differences' products), away from the border.
+/// The strongest corner of each cell (Shi & Tomasi 1994: the smaller eigenvalue of the structure tensor), away from the border.
 fn corners(picture: &Grey, reach: i64) -> Result<Vec<(i64, i64)>> {
     let (width, height) = (picture.width(), picture.height());
     let (dx, dy) = sobel(picture);
@@ -124,19 +127,19 @@ fn corners(picture: &Grey, reach: i64) -> Result<Vec<(i64, i64)>> {
     Ok(strong.map(|(_, x, y)| (x, y)).collect())
 }
 
-/// How far a patch of one picture is shifted in the other; `None` where it is nowhere, or at the end of the reach.
+/// Displacement of a patch of one picture in the other, pixels; `None` if it is not found, or found at the edge of the search range.
 fn shift(model: &Grey, real: &Grey, x: i64, y: i64, reach: i64) -> Option<[f64; 2]> {
     let patch = Patch::new(model, x, y);
     let side = 2 * reach + 1;
     let mut scores = Vec::with_capacity((side * side) as usize);
     for dy in -reach..=reach {
         for dx in -reach..=reach {
-            scores.push(patch.alike(real, x + dx, y + dy));
+            scores.push(patch.correlation(real, x + dx, y + dy));
         }
     }
     let best = (0..scores.len()).max_by(|a, b| scores[*a].total_cmp(&scores[*b]))?;
     let (i, j) = (best as i64 % side, best as i64 / side);
-    if scores[best] < ALIKE || i == 0 || j == 0 || i == side - 1 || j == side - 1 {
+    if scores[best] < LEAST_CORRELATION || i == 0 || j == 0 || i == side - 1 || j == side - 1 {
         return None;
     }
     let at = |i: i64, j: i64| scores[(j * side + i) as usize];
@@ -146,7 +149,7 @@ fn shift(model: &Grey, real: &Grey, x: i64, y: i64, reach: i64) -> Option<[f64; 
     ])
 }
 
-/// A patch without its mean.
+/// A patch of a picture after subtraction of its mean.
 struct Patch {
     values: Vec<f64>,
     squares: f64,
@@ -164,8 +167,8 @@ impl Patch {
         Self { values, squares }
     }
 
-    /// Normalised correlation with the patch there; 0 where that is the same everywhere.
-    fn alike(&self, picture: &Grey, x: i64, y: i64) -> f64 {
+    /// Normalised correlation with the patch at this position of a picture; 0 if that patch is uniform.
+    fn correlation(&self, picture: &Grey, x: i64, y: i64) -> f64 {
         let (mut sum, mut squares, mut product) = (0.0, 0.0, 0.0);
         let mut own = self.values.iter();
         for dy in -HALF..=HALF {

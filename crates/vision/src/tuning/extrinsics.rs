@@ -1,4 +1,4 @@
-//! Where cameras stood and what their lens is, from points of a known scene (resection): robust least squares.
+//! Estimates the poses of cameras and their lens from points of a known scene (resection), by robust least squares.
 
 use nalgebra::{Matrix3, Matrix3x6, Matrix6, Vector3, Vector6};
 
@@ -6,11 +6,11 @@ use super::correspondence::Correspondence;
 use crate::camera::{Lens, Pose};
 use realgap_core::statistics::median;
 
-/// A picture's place, as it was meant and as it is found.
+/// The pose at which a picture was taken: the intended pose, and the estimated deviation from it.
 #[derive(Debug, Clone)]
 pub(super) struct Extrinsics {
     pub meant: Pose,
-    /// Moved (metres) and turned (radians).
+    /// Deviation from the intended pose: translation (metres) and rotation (radians).
     pub off: [f64; 6],
     pub correspondences: Vec<Correspondence>,
 }
@@ -25,27 +25,27 @@ fn moved(meant: &Pose, off: &[f64; 6]) -> Pose {
     meant.moved([off[0], off[1], off[2]], [off[3], off[4], off[5]])
 }
 
-/// What is known prior: standard deviations of places (metres), angles (radians) and distortion.
+/// Prior knowledge: standard deviations of positions (metres), angles (radians) and distortion.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Prior {
     pub place_sd_m: f64,
     pub angle_sd_rad: f64,
     pub distortion_sd: f64,
-    /// Whether the lens is sought, too.
+    /// Whether the lens is estimated, too.
     pub lens: bool,
-    /// Whether exposure, gain and blur are known.
+    /// Whether exposure, gain and blur are already known.
     pub sensor: bool,
 }
 
-/// Rounds of Gauss and Newton, and steps of differences.
+/// Number of rounds of Gauss-Newton, and step of finite differences.
 const ROUNDS: usize = 12;
 const STEP: f64 = 1e-6;
-/// Errors beyond this many robust standard deviations count less and less (Huber 1964).
+/// Errors above this many robust standard deviations have reduced weights (Huber 1964).
 const HUBER: f64 = 2.0;
-/// Nobody finds a corner better than this, pixels.
+/// Lower limit of the assumed standard deviation of the position of a corner, pixels.
 const LEAST_PX: f64 = 0.05;
 
-/// The three numbers of a lens that are sought.
+/// The three numbers of a lens that are estimated.
 pub(super) fn numbers(lens: &Lens) -> [f64; 3] {
     [
         lens.field_of_view_rad,
@@ -67,7 +67,7 @@ fn errors(lens: &Lens, pose: &Pose, correspondence: &Correspondence) -> Option<[
     Some([0, 1].map(|k| correspondence.seen_px[k] - said[k]))
 }
 
-/// Root mean square distance of what is seen from where it should be, without outliers: 1.2 medians, pixels.
+/// Robust root mean square distance of corners from their predicted positions, pixels: 1.2 times the median distance.
 pub(super) fn reprojection_error_px(lens: &Lens, extrinsics: &[Extrinsics]) -> f64 {
     let mut all: Vec<f64> = Vec::new();
     for picture in extrinsics {
@@ -75,7 +75,7 @@ pub(super) fn reprojection_error_px(lens: &Lens, extrinsics: &[Extrinsics]) -> f
         let own = picture.correspondences.iter();
         all.extend(own.filter_map(|s| errors(lens, &pose, s).map(|e| e[0].hypot(e[1]))));
     }
-    // The median of a distance whose two parts are normal is 1.177 of each part's deviation.
+    // The median of a distance whose two components are normal is 1.177 times the standard deviation of each component.
     if all.is_empty() {
         f64::NAN
     } else {
@@ -83,7 +83,7 @@ pub(super) fn reprojection_error_px(lens: &Lens, extrinsics: &[Extrinsics]) -> f
     }
 }
 
-/// Finds places, and the lens if asked for. Starts from what is there.
+/// Estimates the poses, and the lens if the prior asks for it, starting from the given values.
 pub(super) fn resect(start: &Lens, extrinsics: &mut [Extrinsics], prior: &Prior) -> Lens {
     let mut lens = *start;
     for _ in 0..ROUNDS {
@@ -99,7 +99,7 @@ pub(super) fn resect(start: &Lens, extrinsics: &mut [Extrinsics], prior: &Prior)
             lens_side[(k, k)] += weight;
             lens_right[k] -= weight * its[k];
         }
-        // Each picture's own six numbers are eliminated (Schur).
+        // The six numbers of each picture's pose are eliminated (Schur complement).
         let mut own: Vec<(Matrix3x6<f64>, Matrix6<f64>, Vector6<f64>)> = Vec::new();
         for picture in extrinsics.iter() {
             let (mut cross, mut side, mut right) =
@@ -152,7 +152,7 @@ pub(super) fn resect(start: &Lens, extrinsics: &mut [Extrinsics], prior: &Prior)
     lens
 }
 
-/// Error of a correspondence, and what it changes with: the lens and the place.
+/// The error of a correspondence, and its derivatives with respect to the lens and the pose.
 type Linear = ([f64; 2], [Vector3<f64>; 2], [Vector6<f64>; 2]);
 
 fn linear(lens: &Lens, picture: &Extrinsics, correspondence: &Correspondence) -> Option<Linear> {

@@ -1,5 +1,7 @@
-//! A lens with its intervals. Two things say how far off it may be: views left out one after the other, which see what is wrong with the
-//! scene, and doubles, which see what is wrong with the method. The larger holds.
+//! The settings of a lens with their intervals.
+//!
+//! The uncertainty is estimated in two ways, of which the larger is used: by a jackknife over views, which includes errors of the
+//! scene, and by a parametric bootstrap with simulated pictures (`bias.rs`), which includes errors of the method.
 
 use rayon::prelude::*;
 
@@ -9,24 +11,24 @@ use super::{LEVEL, TunedSetting, known};
 use crate::camera::Lens;
 use realgap_core::statistics::{jackknife_variance, student_quantile};
 
-/// The field of view is searched this far about where it starts (radians), and the distortion about none.
+/// Search range of the field of view about its start (radians), and search range of the distortion about 0.
 const FIELD_RAD: f64 = 0.26;
 const DISTORTION: f64 = 0.5;
 
-/// Field of view in degrees, and both numbers of distortion.
+/// The field of view in degrees, and both coefficients of distortion.
 pub(super) fn in_degrees(lens: &Lens) -> [f64; 3] {
     let [field_of_view_rad, first, second] = numbers(lens);
     [field_of_view_rad.to_degrees(), first, second]
 }
 
-/// The lens without what the method finds too large (`off`).
+/// The lens after subtraction of the bias of the method (the first number of each pair in `off`).
 pub(super) fn corrected(lens: &Lens, off: &[(f64, f64); 3]) -> Lens {
     let its = in_degrees(lens);
     let [degrees, first, second] = [0, 1, 2].map(|k| its[k] - off[k].0);
     with(lens, [degrees.to_radians(), first, second])
 }
 
-/// How far off the numbers may be, by how they change when one view is left out (jackknife).
+/// Half widths of the intervals of the numbers, by a jackknife over views.
 fn by_views(lens: &Lens, shots: &[&Shot], extrinsics: &[Extrinsics], prior: &Prior) -> [f64; 3] {
     let mut views: Vec<usize> = shots.iter().map(|shot| shot.view).collect();
     views.dedup();
@@ -46,7 +48,8 @@ fn by_views(lens: &Lens, shots: &[&Shot], extrinsics: &[Extrinsics], prior: &Pri
     })
 }
 
-/// Field of view and distortion: those of `start`, those that were found less what the method finds too large, and their intervals.
+/// The settings of field of view and distortion: their values at the start, the estimates after subtraction of the bias, and their
+/// intervals.
 pub(super) fn lens_settings(
     start: &Lens,
     found: &Lens,

@@ -1,19 +1,19 @@
-//! What a picture looks like in numbers: brightness, noise and sharpness, where the scene's light is known.
+//! Statistics of a picture for a known scene: brightness, noise and sharpness.
 
 use crate::{Grey, Picture, gauss, steepness};
 use realgap_core::error::Result;
 
 use super::correspondence::toned;
 
-/// Groups of pixels by how bright they should be.
+/// Number of groups of pixels by simulated brightness.
 const GROUPS: usize = 4;
-/// Share of each group's pixels that counts as flat, and of the picture's that counts as edge.
+/// Share of the pixels of each group that count as flat, and share of all pixels that count as edges.
 const FLAT: f64 = 0.4;
 const EDGES: f64 = 0.03;
-/// Below this a logarithm of a change means nothing, grey values.
+/// Added to a change before its logarithm is taken, because smaller changes are not significant; grey values.
 const LEAST: f64 = 1e-4;
 
-/// Pixels of one picture that should be flat, and those that should be edges.
+/// The pixels of one picture that are flat according to the simulation, and those that are edges.
 #[derive(Debug, Clone)]
 pub(super) struct Parts {
     flat: Vec<Vec<usize>>,
@@ -50,12 +50,12 @@ impl Parts {
     }
 }
 
-/// Which kind a number of [`look`] is: brightness, fine and coarse noise by group, sharpness.
+/// The kind of a statistic of [`look`]: brightness, fine noise, coarse noise (each for every group), or sharpness.
 pub(super) fn kind(number: usize) -> usize {
     if number < 3 * GROUPS { number % 3 } else { 3 }
 }
 
-/// The numbers of a picture.
+/// The statistics of a picture.
 pub(super) fn look(picture: &Picture, parts: &Parts) -> Vec<f64> {
     let grey = picture.grey();
     let (width, values) = (grey.width() as i64, grey.values());
@@ -66,7 +66,7 @@ pub(super) fn look(picture: &Picture, parts: &Parts) -> Vec<f64> {
         f64::from(values[(index as i64 + dy * width + dx) as usize])
     };
     let ln = |value: f64| libm::log(value + LEAST);
-    // Immerkær's mask (1996): blind to anything that is even or sloping.
+    // Immerkær's mask (1996), which is 0 for constant and linear brightness.
     let fine = |i: usize| {
         let cross = at(i, -1, 0) + at(i, 1, 0) + at(i, 0, -1) + at(i, 0, 1);
         let corners = at(i, -1, -1) + at(i, 1, -1) + at(i, -1, 1) + at(i, 1, 1);
@@ -78,7 +78,7 @@ pub(super) fn look(picture: &Picture, parts: &Parts) -> Vec<f64> {
     };
     let mut found = Vec::new();
     for flat in &parts.flat {
-        // Near edges a camera that stood a little elsewhere sees something else.
+        // Only flat pixels are used, because the brightness near edges depends on small errors of the camera's pose.
         found.push(mean(flat, &|i| at(i, 0, 0)));
         found.push(ln(mean(flat, &fine)));
         found.push(ln(mean(flat, &coarse)));

@@ -1,7 +1,7 @@
-//! A camera's settings from its pictures of a known room: lens, exposure, gain, noise, blur and compression.
+//! Estimates the settings of a camera from its pictures of a known scene: lens, exposure, gain, noise, blur and compression.
 //!
-//! First where each picture was really taken and through which lens, from corners of the scene found in it; then the sensor, from what
-//! pictures look like where they were taken. Views that were left out judge the result.
+//! First the pose of each picture and the lens are estimated from corners of the scene that are found in the pictures. Then the
+//! settings of the sensor are estimated from statistics of the pictures. Views that were held out test the result.
 
 mod bias;
 mod compression;
@@ -33,20 +33,20 @@ use bias::lens_bias;
 use compression::compression;
 use extrinsics::{Prior, reprojection_error_px};
 use lens::{corrected, lens_settings};
-use room::Room;
-use sensor::{Search, apart, draws, mismatch, settings};
+use room::LitScene;
+use sensor::{Search, draws, mismatch, residuals, settings};
 use shot::{Shot, extrinsics_of, read, reals_of, split};
 
-/// How a camera is tuned.
+/// Options of tuning a camera.
 #[derive(Debug, Clone)]
 pub struct CameraOptions {
-    /// Views that only judge; `None` for every third where there are six or more.
+    /// Views that are held out to test the result; with `None`, every third view if there are six or more.
     pub held_out: Option<Vec<String>>,
-    /// Standard deviation of where the camera was put down, each axis, metres.
+    /// Standard deviation of the position of the camera, for each axis, metres.
     pub place_sd_m: f64,
-    /// How often all pictures may be simulated in the search, about; it ends by itself where nothing gets better.
+    /// Approximate upper limit of how often all pictures are simulated in the search, which ends earlier if it converges.
     pub budget: usize,
-    /// Seed of simulated noise and of the search.
+    /// Seed of the simulated noise.
     pub seed: u64,
 }
 
@@ -61,102 +61,102 @@ impl Default for CameraOptions {
     }
 }
 
-/// What pictures say of a setting.
+/// Whether the pictures determine a setting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Known {
-    /// Its interval lies within what was searched.
+    /// The interval of the setting is inside of the search range.
     Determined,
-    /// Nothing below a value is excluded.
+    /// The interval has an upper end only; smaller values are not excluded.
     AtMost,
-    /// Nothing above a value is excluded.
+    /// The interval has a lower end only; larger values are not excluded.
     AtLeast,
-    /// Its interval is (nearly) all that was searched.
+    /// The interval covers (nearly) the whole search range.
     Undetermined,
 }
 
-/// A setting that was found.
+/// An estimated setting.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TunedSetting {
-    /// Its name, as in a scene's camera.
+    /// Name of the setting, as in the camera of a scene.
     pub name: &'static str,
-    /// Its unit, empty for none.
+    /// Unit of the setting; empty for a setting without unit.
     pub unit: &'static str,
-    /// What it was before.
+    /// Value at the start of the search.
     pub start: f64,
-    /// What it is now.
+    /// Estimated value.
     pub value: f64,
-    /// Where its 90 % interval begins.
+    /// Lower end of the 90 % interval.
     pub low: f64,
-    /// Where that interval ends.
+    /// Upper end of the 90 % interval.
     pub high: f64,
-    /// What was searched.
+    /// Search range.
     pub searched: (f64, f64),
-    /// Whether the pictures say what it is.
+    /// Whether the pictures determine the setting.
     pub known: Known,
 }
 
-/// How far simulated pictures are from real ones, before and after.
+/// Difference between simulated and real pictures, before and after tuning.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Mismatch {
-    /// What pictures look like before: 1 is as far as views differ from each other after the fit.
+    /// Difference of the statistics of pictures before tuning; 1 means as large as the variation between views after the fit.
     pub look_start: f64,
-    /// What pictures look like after.
+    /// Difference of the statistics of pictures after tuning.
     pub look_tuned: f64,
-    /// Reprojection error before: how far corners of the scene are from where they should be seen, root mean square without
-    /// outliers, pixels.
+    /// Reprojection error before tuning: robust root mean square distance of corners of the scene from their predicted positions,
+    /// pixels.
     pub corners_start_px: f64,
-    /// Reprojection error after, pixels.
+    /// Reprojection error after tuning, pixels.
     pub corners_tuned_px: f64,
 }
 
-/// A camera that was tuned.
+/// A camera whose settings were estimated, with the tests of the result.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TunedCamera {
     /// The camera.
     #[serde(skip)]
     pub camera: Camera,
-    /// The camera that the tuning began with.
+    /// Name of the camera from which the search started.
     pub start: String,
-    /// Where the "real" pictures come from.
+    /// Source of the "real" pictures.
     pub real: PictureSource,
-    /// The settings.
+    /// The estimated settings.
     pub settings: Vec<TunedSetting>,
-    /// Views that it was fitted to.
+    /// Names of the fitted views.
     pub fitted_views: Vec<String>,
-    /// How far pictures of the fitted views are from the real ones.
+    /// Difference between simulated and real pictures of the fitted views.
     pub fitted: Mismatch,
-    /// Views that only judged.
+    /// Names of the held-out views.
     pub held_out_views: Vec<String>,
-    /// How far pictures of the views that only judged are from the real ones.
+    /// Difference between simulated and real pictures of the held-out views.
     pub held_out: Option<Mismatch>,
-    /// How far cameras stood from where they should, mean, metres.
+    /// Mean distance of the cameras from their intended positions, metres.
     pub misplaced_m: f64,
-    /// How far they were turned, mean, radians.
+    /// Mean rotation of the cameras from their intended orientations, radians.
     pub turned_rad: f64,
-    /// What a reader should know.
+    /// Warnings to the reader.
     pub warnings: Vec<Warning>,
 }
 
-/// Standard deviation of both numbers of distortion, before anything is seen.
+/// Prior standard deviation of both coefficients of distortion.
 const DISTORTION_SD: f64 = 0.2;
-/// Standard deviation of where cameras look, before anything is seen, radians.
+/// Prior standard deviation of the direction of cameras, radians.
 const ANGLE_SD_RAD: f64 = 0.1;
 /// Level of all intervals.
 const LEVEL: f64 = 0.9;
-/// An interval of this share of what was searched says nothing.
+/// A setting is undetermined if its interval is wider than this share of the search range.
 const WIDE: f64 = 0.8;
 
-/// Finds the settings of the camera that took the pictures of a folder, starting from a camera of the scene. Pictures are paired with
+/// Estimates the settings of the camera that took the pictures of a folder, starting from a camera of the scene. Pictures are assigned to
 /// the scene's views by name.
 ///
 /// # Errors
-/// No pictures of the scene's views, pictures of different sizes or that are too small, fewer than three views to fit, a held-out view
-/// that does not exist, pictures in which the scene is not to be found.
+/// No pictures of the scene's views, pictures that differ in size or are too small, fewer than three views to fit, a held-out view
+/// that does not exist, pictures in which the scene is not found.
 pub fn tune_camera(
     scene: &Scene,
     start: &Camera,
@@ -182,7 +182,7 @@ pub fn tune_camera(
     };
     let (fitted, held) = (of(&fitted_views), of(&held_views));
 
-    let room = Room { scene, light };
+    let lit_scene = LitScene { scene, light };
     let prior = Prior {
         place_sd_m: options.place_sd_m,
         angle_sd_rad: ANGLE_SD_RAD,
@@ -190,13 +190,13 @@ pub fn tune_camera(
         lens: true,
         sensor: false,
     };
-    let (mut camera, extrinsics) = extrinsics_of(room, &start, &fitted, &prior)?;
+    let (mut camera, extrinsics) = extrinsics_of(lit_scene, &start, &fitted, &prior)?;
     let (compression, quality) = compression(&start, &fitted)?;
     camera.sensor.jpeg_quality = quality;
     warnings.extend(unknown_compression(&compression, quality));
     let search = Search {
         settings: settings(&start),
-        pictures: &reals_of(room, &camera, &fitted, &extrinsics)?,
+        pictures: &reals_of(lit_scene, &camera, &fitted, &extrinsics)?,
         camera,
         seed: options.seed,
         budget: options.budget,
@@ -204,24 +204,24 @@ pub fn tune_camera(
         progress,
     };
     let found = search.run()?;
-    // Now that brightness and blur are known, corners are found better, and then brightness and blur.
+    // With the estimated brightness and blur, corners are found more accurately; then brightness and blur are estimated again.
     let known = Prior {
         sensor: true,
         ..prior
     };
     let tuned = search.camera_at(&found.shares);
-    let (tuned, extrinsics) = extrinsics_of(room, &tuned, &fitted, &known)?;
+    let (tuned, extrinsics) = extrinsics_of(lit_scene, &tuned, &fitted, &known)?;
     let search = Search {
-        pictures: &reals_of(room, &tuned, &fitted, &extrinsics)?,
+        pictures: &reals_of(lit_scene, &tuned, &fitted, &extrinsics)?,
         camera: tuned,
         ..search
     };
     let found = search.again(&found)?;
     let tuned = search.camera_at(&found.shares);
     warnings.extend(unfinished(&found, options.budget));
-    tell_of_the_lens(progress, search.tried.get());
+    report_last_step(progress, search.tried.get());
     let pictures = (&fitted[..], &extrinsics[..]);
-    let bias = lens_bias(room, &tuned, pictures, &known, (options.seed, LEVEL))?;
+    let bias = lens_bias(lit_scene, &tuned, pictures, &known, (options.seed, LEVEL))?;
     let camera = Camera {
         name: "tuned".to_owned(),
         is_stand_in: false,
@@ -232,8 +232,15 @@ pub fn tune_camera(
     all.extend(sensor_settings(&search, &found, fitted_views.len()));
     all.push(compression);
     warnings.extend(shots.source.warning());
-    let judge =
-        |own: &[&Shot]| judged(room, [&start, &camera], own, &prior, (&found, options.seed));
+    let judge = |own: &[&Shot]| {
+        judged(
+            lit_scene,
+            [&start, &camera],
+            own,
+            &prior,
+            (&found, options.seed),
+        )
+    };
     let named = |views: &[usize]| views.iter().map(|v| names[*v].to_owned()).collect();
     let length = |off: &[f64]| off.iter().map(|v| v * v).sum::<f64>().sqrt();
     let offs = |from: usize| -> f64 {
@@ -258,39 +265,39 @@ pub fn tune_camera(
     })
 }
 
-/// What is done after the search.
-fn tell_of_the_lens(progress: Option<&(dyn Fn(Progress) + Sync)>, tried: usize) {
+/// Reports to the progress callback that the search is finished and that the bias of the lens is estimated now.
+fn report_last_step(progress: Option<&(dyn Fn(Progress) + Sync)>, tried: usize) {
     if let Some(progress) = progress {
         progress(Progress {
             done: tried,
             total: tried,
             best: None,
-            finishing: Some("looking for what is wrong of the lens"),
+            finishing: Some("estimating the bias of the lens"),
         });
     }
 }
 
-/// Says what was assumed where nobody can tell how pictures were compressed.
+/// A warning that states the assumed compression if the pictures do not determine it.
 fn unknown_compression(compression: &TunedSetting, quality: Option<u8>) -> Option<Warning> {
     let as_if = match quality {
         _ if compression.known != Known::Undetermined => return None,
         Some(quality) => format!("had quality {quality}"),
         None => "were not compressed".to_owned(),
     };
-    let what = format!("exposure, gain and read noise are found as if pictures {as_if}");
+    let what = format!("exposure, gain and read noise are estimated as if the pictures {as_if}");
     Some(Code::CompressionUnknown.warning(what))
 }
 
-/// Says that a search ended by its budget.
+/// A warning if the search did not converge within its budget.
 fn unfinished(found: &sensor::Found, budget: usize) -> Option<Warning> {
-    let what = format!("the search had more to try when its budget of {budget} was spent");
+    let what = format!("the search had not converged when its budget of {budget} was spent");
     (!found.is_ended).then(|| Code::Incomplete.warning(what))
 }
 
-/// How far simulated pictures are from some real ones, with the camera of before and with the tuned one; both look for where these
-/// pictures were taken.
+/// Difference between simulated and real pictures for the start camera and the tuned camera. The poses of the pictures are estimated for
+/// each of the two cameras.
 fn judged(
-    room: Room<'_>,
+    lit_scene: LitScene<'_>,
     cameras: [&Camera; 2],
     shots: &[&Shot],
     prior: &Prior,
@@ -302,9 +309,9 @@ fn judged(
             sensor,
             ..*prior
         };
-        let (camera, extrinsics) = extrinsics_of(room, camera, shots, &fixed)?;
-        let reals = reals_of(room, &camera, shots, &extrinsics)?;
-        let rows = apart(&camera, &reals, seed, draws(&reals))?;
+        let (camera, extrinsics) = extrinsics_of(lit_scene, camera, shots, &fixed)?;
+        let reals = reals_of(lit_scene, &camera, shots, &extrinsics)?;
+        let rows = residuals(&camera, &reals, seed, draws(&reals))?;
         Ok((
             mismatch(&rows, &found.scale),
             reprojection_error_px(&camera.lens, &extrinsics),
@@ -320,7 +327,7 @@ fn judged(
     })
 }
 
-/// The verdict on an interval in shares of what was searched.
+/// Whether an interval, given in shares of the search range, determines a setting.
 fn known(low: f64, high: f64) -> Known {
     let (low, high) = (low.max(0.0), high.min(1.0));
     match (low <= 0.0, high >= 1.0) {
@@ -365,7 +372,7 @@ impl fmt::Display for Mismatch {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "look {:.2}, now {:.2} (1: as views differ from each other); corners {:.2} px, now {:.2} px",
+            "appearance {:.2}, now {:.2} (1: as large as the variation between views); corners {:.2} px, now {:.2} px",
             self.look_start, self.look_tuned, self.corners_start_px, self.corners_tuned_px
         )
     }
@@ -415,7 +422,7 @@ impl fmt::Display for TunedCamera {
         }
         write!(
             f,
-            "cameras stood {:.1} mm and looked {:.2} degrees from where they should, on average",
+            "cameras deviated from their intended poses by {:.1} mm and {:.2} degrees on average",
             1e3 * self.misplaced_m,
             self.turned_rad.to_degrees()
         )

@@ -1,10 +1,10 @@
-//! Where pictures were taken.
+//! The scene in which pictures were taken, together with its light.
 
 use crate::camera::{Light, Scene};
 
-/// The room of the pictures, and how it was lit.
+/// The scene in which pictures were taken, and the light that was used.
 #[derive(Clone, Copy)]
-pub(super) struct Room<'a> {
+pub(super) struct LitScene<'a> {
     pub scene: &'a Scene,
     pub light: &'a Light,
 }

@@ -1,8 +1,8 @@
-//! Exposure, gain, noise and blur from what pictures look like: simulated moments.
+//! Estimates exposure, gain, noise and blur from statistics of pictures, by the method of simulated moments.
 //!
-//! The numbers of [`look`] are means over many pixels. Those of the simulated pictures are brought to those of the real ones, each
-//! counted in what it differs by from view to view (McFadden 1989, "A method of simulated moments"). Simulated pictures keep their
-//! noise from point to point, so that the score is smooth.
+//! The statistics of [`look`] are means over many pixels. The settings are chosen such that the statistics of simulated pictures agree
+//! with those of the real ones; each difference is divided by its standard deviation between views (McFadden 1989, "A method of
+//! simulated moments"). All settings are simulated with the same random numbers, so that the score is a smooth function of them.
 
 use std::cell::Cell;
 
@@ -16,23 +16,23 @@ use realgap_core::error::Result;
 use realgap_core::statistics::{mean, standard_deviation};
 use realgap_optimization::Progress;
 
-/// One real picture: the light where it was taken, its numbers, and its view.
+/// One real picture: the simulated light at its pose, its statistics, and its view.
 pub(super) struct Real {
     pub light: [Grey; 3],
     pub parts: Parts,
     pub found: Vec<f64>,
     pub view: usize,
-    /// Number of its simulated noise.
+    /// Number of the random stream of its simulated noise.
     pub number: u64,
 }
 
-/// A setting that is sought.
+/// A setting that is estimated.
 pub(super) struct Setting {
     pub name: &'static str,
     pub unit: &'static str,
-    /// The value is between these.
+    /// Smallest and largest value.
     pub range: (f64, f64),
-    /// Whether it is sought by factors instead of differences.
+    /// Whether the search is on a logarithmic scale.
     pub by_factor: bool,
     set: fn(&mut Camera, f64),
 }
@@ -59,7 +59,7 @@ impl Setting {
     }
 }
 
-/// Exposure and gain are sought this far about where they start, by factors.
+/// Exposure and gain are searched up to this factor below and above their start.
 const FACTOR: f64 = 8.0;
 
 pub(super) fn settings(start: &Camera) -> Vec<Setting> {
@@ -100,7 +100,7 @@ pub(super) fn settings(start: &Camera) -> Vec<Setting> {
     ]
 }
 
-/// Where the blur is among the settings.
+/// Index of the blur among the settings.
 const BLUR: usize = 3;
 
 fn starts(start: &Camera) -> [f64; 4] {
@@ -112,57 +112,57 @@ fn starts(start: &Camera) -> [f64; 4] {
     ]
 }
 
-/// What is sought, from where, and in which pictures.
+/// The search for the settings of a sensor: the start, the pictures, the settings and the budget.
 pub(super) struct Search<'a> {
     pub camera: Camera,
     pub pictures: &'a [Real],
     pub settings: Vec<Setting>,
     pub seed: u64,
     pub budget: usize,
-    /// How often all pictures were simulated so far.
+    /// Number of times that all pictures have been simulated so far.
     pub tried: Cell<usize>,
     pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
 }
 
-/// Settings with their covariance, in shares of their ranges.
+/// The estimated settings with their standard deviations, as shares of their ranges.
 pub(super) struct Found {
     pub start: Vec<f64>,
     pub shares: Vec<f64>,
     pub sd: Vec<f64>,
-    /// By how much each number differs from view to view.
+    /// Standard deviation of each statistic between views.
     pub scale: Vec<f64>,
-    /// Whether the search ended by itself.
+    /// Whether the search converged before its budget was spent.
     pub is_ended: bool,
 }
 
-/// Prior anything is seen a setting is as likely as within this share of its range about the start (one standard deviation).
+/// Prior standard deviation of a setting about its start, as a share of its range.
 const BEFORE: f64 = 0.5;
-/// No number is known better than this, however alike all views are.
+/// Lower limit of the standard deviation of a statistic between views.
 const LEAST: f64 = 0.01;
-/// Ways along which the search goes, as shares of the ranges of exposure, gain, read noise and blur: brightness, how it is shared,
-/// noise, blur. Brightness is known well and the others are not, so that each has its own length for differences: wide enough for
-/// values that are rounded and compressed.
+/// Search directions, as shares of the ranges of exposure, gain, read noise and blur: brightness, ratio of exposure to gain, noise,
+/// blur. Brightness is determined well and the others are not. Each direction therefore has its own step of finite differences, which is
+/// large enough for pictures that are rounded and compressed.
 const WAYS: [[f64; 4]; 4] = [
     [0.03, 0.03, 0.0, 0.0],
     [0.1, -0.1, 0.0, 0.0],
     [0.0, 0.0, 0.1, 0.0],
     [0.0, 0.0, 0.0, 0.05],
 ];
-/// In which order ways are looked along at first, at how many places on either side, and how far.
+/// Order of the initial line searches along the directions, number of points on either side, and length.
 const WALKS: [usize; 5] = [0, 3, 1, 2, 0];
 const PLACES: i32 = 8;
 const REACH: f64 = 0.4;
-/// A blur below this share changes nothing in a picture, so that its slope says nothing.
+/// A blur below this share does not change a picture, so that the derivative with respect to it is 0.
 const LEAST_BLUR: f64 = 0.1;
-/// Most simulated pictures of each real one, at first and at last: compression makes single ones jump from value to value, which holds
-/// a search where it is.
+/// Largest number of simulated pictures for each real one, in the first and in the last descent. Several are averaged because
+/// compression makes the statistics of a single picture jump, at which a search would get stuck.
 const FEW: u64 = 4;
 const DRAWS: u64 = 16;
-/// In so many pixels of all pictures together single jumps do not matter any more.
+/// Number of simulated pixels, over all pictures, with which the jumps of single pictures are negligible.
 const PIXELS: usize = 16 * 6 * 160 * 120;
-/// Numbers of further simulated pictures lie this far apart.
-const APART: u64 = 1 << 20;
-/// Steps of Gauss and Newton: damping at first, how often it is raised before the search ends, and what a step must gain at least.
+/// Difference of the numbers of the random streams of two simulated pictures of the same real picture.
+const STRIDE: u64 = 1 << 20;
+/// Damped Gauss-Newton: initial damping, how often it is increased before the search ends, and smallest decrease of the score.
 const DAMPING: f64 = 0.01;
 const RAISED: usize = 3;
 const ENOUGH: f64 = 0.1;
@@ -176,8 +176,8 @@ impl Search<'_> {
         camera
     }
 
-    /// Real less simulated numbers, a row a view.
-    fn apart(&self, shares: &[f64], draws: u64) -> Result<Vec<Vec<f64>>> {
+    /// Real minus simulated statistics, one row for each view.
+    fn residuals(&self, shares: &[f64], draws: u64) -> Result<Vec<Vec<f64>>> {
         self.tried.set(self.tried.get() + 1);
         if let Some(progress) = self.progress {
             progress(Progress {
@@ -187,7 +187,7 @@ impl Search<'_> {
                 finishing: None,
             });
         }
-        apart(&self.camera_at(shares), self.pictures, self.seed, draws)
+        residuals(&self.camera_at(shares), self.pictures, self.seed, draws)
     }
 
     fn is_spent(&self) -> bool {
@@ -204,7 +204,8 @@ impl Search<'_> {
         numbers.sum::<f64>() + before.map(|(s, b)| ((s - b) / BEFORE).powi(2)).sum::<f64>()
     }
 
-    /// Finds the settings: walks along one way after the other, then damped steps of Gauss and Newton (Levenberg 1944, Marquardt 1963).
+    /// Estimates the settings: line searches along one direction after the other, then damped Gauss-Newton (Levenberg 1944, Marquardt
+    /// 1963).
     pub(super) fn run(&self) -> Result<Found> {
         let start: Vec<f64> = self
             .settings
@@ -221,7 +222,7 @@ impl Search<'_> {
         self.end(shares, start)
     }
 
-    /// Finds the settings again from where they were found, with other pictures.
+    /// Estimates the settings again with other pictures, starting from earlier estimates.
     pub(super) fn again(&self, found: &Found) -> Result<Found> {
         self.end(found.shares.clone(), found.start.clone())
     }
@@ -237,7 +238,7 @@ impl Search<'_> {
         })
     }
 
-    /// Steps until none makes the score smaller.
+    /// Damped Gauss-Newton steps until none decreases the score.
     fn descend(&self, from: Vec<f64>, start: &[f64], draws: u64) -> Result<(Vec<f64>, Near)> {
         let (mut shares, mut damping) = (from, DAMPING);
         let mut near = self.near(&shares, draws)?;
@@ -248,9 +249,9 @@ impl Search<'_> {
         Ok((shares, near))
     }
 
-    /// The best of some places along a way, so that steps begin where slopes mean something.
+    /// The best of some points along a direction, so that Gauss-Newton starts where derivatives are informative.
     fn walk(&self, shares: &[f64], start: &[f64], way: usize) -> Result<Vec<f64>> {
-        let scale = spread(&self.apart(shares, 1)?);
+        let scale = spread(&self.residuals(shares, 1)?);
         let far = WAYS[way].iter().copied().fold(0.0, f64::max);
         let mut best = (f64::INFINITY, shares.to_vec());
         for place in -PLACES..=PLACES {
@@ -260,7 +261,7 @@ impl Search<'_> {
             if self.is_spent() || there.iter().any(|s| !(0.0..=1.0).contains(s)) {
                 continue;
             }
-            let score = self.score(&self.apart(&there, 1)?, &scale, &there, start);
+            let score = self.score(&self.residuals(&there, 1)?, &scale, &there, start);
             if score < best.0 {
                 best = (score, there);
             }
@@ -268,7 +269,7 @@ impl Search<'_> {
         Ok(best.1)
     }
 
-    /// A step; `None` where none makes the score smaller.
+    /// A damped Gauss-Newton step; `None` if no step decreases the score.
     fn step(
         &self,
         near: &Near,
@@ -296,7 +297,7 @@ impl Search<'_> {
             };
             let next = shares.iter().zip(way.iter());
             let next: Vec<f64> = next.map(|(s, w)| (s + w).clamp(0.0, 1.0)).collect();
-            let rows = self.apart(&next, draws)?;
+            let rows = self.residuals(&next, draws)?;
             if self.score(&rows, &near.scale, &next, start) < now - ENOUGH {
                 *damping *= 0.1;
                 return Ok(Some(next));
@@ -306,9 +307,9 @@ impl Search<'_> {
         Ok(None)
     }
 
-    /// How the numbers change with the settings about here.
+    /// The linearisation of the statistics about these settings.
     fn near(&self, shares: &[f64], draws: u64) -> Result<Near> {
-        let rows = self.apart(shares, draws)?;
+        let rows = self.residuals(shares, draws)?;
         let scale = spread(&rows);
         let views = rows.len() as f64;
         let mean = |rows: &[Vec<f64>], j: usize| rows.iter().map(|r| r[j]).sum::<f64>() / views;
@@ -317,7 +318,7 @@ impl Search<'_> {
         for (k, way) in WAYS.iter().enumerate() {
             let ends = [1.0, -1.0].map(|sign| end(shares, &way.map(|step| sign * step)));
             let [(up_by, up), (down_by, down)] = &ends;
-            let (up, down) = (self.apart(up, draws)?, self.apart(down, draws)?);
+            let (up, down) = (self.residuals(up, draws)?, self.residuals(down, draws)?);
             for j in 0..scale.len() {
                 let change = mean(&up, j) - mean(&down, j);
                 along[(j, k)] = change / (up_by + down_by) / scale[j];
@@ -334,20 +335,21 @@ impl Search<'_> {
     }
 }
 
-/// A step from some shares, shortened where one of them would leave its range: the part of it that is left, and its end.
+/// A step from some shares, shortened so that none of them leaves its range: the factor of the shortening, and the end of the step.
 fn end(shares: &[f64], step: &[f64]) -> (f64, Vec<f64>) {
-    let room = shares.iter().zip(step).map(|(share, step)| match *step {
+    let factors = shares.iter().zip(step).map(|(share, step)| match *step {
         step if step > 0.0 => (1.0 - share) / step,
         step if step < 0.0 => -share / step,
         _ => 1.0,
     });
-    let part = room.fold(1.0, f64::min).max(0.0);
+    let part = factors.fold(1.0, f64::min).max(0.0);
     let ends = shares.iter().zip(step);
     let ends = ends.map(|(share, step)| (share + part * step).clamp(0.0, 1.0));
     (part, ends.collect())
 }
 
-/// The numbers about some settings: real less simulated, a row a view; how far views differ; how they change with each setting.
+/// The linearisation about some settings: real minus simulated statistics (one row for each view), their standard deviations between
+/// views, their means, and their derivatives with respect to each setting.
 struct Near {
     rows: Vec<Vec<f64>>,
     scale: Vec<f64>,
@@ -357,15 +359,14 @@ struct Near {
 }
 
 impl Near {
-    /// How fast the score rises about its smallest value.
+    /// Half of the approximate Hessian of the score.
     fn flat(&self) -> DMatrix<f64> {
         let settings = self.slope.ncols();
         let before = DMatrix::identity(settings, settings) * BEFORE.powi(-2);
         self.slope.transpose() * &self.slope * self.views + before
     }
 
-    /// Standard deviations of the settings: by how the numbers change with them, and how these differ from view to view (the
-    /// "sandwich").
+    /// Standard deviations of the settings, by the sandwich estimator with the covariance of the statistics between views.
     fn sd(&self) -> Vec<f64> {
         let (numbers, settings) = self.slope.shape();
         let mut inner = DMatrix::zeros(numbers, numbers);
@@ -386,15 +387,15 @@ impl Near {
     }
 }
 
-/// How many simulated pictures of each real one are enough.
+/// The number of simulated pictures for each real one.
 pub(super) fn draws(pictures: &[Real]) -> u64 {
     let pixels = |real: &Real| real.light[0].values().len();
     let all: usize = pictures.iter().map(pixels).sum();
     (PIXELS.div_ceil(all.max(1)) as u64).min(DRAWS)
 }
 
-/// Real less simulated numbers of some pictures, a row a view.
-pub(super) fn apart(
+/// Real minus simulated statistics of some pictures, one row for each view.
+pub(super) fn residuals(
     camera: &Camera,
     pictures: &[Real],
     seed: u64,
@@ -402,15 +403,15 @@ pub(super) fn apart(
 ) -> Result<Vec<Vec<f64>>> {
     let of = |real: &Real| -> Result<(usize, Vec<f64>)> {
         let light = focused(camera, &real.light);
-        let mut apart = real.found.clone();
+        let mut residuals = real.found.clone();
         for draw in 0..draws {
-            let number = real.number + draw * APART;
+            let number = real.number + draw * STRIDE;
             let picture = camera.sensor.picture(&light, seed, number)?;
-            for (apart, said) in apart.iter_mut().zip(look(&picture, &real.parts)) {
-                *apart -= said / draws as f64;
+            for (residual, simulated) in residuals.iter_mut().zip(look(&picture, &real.parts)) {
+                *residual -= simulated / draws as f64;
             }
         }
-        Ok((real.view, apart))
+        Ok((real.view, residuals))
     };
     let all: Vec<(usize, Vec<f64>)> = pictures.par_iter().map(of).collect::<Result<_>>()?;
     let mut views: Vec<usize> = all.iter().map(|(view, _)| *view).collect();
@@ -427,7 +428,8 @@ pub(super) fn apart(
         .collect())
 }
 
-/// How far views differ in each number, pooled over numbers of one kind: of few views, one number may be alike by chance.
+/// Standard deviation of each statistic between views, pooled over statistics of one kind, because with few views a single statistic
+/// may agree by chance.
 fn spread(rows: &[Vec<f64>]) -> Vec<f64> {
     let columns = rows.first().map_or(0, Vec::len);
     let variances: Vec<f64> = (0..columns)
@@ -447,12 +449,12 @@ fn spread(rows: &[Vec<f64>]) -> Vec<f64> {
         .collect()
 }
 
-/// How far the numbers of some views are from the real ones: 1 is as far as views differ from each other.
+/// Root mean square of real minus simulated statistics; 1 means that the difference is as large as the variation between views.
 pub(super) fn mismatch(rows: &[Vec<f64>], scale: &[f64]) -> f64 {
     let squares = rows.iter().flat_map(|row| row.iter().zip(scale));
     mean(
         &squares
-            .map(|(apart, s)| (apart / s).powi(2))
+            .map(|(residual, s)| (residual / s).powi(2))
             .collect::<Vec<_>>(),
     )
     .sqrt()

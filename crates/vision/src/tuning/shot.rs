@@ -1,4 +1,4 @@
-//! The real pictures, and where they were taken.
+//! Reads the real pictures, splits them into fitted and held-out views, and estimates where they were taken.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use super::CameraOptions;
 use super::correspondence::correspondences;
 use super::extrinsics::{Extrinsics, Prior, resect};
 use super::look::{Parts, look};
-use super::room::Room;
+use super::room::LitScene;
 use super::sensor::Real;
 use crate::camera::{Camera, luminance};
 use crate::{Grey, Picture, Shots};
@@ -24,19 +24,19 @@ pub(super) struct Shot {
     pub grey: Grey,
 }
 
-/// Fewest views that are fitted: intervals are by how much these differ.
+/// Smallest number of fitted views; intervals are computed from the variation between them.
 const FEWEST_VIEWS: usize = 3;
-/// From so many on, every third is left out to judge.
+/// With this many views or more, every third is held out to test the result.
 const MANY_VIEWS: usize = 6;
-/// Smallest picture, pixels.
+/// Smallest size of a picture, pixels.
 const SMALLEST: (usize, usize) = (64, 48);
-/// Fewest corners in a picture that say where it was taken.
+/// Smallest number of corners from which the pose of a picture is estimated.
 const FEWEST_CORNERS: usize = 12;
-/// Sizes in which corners are sought, and how far, pixels of that size.
+/// Reduction factors at which corners are searched for, and range of the search in reduced pixels.
 const SEARCHES: [(usize, i64); 5] = [(4, 7), (2, 5), (1, 5), (1, 3), (1, 3)];
-/// Sides below this are not made smaller, pixels.
+/// Pictures are not reduced if their shorter side would be below this, pixels.
 const SMALL_PX: usize = 60;
-/// Noise of simulated pictures begins here, far from the numbers of `realgap sense picture`.
+/// First number of the random streams of simulated pictures, which differs from the numbers of `realgap sense picture`.
 const FIRST_NUMBER: u64 = 1 << 24;
 
 pub(super) fn read(shots: &Shots) -> Result<Vec<Shot>> {
@@ -58,7 +58,7 @@ pub(super) fn read(shots: &Shots) -> Result<Vec<Shot>> {
                 && (first.grey.width(), first.grey.height()) != (width, height)
             {
                 let allowed = size(first.grey.width(), first.grey.height());
-                return error("one camera takes pictures of one size", allowed);
+                return error("the pictures of a camera must have the same size", allowed);
             }
             pictures.push(Shot {
                 view,
@@ -71,7 +71,7 @@ pub(super) fn read(shots: &Shots) -> Result<Vec<Shot>> {
     Ok(pictures)
 }
 
-/// Views that are fitted and views that only judge.
+/// The views that are fitted, and the views that are held out to test the result.
 pub(super) fn split(
     names: &[&str],
     shots: &Shots,
@@ -88,7 +88,7 @@ pub(super) fn split(
                 let found = there.iter().find(|v| names[**v] == name);
                 found.copied().ok_or_else(|| {
                     let known: Vec<&str> = there.iter().map(|v| names[*v]).collect();
-                    Error::invalid("no pictures of a view that is to be held out")
+                    Error::invalid("there are no pictures of a view that is to be held out")
                         .field("held_out")
                         .found(name)
                         .allowed(known.join(", "))
@@ -107,20 +107,20 @@ pub(super) fn split(
         return Err(Error::invalid("too few views to tune a camera")
             .found(counted(fitted.len(), "view"))
             .allowed(format!("{FEWEST_VIEWS} or more, held-out ones not counted"))
-            .hint("intervals are by how much views differ"));
+            .hint("intervals are computed from the variation between views"));
     }
     if held.is_empty() {
         warnings.push(Code::FewRecordings.warning(format!(
-            "{}: nothing is held out to judge the camera",
+            "{}: no view is held out to test the camera",
             counted(fitted.len(), "view")
         )));
     }
     Ok((fitted, held))
 }
 
-/// Where pictures were taken, and with what lens, if that is asked for: from small pictures to large ones.
+/// Estimates the poses of the pictures, and the lens if the prior asks for it, from reduced pictures to full size.
 pub(super) fn extrinsics_of(
-    room: Room<'_>,
+    lit_scene: LitScene<'_>,
     start: &Camera,
     shots: &[&Shot],
     prior: &Prior,
@@ -129,7 +129,7 @@ pub(super) fn extrinsics_of(
     let mut extrinsics: Vec<Extrinsics> = shots
         .iter()
         .map(|shot| Extrinsics {
-            meant: room.scene.views[shot.view].pose,
+            meant: lit_scene.scene.views[shot.view].pose,
             off: [0.0; 6],
             correspondences: Vec::new(),
         })
@@ -144,7 +144,7 @@ pub(super) fn extrinsics_of(
             .map(|(shot, its)| {
                 let sensor = prior.sensor;
                 correspondences(
-                    room,
+                    lit_scene,
                     (&camera, sensor),
                     &its.pose(),
                     &shot.grey,
@@ -157,8 +157,8 @@ pub(super) fn extrinsics_of(
                 return Err(Error::invalid("the scene is not found in the picture")
                     .at_file(&shot.path)
                     .found(counted(seen.len(), "corner"))
-                    .allowed(format!("{FEWEST_CORNERS} or more that look as in the scene"))
-                    .hint("the view's place, the light and the scene have to be about right; `realgap sense picture` shows them"));
+                    .allowed(format!("{FEWEST_CORNERS} or more that agree with the scene"))
+                    .hint("the position of the view, the light and the scene must be approximately right; `realgap sense picture` shows them"));
             }
             its.correspondences = seen;
         }
@@ -167,8 +167,9 @@ pub(super) fn extrinsics_of(
     Ok((camera, extrinsics))
 }
 
+/// The real pictures with their statistics, and the simulated light at their poses.
 pub(super) fn reals_of(
-    room: Room<'_>,
+    lit_scene: LitScene<'_>,
     camera: &Camera,
     shots: &[&Shot],
     extrinsics: &[Extrinsics],
@@ -178,7 +179,7 @@ pub(super) fn reals_of(
         .zip(extrinsics)
         .enumerate()
         .map(|(index, (shot, its))| {
-            let light = luminance(room.scene, camera, &its.pose(), room.light);
+            let light = luminance(lit_scene.scene, camera, &its.pose(), lit_scene.light);
             let parts = Parts::new(&light)?;
             Ok(Real {
                 found: look(&shot.picture, &parts),

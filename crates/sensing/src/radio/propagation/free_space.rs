@@ -1,4 +1,4 @@
-//! Free space: a square law.
+//! The propagation model `free-space`: power falls with the square of the distance.
 
 use super::{Link, Parameter, Propagation, Terms};
 use realgap_core::constant_methods;

@@ -1,4 +1,4 @@
-//! Log-distance: a power law with an exponent of its own.
+//! The propagation model `log-distance`: a power law whose exponent is a parameter.
 
 use super::{Link, Parameter, Propagation, Terms};
 use realgap_core::constant_methods;

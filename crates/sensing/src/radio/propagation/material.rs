@@ -1,9 +1,9 @@
-//! Materials: a loss for each class of wall.
+//! The propagation model `materials`: a loss for each wall that depends on its material.
 
 use super::{Link, LogDistance, Parameter, Propagation, Terms};
 use realgap_core::constant_methods;
 
-/// P(d₀) − 10 n log(d/d₀) − Σ WAF of the material of each of the first C walls.
+/// P(d₀) − 10 n log(d/d₀) − Σ WAF, with the sum over the first C walls and WAF the loss of the material of each wall.
 pub struct Materials;
 
 impl Propagation for Materials {

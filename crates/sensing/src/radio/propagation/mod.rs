@@ -1,4 +1,5 @@
-//! Propagation models: how strength falls with distance and walls. One file and one line of [`PROPAGATIONS`] each.
+//! Propagation models: the strength of a signal as a function of distance and walls. Each model is one file and one line of
+//! [`PROPAGATIONS`].
 
 mod free_space;
 mod log_distance;
@@ -35,7 +36,7 @@ pub fn propagation_by_name(name: &str) -> Result<&'static dyn Propagation> {
 pub struct Parameter {
     /// Name in files and tables.
     pub name: String,
-    /// Its unit, empty for none.
+    /// Unit of the parameter; empty for a parameter without unit.
     pub unit: &'static str,
 }
 
@@ -53,39 +54,39 @@ impl Parameter {
     }
 }
 
-/// What a model asks of a link beyond the link itself.
+/// Quantities that a propagation model needs in addition to the link itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Terms<'a> {
-    /// Logarithm of distance over reference distance, in the model's base.
+    /// Logarithm of the distance divided by the reference distance, in the model's base.
     pub log_distance: f64,
-    /// This is the same logarithm in base 10.
+    /// Logarithm of the distance divided by the reference distance, in base 10.
     pub log10_distance: f64,
-    /// C: walls beyond so many do not count.
+    /// C, the largest number of walls that count.
     pub cap: usize,
-    /// Materials that have a loss of their own.
+    /// Materials whose losses are parameters of the model.
     pub materials: &'a [String],
 }
 
-/// A family of models, linear in its parameters for a given cap.
+/// A propagation model, which is linear in its parameters for a given cap.
 pub trait Propagation: Sync {
     /// Name in files and options.
     fn name(&self) -> &'static str;
 
-    /// The formula, for people.
+    /// The formula, as shown to users.
     fn formula(&self) -> &'static str;
 
     /// The parameters; the strength at the reference distance comes first.
     fn parameters(&self, materials: &[String]) -> Vec<Parameter>;
 
-    /// What each parameter is multiplied with for a link; as many as parameters.
+    /// The factor of each parameter for a link, in the order of the parameters.
     fn factors(&self, link: &Link, terms: &Terms<'_>) -> Vec<f64>;
 
-    /// What is added whatever the parameters are, dB.
+    /// A term that does not depend on the parameters, dB.
     fn fixed_db(&self, _link: &Link, _terms: &Terms<'_>) -> f64 {
         0.0
     }
 
-    /// Whether it says something of walls.
+    /// Whether the strength depends on walls.
     fn has_walls(&self) -> bool {
         false
     }
@@ -93,7 +94,7 @@ pub trait Propagation: Sync {
 
 realgap_core::serde_by_name!(dyn Propagation, propagation_by_name);
 
-/// The capped number of walls, as equation 2 of paper 002 has it.
+/// The capped number of walls, min(nW, C), of equation 2 of paper 002.
 fn counted_walls(link: &Link, cap: usize) -> f64 {
     link.walls().min(cap) as f64
 }

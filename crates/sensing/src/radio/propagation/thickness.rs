@@ -1,10 +1,10 @@
-//! Thickness: a loss for each wall and one for each metre of it.
+//! The propagation model `thickness`: a loss for each wall and a loss for each metre of wall.
 
 use super::{Link, Parameter, Propagation, Terms, Walls};
 use realgap_core::constant_methods;
 
-/// As [`Walls`], and a loss for every metre of wall along the ray: two crossings of thin walls lose less than one of a thick one
-/// hit at a shallow angle.
+/// The model [`Walls`] with an additional loss for every metre of wall along the ray. A ray through two thin walls may lose less than a
+/// ray that crosses one thick wall at a shallow angle.
 pub struct Thickness;
 
 impl Propagation for Thickness {

@@ -1,4 +1,4 @@
-//! Walls: the same loss for each, up to a number.
+//! The propagation model `walls`: the same loss for each wall, up to a maximum number of walls.
 
 use super::{Link, LogDistance, Parameter, Propagation, Terms, counted_walls};
 use realgap_core::constant_methods;

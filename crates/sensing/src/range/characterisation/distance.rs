@@ -1,4 +1,4 @@
-//! What was read at each distance, in numbers and in words.
+//! Statistics of the readings at each distance, and warnings about rounding and several peaks.
 
 use serde::Serialize;
 
@@ -9,7 +9,7 @@ use realgap_core::statistics::{LEAST_FOR_NORMALITY, anderson_darling, mean, stan
 use realgap_core::unit::number;
 use realgap_core::warning::{Code, Warning};
 
-/// What was read at one distance and one pair of angles, in one session.
+/// Statistics of the readings at one distance and one pair of angles, in one session.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DistanceReport {
@@ -19,44 +19,48 @@ pub struct DistanceReport {
     pub incidence_deg: f64,
     /// Angle of offset, degrees.
     pub offset_deg: f64,
-    /// The session, where the log tells sessions apart.
+    /// The session, if the log names sessions.
     pub session: Option<String>,
-    /// Readings that came and are no outliers.
+    /// Number of readings without dropouts and outliers.
     pub readings: usize,
-    /// How many of these differ.
+    /// Number of different values among these readings.
     pub different: usize,
-    /// Where they crowd, if in several places: rising.
+    /// Peaks of the distribution of readings in rising order, if there are several.
     pub peaks: Vec<Peak>,
-    /// Readings that have nothing to do with the distance.
+    /// Number of readings that have nothing to do with the distance.
     pub outliers: usize,
-    /// Readings that never came.
+    /// Number of dropouts.
     pub dropouts: usize,
     /// Mean of the readings.
     pub mean: Option<f64>,
-    /// This is the standard deviation of the readings.
+    /// Standard deviation of the readings.
     pub sd: Option<f64>,
-    /// Mean less the model's.
+    /// Mean of the readings minus the mean of the model.
     pub residual: Option<f64>,
-    /// Standard deviation over the model's.
+    /// Standard deviation of the readings divided by that of the model.
     pub sd_ratio: Option<f64>,
-    /// This is the p value of the Anderson–Darling test of normality, where there are enough readings.
+    /// p value of the Anderson–Darling test of normality; `None` for too few readings.
     pub normality_p: Option<f64>,
 }
 
-/// How many distances are normal.
+/// Results of the tests of normality at all distances.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Normality {
-    /// Distances with enough readings.
+    /// Number of distances with enough readings for a test.
     pub tested: usize,
-    /// How many of these tests have p below 5 %; one in twenty by chance.
+    /// Number of tests with p below 5 %; by chance alone one in twenty.
     pub rejected: usize,
     /// Smallest p value times the number of tests (Bonferroni), at most 1.
     pub adjusted_p: f64,
 }
 
-/// Readings that come in steps as wide as they spread, or crowd in several places, in words.
-pub(super) fn crowds(distances: &[DistanceReport], step: f64, unit: &str) -> Vec<Warning> {
+/// Warnings if readings are rounded to steps that are wide compared with their standard deviation, or if they have several peaks.
+pub(super) fn reading_warnings(
+    distances: &[DistanceReport],
+    step: f64,
+    unit: &str,
+) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let many: Vec<&DistanceReport> = distances.iter().filter(|d| d.readings >= FEW).collect();
     let is_rounded = |d: &&&DistanceReport| d.sd.is_some_and(|sd| step > ROUNDED * sd);
@@ -64,13 +68,13 @@ pub(super) fn crowds(distances: &[DistanceReport], step: f64, unit: &str) -> Vec
     if rounded > 0 {
         let alone = many.iter().filter(|d| d.different == 1).count();
         warnings.push(Code::QuantisedReadings.warning(format!(
-            "readings come in steps of {} {unit}, more than half of what they spread at {rounded} of {} distances; at {alone} all are the same: the spread there is at least that of rounding",
+            "readings are rounded to steps of {} {unit}, more than half of their standard deviation at {rounded} of {} distances; at {alone} all readings are the same: the fitted standard deviation there is at least that of rounding",
             number(step),
             many.len()
         )));
     }
-    let crowded: Vec<&DistanceReport> = distances.iter().filter(|d| !d.peaks.is_empty()).collect();
-    if let Some(most) = crowded
+    let several: Vec<&DistanceReport> = distances.iter().filter(|d| !d.peaks.is_empty()).collect();
+    if let Some(most) = several
         .iter()
         .max_by(|a, b| least_share(a).total_cmp(&least_share(b)))
     {
@@ -80,8 +84,8 @@ pub(super) fn crowds(distances: &[DistanceReport], step: f64, unit: &str) -> Vec
             .map(|p| format!("{} ({:.0} %)", number(p.centre), 100.0 * p.share))
             .collect();
         warnings.push(Code::SeveralPeaks.warning(format!(
-            "readings crowd in several places at {} of {} distances, e.g. at {}: {} {unit}; one normal spread holds all of them",
-            crowded.len(),
+            "readings have several peaks at {} of {} distances, e.g. at {}: {} {unit}; the model describes all of them by one normal distribution",
+            several.len(),
             distances.len(),
             most.distance,
             peaks.join(", ")
@@ -90,9 +94,9 @@ pub(super) fn crowds(distances: &[DistanceReport], step: f64, unit: &str) -> Vec
     warnings
 }
 
-/// Fewest readings that steps are told of.
+/// Smallest number of readings at a distance for the warning about rounding.
 const FEW: usize = 5;
-/// Steps count from this share of the spread on.
+/// Readings count as rounded if their steps are larger than this share of their standard deviation.
 const ROUNDED: f64 = 0.5;
 
 fn least_share(report: &DistanceReport) -> f64 {

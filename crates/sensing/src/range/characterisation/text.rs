@@ -1,4 +1,4 @@
-//! A characterisation in words.
+//! Formats a characterisation as text for the terminal.
 
 use std::fmt;
 
@@ -9,10 +9,10 @@ use realgap_core::table::Side::{Left, Right};
 use realgap_core::table::{Column, TextTable};
 use realgap_core::unit::number;
 
-/// Most rows of the table of distances; a log of thousands of different distances has its own file.
+/// Largest number of rows of the table of distances, because a log may have thousands of different distances.
 const MOST_ROWS: usize = 60;
 
-/// Five significant digits.
+/// A number with five significant digits.
 fn digits(value: f64) -> String {
     if value != 0.0 && !(1e-3..1e6).contains(&value.abs()) {
         return format!("{value:.4e}");
@@ -78,15 +78,12 @@ impl fmt::Display for Characterisation {
         values(f, "mean", self.mean_form, &self.mean, level)?;
         values(f, "spread", self.spread_form, &self.spread, level)?;
         self.write_sessions(f)?;
-        writeln!(f, "never came: {}", share(&self.dropouts, level))?;
-        writeln!(f, "nonsense:   {}", share(&self.outliers, level))?;
+        writeln!(f, "dropouts: {}", share(&self.dropouts, level))?;
+        writeln!(f, "outliers: {}", share(&self.outliers, level))?;
         match self.lack_of_fit_p {
-            Some(p) => writeln!(
-                f,
-                "misses the mean readings by chance alone with p = {p:.3}"
-            )?,
+            Some(p) => writeln!(f, "lack of fit of the mean readings: p = {p:.3}")?,
             None if self.sessions.is_none() => {
-                writeln!(f, "too few readings a distance to test the form")?;
+                writeln!(f, "too few readings at each distance to test the form")?;
             }
             None => {}
         }
@@ -111,12 +108,18 @@ impl Characterisation {
         };
         writeln!(
             f,
-            "sessions: {}; spreads and intervals are those within and between them",
+            "sessions: {}; standard deviations and intervals take the variation within and between sessions into account",
             found.sessions
         )?;
         let rows = [
-            ("  a session adds everywhere", found.everywhere),
-            ("  and at each distance by itself", found.by_distance),
+            (
+                "  between sessions, at all distances together",
+                found.everywhere,
+            ),
+            (
+                "  between sessions, at each distance separately",
+                found.by_distance,
+            ),
         ];
         let interval = format!("{:.0} % interval", 100.0 * self.level);
         let table = TextTable::of(
@@ -140,7 +143,7 @@ impl Characterisation {
             ],
         );
         f.write_str(&table.render(false))?;
-        writeln!(f, "the next session, {interval}s:")?;
+        writeln!(f, "prediction of the next session, {interval}s:")?;
         let table = TextTable::of(
             found.next.iter().take(MOST_ROWS),
             &[
@@ -163,20 +166,20 @@ impl Characterisation {
         }
         writeln!(
             f,
-            "\nforms, by the log density of readings at distances that were left out"
+            "\nforms, by the log density of readings at left-out distances (cross-validation)"
         )?;
         let behind = |c: &Candidate| c.behind.unwrap_or(f64::INFINITY);
         let mut order = self.candidates.clone();
         order.sort_by(|a, b| behind(a).total_cmp(&behind(b)));
-        let of = |v: Option<f64>| v.map_or("cannot be".to_owned(), |v| format!("{v:.4}"));
+        let of = |v: Option<f64>| v.map_or("no fit".to_owned(), |v| format!("{v:.4}"));
         let table = TextTable::of(
             &order,
             &[
                 ("  mean", Left, &|c| format!("  {}", c.mean)),
                 ("spread", Left, &|c| c.spread.to_owned()),
                 ("parameters", Right, &|c| c.parameters.to_string()),
-                ("a reading", Right, &|c| of(c.log_score)),
-                ("behind", Right, &|c| of(c.behind)),
+                ("log density", Right, &|c| of(c.log_score)),
+                ("below the best", Right, &|c| of(c.behind)),
                 ("± standard error", Left, &|c| {
                     of(c.behind_error) + if c.is_chosen { "  chosen" } else { "" }
                 }),
@@ -191,7 +194,7 @@ impl Characterisation {
         };
         writeln!(
             f,
-            "\nhow many readings are enough ({} at {}, bins of {}): the histogram changes by less than {:.1} % from {} readings on, which know the spread to {:.1} %",
+            "\nhow many readings are enough ({} at {}, bins of {}): the histogram changes by less than {:.1} % from {} readings on, with which the standard error of the spread is {:.1} %",
             size.readings,
             size.distance,
             number(size.bin),
@@ -203,9 +206,7 @@ impl Characterisation {
             &size.steps,
             &[
                 ("  readings", Right, &|s| s.readings.to_string()),
-                ("in another bin", Right, &|s| {
-                    format!("{:.1} %", 100.0 * s.change)
-                }),
+                ("change", Right, &|s| format!("{:.1} %", 100.0 * s.change)),
             ],
         );
         f.write_str(&table.render(false))
@@ -230,7 +231,7 @@ impl Characterisation {
         let numbers: [Column<'_, DistanceReport>; 8] = [
             ("readings", Right, &|d| d.readings.to_string()),
             ("mean", Right, &|d| d.mean.map_or_else(none, digits)),
-            ("off the model", Right, &|d| {
+            ("residual", Right, &|d| {
                 d.residual.map_or_else(none, |r| format!("{r:+.3e}"))
             }),
             ("sd", Right, &|d| d.sd.map_or_else(none, digits)),
@@ -240,19 +241,19 @@ impl Characterisation {
             ("normal p", Right, &|d| {
                 d.normality_p.map_or_else(none, |p| format!("{p:.3}"))
             }),
-            ("nonsense", Right, &|d| d.outliers.to_string()),
-            ("never came", Right, &|d| d.dropouts.to_string()),
+            ("outliers", Right, &|d| d.outliers.to_string()),
+            ("dropouts", Right, &|d| d.dropouts.to_string()),
         ];
         columns.extend(numbers);
-        let crowds: Column<'_, DistanceReport> = ("crowds at", Left, &|d| {
+        let peaks: Column<'_, DistanceReport> = ("peaks at", Left, &|d| {
             let peaks = d.peaks.iter();
             let words: Vec<String> = peaks
                 .map(|p| format!("{} ({:.0} %)", digits(p.centre), 100.0 * p.share))
                 .collect();
             words.join(", ")
         });
-        let is_crowded = self.distances.iter().any(|d| !d.peaks.is_empty());
-        columns.extend(is_crowded.then_some(crowds));
+        let has_peaks = self.distances.iter().any(|d| !d.peaks.is_empty());
+        columns.extend(has_peaks.then_some(peaks));
         let table = TextTable::of(self.distances.iter().take(MOST_ROWS), &columns);
         let text = table.render(false);
         f.write_str(text.trim_end())?;

@@ -1,4 +1,4 @@
-//! An exponential of the distance.
+//! The form `exponential`: an exponential function of the distance.
 
 use super::{Form, Point, log_points, weighted_line};
 use realgap_core::constant_methods;

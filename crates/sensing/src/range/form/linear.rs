@@ -1,4 +1,4 @@
-//! A straight line.
+//! The form `linear`: a straight line over the distance.
 
 use super::{Form, Point, weighted_line};
 use realgap_core::constant_methods;

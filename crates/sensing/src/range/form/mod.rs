@@ -1,4 +1,5 @@
-//! Forms: what a mean or a spread may look like as a function of the distance. One file and one line of [`FORMS`] each.
+//! Families of curves for the mean and the standard deviation of readings as functions of the distance. Each family is one file
+//! and one line of [`FORMS`].
 
 mod exponential;
 mod linear;
@@ -27,14 +28,14 @@ pub fn form_by_name(name: &str) -> Result<&'static dyn Form> {
     look_up("form of a sensor model", name, FORMS, |form| form.name())
 }
 
-/// A value at a distance, with its weight.
+/// A value at a distance, with its weight in a fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
     /// Distance, in the model's unit of length.
     pub d: f64,
-    /// The value there.
+    /// The value at the distance.
     pub y: f64,
-    /// Its weight, above 0: one over its variance, up to a common factor.
+    /// Weight of the value, above 0: one divided by its variance, up to a common factor.
     pub weight: f64,
 }
 
@@ -43,10 +44,10 @@ pub trait Form: Sync {
     /// Name in files and options.
     fn name(&self) -> &'static str;
 
-    /// The formula, for people.
+    /// The formula, as shown to users.
     fn formula(&self) -> &'static str;
 
-    /// Distances at which the curve has values of its own, chosen from the sorted different distances of a log; empty for a formula.
+    /// Knots of a curve that is made of pieces, chosen from the sorted different distances of a log; empty for a formula.
     fn knots(&self, _distances: &[f64]) -> Vec<f64> {
         Vec::new()
     }
@@ -57,15 +58,16 @@ pub trait Form: Sync {
     /// The value at distance `d`.
     fn value(&self, knots: &[f64], parameters: &[f64], d: f64) -> f64;
 
-    /// Its derivatives by the parameters.
+    /// The derivatives of the value with respect to the parameters.
     fn gradient(&self, knots: &[f64], parameters: &[f64], d: f64) -> Vec<f64>;
 
-    /// Whether a parameter is a factor on values, so that its error is one of its logarithm where it has to be above 0.
+    /// Whether a parameter is a factor of the values. If the values must be above 0, the interval of such a parameter is computed from
+    /// its logarithm.
     fn is_factor(&self, _parameter: usize) -> bool {
         false
     }
 
-    /// Parameters near the points, from which a fit may start; `None` where the form cannot be near them.
+    /// Parameters of a curve near the points, from which a fit can start; `None` if the form has no curve near them.
     fn start(&self, knots: &[f64], points: &[Point]) -> Option<Vec<f64>>;
 }
 
@@ -79,10 +81,10 @@ pub struct Curve {
     /// Form of the curve, by name; `realgap sense characterise --help` lists them.
     #[cfg_attr(feature = "schema", schemars(with = "String"))]
     pub form: &'static dyn Form,
-    /// Distances between which its pieces lie, for forms made of pieces.
+    /// Knots (distances) of a curve that is made of pieces.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub knots: Vec<f64>,
-    /// Its parameters.
+    /// Parameters of the form.
     pub values: Vec<f64>,
 }
 
@@ -109,15 +111,16 @@ impl Curve {
         } = self;
         let names = form.parameters(knots);
         if names.len() != values.len() || names.is_empty() {
-            return Err(
-                Error::invalid(format!("a {} form needs other values", form.name()))
-                    .field("values")
-                    .found(format!("{} values", values.len()))
-                    .allowed(match names.len() {
-                        0 => "a table has knots, and a value at each".to_owned(),
-                        count => format!("{count}: {}", names.join(", ")),
-                    }),
-            );
+            return Err(Error::invalid(format!(
+                "wrong number of values for the form {}",
+                form.name()
+            ))
+            .field("values")
+            .found(format!("{} values", values.len()))
+            .allowed(match names.len() {
+                0 => "knots, and one value at each knot".to_owned(),
+                count => format!("{count}: {}", names.join(", ")),
+            }));
         }
         if let Some(value) = values.iter().chain(knots).find(|v| !v.is_finite()) {
             return Err(Error::invalid("not a finite number")
@@ -135,7 +138,7 @@ impl Curve {
         self.form.value(&self.knots, &self.values, d)
     }
 
-    /// Its derivatives by the parameters.
+    /// The derivatives of the value at distance `d` with respect to the parameters.
     pub fn gradient(&self, d: f64) -> Vec<f64> {
         self.form.gradient(&self.knots, &self.values, d)
     }
@@ -155,7 +158,7 @@ fn weighted_line(points: &[Point]) -> Option<[f64; 2]> {
     (sum > 0.0 && slope.is_finite()).then_some([y - slope * d, slope])
 }
 
-/// Sign and logarithms of values of one sign, over `along` of the distance; `None` for values of both signs.
+/// Sign of the values and points with their logarithms, over the function `along` of the distance; `None` for values of both signs.
 fn log_points(points: &[Point], along: impl Fn(f64) -> f64) -> Option<(f64, Vec<Point>)> {
     let sign = points.first()?.y.signum();
     let logs = points.iter().map(|p| {
@@ -163,14 +166,14 @@ fn log_points(points: &[Point], along: impl Fn(f64) -> f64) -> Option<(f64, Vec<
         (size > 0.0 && p.d > 0.0).then(|| Point {
             d: along(p.d),
             y: libm::log(size),
-            // A deviation of y is one of log y times y.
+            // The standard deviation of log y is that of y divided by y.
             weight: p.weight * size * size,
         })
     });
     Some((sign, logs.collect::<Option<_>>()?))
 }
 
-/// Parameters of a form that is linear in them.
+/// Weighted least squares for a form that is linear in its parameters.
 fn least_squares(points: &[Point], gradient: impl Fn(f64) -> Vec<f64>) -> Option<Vec<f64>> {
     let rows: Vec<Vec<f64>> = points.iter().map(|p| gradient(p.d)).collect();
     let columns = rows.first()?.len();

@@ -1,9 +1,9 @@
-//! A power of the distance.
+//! The form `power`: a power of the distance.
 
 use super::{Form, Point, log_points, weighted_line};
 use realgap_core::constant_methods;
 
-/// `factor · d^exponent`: infrared sensors, whose light spreads.
+/// `factor · d^exponent`, for example for infrared sensors, whose received light falls with a power of the distance.
 pub struct Power;
 
 impl Form for Power {

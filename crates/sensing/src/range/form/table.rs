@@ -1,16 +1,16 @@
-//! Values at given distances, straight between them.
+//! The form `table`: values at given distances with linear interpolation.
 
 use super::{Form, Point, least_squares};
 use realgap_core::constant_methods;
 
-/// Values at knots, linear between two, constant beyond the ends: what fits where no formula does.
+/// Values at knots, linear between neighbouring knots and constant beyond the ends, for data that no formula fits.
 pub struct Table;
 
-/// Most knots of a fitted table.
+/// Largest number of knots of a fitted table.
 const MOST_KNOTS: usize = 21;
 
 impl Table {
-    /// Index of the knot below and the share of the way to the next.
+    /// Index of the knot below the distance, and the position between it and the next knot (0 to 1).
     fn place(knots: &[f64], d: f64) -> (usize, f64) {
         let last = knots.len() - 1;
         let above = knots.partition_point(|knot| *knot <= d);

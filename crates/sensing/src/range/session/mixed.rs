@@ -1,4 +1,4 @@
-//! The likelihood of residuals that sessions share.
+//! The restricted likelihood of a mixed model with random effects of sessions.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -6,12 +6,13 @@ use super::super::fit::{factor, scaled_by};
 use super::Spread;
 use realgap_core::statistics::mean;
 
-/// Cells above which degrees of freedom are those of the sessions alone, because the exact ones cost the cube of the cells.
+/// With more cells than this, the degrees of freedom are those of the sessions alone, because the cost of the exact ones grows with
+/// the cube of the number of cells.
 const MOST_CELLS: usize = 600;
-/// −2 times the logarithm of the likelihood ratio that one more assumption needs: 1 % by chance (Wilks 1938).
+/// Critical value, at a level of 1 %, of −2 times the logarithm of the likelihood ratio for one more parameter (Wilks 1938).
 const CLEAR: f64 = 6.63;
 
-/// How readings of a log that are spread by sessions weigh.
+/// The data of the mixed model: residuals, gradients and weights of the random effects of all cells.
 pub(super) struct Mixed {
     /// Residuals of the cells' means from the curve.
     pub residual: DVector<f64>,
@@ -19,13 +20,17 @@ pub(super) struct Mixed {
     pub gradient: DMatrix<f64>,
     /// Variance of the cells' means within their session.
     pub within: Vec<f64>,
+    /// Index of the session of each cell.
     pub session: Vec<usize>,
+    /// Number of sessions.
     pub sessions: usize,
-    /// Weights w and u.
+    /// Weight w of each cell in the effect that a session has at all distances.
     pub everywhere: Vec<f64>,
+    /// Weight u of each cell in the effect that a session has at each distance separately.
     pub by_distance: Vec<f64>,
-    /// Whether w and u grow with the mean reading, and the mean of all mean readings.
+    /// Whether w and u grow with the mean reading.
     pub grow: [bool; 2],
+    /// Mean of the absolute values of all mean readings.
     pub usual: f64,
 }
 
@@ -38,7 +43,8 @@ pub(super) struct Solved {
 }
 
 impl Mixed {
-    /// V⁻¹ times the columns of a matrix, and ln |V|, session by session: a diagonal and one column more (Sherman & Morrison 1950).
+    /// V⁻¹ times the columns of a matrix, and ln |V|. For each session V is a diagonal matrix plus one of rank one (Sherman & Morrison
+    /// 1950).
     fn weigh(&self, [a, c]: [f64; 2], of: &DMatrix<f64>) -> (DMatrix<f64>, f64) {
         let diagonal: Vec<f64> = (0..self.within.len())
             .map(|k| self.within[k] + c * self.by_distance[k].powi(2))
@@ -94,7 +100,7 @@ impl Mixed {
         })
     }
 
-    /// The variances of least deviance: golden sections of their roots in turn.
+    /// The variances with the smallest deviance, by nested golden-section searches over the standard deviations.
     pub(super) fn variances(&self, most: f64) -> [f64; 2] {
         let deviance = |sds: [f64; 2]| {
             let solved = self.solve([sds[0] * sds[0], sds[1] * sds[1]]);
@@ -119,7 +125,7 @@ impl Mixed {
         let (inverse, _) = self.weigh(variances, &DMatrix::identity(cells, cells));
         let weighed = &inverse * &self.gradient;
         let p = &inverse - &weighed * &solved.covariance * weighed.transpose();
-        // P times the two derivatives of V: blocks of a session, a diagonal.
+        // P times the derivatives of V with respect to the two variances: one has a block for each session, the other is diagonal.
         let mut sums = DMatrix::<f64>::zeros(cells, self.sessions);
         for k in 0..cells {
             for row in 0..cells {
@@ -138,7 +144,7 @@ impl Mixed {
         information.try_inverse()
     }
 
-    /// Satterthwaite's degrees of freedom of a variance that is a function of the two.
+    /// Satterthwaite's degrees of freedom of a variance that is a function of the two variances.
     pub(super) fn degrees(
         &self,
         variances: [f64; 2],
@@ -166,7 +172,7 @@ impl Mixed {
     }
 }
 
-/// Where a function of one peak or valley is least between 0 and `most`, to a thousandth of it.
+/// The minimum between 0 and `most` of a function with one minimum, to a thousandth of `most`, by golden-section search.
 fn golden(most: f64, of: &dyn Fn(f64) -> f64) -> f64 {
     const RATIO: f64 = 0.618_033_988_749_894_9;
     let (mut low, mut high) = (0.0, most);
@@ -188,8 +194,8 @@ fn golden(most: f64, of: &dyn Fn(f64) -> f64) -> f64 {
 }
 
 impl Mixed {
-    /// The deviance, with what an error of scale has to gain to be believed rather than a plain amount.
-    pub(super) fn doubt(&self, solved: &Solved) -> f64 {
+    /// The deviance plus a penalty for each effect that is an error of scale instead of a constant offset.
+    pub(super) fn penalised_deviance(&self, solved: &Solved) -> f64 {
         let grow = self.grow.iter().filter(|grows| **grows).count();
         solved.deviance + CLEAR * grow as f64
     }
