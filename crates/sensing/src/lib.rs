@@ -39,4 +39,5 @@ pub mod belief;
 pub mod graph;
 pub mod radio;
 pub mod range;
+#[cfg(feature = "papers")]
 pub mod task;

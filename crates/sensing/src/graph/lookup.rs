@@ -1,7 +1,7 @@
 //! The log itself as a model: what was read nearest to a pose.
 
+use super::angle::wrapped;
 use super::model::{LoggedPose, NOTHING, Sensorgraph};
-use super::scan::wrapped;
 
 /// Metres that a radian of heading counts as, for what the nearest pose is.
 const METRES_PER_RADIAN: f64 = 1.0;

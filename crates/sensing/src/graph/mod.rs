@@ -1,25 +1,21 @@
 //! Sensorgraphs: what a scanner reads at a place, as transparent polynomials (paper 001).
 //!
-//! A [`ScanLog`] of poses and scans becomes medians of segments; for each heading and segment, or for each direction of the world,
-//! [`fit`](fit()) finds a polynomial in (x, y) whose terms forward regression chooses ([`regression`]). An [`Evaluation`] holds the
-//! model against a log that it has not seen, beside the guesses that a reader would ask for.
+//! A [`Sensorgraph`] foretells the ranges of a scanner at any pose. With the feature `papers` it is calibrated, too: a [`ScanLog`] of
+//! poses and scans becomes medians of segments; for each heading and segment, or for each direction of the world, [`fit`](fit())
+//! finds a polynomial in (x, y) whose terms forward regression chooses ([`regression`]). An [`Evaluation`] compares the model with a
+//! log that it was not fitted to, and states the errors of simple baselines beside it.
 
-mod evaluation;
-mod export;
-mod fit;
-mod logger;
+mod angle;
+#[cfg(feature = "papers")]
+mod calibration;
 mod lookup;
 mod model;
-mod option;
-mod polynomial;
-pub mod regression;
-mod sample;
-mod scan;
+mod monomial;
 
-pub use evaluation::{Evaluation, SegmentReport};
-pub use export::{Language, functions};
-pub use fit::{FittedGraph, Lag, fit};
-pub use logger::Logger;
+#[cfg(feature = "papers")]
+pub use calibration::{
+    Evaluation, FittedGraph, GraphOptions, Lag, Language, Logger, Scan, ScanLog, SegmentReport,
+    fit, functions, regression,
+};
 pub use model::{Frame, LoggedPose, Polynomial, Sensorgraph, Term};
-pub use option::GraphOptions;
-pub use scan::{Scan, ScanLog};
+pub use monomial::Powers;

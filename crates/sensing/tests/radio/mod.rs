@@ -359,15 +359,15 @@ fn a_real_flat_is_foretold_better_than_by_fingerprints() {
     )
     .unwrap();
     println!("{seen}");
-    let guess = |name: &str| {
-        seen.guesses
+    let baseline = |name: &str| {
+        seen.baselines
             .iter()
             .find(|g| g.name == name)
             .unwrap()
             .rmse_db
     };
-    assert!(seen.rmse_db < guess("fingerprints"));
-    assert!(seen.rmse_db < guess("log-distance") && seen.rmse_db < guess("free-space"));
+    assert!(seen.rmse_db < baseline("fingerprints"));
+    assert!(seen.rmse_db < baseline("log-distance") && seen.rmse_db < baseline("free-space"));
     assert!(
         (0.85..0.95).contains(&seen.coverage_90),
         "{}",

@@ -12,11 +12,11 @@ use distance::{crowds, normality, report};
 use super::cell::{Cell, Summary, cells, outlier_model, summaries};
 use super::choice::{Candidate, choose};
 use super::fit::{Fitted, Plan, fit};
-use super::form::{FORMS, Form, Linear};
 use super::log::ReadingLog;
-use super::model::{RangeModel, ReadingUnit};
 use super::sample_size::{SampleSize, study};
 use super::session::{LEAST_SESSIONS, SessionSpread, with_sessions};
+use crate::range::form::{FORMS, Form, Linear};
+use crate::range::model::{RangeModel, ReadingUnit};
 use realgap_core::error::{Error, Result};
 use realgap_core::statistics::{
     LEAST_FOR_NORMALITY, Proportion, normal_quantile, student_quantile,
@@ -128,7 +128,7 @@ struct Numbers<'a> {
     incidence_per_deg: f64,
     offset_per_deg: f64,
     dropout: f64,
-    outliers: super::model::Outliers,
+    outliers: crate::range::model::Outliers,
     session_sd: f64,
     session_share: f64,
 }

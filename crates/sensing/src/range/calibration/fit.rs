@@ -6,7 +6,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::cell::Summary;
-use super::form::{Curve, Form, Point};
+use crate::range::form::{Curve, Form, Point};
 
 /// What is fitted.
 #[derive(Debug, Clone, Copy)]

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::model::RadioModel;
+use crate::radio::model::RadioModel;
 use realgap_core::table::Side::{Left, Right};
 use realgap_core::table::TextTable;
 use realgap_core::unit::{counted, number};

@@ -3,7 +3,7 @@
 use realgap_core::random::Numbered;
 use realgap_core::{Error, Result, Warning};
 
-use super::{Beam, RangeModel, RangeSensor, ReadingUnit};
+use crate::range::{Beam, RangeModel, RangeSensor, ReadingUnit};
 
 /// Most rows of a log.
 const MOST: usize = 5_000_000;
@@ -108,8 +108,8 @@ impl DrawnLog {
 
 #[cfg(test)]
 mod tests {
-    use super::super::find_sensor;
     use super::*;
+    use crate::range::find_sensor;
 
     #[test]
     fn the_same_seed_draws_the_same_log_and_a_row_is_a_reading() {

@@ -144,7 +144,11 @@ fn cannot() -> Error {
 }
 
 /// The spread of readings within their session: deviations from the session's own mean.
-fn spread_within(plan: Plan, fitted: &Fitted, twice: &[&Summary]) -> Option<super::form::Curve> {
+fn spread_within(
+    plan: Plan,
+    fitted: &Fitted,
+    twice: &[&Summary],
+) -> Option<crate::range::form::Curve> {
     let data: Vec<Summary> = twice
         .iter()
         .map(|s| Summary {

@@ -1,7 +1,7 @@
 //! How a log becomes a sensorgraph.
 
-use super::model::Frame;
 use super::regression::Stop;
+use crate::graph::model::Frame;
 use realgap_core::error::Result;
 use realgap_core::range::Range;
 

@@ -1,6 +1,6 @@
 //! A sensorgraph as functions in other languages: nothing but arithmetic, so that it runs anywhere.
 
-use super::model::{Frame, Polynomial, Sensorgraph};
+use crate::graph::model::{Frame, Polynomial, Sensorgraph};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::look_up;
 

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::cell::Summary;
 use super::fit::{Plan, fit};
-use super::form::Form;
+use crate::range::form::Form;
 
 /// A pair of forms and how well it foretells.
 #[derive(Debug, Clone, PartialEq, Serialize)]

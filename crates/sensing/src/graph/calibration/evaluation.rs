@@ -5,10 +5,10 @@ use std::fmt;
 use rand::RngExt;
 use serde::Serialize;
 
-use super::model::{Frame, NOTHING, Sensorgraph};
 use super::sample::ends;
 use super::scan::ScanLog;
 use crate::arena::Arena;
+use crate::graph::model::{Frame, NOTHING, Sensorgraph};
 use realgap_core::error::{Error, Result};
 use realgap_core::random::Once;
 use realgap_core::statistics::{
@@ -224,6 +224,32 @@ pub(super) fn better_lookup(model_m: f64, tried: &[(Frame, Option<f64>)]) -> Opt
             "the scan at the nearest logged {words} is {error_m:.3} m off where the polynomials are {model_m:.3} m off: a fit in the frame `{name}` makes a model of it"
         ))
     })
+}
+
+impl Sensorgraph {
+    /// The rectangle of scaled places that the log holds; the unit square where it was not kept.
+    fn extent(&self) -> ([f64; 2], [f64; 2]) {
+        let places = self
+            .log
+            .iter()
+            .map(|pose| self.scaled([pose.pose.0, pose.pose.1]));
+        let mut ends = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for place in places {
+            // The log is rounded to millimetres.
+            let rounding = 1e-3 / self.scale_m;
+            for (low, value) in ends.0.iter_mut().zip(place) {
+                *low = low.min(value - rounding);
+            }
+            for (high, value) in ends.1.iter_mut().zip(place) {
+                *high = high.max(value + rounding);
+            }
+        }
+        if self.log.is_empty() {
+            ([-1.0; 2], [1.0; 2])
+        } else {
+            ends
+        }
+    }
 }
 
 /// Absolute errors of one of the guesses, where it said something.

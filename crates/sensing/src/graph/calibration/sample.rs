@@ -1,8 +1,8 @@
 //! From a log of scans to the samples of each polynomial.
 
-use super::model::{Frame, LoggedPose, NOTHING, Sensorgraph};
 use super::option::GraphOptions;
 use super::scan::ScanLog;
+use crate::graph::model::{Frame, LoggedPose, NOTHING, Sensorgraph};
 use realgap_core::error::{Error, Result};
 use realgap_core::statistics::mean;
 
@@ -144,7 +144,7 @@ fn is_seen(log: &ScanLog, centre_rad: f64, width_rad: f64) -> bool {
         return true;
     }
     let (least, most) = ends(log.beams_rad.iter().copied());
-    let centre = super::scan::wrapped(centre_rad);
+    let centre = crate::graph::angle::wrapped(centre_rad);
     centre - 0.5 * width_rad >= least - 0.02 && centre + 0.5 * width_rad <= most + 0.02
 }
 

@@ -2,8 +2,9 @@
 
 use rand::RngExt;
 
-use super::scan::{Scan, ScanLog, wrapped};
+use super::scan::{Scan, ScanLog};
 use crate::arena::Arena;
+use crate::graph::angle::wrapped;
 use crate::range::{Beam, RangeModel, RangeSensor, ReadingUnit};
 use realgap_core::error::{Error, Result};
 use realgap_core::random::{Generator, Numbered, Once};

@@ -1,8 +1,8 @@
 //! Readings that share distance, angles and session, what is nonsense among them, and what the rest amounts to.
 
 use super::log::ReadingLog;
-use super::model::Outliers;
 use super::peak::peaks;
+use crate::range::model::Outliers;
 use realgap_core::statistics::{mean, median, quantile};
 
 /// Readings at one distance and one pair of angles, in one session.

@@ -1,7 +1,7 @@
 //! How a log of strengths is fitted.
 
-use super::model::LogBase;
-use super::propagation::Propagation;
+use crate::radio::model::LogBase;
+use crate::radio::propagation::Propagation;
 use realgap_core::error::{Error, Result};
 use realgap_core::range::Range;
 

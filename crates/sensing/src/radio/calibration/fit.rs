@@ -4,14 +4,14 @@ use super::check::check_places;
 use super::covariance::{Spread, covariance};
 use super::fitted::{Candidate, FittedParameter, FittedRadio};
 use super::interval::grouped_quantile;
-use super::link::Link;
 use super::log::RadioLog;
-use super::model::{OtherFit, RadioModel, SENSITIVITY_DBM};
 use super::option::RadioOptions;
 use super::place::{ByPlace, PLACE_M, places};
-use super::propagation::{PROPAGATIONS, Propagation};
-use super::shadow;
+use super::shadowing;
 use crate::arena::{Anchor, Arena};
+use crate::radio::link::Link;
+use crate::radio::model::{OtherFit, RadioModel, SENSITIVITY_DBM};
+use crate::radio::propagation::{PROPAGATIONS, Propagation};
 use realgap_core::error::{Error, Result};
 use realgap_core::statistics::{mean, standard_deviation, student_quantile};
 use realgap_core::unit::counted;
@@ -239,7 +239,7 @@ fn describe(
         )));
         largest
     });
-    let spread = shadow::estimate(material.log, &best.residuals_db, &best.rows);
+    let spread = shadowing::estimate(material.log, &best.residuals_db, &best.rows);
     let strengths: Vec<f64> = material
         .log
         .readings

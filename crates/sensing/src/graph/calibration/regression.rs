@@ -9,6 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use realgap_core::error::{Error, Result};
 
+pub use crate::graph::monomial::{Powers, monomial};
+
 /// When no more terms are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -25,19 +27,11 @@ pub enum Stop {
     Validation,
 }
 
-/// The powers of x and y in a term.
-pub type Powers = [u32; 2];
-
 /// All monomials of two variables up to a degree, in the order of SysIdentPy: 1, x, y, x², xy, y², …
 pub fn monomials(degree: u32) -> Vec<Powers> {
     (0..=degree)
         .flat_map(|total| (0..=total).map(move |y| [total - y, y]))
         .collect()
-}
-
-/// A monomial at a place.
-pub fn monomial([px, py]: Powers, [x, y]: [f64; 2]) -> f64 {
-    x.powi(px as i32) * y.powi(py as i32)
 }
 
 /// A term as it was chosen.

@@ -6,12 +6,12 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::evaluation::better_lookup;
-use super::model::{Frame, Polynomial, Sensorgraph};
 use super::option::GraphOptions;
 use super::polynomial::{FOLDS, SAMPLES_PER_TERM, fold, polynomial};
 use super::regression::{Stop, monomials};
 use super::sample::{frame_of_log, logged, samples};
 use super::scan::ScanLog;
+use crate::graph::model::{Frame, Polynomial, Sensorgraph};
 use realgap_core::error::{Error, Result};
 use realgap_core::statistics::{mean, median};
 use realgap_core::warning::{Code, Warning};

@@ -6,11 +6,11 @@ use serde::Serialize;
 
 use super::fingerprint::Fingerprints;
 use super::fit::root_mean_square;
-use super::link::Link;
 use super::log::RadioLog;
-use super::model::RadioModel;
 use super::place::places;
 use crate::arena::{Anchor, Arena};
+use crate::radio::link::Link;
+use crate::radio::model::RadioModel;
 use realgap_core::error::{Error, Result};
 use realgap_core::statistics::{mean, percentile_interval, resamples};
 use realgap_core::table::Side::{Left, Right};
@@ -37,7 +37,7 @@ pub struct AnchorReport {
 /// Another way to say how strong a signal is.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Guess {
+pub struct RadioBaseline {
     /// What it is.
     pub name: String,
     /// Root mean square error, dB.
@@ -65,7 +65,8 @@ pub struct Evaluation {
     /// Anchor by anchor.
     pub anchors: Vec<AnchorReport>,
     /// The same log by other models of the same fit, the mean strength of that fit, and fingerprints where they were given.
-    pub guesses: Vec<Guess>,
+    #[serde(rename = "guesses")]
+    pub baselines: Vec<RadioBaseline>,
     /// Strengths of the log.
     pub readings: usize,
     /// Strengths that are missing.
@@ -147,7 +148,7 @@ impl Evaluation {
             coverage_90: within(&errors),
             interval_90_db: half,
             anchors: per_anchor.collect(),
-            guesses: guesses(model, log, fingerprints, errors_of),
+            baselines: baselines(model, log, fingerprints, errors_of),
             readings: log.readings.len(),
             missing: log.missing,
             errors: map(log, &errors),
@@ -156,22 +157,22 @@ impl Evaluation {
     }
 }
 
-fn guesses(
+fn baselines(
     model: &RadioModel,
     log: &RadioLog,
     fingerprints: Option<&Fingerprints>,
     errors_of: impl Fn(&RadioModel) -> Vec<f64>,
-) -> Vec<Guess> {
-    let guess = |name: String, errors: &[f64]| Guess {
+) -> Vec<RadioBaseline> {
+    let baseline = |name: String, errors: &[f64]| RadioBaseline {
         name,
         rmse_db: root_mean_square(errors),
     };
-    let mut guesses: Vec<Guess> = model
+    let mut baselines: Vec<RadioBaseline> = model
         .others
         .iter()
         .map(|other| {
             let errors = errors_of(&model.with(other));
-            guess(other.propagation.name().to_owned(), &errors)
+            baseline(other.propagation.name().to_owned(), &errors)
         })
         .collect();
     let off = |said: f64, reading: &super::PlaceReading| reading.strength_dbm - said;
@@ -180,7 +181,7 @@ fn guesses(
         .iter()
         .map(|r| off(model.mean_dbm, r))
         .collect();
-    guesses.push(guess("mean strength of the fit".to_owned(), &constant));
+    baselines.push(baseline("mean strength of the fit".to_owned(), &constant));
     if let Some(prints) = fingerprints {
         let own: Vec<f64> = log
             .readings
@@ -191,10 +192,10 @@ fn guesses(
             })
             .collect();
         if !own.is_empty() {
-            guesses.push(guess("fingerprints".to_owned(), &own));
+            baselines.push(baseline("fingerprints".to_owned(), &own));
         }
     }
-    guesses
+    baselines
 }
 
 /// Of the root mean square, over resampled places.
@@ -261,7 +262,7 @@ impl fmt::Display for Evaluation {
         );
         writeln!(f, "{}", table.render(false))?;
         let others = TextTable::of(
-            &self.guesses,
+            &self.baselines,
             &[
                 ("other guesses", Left, &|g| g.name.clone()),
                 ("error", Right, &|g| format!("{:.2} dB", g.rmse_db)),

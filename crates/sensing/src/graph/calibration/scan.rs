@@ -4,6 +4,7 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 
+use crate::graph::angle::wrapped;
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{LogTable, read_log_text};
 use realgap_core::statistics::median;
@@ -31,13 +32,6 @@ pub struct ScanLog {
     pub beams_rad: Vec<f64>,
     /// The scans.
     pub scans: Vec<Scan>,
-}
-
-/// An angle in (−π, π].
-pub(crate) fn wrapped(angle_rad: f64) -> f64 {
-    use std::f64::consts::{PI, TAU};
-    let turn = angle_rad.rem_euclid(TAU);
-    if turn > PI { turn - TAU } else { turn }
 }
 
 const HINT: &str = "a log of scans has the columns t_s, x_m, y_m, heading_rad and a range for every beam, range_000_m, range_002_m … in degrees \

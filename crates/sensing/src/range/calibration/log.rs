@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::model::ReadingUnit;
+use crate::range::model::ReadingUnit;
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{LogTable, read_log_text};
 use realgap_core::unit::{LengthUnit, counted};

@@ -2,10 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::model::{Polynomial, Term};
 use super::option::GraphOptions;
 use super::regression::{Powers, Stop, count, estimate, monomial, monomials, order};
 use super::sample::Sample;
+use crate::graph::model::{Polynomial, Term};
 use realgap_core::statistics::mean;
 
 /// Parts of the way that are left out in turn: neighbouring samples see nearly the same.

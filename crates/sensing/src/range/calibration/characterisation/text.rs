@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use super::super::form::form_by_name;
 use super::{Candidate, Characterisation, DistanceReport, Value};
+use crate::range::form::form_by_name;
 use realgap_core::statistics::Proportion;
 use realgap_core::table::Side::{Left, Right};
 use realgap_core::table::{Column, TextTable};
