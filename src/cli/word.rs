@@ -46,10 +46,11 @@ pub fn today(words: impl Iterator<Item = OsString>) -> Vec<OsString> {
 fn place(old: &str, rest: &[OsString]) -> Option<[String; 2]> {
     let top = Command::augment_subcommands(clap::Command::new("realgap"));
     let named = |group: &str, name: &str| Some([group.to_owned(), name.to_owned()]);
-    let sense = top.find_subcommand("sense")?;
+    let sense = top.find_subcommand("sense");
     match old {
         // A log of readings was all that `sense` once drew.
         "sense" => {
+            let sense = sense?;
             let is_today = rest
                 .first()
                 .is_some_and(|word| word == "help" || sense.find_subcommand(word).is_some());

@@ -215,7 +215,7 @@ fn what_commands_on_robots_and_paths_print_is_as_its_schema_says() {
     let log = path("sensed.csv");
     run(&["sense", "infrared", "--readings", "20", "-o", &log]);
     let model = path("model.ron");
-    answer("characterise", &json(&["characterise", &log, "-o", &model]));
+    answer("sensor-fit", &json(&["sense", "fit", &log, "-o", &model]));
     file_held("sensor", &std::fs::read_to_string(&model).unwrap()).unwrap();
 }
 

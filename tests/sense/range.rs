@@ -22,7 +22,8 @@ fn the_command_makes_a_model_that_can_be_used() {
         "100",
     ]);
     let json = run(&[
-        "characterise",
+        "sense",
+        "fit",
         &path("log.csv"),
         "--model",
         "linear",
@@ -64,7 +65,7 @@ fn the_command_makes_a_model_that_can_be_used() {
     };
     assert_eq!(twice("a.csv"), twice("b.csv"));
     let output = common::realgap()
-        .args(["characterise", &path("log.csv"), "--model", "lines"])
+        .args(["sense", "fit", &path("log.csv"), "--model", "lines"])
         .output()
         .unwrap();
     assert_eq!(output.status.code(), Some(2));

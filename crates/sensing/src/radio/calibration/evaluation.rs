@@ -34,7 +34,7 @@ pub struct AnchorReport {
     pub coverage_90: f64,
 }
 
-/// Another way to say how strong a signal is.
+/// The error of a simpler prediction of the strength, to compare the model with.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RadioBaseline {
@@ -264,7 +264,7 @@ impl fmt::Display for Evaluation {
         let others = TextTable::of(
             &self.baselines,
             &[
-                ("other guesses", Left, &|g| g.name.clone()),
+                ("baseline", Left, &|g| g.name.clone()),
                 ("error", Right, &|g| format!("{:.2} dB", g.rmse_db)),
             ],
         );

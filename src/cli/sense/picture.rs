@@ -11,7 +11,7 @@ use realgap::vision::{AlphabetFile, Picture as Bitmap, PictureSource, ViewsFile}
 
 use motion::Moving;
 
-use super::kit::*;
+use crate::cli::kit::*;
 
 /// Take pictures with a simulated camera: a scene's posters, boxes and lights, seen through a lens and a sensor
 ///

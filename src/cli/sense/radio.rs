@@ -8,7 +8,7 @@ use realgap::sensing::radio::{
     RadioOptions, Service, ServiceOptions, ServiceReport, fit, read_anchors,
 };
 
-use super::kit::*;
+use crate::cli::kit::*;
 
 commands! {
     /// Fit how strong radio signals arrive, hold it against other logs, and send messages (paper 002, section IV)
@@ -95,10 +95,10 @@ pub struct Fit {
     telling: Telling,
 }
 
-/// Hold a radio model against a log that it has not seen, beside the guesses one would ask for
+/// Evaluate a radio model on a log that it was not fitted to, and compare its error with those of simple baselines
 ///
-/// Printed are the error in all and for each anchor, the share of strengths in the 90 % interval, and the errors of
-/// other guesses: the other models of the same fit, the mean strength, and the mean of the nearest readings of a log
+/// It prints the error in all and for each anchor, the share of strengths in the 90 % interval, and the errors of
+/// baselines: the other models of the same fit, the mean strength, and the mean of the nearest readings of a log
 /// (--fingerprints).
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -116,7 +116,7 @@ pub struct Evaluate {
     /// Only rows of this session
     #[arg(long, value_name = "NAME")]
     session: Option<String>,
-    /// Also guess by the nearest places of this log (the one that was fitted)
+    /// One more baseline: the mean of the readings nearest to each place in this log (the log of the fit)
     #[arg(long, value_name = "FILE")]
     fingerprints: Option<PathBuf>,
     /// Only rows of this session of it

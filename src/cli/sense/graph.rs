@@ -8,7 +8,7 @@ use realgap::sensing::graph::{
 };
 use realgap::sensing::range::find_sensor;
 
-use super::kit::*;
+use crate::cli::kit::*;
 
 commands! {
     /// Make polynomials of what a scanner reads at a place, and hold them against a log they have not seen (paper 001)
@@ -243,17 +243,17 @@ pub struct Fit {
     telling: Telling,
 }
 
-/// Hold a model against a log that it has not seen, beside the guesses one would ask for
+/// Evaluate a model on a log that it was not fitted to, and compare its error with those of simple baselines
 ///
-/// Printed is the mean absolute error beside those of guesses: each segment's mean, the nearest logged pose (a radian
+/// It prints the mean absolute error beside those of baselines: each segment's mean, the nearest logged pose (a radian
 /// counts as a metre), the nearest logged place with its scan turned to the heading, ideal beams in an arena (--arena),
 /// and a number at random; Spearman's rank correlation with its p value, and Mann and Whitney's test against the random
-/// guess.
+/// baseline.
 ///
 /// Neighbouring scans see nearly the same, so a way counts for less than its scans. The standard error of the whole is
 /// that of ten parts of the way, that of a segment is widened by the autocorrelation of its errors; the p value of a
 /// rank correlation is for as many pairs as the two series are worth (Bartlett 1935), and the test against the random
-/// guess takes one scan in `every`.
+/// baseline takes one scan in `every`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -264,12 +264,12 @@ pub struct Evaluate {
     /// The model that `fit` wrote
     #[arg(long, value_name = "FILE")]
     parameters: PathBuf,
-    /// Cast ideal beams in this arena, as one more guess
+    /// Cast ideal beams in this arena, as one more baseline
     #[arg(long, value_name = "FILE")]
     arena: Option<PathBuf>,
     #[command(flatten)]
     part: Part,
-    /// Seed of the random guess
+    /// Seed of the random baseline
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
     /// Draw predicted and actual ranges of one segment along the way into this .png or .svg (as figures 12 to 15 of paper 001)

@@ -1,11 +1,11 @@
-//! `realgap sense characterise`: from a log of readings at known distances to a sensor's model.
+//! `realgap sense fit`: from a log of readings at known distances to a sensor's model.
 
 use realgap::results::{draw_histograms, draw_sensor};
 use realgap::sensing::range::form::{FORMS, Form, form_by_name};
 use realgap::sensing::range::{Characterisation, LEVEL, LogOptions, Options, ReadingLog};
 use realgap::unit::LengthUnit;
 
-use super::kit::*;
+use crate::cli::kit::*;
 
 /// Make a range sensor's model of a log: mean and spread over the distance, with intervals
 ///
@@ -22,8 +22,8 @@ use super::kit::*;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  realgap sense characterise log.csv -o sensor.ron --plot sensor.png")]
-pub struct Characterise {
+  realgap sense fit log.csv -o sensor.ron --plot sensor.png")]
+pub struct Fit {
     /// The log
     log: PathBuf,
     /// Form of the mean over the distance: linear, power, exponential, table or auto
@@ -82,7 +82,7 @@ fn form(option: &str, name: &str) -> Result<Option<&'static dyn Form>> {
     })
 }
 
-impl Characterise {
+impl Fit {
     pub fn run(self) -> Result<()> {
         let options = Options {
             mean: form("--model", &self.model)?,

@@ -2,11 +2,11 @@
 
 use realgap::sensing::range::{DrawOptions, DrawnLog, find_sensor};
 
-use super::kit::*;
+use crate::cli::kit::*;
 
 /// Draw a log of readings from a range sensor's model: a stand-in for a real log, with known truth
 ///
-/// The log can be given to `realgap sense characterise` and `realgap sense belief`. Distances are in the model's own unit.
+/// The log can be given to `realgap sense fit` and `realgap sense belief`. Distances are in the model's own unit.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

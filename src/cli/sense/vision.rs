@@ -8,8 +8,8 @@ use realgap::vision::{
     contact_sheet, extractor_by_name, own_extractors, stacked,
 };
 
-use super::kit::*;
 use super::picture::camera_named;
+use crate::cli::kit::*;
 
 commands! {
     /// Compare simulated pictures with real ones by what image processing finds in them (paper 002)

@@ -10,9 +10,9 @@ use realgap::simulation::{Film, SceneBody, SceneMotion, part_name};
 use realgap::trajectory::{self, Reading, Recording, Trajectory};
 use realgap::vision::camera::{Body, BodyBox, Mount, Plane, Ride, Scene, Watch};
 
-use super::super::kind::{is_study, read_definition};
-use super::super::kit::*;
 use super::{Album, Picture, numbered};
+use crate::cli::kind::{is_study, read_definition};
+use crate::cli::kit::*;
 
 /// Most pictures of one viewpoint.
 const MOST_PICTURES: f64 = 10_000.0;

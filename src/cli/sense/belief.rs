@@ -4,7 +4,7 @@ use realgap::results::draw_belief;
 use realgap::sensing::belief::{BeliefOptions, BeliefReport};
 use realgap::sensing::range::{ReadingLog, find_sensor};
 
-use super::kit::*;
+use crate::cli::kit::*;
 
 /// What is believed about a distance after some readings: of a sensor's model, and of a real log beside it
 ///
@@ -20,7 +20,7 @@ Examples:
 pub struct Belief {
     /// A shipped sensor (ultrasonic, infrared) or a model's .ron file
     sensor: String,
-    /// A real log of readings at known distances, as for `characterise`
+    /// A real log of readings at known distances, as for `realgap sense fit`
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
     /// True distances, in the model's unit [default: near both ends of its range]

@@ -5,7 +5,7 @@ use realgap::sensing::task::{Goal, TaskComparison, TaskLog, time_to_reach};
 use realgap::trajectory;
 use realgap::unit::LengthUnit;
 
-use super::kit::*;
+use crate::cli::kit::*;
 
 commands! {
     /// Compare how long tasks take in reality and in simulation (paper 002, section V)
