@@ -53,7 +53,7 @@ mod kit {
 mod advice;
 mod answer;
 mod check;
-#[cfg(test)]
+#[cfg(all(test, any(feature = "papers", feature = "schema")))]
 mod committed;
 mod compare;
 mod completions;
