@@ -1,4 +1,4 @@
-//! Sensors: characterised from logs of a real one, simulated, and compared with the real log.
+//! Sensors: models of real ones, simulated, calibrated from logs, and compared with these logs.
 //!
 //! [`range`] holds sensors that measure one distance (ultrasonic, infrared): what their readings are, on average and in spread, as
 //! functions of the distance (paper 000).
@@ -9,7 +9,8 @@
 //!
 //! [`arena`] says what a beam meets, [`belief`] what a robot makes of readings (a discrete Bayes filter).
 //!
-//! [`task`] holds task times (paper 002); pictures are a crate of their own.
+//! The models, the arena and the filter are what a simulation of a robot uses, and are always compiled. The feature `papers`, which is
+//! on by default, adds calibration from logs and evaluation on logs to each of them, and the module `task`: task times (paper 002).
 //!
 //! A log of readings at known distances becomes a model, with intervals; the model draws readings:
 //!
