@@ -83,6 +83,7 @@ pub use realgap_simulation as simulation;
 pub use realgap_store as store;
 #[doc(inline)]
 pub use realgap_verification as verification;
+#[cfg(feature = "papers")]
 #[doc(inline)]
 pub use realgap_vision as vision;
 

@@ -76,7 +76,7 @@ both time.png "$realgap" compare "${recordings[@]}" --metric rms --over-time "$w
 once walk.csv "$realgap" sense graph log arenas/cartons.ron --samples 1400 -o "$work/walk.csv"
 both visits.png "$realgap" sense graph fit "$work/walk.csv" --stop terms --visits "$work/visits.png"
 once readings.csv "$realgap" sense draw ultrasonic -o "$work/readings.csv"
-both sensor.png "$realgap" sense characterise "$work/readings.csv" --plot "$work/sensor.png" \
+both sensor.png "$realgap" sense fit "$work/readings.csv" --plot "$work/sensor.png" \
     --histograms "$work/histograms.png"
 both robot.png "$realgap" check morphologies/tripod.ron --plot "$work/robot.png"
 for robot in turtlebot3_burger unitree_a1 so101_arm; do

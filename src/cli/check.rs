@@ -3,6 +3,8 @@
 mod controller;
 mod dynamics;
 pub mod report;
+#[cfg(feature = "papers")]
+mod scene;
 mod sensing;
 
 use realgap::calibration::{Definition, Overrides, read_parameters};
@@ -179,7 +181,8 @@ fn describe(
         Some(Kind::Vehicle) => sensing::vehicle(path),
         Some(Kind::Radio) => sensing::radio(&source),
         Some(Kind::Controller) => controller::describe(&source, robot),
-        Some(Kind::Scene) => sensing::scene(&source),
+        #[cfg(feature = "papers")]
+        Some(Kind::Scene) => scene::describe(&source),
         Some(Kind::Sensorgraph) => sensing::sensorgraph(path),
         _ => Err(Error::invalid("not a file that realgap knows")
             .at_file(path)

@@ -6,13 +6,6 @@ use realgap::plan::Status;
 use realgap::prediction::gap::{FloorReport, StudyGap};
 use realgap::prediction::{Card, EnsembleReport};
 use realgap::results::SearchSummary;
-use realgap::sensing::belief::BeliefReport;
-use realgap::sensing::graph::{Evaluation as GraphEvaluation, FittedGraph};
-use realgap::sensing::radio::{Evaluation as RadioEvaluation, FittedRadio, ServiceReport};
-use realgap::sensing::range::Characterisation;
-use realgap::sensing::task::TaskComparison;
-use realgap::vision::VisionReport;
-use realgap::vision::tuning::TunedCamera;
 
 use super::check::report::FileReport;
 use super::compare::{Compared, Scored};
@@ -24,7 +17,6 @@ use super::import::Report as ImportReport;
 use super::parameters::ParameterRow;
 use super::results::TrialRow;
 use super::simulate::SimulateReport;
-use super::terminal::Answer;
 use super::verify::VerifyReport;
 
 /// The form of an answer, from which its schema is generated.
@@ -40,19 +32,19 @@ pub struct Form {
     pub schema: fn() -> schemars::Schema,
 }
 
-/// Marks types as answers, and lists their forms and schemas.
+/// Declares types as answers, and lists their forms and schemas. The folder of the schemas is given as seen from the file that calls this.
 macro_rules! forms {
-    ($($name:literal $kind:ident $type:ty, $doc:literal;)*) => {
-        $(impl Answer for $type {})*
+    (in $folder:literal: $($name:literal $kind:ident $type:ty, $doc:literal;)*) => {
+        $(impl $crate::cli::terminal::Answer for $type {})*
 
-        /// Every name with the text of its schema.
+        /// The name of each with the text of its schema.
         pub const SCHEMAS: &[(&str, &str)] = &[
-            $(($name, include_str!(concat!("../../schemas/answers/", $name, ".json"))),)*
+            $(($name, include_str!(concat!($folder, $name, ".json"))),)*
         ];
 
-        /// Every form.
+        /// The forms.
         #[cfg(all(test, feature = "schema"))]
-        pub const FORMS: &[Form] = &[$(Form {
+        pub const FORMS: &[$crate::cli::form::Form] = &[$($crate::cli::form::Form {
             name: $name,
             doc: $doc,
             is_list: matches!(stringify!($kind).as_bytes(), b"rows"),
@@ -63,9 +55,8 @@ macro_rules! forms {
 
 // One line adds an answer: its name, whether it is one or rows, its type, what it is.
 forms! {
-    "belief" one BeliefReport, "a Bayes filter's estimate of a distance: `realgap sense belief`";
-    "characterise" one Characterisation, "a range sensor's model and what it rests on: `realgap sense characterise`";
-    "check" rows FileReport, "the contents of files: `realgap check`";
+    in "../../schemas/answers/":
+    "check" rows FileReport, "what files hold: `realgap check`";
     "compare" rows Compared, "distances of trajectories in every metric: `realgap compare`";
     "compare-metric" rows Scored, "distances of trajectories in one metric: `realgap compare --metric NAME`";
     "develop" one DevelopReport, "the robot of a genome: `realgap robot develop`";
@@ -80,20 +71,12 @@ forms! {
     "import" one ImportReport, "an imported robot, with the notes of its import: `realgap robot import`";
     "parameters" rows ParameterRow, "every parameter: `realgap study parameters`";
     "predict" one Card, "a prediction card, prediction.json, and those of a search: `realgap predict`";
-    "radio-evaluate" one RadioEvaluation, "a radio model against a log: `realgap sense radio evaluate`";
-    "radio-fit" one FittedRadio, "a radio model from a log: `realgap sense radio fit`";
-    "radio-send" one ServiceReport, "messages between two places: `realgap sense radio send`";
     "record" one RecordReport, "stand-in recordings that were written: `realgap study record`";
     "results" rows TrialRow, "the trials of a folder: `realgap study results`";
     "search" one SearchSummary, "the best robots, and summary.json: `realgap search`";
     "sensitivity" one Sensitivity, "which parameters matter: `realgap study sensitivity`";
-    "sensorgraph-evaluate" one GraphEvaluation, "a sensorgraph against a log: `realgap sense graph evaluate`";
-    "sensorgraph-fit" one FittedGraph, "a sensorgraph from a log: `realgap sense graph fit`";
-    "simulate" one SimulateReport, "one simulated run: `realgap simulate`";
-    "status" one Status, "the progress of a plan: `realgap cluster status` and `realgap cluster plan`";
+    "simulate" one SimulateReport, "one run: `realgap simulate`";
+    "status" one Status, "how far a plan is: `realgap cluster status` and `realgap cluster plan`";
     "sweep" one Calibration, "the best values and how sure that is, and summary.json: `realgap sweep` and `realgap tune`";
-    "tasks" one TaskComparison, "durations, real against simulated: `realgap sense tasks compare`";
-    "verify" one VerifyReport<'_>, "checks of the simulator against closed forms: `realgap verify`";
-    "vision-compare" one VisionReport, "pictures, real against simulated: `realgap sense vision compare`";
-    "vision-tune" one TunedCamera, "a camera's settings from pictures: `realgap sense vision tune`";
+    "verify" one VerifyReport<'_>, "closed forms: `realgap verify`";
 }

@@ -24,6 +24,7 @@ pub enum Kind {
     Vehicle,
     Radio,
     Controller,
+    #[cfg(feature = "papers")]
     Scene,
     Sensorgraph,
 }
@@ -41,6 +42,7 @@ impl Kind {
             ("morphology", Self::Study),
             ("vehicle", Self::Study),
             ("robots", Self::Study),
+            #[cfg(feature = "papers")]
             ("room_m", Self::Scene),
             ("segments_deg", Self::Sensorgraph),
             ("boundary", Self::Arena),
@@ -70,6 +72,7 @@ impl Kind {
             Self::Vehicle => "vehicle",
             Self::Radio => "radio model",
             Self::Controller => "controller",
+            #[cfg(feature = "papers")]
             Self::Scene => "scene",
             Self::Sensorgraph => "sensorgraph",
         }
@@ -106,21 +109,17 @@ impl Kind {
             Self::Arena => format!(
                 "`realgap check {path} --plot arena.png` draws an arena; a vehicle names it"
             ),
-            Self::Sensor => {
-                format!(
-                    "`realgap sense belief {path}` and `realgap sense draw {path}` use a sensor model"
-                )
-            }
-            Self::Radio => format!(
-                "`realgap sense radio evaluate LOG.csv --parameters {path}` and `realgap sense radio send --parameters {path}` use a radio model"
-            ),
             Self::Controller => format!(
                 "`realgap simulate ROBOT --controller {path}` runs a robot with a controller"
             ),
-            Self::Scene => format!("`realgap sense picture {path}` takes its pictures"),
-            Self::Sensorgraph => format!(
-                "`realgap sense graph evaluate SCANS.csv --parameters {path}` uses a sensorgraph"
-            ),
+            #[cfg(feature = "papers")]
+            Self::Sensor | Self::Radio | Self::Scene | Self::Sensorgraph => {
+                super::sense::hint(self, &path)
+            }
+            #[cfg(not(feature = "papers"))]
+            Self::Sensor | Self::Radio | Self::Sensorgraph => {
+                format!("a controller names {path}; `realgap check {path}` shows what is in it")
+            }
             Self::Vehicle => format!("a study names {path}: vehicle: (file: ...)"),
             Self::Trajectory => {
                 format!(

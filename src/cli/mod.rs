@@ -1,20 +1,28 @@
 //! The command line: one file per subcommand, each one library call plus printing.
 
-/// Declares commands: the type that clap parses them into, and the method that runs them.
+/// Declares commands: the type that clap reads them into, and what runs them. `if "FEATURE"` behind a command: only with that feature.
 macro_rules! commands {
-    ($(#[$about:meta])* $name:ident: $($(#[$meta:meta])* $variant:ident($options:ty),)*) => {
+    ($(#[$about:meta])* $name:ident: $($(#[$meta:meta])* $variant:ident($options:ty) $(if $feature:literal)?,)*) => {
         $(#[$about])*
         #[derive(Debug, clap::Subcommand)]
         #[allow(clippy::large_enum_variant, reason = "the program holds a single value of it")]
         pub enum $name {
-            $($(#[$meta])* #[command(help_template = $crate::cli::LAYOUT)] $variant($options),)*
+            $(
+                $(#[cfg(feature = $feature)])?
+                $(#[$meta])*
+                #[command(help_template = $crate::cli::LAYOUT)]
+                $variant($options),
+            )*
         }
 
         impl $name {
             pub fn run(self) -> realgap::Result<u8> {
                 use $crate::cli::Ending as _;
                 match self {
-                    $(Self::$variant(options) => options.run().map(|ending| ending.code()),)*
+                    $(
+                        $(#[cfg(feature = $feature)])?
+                        Self::$variant(options) => options.run().map(|ending| ending.code()),
+                    )*
                 }
             }
         }
@@ -44,21 +52,19 @@ mod kit {
 
 mod advice;
 mod answer;
-mod belief;
-mod characterise;
 mod check;
-#[cfg(test)]
+#[cfg(all(test, any(feature = "papers", feature = "schema")))]
 mod committed;
 mod compare;
 mod completions;
 mod develop;
-mod draw;
 mod ensemble;
 mod evaluate;
 mod example_file;
 mod examples;
 mod export;
 mod folder;
+#[macro_use]
 mod form;
 mod gap;
 mod genome;
@@ -75,14 +81,12 @@ mod option;
 mod output;
 mod page;
 mod parameters;
-mod picture;
 mod plan;
 mod predict;
 mod progress;
-mod radio;
 mod reading;
 mod record;
-#[cfg(test)]
+#[cfg(all(test, feature = "papers"))]
 mod reference;
 mod replay;
 mod report;
@@ -90,8 +94,9 @@ mod results;
 mod run;
 mod schema;
 mod search;
+#[cfg(feature = "papers")]
+mod sense;
 mod sensitivity;
-mod sensorgraph;
 mod shell;
 mod simulate;
 mod slurm;
@@ -100,11 +105,9 @@ mod status;
 mod stream;
 mod submit;
 mod sweep;
-mod tasks;
 mod terminal;
 mod tune;
 mod verify;
-mod vision;
 mod work;
 
 use std::ffi::OsString;
@@ -160,12 +163,6 @@ Examples:
   realgap study identify sweeps/cube_toss_fit.ron   # values from free flight
   realgap study results results/tripod_floor        # the points of a sweep";
 
-const SENSE: &str = "\
-Examples:
-  realgap sense characterise log.csv -o sensor.ron          # a sensor's model of its log
-  realgap sense belief sensor.ron --distances 5,20          # how sure is it of a distance?
-  realgap sense radio fit poses.csv --arena arenas/flat.ron # how far does radio reach?";
-
 const CLUSTER: &str = "\
 Examples:
   realgap cluster plan sweeps/tripod_floor.ron --shards 9 -o plan
@@ -197,8 +194,8 @@ commands! {
     Robot(RobotCommand),
     #[command(subcommand, after_help = STUDY)]
     Study(StudyCommand),
-    #[command(subcommand, after_help = SENSE)]
-    Sense(SenseCommand),
+    #[command(subcommand, after_help = sense::EXAMPLES)]
+    Sense(sense::SenseCommand) if "papers",
     #[command(subcommand, after_help = CLUSTER)]
     Cluster(ClusterCommand),
     #[command(hide = true)]
@@ -230,24 +227,7 @@ commands! {
 }
 
 commands! {
-    /// Sensors and tasks: characterise, draw, belief, graph, radio, tasks, picture, vision
-    SenseCommand:
-    Characterise(characterise::Characterise),
-    Draw(draw::Draw),
-    Belief(belief::Belief),
-    #[command(subcommand)]
-    Graph(sensorgraph::SensorgraphCommand),
-    #[command(subcommand)]
-    Radio(radio::RadioCommand),
-    #[command(subcommand)]
-    Tasks(tasks::TasksCommand),
-    Picture(picture::Picture),
-    #[command(subcommand)]
-    Vision(vision::VisionCommand),
-}
-
-commands! {
-    /// Distribute one run over many machines: plan, run, merge, status, submit
+    /// One run on many machines: plan, run, merge, status, submit
     ClusterCommand:
     Plan(plan::PlanCommand),
     Run(run::Run),

@@ -1,10 +1,10 @@
 //! The page that a command writes into its results folder.
 
-use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use clap::Args;
+use realgap::Result;
 use realgap::calibration::{
     Answer, Case, Definition, RepeatCase, Repeatable, StartRule, Study, Target,
 };
@@ -18,7 +18,6 @@ use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, film};
 use realgap::trajectory::{Recording, Trajectory};
 use realgap::warning::Code;
-use realgap::{Result, Warning};
 
 use super::option::Print;
 use super::{output, shell, terminal};
@@ -111,20 +110,6 @@ impl Telling {
             command: &shell::command_line(),
         };
         write_atomic(file, page.page()?.as_bytes())
-    }
-
-    /// Outputs an answer: writes its page, prints these warnings, then prints the answer.
-    pub fn value<'a>(
-        &self,
-        kind: &'static str,
-        of: &Path,
-        found: &(impl terminal::Answer + Display),
-        pictures: impl IntoIterator<Item = &'a PathBuf>,
-        warnings: &[Warning],
-    ) -> Result<()> {
-        self.write(kind, of, found, &found.to_string(), pictures)?;
-        terminal::print_warnings(warnings);
-        self.print.value(found)
     }
 }
 

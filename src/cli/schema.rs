@@ -33,21 +33,32 @@ struct Shipped {
 }
 
 macro_rules! files {
-    ($($name:literal)*) => {
-        &[$(($name, include_str!(concat!("../../schemas/files/", $name, ".json"))),)*]
+    ($($name:literal $(if $feature:literal)?,)*) => {
+        &[$(
+            $(#[cfg(feature = $feature)])?
+            ($name, include_str!(concat!("../../schemas/files/", $name, ".json"))),
+        )*]
     };
 }
 
 /// The schemas of files, in the order of `realgap::schema::files`.
 const FILES: &[(&str, &str)] = files![
-    "robot" "bodies" "study" "noise" "search" "meta" "reading" "genome" "parameters" "arena" "vehicle" "controller" "sensor" "sensorgraph"
-    "radio" "scene" "camera" "views" "basis" "plan"
+    "robot", "bodies", "study", "noise", "search", "meta", "reading", "genome", "parameters", "arena",
+    "vehicle", "controller", "sensor", "sensorgraph", "radio",
+    "scene" if "papers", "camera" if "papers", "views" if "papers",
+    "basis", "plan",
 ];
 
 /// All schemas.
 fn shipped() -> impl Iterator<Item = Shipped> {
     let files = FILES.iter().map(|(name, text)| ("files", name, text));
-    let answers = SCHEMAS.iter().map(|(name, text)| ("answers", name, text));
+    let mut answers: Vec<_> = SCHEMAS.iter().collect();
+    #[cfg(feature = "papers")]
+    answers.extend(super::sense::form::SCHEMAS);
+    answers.sort_by_key(|(name, _)| *name);
+    let answers = answers
+        .into_iter()
+        .map(|(name, text)| ("answers", name, text));
     files
         .chain(answers)
         .map(|(folder, name, text)| Shipped { folder, name, text })
@@ -133,7 +144,11 @@ mod tests {
             let path = format!("files/{}", kind.name);
             (path, titled(kind.name, kind.doc, kind.schema.into(), false))
         });
-        let answers = FORMS.iter().map(|form| {
+        let mut forms: Vec<_> = FORMS.iter().collect();
+        #[cfg(feature = "papers")]
+        forms.extend(crate::cli::sense::form::FORMS);
+        forms.sort_by_key(|form| form.name);
+        let answers = forms.into_iter().map(|form| {
             let schema = versioned((form.schema)().into());
             let path = format!("answers/{}", form.name);
             (path, titled(form.name, form.doc, schema, form.is_list))
@@ -217,6 +232,7 @@ mod tests {
         }
     }
 
+    #[cfg(feature = "papers")]
     #[test]
     fn the_page_of_files_equals_the_schemas() {
         must_hold("docs/files.md", &realgap::schema::page(), TEST);

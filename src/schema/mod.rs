@@ -15,9 +15,11 @@ use crate::comparison;
 use crate::plan;
 use crate::robot::{genome, morphology};
 use crate::search;
-use crate::sensing::{arena, graph, radio, range, vision};
+use crate::sensing::{arena, graph, radio, range};
 use crate::simulation;
 use crate::trajectory;
+#[cfg(feature = "papers")]
+use crate::vision;
 
 /// A kind of file.
 #[derive(Debug, Clone)]
@@ -57,7 +59,7 @@ pub fn answer<T: JsonSchema>() -> Schema {
 
 /// Every kind of file; those that users begin with come first.
 pub fn files() -> Vec<FileKind> {
-    vec![
+    let mut kinds = vec![
         ron::<morphology::MorphologyFile>(
             "robot",
             "A robot: modules, servos, gait, what is glued where.",
@@ -100,10 +102,7 @@ pub fn files() -> Vec<FileKind> {
             "controller",
             "A controller: sensors and radio of a robot, and the rules by which it acts on them.",
         ),
-        ron::<range::RangeModel>(
-            "sensor",
-            "A range sensor, as `realgap sense characterise` finds it.",
-        ),
+        ron::<range::RangeModel>("sensor", "A range sensor, as `realgap sense fit` finds it."),
         ron::<graph::Sensorgraph>(
             "sensorgraph",
             "Polynomials that predict a scanner's readings, as `realgap sense graph fit` finds them.",
@@ -112,6 +111,26 @@ pub fn files() -> Vec<FileKind> {
             "radio",
             "A radio model, as `realgap sense radio fit` finds it.",
         ),
+    ];
+    #[cfg(feature = "papers")]
+    kinds.extend(pictures());
+    kinds.extend([
+        json::<comparison::SavedBasis>(
+            "basis",
+            "`basis.json` of a results folder: principal components, so that scores of two comparisons can be compared.",
+        ),
+        json::<plan::Saved>(
+            "plan",
+            "`plan.json` of a plan's folder; written by `realgap cluster plan`, not by hand.",
+        ),
+    ]);
+    kinds
+}
+
+/// The files of pictures.
+#[cfg(feature = "papers")]
+fn pictures() -> [FileKind; 3] {
+    [
         ron::<vision::SceneFile>("scene", "A room to take pictures of."),
         ron::<vision::CameraFile>(
             "camera",
@@ -120,14 +139,6 @@ pub fn files() -> Vec<FileKind> {
         ron::<vision::ViewsFile>(
             "views",
             "`views.ron`: the features that each picture in its folder shows.",
-        ),
-        json::<comparison::SavedBasis>(
-            "basis",
-            "`basis.json` of a results folder: principal components, so that scores of two comparisons can be compared.",
-        ),
-        json::<plan::Saved>(
-            "plan",
-            "`plan.json` of a plan's folder; written by `realgap cluster plan`, not by hand.",
         ),
     ]
 }

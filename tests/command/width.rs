@@ -55,7 +55,7 @@ fn no_table_of_a_command_is_wider_than_eighty_columns() {
         "study identify sweeps/cube_toss_fit.ron".to_owned(),
         "study sensitivity sweeps/two_wheel_us1.ron".to_owned(),
         format!("sense draw ultrasonic --readings 300 -o {}", results("log.csv")),
-        format!("sense characterise {}", results("log.csv")),
+        format!("sense fit {}", results("log.csv")),
         format!("sense belief ultrasonic --distances 2,20 --log {}", results("log.csv")),
         format!("sense graph fit {scans} --to 0.7 -o {}", results("graph.ron")),
         format!("sense graph evaluate {scans} --from 0.7 --parameters {}", results("graph.ron")),

@@ -68,6 +68,22 @@ fn a_crate_with_an_owner_is_named_by_its_owner_alone() {
     assert!(owned > 15, "only {owned} crates with an owner were found");
 }
 
+/// A crate that takes another with its default features takes them for the whole program, so that `papers` could not be left out.
+#[test]
+fn crates_take_each_other_without_default_features() {
+    let text = std::fs::read_to_string(common::project().join("Cargo.toml")).unwrap();
+    let (_, table) = text.split_once("[workspace.dependencies]").unwrap();
+    let (table, _) = table.split_once("\n[").unwrap();
+    let own: Vec<&str> = table
+        .lines()
+        .filter(|line| line.starts_with("realgap-"))
+        .collect();
+    assert!(own.len() > 10, "only {} crates were found", own.len());
+    for line in own {
+        assert!(line.contains("default-features = false"), "{line}");
+    }
+}
+
 /// Files of the library: of all crates, and the facade without its command line.
 fn library(folder: &Path, files: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).unwrap() {
@@ -134,14 +150,13 @@ fn code_that_shows_a_report_makes_no_claims_of_its_own() {
     ] {
         library(&common::project().join(folder), &mut files);
     }
-    for folder in ["src/cli", "python/realgap"] {
-        let entries = std::fs::read_dir(common::project().join(folder)).unwrap();
-        files.extend(
-            entries
-                .map(|entry| entry.unwrap().path())
-                .filter(|path| path.is_file()),
-        );
-    }
+    library(&common::project().join("src/cli"), &mut files);
+    let entries = std::fs::read_dir(common::project().join("python/realgap")).unwrap();
+    files.extend(
+        entries
+            .map(|entry| entry.unwrap().path())
+            .filter(|path| path.is_file()),
+    );
     files.retain(|file| {
         !file
             .components()

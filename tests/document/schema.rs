@@ -225,10 +225,7 @@ fn answers_about_robots_and_paths_are_valid_by_their_schemas() {
     let log = path("sensed.csv");
     run(&["sense", "infrared", "--readings", "20", "-o", &log]);
     let model = path("model.ron");
-    answer(
-        "characterise",
-        &json(&["sense", "characterise", &log, "-o", &model]),
-    );
+    answer("sensor-fit", &json(&["sense", "fit", &log, "-o", &model]));
     file_held("sensor", &std::fs::read_to_string(&model).unwrap()).unwrap();
 }
 

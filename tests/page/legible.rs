@@ -289,7 +289,7 @@ fn no_text_of_a_picture_lies_on_another_or_is_cut() {
     let plots = ["sensor.svg", "histograms.svg"].map(at);
     run(&[
         "sense",
-        "characterise",
+        "fit",
         &log,
         "--plot",
         &plots[0],

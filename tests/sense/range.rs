@@ -23,7 +23,7 @@ fn the_command_makes_a_model_that_can_be_used() {
     ]);
     let json = run(&[
         "sense",
-        "characterise",
+        "fit",
         &path("log.csv"),
         "--model",
         "linear",
@@ -65,13 +65,7 @@ fn the_command_makes_a_model_that_can_be_used() {
     };
     assert_eq!(twice("a.csv"), twice("b.csv"));
     let output = common::realgap()
-        .args([
-            "sense",
-            "characterise",
-            &path("log.csv"),
-            "--model",
-            "lines",
-        ])
+        .args(["sense", "fit", &path("log.csv"), "--model", "lines"])
         .output()
         .unwrap();
     assert_eq!(output.status.code(), Some(2));

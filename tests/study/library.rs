@@ -9,6 +9,7 @@ mod compare;
 mod own_engine;
 #[path = "../../examples/own_feedback.rs"]
 mod own_feedback;
+#[cfg(feature = "papers")]
 #[path = "../../examples/own_sensor.rs"]
 mod own_sensor;
 #[path = "../../examples/predict.rs"]
@@ -40,6 +41,7 @@ fn every_example_runs() {
         compare::main,
         predict::main,
         own_feedback::main,
+        #[cfg(feature = "papers")]
         own_sensor::main,
         own_engine::main,
     ] {

@@ -1,4 +1,4 @@
-//! Sensor models: fitted to logs of real sensors, simulated, and compared with logs of the real sensors.
+//! Sensors: models of real ones, simulated, calibrated from logs, and compared with these logs.
 //!
 //! [`range`] models sensors that measure one distance (ultrasonic, infrared): mean and standard deviation of their readings as
 //! functions of the distance (paper 000).
@@ -9,7 +9,8 @@
 //!
 //! [`arena`] computes where a beam hits an obstacle, and [`belief`] estimates a distance from readings (a discrete Bayes filter).
 //!
-//! [`task`] compares task times (paper 002). Models of cameras and pictures are in the crate `realgap-vision`.
+//! The models, the arena and the filter are what a simulation of a robot uses, and are always compiled. The feature `papers`, which is
+//! on by default, adds calibration from logs and evaluation on logs to each of them, and the module `task`: task times (paper 002).
 //!
 //! The following example fits a model with confidence intervals to a log of readings at known distances:
 //!
@@ -39,4 +40,5 @@ pub mod belief;
 pub mod graph;
 pub mod radio;
 pub mod range;
+#[cfg(feature = "papers")]
 pub mod task;

@@ -187,6 +187,7 @@ pub enum Contents {
         log_base: &'static str,
     },
     /// A room with lights and cameras.
+    #[cfg(feature = "papers")]
     Scene {
         /// Its name.
         name: String,

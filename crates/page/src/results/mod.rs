@@ -26,6 +26,7 @@
 //! # Ok::<(), realgap_core::Error>(())
 //! ```
 
+mod arena;
 pub(crate) mod best;
 mod cell;
 mod convergence;
@@ -41,13 +42,18 @@ mod over_time;
 mod picture;
 mod plane;
 pub mod portrait;
+#[cfg(feature = "papers")]
 mod radio;
 mod search;
+#[cfg(feature = "papers")]
 mod sensor;
 mod table;
+#[cfg(feature = "papers")]
 mod task;
 mod timing;
+#[cfg(feature = "papers")]
 mod vision;
+#[cfg(feature = "papers")]
 mod visit;
 
 use std::path::Path;
@@ -55,6 +61,7 @@ use std::path::Path;
 use realgap_core::error::{Error, Result};
 use realgap_lab::calibration::{Answer, Method, Study};
 
+pub use arena::draw_arena;
 pub use best::draws;
 pub use ensemble::{write_ensemble, write_prediction, write_report};
 pub use folder::{accept, check_folder, check_seal};
@@ -62,12 +69,17 @@ pub use gap::{write_floor, write_gap};
 pub use kind::Kind;
 pub use odds::draw_odds;
 pub use over_time::{Timed, draw_over_time};
+#[cfg(feature = "papers")]
 pub use radio::{draw_error_map, draw_strength_map};
 pub use search::{BestRobot, SearchSummary, write_search};
-pub use sensor::{draw_arena, draw_belief, draw_histograms, draw_segment, draw_sensor};
+#[cfg(feature = "papers")]
+pub use sensor::{draw_belief, draw_histograms, draw_segment, draw_sensor};
+#[cfg(feature = "papers")]
 pub use task::{draw_task_curves, draw_task_times};
 pub use timing::{Timing, write_timing};
+#[cfg(feature = "papers")]
 pub use vision::draw_vision;
+#[cfg(feature = "papers")]
 pub use visit::{draw_visits, draw_way};
 
 /// Writes what an answer holds into `folder`, next to the store where there is one: tables, pictures, the report, the best

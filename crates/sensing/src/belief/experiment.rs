@@ -344,6 +344,16 @@ fn replay(
     summary(&trials, distance * metres, metres)
 }
 
+impl Belief {
+    /// The mass below a distance; that of a cell lies evenly in it.
+    fn below(&self, distance_m: f64) -> f64 {
+        let width = self.cell_m();
+        let share = |middle: f64| ((distance_m - middle) / width + 0.5).clamp(0.0, 1.0);
+        let cells = self.probabilities().into_iter().zip(&self.distances_m);
+        cells.map(|(p, middle)| p * share(*middle)).sum()
+    }
+}
+
 fn summary(trials: &[Trial], true_m: f64, metres: f64) -> TrialSet {
     let probabilities: Vec<Vec<f64>> = trials.iter().map(|t| t.whole.probabilities()).collect();
     let cells = probabilities.first().map_or(0, Vec::len);

@@ -1,10 +1,12 @@
 //! A discrete Bayes filter over the distance (paper 000, algorithm 1), computed in logarithms.
 
 mod cell;
+#[cfg(feature = "papers")]
 mod experiment;
 
 use super::range::{Beam, RangeSensor};
 
+#[cfg(feature = "papers")]
 pub use experiment::{BeliefOptions, BeliefReport, DistanceBelief, TrialSet};
 
 /// Probabilities of distances on a grid.
@@ -106,14 +108,6 @@ impl Belief {
     fn cell_m(&self) -> f64 {
         let (low, high) = self.ends_m();
         (high - low) / (self.distances_m.len() - 1) as f64
-    }
-
-    /// The probability below a distance; the probability of a cell is spread evenly over the cell.
-    fn below(&self, distance_m: f64) -> f64 {
-        let width = self.cell_m();
-        let share = |middle: f64| ((distance_m - middle) / width + 0.5).clamp(0.0, 1.0);
-        let cells = self.probabilities().into_iter().zip(&self.distances_m);
-        cells.map(|(p, middle)| p * share(*middle)).sum()
     }
 
     fn normalise(&mut self) {

@@ -1,7 +1,7 @@
 //! Predicts a scan by looking up the nearest pose of the log, without polynomials.
 
+use super::angle::wrapped;
 use super::model::{LoggedPose, NOTHING, Sensorgraph};
-use super::scan::wrapped;
 
 /// Metres that a radian of heading counts as in the distance between poses.
 const METRES_PER_RADIAN: f64 = 1.0;

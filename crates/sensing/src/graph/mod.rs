@@ -1,25 +1,21 @@
 //! Sensorgraphs: models that predict the ranges of a scanner at a position by polynomials (paper 001).
 //!
-//! A [`ScanLog`] of poses and scans is reduced to medians of segments. For each heading and segment, or for each direction of the
-//! world, [`fit`](fit()) finds a polynomial in (x, y) whose terms are chosen by forward regression ([`regression`]). An
-//! [`Evaluation`] tests the model on a log that was not used for the fit, and compares its errors with those of baselines.
+//! A [`Sensorgraph`] foretells the ranges of a scanner at any pose. With the feature `papers` it is calibrated, too: a [`ScanLog`] of
+//! poses and scans becomes medians of segments; for each heading and segment, or for each direction of the world, [`fit`](fit())
+//! finds a polynomial in (x, y) whose terms forward regression chooses ([`regression`]). An [`Evaluation`] compares the model with a
+//! log that it was not fitted to, and states the errors of simple baselines beside it.
 
-mod evaluation;
-mod export;
-mod fit;
-mod logger;
+mod angle;
+#[cfg(feature = "papers")]
+mod calibration;
 mod lookup;
 mod model;
-mod option;
-mod polynomial;
-pub mod regression;
-mod sample;
-mod scan;
+mod monomial;
 
-pub use evaluation::{Evaluation, SegmentReport};
-pub use export::{Language, functions};
-pub use fit::{FittedGraph, Lag, fit};
-pub use logger::Logger;
+#[cfg(feature = "papers")]
+pub use calibration::{
+    Evaluation, FittedGraph, GraphOptions, Lag, Language, Logger, Scan, ScanLog, SegmentReport,
+    fit, functions, regression,
+};
 pub use model::{Frame, LoggedPose, Polynomial, Sensorgraph, Term};
-pub use option::GraphOptions;
-pub use scan::{Scan, ScanLog};
+pub use monomial::Powers;

@@ -4,8 +4,8 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::regression::{Powers, monomial};
-use super::scan::wrapped;
+use super::angle::wrapped;
+use super::monomial::{Powers, monomial};
 use realgap_core::error::{Error, Result};
 
 /// How a scan is predicted: by polynomials, or by looking up the log.
@@ -167,30 +167,6 @@ impl Sensorgraph {
             (x - self.centre_m.0) / self.scale_m,
             (y - self.centre_m.1) / self.scale_m,
         ]
-    }
-
-    /// The rectangle of scaled positions that contains the log; the square from −1 to 1 if the model contains no log.
-    pub(super) fn extent(&self) -> ([f64; 2], [f64; 2]) {
-        let places = self
-            .log
-            .iter()
-            .map(|pose| self.scaled([pose.pose.0, pose.pose.1]));
-        let mut ends = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for place in places {
-            // The log is rounded to millimetres.
-            let rounding = 1e-3 / self.scale_m;
-            for (low, value) in ends.0.iter_mut().zip(place) {
-                *low = low.min(value - rounding);
-            }
-            for (high, value) in ends.1.iter_mut().zip(place) {
-                *high = high.max(value + rounding);
-            }
-        }
-        if self.log.is_empty() {
-            ([-1.0; 2], [1.0; 2])
-        } else {
-            ends
-        }
     }
 
     /// Width of a range of headings, radians.

@@ -27,31 +27,26 @@
 //! # Ok::<(), realgap_core::Error>(())
 //! ```
 
-mod check;
-mod covariance;
-mod evaluation;
-mod fingerprint;
-mod fit;
-mod fitted;
-mod interval;
+#[cfg(feature = "papers")]
+mod calibration;
 mod link;
-mod log;
 mod model;
-mod option;
 mod pair;
-mod place;
 pub mod propagation;
 mod service;
+#[cfg(feature = "papers")]
+mod service_report;
 mod shadow;
 
-pub use evaluation::{AnchorReport, CELL_M, Evaluation, Guess};
-pub use fingerprint::Fingerprints;
-pub use fit::fit;
-pub use fitted::{Candidate, FittedParameter, FittedRadio};
+#[cfg(feature = "papers")]
+pub use calibration::{
+    AnchorReport, CELL_M, Candidate, Evaluation, Fingerprints, FittedParameter, FittedRadio,
+    PlaceReading, RadioBaseline, RadioLog, RadioLogOptions, RadioOptions, fit, read_anchors,
+};
 pub use link::Link;
-pub use log::{PlaceReading, RadioLog, RadioLogOptions, read_anchors};
 pub use model::{LogBase, OtherFit, RadioModel};
-pub use option::RadioOptions;
 pub use pair::MOST_PAIRS;
-pub use service::{Delivery, Message, Service, ServiceOptions, ServiceReport};
+pub use service::{Delivery, Message, Service, ServiceOptions};
+#[cfg(feature = "papers")]
+pub use service_report::ServiceReport;
 pub use shadow::ShadowField;

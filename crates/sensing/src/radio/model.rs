@@ -76,7 +76,7 @@ pub struct RadioModel {
     /// Half width of the interval that contains 90 % of the strengths at new places, dB.
     #[serde(default)]
     pub interval_90_db: f64,
-    /// Mean of all strengths of the log, dBm; the simplest baseline.
+    /// Mean of all strengths of the log, dBm: the baseline that uses neither distance nor walls.
     #[serde(default)]
     pub mean_dbm: f64,
     /// The weakest signal that is received, dBm.

@@ -1,28 +1,21 @@
 //! Models of sensors that measure one distance.
 //!
-//! A [`ReadingLog`] contains readings at known distances. [`Characterisation`] fits a [`RangeModel`] to them, with confidence
-//! intervals and tests of the model. Every type that implements [`RangeSensor`] can be simulated and used in a Bayes filter.
+//! A [`RangeModel`] is such a sensor; anything that implements [`RangeSensor`] can be simulated and believed. With the feature
+//! `papers` models are calibrated, too: a [`ReadingLog`] holds readings at known distances, and a [`Characterisation`] makes a
+//! [`RangeModel`] of them, with intervals and with the tests that the model fails.
 
-mod cell;
-mod characterisation;
-mod choice;
-mod drawn;
-mod fit;
+#[cfg(feature = "papers")]
+mod calibration;
 pub mod form;
-mod log;
 mod model;
-mod peak;
-mod sample_size;
-mod session;
 
-pub use characterisation::{Characterisation, DistanceReport, LEVEL, Normality, Options, Value};
-pub use choice::Candidate;
-pub use drawn::{DrawOptions, DrawnLog};
-pub use log::{LogOptions, Reading, ReadingLog};
+#[cfg(feature = "papers")]
+pub use calibration::{
+    Candidate, Characterisation, DistanceReport, DrawOptions, DrawnLog, LEVEL, LogOptions,
+    NextSession, Normality, Options, Peak, Reading, ReadingLog, SampleSize, SessionSpread,
+    SizeStep, Spread, Value,
+};
 pub use model::{
     Beam, InSession, Outliers, RangeModel, RangeSensor, ReadingUnit, find_sensor, sensor_by_name,
     shipped_sensors,
 };
-pub use peak::Peak;
-pub use sample_size::{SampleSize, SizeStep};
-pub use session::{NextSession, SessionSpread, Spread};

@@ -362,15 +362,15 @@ fn strengths_in_a_real_flat_are_predicted_better_than_by_fingerprints() {
     )
     .unwrap();
     println!("{seen}");
-    let guess = |name: &str| {
-        seen.guesses
+    let baseline = |name: &str| {
+        seen.baselines
             .iter()
             .find(|g| g.name == name)
             .unwrap()
             .rmse_db
     };
-    assert!(seen.rmse_db < guess("fingerprints"));
-    assert!(seen.rmse_db < guess("log-distance") && seen.rmse_db < guess("free-space"));
+    assert!(seen.rmse_db < baseline("fingerprints"));
+    assert!(seen.rmse_db < baseline("log-distance") && seen.rmse_db < baseline("free-space"));
     assert!(
         (0.85..0.95).contains(&seen.coverage_90),
         "{}",

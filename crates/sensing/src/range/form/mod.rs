@@ -78,7 +78,7 @@ realgap_core::serde_by_name!(dyn Form, form_by_name);
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Curve {
-    /// Form of the curve, by name; `realgap sense characterise --help` lists them.
+    /// Form of the curve, by name; `realgap sense fit --help` lists them.
     #[cfg_attr(feature = "schema", schemars(with = "String"))]
     pub form: &'static dyn Form,
     /// Knots (distances) of a curve that is made of pieces.
