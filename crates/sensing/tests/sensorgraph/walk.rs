@@ -1,7 +1,7 @@
 //! Repeats paper 001 in simulation: a sensorgraph is fitted to a random walk in an arena and evaluated on two other paths.
 
 use realgap_core::statistics::{
-    autocorrelation_time, independent_pairs, mean, spearman, spearman_worth,
+    autocorrelation_time, independent_pairs, mean, spearman, spearman_effective,
 };
 use realgap_sensing::arena::Arena;
 use realgap_sensing::graph::{Evaluation, Frame, GraphOptions, Logger, ScanLog, fit};
@@ -194,7 +194,7 @@ fn correlated_neighbours_count_as_fewer_samples() {
         let (x, y) = (series(2 * k, 0.9, 200), series(2 * k + 1, 0.9, 200));
         naive += usize::from(spearman(&x, &y).unwrap().p_value < 0.05);
         let pairs = independent_pairs(&x, &y);
-        worth += usize::from(spearman_worth(&x, &y, pairs).is_ok_and(|t| t.p_value < 0.05));
+        worth += usize::from(spearman_effective(&x, &y, pairs).is_ok_and(|t| t.p_value < 0.05));
     }
     assert!(naive > 60, "{naive} of 200");
     assert!(worth < 24, "{worth} of 200");
