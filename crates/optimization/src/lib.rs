@@ -3,6 +3,7 @@
 //! What is evaluated comes in as a closure: this room knows neither simulator nor metric.
 
 mod driver;
+pub mod gaussian_process;
 mod grid;
 mod minimise;
 mod optimizer;
