@@ -1,9 +1,19 @@
-//! A study: recordings + experiment + parameters + metric, and what answers it.
+//! A study: recordings, an experiment, parameters and a metric, and the methods that answer it.
 //!
-//! [`Study::read`] reads one from a file, [`Study::builder`] makes one in Rust. [`Study::sweep`] tries every point of its grid,
-//! [`Study::tune`] lets an optimizer choose; both give an [`Answer`]: the best point, everything that cannot be told from it, an
-//! interval and a [`Verdict`] a parameter. [`Study::evaluate`] checks given values, [`Study::sensitivity`] says which parameters
-//! matter.
+//! [`Study::read`] reads a study from a file, [`Study::builder`] builds one in Rust. [`Study::sweep`] simulates every point of
+//! its grid, [`Study::tune`] lets an optimizer choose the points. Both give an [`Answer`]: the best point, the confidence set,
+//! and an interval and a [`Verdict`] per parameter. [`Study::evaluate`] checks given values, [`Study::sensitivity`] shows which
+//! parameters matter.
+//!
+//! The numbers come from the crate `realgap-inference`, which knows no robot; here are the studies that it is applied to:
+//!
+//! - `study`: the definition of a study, its file, its cases.
+//! - `recording`: recordings of a study, found, read and checked.
+//! - `exploration`: sweep, tuning and the waves after them.
+//! - `numerics`: equally valid settings, the second engine, the numerical audit, the cost of a run.
+//! - `goodness_of_fit`: whether the model explains the recordings at all.
+//! - `answer`: scores, confidence set, verdicts, report, files of parameter values.
+//! - `evaluation`: given values on recordings, held-out recordings, sensitivity, transfer between robots.
 //!
 //! ```
 //! use realgap_optimization::RunOptions;

@@ -1,4 +1,4 @@
-//! What recordings say about a parameter.
+//! Sentences about parameters that recordings determine or leave open.
 
 use super::{About, Claim, Conclusion};
 use realgap_core::unit::{counted, number};
@@ -8,20 +8,21 @@ use realgap_optimization::Range;
 /// What was found about one parameter.
 #[derive(Debug, Clone)]
 pub(crate) struct Found {
+    /// The value at the best point.
     pub best: f64,
     /// The values that are compatible with the recordings.
     pub marginal: Marginal,
     /// Confidence level of the marginal's intervals.
     pub level: f64,
-    /// False where other numerics change the score more than the parameter does over its whole range.
+    /// False where other numerical settings change the score more than the parameter does over its whole range.
     pub is_resolved: bool,
-    /// What changes the score more than the values that fit do.
+    /// The numerical setting that changes the score more than the compatible values do, in words.
     pub shaken_by: Option<String>,
     /// Recordings that were fitted.
     pub recordings: usize,
 }
 
-/// Values of a parameter as people read them.
+/// Prints values of a parameter with its unit and a suitable number of digits.
 struct Shown {
     name: &'static str,
     unit: &'static str,
@@ -50,7 +51,7 @@ impl Shown {
     }
 }
 
-/// What the recordings say about a parameter.
+/// Whether, and how far, the recordings determine a parameter.
 pub(crate) fn parameter(range: &Range, found: &Found) -> Claim {
     let shown = Shown::new(range);
     let (name, best) = (shown.name, shown.value(found.best));
@@ -68,13 +69,13 @@ pub(crate) fn parameter(range: &Range, found: &Found) -> Claim {
         _ => "fit as well, except for a part between the intervals",
     };
     let holds_best = |(low, high): &(f64, f64)| (*low..=*high).contains(&found.best);
-    // A best point beside its own interval is luck, and no value to be named.
+    // A best point outside of its own interval is due to chance, so its value is not named as the estimate.
     let is_beside = !interval.is_empty() && !intervals.iter().any(holds_best);
     let is = match (interval.as_str(), is_beside) {
         ("", _) => format!("{name} = {best}"),
         (_, false) => format!("{name} = {best} ({level} interval {interval})"),
         (_, true) => format!(
-            "{name} lies in {interval} ({level}); the best point, {best}, lies beside that by luck"
+            "{name} lies in {interval} ({level}); the point with the lowest score, {best}, lies outside of it by chance"
         ),
     };
     let within = match interval.as_str() {
@@ -82,14 +83,16 @@ pub(crate) fn parameter(range: &Range, found: &Found) -> Claim {
         _ => format!("narrowed down to {interval} ({level})"),
     };
     let bound = |side: &str, value: &str| {
-        let sure = match (interval.as_str(), is_beside) {
-            ("", _) => String::new(),
-            (_, false) => format!(" ({level} interval {interval})"),
-            (_, true) => format!(" (beside the {level} interval {interval}, by luck)"),
+        let known = match (interval.as_str(), is_beside) {
+            ("", _) => format!("best {best}"),
+            (_, false) => format!("best {best} ({level} interval {interval})"),
+            (_, true) => format!(
+                "{level} interval {interval}; the point with the lowest score, {best}, lies outside of it by chance"
+            ),
         };
         (
             format!("{side} {value}"),
-            format!("{name} is {side} {value}; best {best}{sure}"),
+            format!("{name} is {side} {value}; {known}"),
         )
     };
     let determination = found.marginal.determination(range);
@@ -113,7 +116,7 @@ pub(crate) fn parameter(range: &Range, found: &Found) -> Claim {
         ),
         Determination::EdgeOfSearch => {
             let edge = "up to the edge of the searched range";
-            let widen = "widen it before you believe it";
+            let widen = "widen the range before you rely on this";
             (
                 format!("{within}, {edge}: {widen}"),
                 format!("{is}, but values {edge} {fit} ({fits_from} to {fits_to}): {widen}"),
@@ -124,15 +127,15 @@ pub(crate) fn parameter(range: &Range, found: &Found) -> Claim {
         Determination::Inside => match &found.shaken_by {
             Some(shaken_by) if !interval.is_empty() => {
                 let where_best = if is_beside {
-                    "beside it, by luck: "
+                    "outside of it by chance: "
                 } else {
                     ""
                 };
                 (
-                    format!("{within}, no nearer: numerics change more"),
+                    format!("{within}, no closer: numerical settings change the score more"),
                     format!(
-                        "{name} lies in {interval} ({level}; best {where_best}{best}), no nearer: {shaken_by}, more than these values do; \
-                         finer settings, another metric or gait would tell more"
+                        "{name} lies in {interval} ({level}; best {where_best}{best}) and cannot be narrowed further: {shaken_by}, more than these values do; \
+                         finer numerical settings, another metric or another motion would narrow it"
                     ),
                 )
             }
@@ -148,7 +151,7 @@ pub(crate) fn parameter(range: &Range, found: &Found) -> Claim {
     )
 }
 
-/// The claim with what it rests on.
+/// The claim with the numbers that it rests on.
 fn with_numbers(mut claim: Claim, found: &Found) -> Claim {
     for (index, (low, high)) in found.marginal.intervals.iter().enumerate() {
         let part = index + 1;
@@ -168,7 +171,7 @@ fn with_numbers(mut claim: Claim, found: &Found) -> Claim {
         .at_level(found.level)
 }
 
-/// What least squares know of a parameter: the ends of the interval stand for what fits as well.
+/// Whether least squares determine a parameter; the ends of the interval are given as the compatible values.
 pub(crate) fn least_squares(known: &LeastSquaresEstimate, recordings: usize) -> Claim {
     let (low, high) = (number(known.low), number(known.high));
     let (says, word) = match known.is_told {
@@ -206,10 +209,10 @@ fn least_squares_sentence(known: &LeastSquaresEstimate) -> String {
     format!("{name} = {value}, 90 % {low} to {high}{determined}{partner}")
 }
 
-/// So many parameters are named in a sentence; more are counted, since nobody reads a page of them.
+/// Most parameters that are named in a sentence; more are counted, because a list of them would be too long to read.
 pub(crate) const NAMED: usize = 6;
 
-/// All parameters in one sentence, caveats kept where they are named; `None` for none.
+/// All parameters in one sentence, with the caveat of each that is named; `None` for none.
 pub(crate) fn summary(parameters: &[Claim]) -> Option<Claim> {
     let first = parameters.first()?;
     let said = parameters
@@ -316,7 +319,7 @@ mod tests {
         let text = parameter(&friction(), &shaken).text;
         assert!(
             text.starts_with(
-                "floor.friction lies in 0.400 to 0.500 (90 %; best 0.450), no nearer: 6 substeps"
+                "floor.friction lies in 0.400 to 0.500 (90 %; best 0.450) and cannot be narrowed further: 6 substeps"
             ),
             "{text}"
         );
@@ -358,8 +361,7 @@ mod tests {
             ..found(0.4, 0.4, 0.6)
         };
         let text = parameter(&friction(), &beside).text;
-        let said =
-            "floor.friction lies in 0.500 to 0.600 (90 %); the best point, 0.400, lies beside that";
+        let said = "floor.friction lies in 0.500 to 0.600 (90 %); the point with the lowest score, 0.400, lies outside";
         assert!(text.starts_with(said), "{text}");
     }
 
@@ -371,7 +373,7 @@ mod tests {
         assert_eq!(
             text,
             "From 3 recordings: floor.friction is narrowed down to 0.050 to 0.200 (90 %), up to the edge of the searched range: \
-             widen it before you believe it; floor.friction is not determined."
+             widen the range before you rely on this; floor.friction is not determined."
         );
     }
 }

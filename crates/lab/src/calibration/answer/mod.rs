@@ -1,4 +1,4 @@
-//! The answer of a study: the best point, and how sure it is.
+//! The answer of a study: the best point, and its uncertainty.
 
 pub(super) mod report;
 pub(super) mod score;
@@ -25,19 +25,19 @@ use realgap_optimization::{Ending, Grid, space_filling};
 pub struct Answer {
     /// How the points were chosen.
     pub method: Method,
-    /// Complete, or stopped early.
+    /// Whether the run is complete or was stopped early.
     pub ending: Ending,
     /// Scores of the points evaluated so far.
     pub scores: Scores,
-    /// What cannot be told apart from the best; `None` where nothing has a score.
+    /// The confidence set; `None` where no point has a score.
     pub uncertainty: Option<Uncertainty>,
-    /// Where the best lies when reality is sampled again; `None` where nothing has a score.
+    /// Posterior draws of the parameters; `None` where no point has a score.
     pub draws: Option<PosteriorDraws>,
-    /// The lowest score to be expected along each parameter.
+    /// The lowest expected score along each parameter.
     pub profiles: Vec<Profile>,
-    /// What all of it says: the best point, verdicts, what numerics change, how held-out recordings fare.
+    /// The report: the best point, verdicts, the effect of numerics, the check by held-out recordings.
     pub report: Report,
-    /// The score everywhere, and the parameters that it is known over.
+    /// The emulator of the score, and the grid of its parameters.
     emulator: Option<(Emulator, Grid)>,
 }
 
@@ -47,13 +47,13 @@ impl fmt::Display for Answer {
     }
 }
 
-/// Places that an answer is drawn from, and points whose implausibility is told.
+/// Points from which an answer is drawn, and simulated points whose implausibility is computed.
 const PLACES: usize = 500;
 const VISITED: usize = 200;
 
 impl Answer {
-    /// Works out how sure the best of these scores is; simulations run on the current rayon pool. `refits`: as
-    /// [`Validation::new`] wants them.
+    /// Computes the uncertainty of the best of these scores; simulations run on the current rayon pool. `refits`: as
+    /// [`Validation::new`] takes them.
     pub(in crate::calibration) fn new(
         study: &Study,
         method: Method,
@@ -66,16 +66,16 @@ impl Answer {
                 let emulator = Emulator::new(&scored_runs(study, &scores))?;
                 settled(study, scores, emulator)?
             }
-            // Whoever interrupts does not want to wait, and a part of a grid says nothing sure of the whole.
+            // An interrupted run is not continued here, and a part of a grid allows no conclusion about the whole.
             Ending::Interrupted => (scores, None),
         };
         if let Some(fitted) = method.fitted() {
-            // What least squares chose has the least robust loss, whatever the plain score of another point is.
+            // Least squares choose the point with the smallest robust loss, even where another point has a lower score.
             let chosen = scores.points.iter().position(|p| p.values == fitted);
             scores.best = chosen.or(scores.best);
         }
         let emulator = match study.fitted_recordings() {
-            // What might have been recorded is what the best point's runs show, which is known now.
+            // The surrogates of a single recording are runs of the best point, which is known only now.
             1 => emulator.map(|known| known.conditioned_on(&scored_runs(study, &scores))),
             _ => emulator,
         };
@@ -110,7 +110,7 @@ impl Answer {
             _ => Vec::new(),
         };
         let profiles = profiles(study, &scores, emulator.as_ref(), uncertainty.as_ref());
-        // Whoever interrupts does not want to wait for more simulations.
+        // No more simulations are made after an interruption.
         let (audit, reproduction) = match ending {
             Ending::Complete => (
                 Audit::new(study, &scores, &profiles)?,
@@ -143,7 +143,7 @@ impl Answer {
         })
     }
 
-    /// The score to be expected at these parameter values, whether they were simulated or not; `None` where too little was.
+    /// The expected score at these parameter values, whether they were simulated or not; `None` where there are too few runs.
     pub fn expected_score(&self, values: &[f64]) -> Option<f64> {
         let (emulator, grid) = self.emulator.as_ref()?;
         Some(emulator.mean(&grid.place_of(values)))

@@ -1,4 +1,4 @@
-//! What an answer says, put into numbers and sentences.
+//! The report of an answer: its numbers and sentences.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -18,19 +18,20 @@ use realgap_optimization::Ending;
 use realgap_path::comparison::pose_errors;
 use realgap_path::trajectory::Source;
 
-/// What a sweep or tuning says, with how sure it is and where it comes from; its `Display` is for people.
+/// The result of a sweep or a tuning with its uncertainty and provenance; its `Display` is a text for readers.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Report {
     /// Name of the study.
     pub study: String,
-    /// What it is for.
+    /// Purpose of the study.
     pub description: String,
     /// True when every point was evaluated.
     pub complete: bool,
     /// Points of the grid, or that the optimizer asked for, that were evaluated.
     pub points: usize,
-    /// Simulations of all cases: waves of points follow where the best may be, and the best has several equally valid settings.
+    /// Simulations of all cases: those of the first points, of the waves after them, and of the equally valid settings of the
+    /// best point.
     pub runs: usize,
     /// Points of the study's grid, or the optimizer's budget.
     pub points_total: usize,
@@ -54,14 +55,14 @@ pub struct Report {
     pub verdicts: Vec<Verdict>,
     /// Everything that is stated here about reality, the most important first.
     pub claims: Vec<Claim>,
-    /// How the best values of two parameters move together when reality is sampled again.
+    /// Correlation of each pair of parameters over the posterior draws.
     pub correlations: Vec<Correlation>,
-    /// What each of two engines says to the answer, which is one of the claims; empty where there is one only.
+    /// The view of each of two engines on the answer, which is one of the claims; empty where there is one engine only.
     #[serde(skip)]
     pub engines: Vec<EngineWish>,
-    /// What the numerical settings change.
+    /// How much the numerical settings change the best score.
     pub audit: Option<Audit>,
-    /// How the fit does on recordings that it has not seen.
+    /// How the best point scores on recordings that were held out of the fit.
     pub validation: Option<Validation>,
     /// Of a study of many robots: each one's misfit, and what the others' answer does for it.
     pub transfer: Option<Transfer>,
@@ -87,41 +88,41 @@ pub struct Best {
     pub score: f64,
     /// How many settings that is the mean of.
     pub settings: usize,
-    /// The score with the study's own settings, which is luck as far as it differs.
+    /// The score with the study's own settings; its difference from `score` is chance.
     pub own_score: Option<f64>,
     /// Mean absolute difference of the net displacements, metres.
     pub displacement_error_m: Option<f64>,
 }
 
-/// Correlation of two parameters over the bootstrap.
+/// Correlation of two parameters over the posterior draws.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Correlation {
-    /// One parameter.
+    /// Name of one parameter.
     pub first: &'static str,
-    /// This is the other parameter of the pair.
+    /// Name of the other parameter.
     pub second: &'static str,
     /// Pearson's coefficient.
     pub value: f64,
 }
 
-/// How sure the best point is.
+/// Uncertainty of the best point.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BestPointUncertainty {
-    /// Where it comes from.
+    /// The sources of the uncertainty.
     pub source: UncertaintySource,
     /// Confidence level.
     pub level: f64,
-    /// Standard deviation of the best score when reality is sampled again.
+    /// Standard deviation of the best score over repetitions of the recordings.
     pub best_score_sd: f64,
     /// Standard deviation of the best score over equally valid settings.
     pub simulation_sd: f64,
-    /// Share of what parts scores that more runs would take away, 0 to 1.
+    /// Share of the variance between points and the best point that more runs would remove, 0 to 1.
     pub emulator_share: f64,
-    /// Simulated points that cannot be told apart from the best, itself included.
+    /// Simulated points in the confidence set, the best point included.
     pub indistinguishable: usize,
-    /// Of so many.
+    /// Number of simulated points.
     pub points: usize,
 }
 
@@ -135,7 +136,7 @@ pub struct PoseErrors {
     pub rotation_deg: f64,
 }
 
-/// What a report is made from.
+/// Everything from which a report is made.
 pub(in crate::calibration) struct Evidence<'a> {
     pub method: &'a Method,
     pub ending: Ending,
@@ -156,7 +157,7 @@ impl Evidence<'_> {
         points.filter(|point| point.diverged.is_some()).count()
     }
 
-    /// What the reader should know, of a run of so many points.
+    /// The warnings of a report on a run of so many points.
     fn warnings(&self, study: &Study, points_total: usize) -> Vec<Warning> {
         let mut warnings = study.warnings().to_vec();
         let (scores, diverged) = (self.scores, self.diverged());
@@ -176,7 +177,7 @@ impl Evidence<'_> {
             && !audit.unresolved.is_empty()
         {
             warnings.push(Code::Unresolved.warning(format!(
-                "finer timesteps, more substeps or hard contact change the best score by {}, more than the whole range of {}: these scores cannot tell",
+                "finer timesteps, more substeps or hard contact change the best score by {}, more than the whole range of {}: these scores do not determine it",
                 quantity(audit.largest_change, scores.unit),
                 match audit.unresolved.as_slice() {
                         [first, .., _] if audit.unresolved.len() > claim::NAMED =>
@@ -204,7 +205,7 @@ impl Evidence<'_> {
 }
 
 impl fmt::Display for Report {
-    /// A line for the study, and one for each thing that the report says.
+    /// Writes a line for the study, and one for each statement of the report.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
@@ -239,7 +240,7 @@ impl fmt::Display for Report {
             if let Some(lowest) = lowest {
                 write!(
                     f,
-                    ", the least robust loss of all points; the lowest discrepancy is {}",
+                    ", at the point with the smallest robust loss; the lowest discrepancy of all points is {}",
                     quantity(lowest, self.unit)
                 )?;
             }
@@ -247,9 +248,9 @@ impl fmt::Display for Report {
             if let (true, Some(own), Some(spread)) = (best.settings > 1, best.own_score, spread) {
                 write!(
                     f,
-                    " +- {} over {} equally valid settings; {} with the study's own",
-                    quantity(spread, self.unit),
+                    ", mean over {} equally valid settings with a standard deviation of {}; {} with the study's own setting",
                     best.settings,
+                    quantity(spread, self.unit),
                     quantity(own, self.unit)
                 )?;
             }
@@ -362,10 +363,10 @@ impl Report {
                 points: u.indistinguishable.len(),
             }),
             verdicts: match evidence.ending {
-                // Of the errors themselves least squares know more than an emulator of their mean.
+                // Least squares fit the single errors, so they know more than an emulator of the mean error.
                 Ending::Complete if !known.is_empty() => Verdict::of_least_squares(&tables, known),
                 Ending::Complete => Verdict::all(&tables),
-                // The best of a part may not be the best of all.
+                // The best of some points may not be the best of all.
                 Ending::Interrupted => Vec::new(),
             },
             claims: Vec::new(),
@@ -392,7 +393,8 @@ impl Report {
         Ok(report.with_claims(definition.source(), tables.recordings))
     }
 
-    /// The report with what its own numbers say, of so many fitted recordings that come from there.
+    /// The report with the claims that follow from its numbers; `recordings` is the number of fitted recordings, which are of
+    /// this source.
     #[must_use]
     pub fn with_claims(mut self, source: Source, recordings: usize) -> Self {
         let reality = claim::called(source);

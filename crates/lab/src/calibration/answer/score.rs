@@ -1,4 +1,4 @@
-//! From simulated outcomes to scores: build the basis where the metric needs one, average over recordings, find the best.
+//! Scores of simulated outcomes: the basis where the metric needs one, the mean over recordings, and the best point.
 
 use std::collections::HashMap;
 
@@ -41,8 +41,9 @@ pub struct Scores {
     pub runs: Vec<PointScore>,
     /// Every point, by the index of its first run, with the mean over its runs; a point not evaluated yet is missing.
     pub points: Vec<PointScore>,
-    /// Position in `points` of the best; `None` when every point diverged. In an [`Answer`](crate::calibration::Answer) the point that is
-    /// best on average over equally valid settings; before, the lowest mean of the runs so far, ties by order.
+    /// Position in `points` of the best point; `None` when every point diverged. In an [`Answer`](crate::calibration::Answer) it
+    /// is the point with the lowest mean over all equally valid settings. Before, it is the point with the lowest mean over its
+    /// runs so far; the first of equals counts.
     pub best: Option<usize>,
     /// Unit of the scores.
     pub unit: Unit,
@@ -212,7 +213,7 @@ fn score(
     for (case, result) in results.into_iter().enumerate() {
         let scores = result_scores(study, basis, length_scale, case, result)?;
         for (target, score) in study.cases()[case].targets.iter().zip(scores) {
-            // Weighed here, so that everything that averages over recordings or draws them again knows the weights.
+            // The weight is applied here, so that every mean and every resampling over recordings contains it.
             point.recordings[target.recording] = study.weight(target.recording) * score;
             displacement_error_m += (result.net_displacement_m
                 - target.prepared.net_displacement_m() / length_scale)
@@ -238,7 +239,7 @@ pub(in crate::calibration) fn result_scores(
         return Ok(result.scores[..targets].to_vec());
     };
     let simulated = Prepared::from_xy_m(result.path_xy_m.clone())?;
-    // Both paths are in recorded lengths, the score in true ones.
+    // Both paths are in recorded lengths, and the score is in true lengths.
     Ok(study.cases()[case]
         .targets
         .iter()

@@ -1,4 +1,4 @@
-//! Which points of a study cannot be told apart from the best one.
+//! The confidence set of a study: the points that fit as well as the best point within the uncertainty of the scores.
 
 use crate::calibration::numerics::setting::Setting;
 use crate::calibration::{Scores, Study};
@@ -11,16 +11,16 @@ realgap_core::worded! {
     #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
     #[serde(rename_all = "snake_case")]
     UncertaintySource.label;
-    /// Recordings that differ (two or more), and what the runs leave open.
-    Recordings "recordings, equally valid settings, places between runs";
-    /// What the runs leave open alone (one recording).
-    Runs "equally valid settings, places between runs";
+    /// Differences between recordings (two or more), and the uncertainty that the runs leave.
+    Recordings "recordings, equally valid settings, points between runs";
+    /// The uncertainty that the runs leave alone (one recording).
+    Runs "equally valid settings, points between runs";
 }
 
-/// The set of points that fit as well as the best within the uncertainty of the scores.
+/// The confidence set: the points that fit as well as the best point within the uncertainty of the scores.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Uncertainty {
-    /// Where it comes from.
+    /// The sources of the uncertainty.
     pub source: UncertaintySource,
     /// Confidence level, e.g. 0.95.
     pub level: f64,
@@ -28,16 +28,16 @@ pub struct Uncertainty {
     pub best_score_sd: f64,
     /// Standard deviation of the best point's score over equally valid settings, in the metric's unit.
     pub simulation_sd: f64,
-    /// Share of what parts scores that more runs would take away, 0 to 1.
+    /// Share of the variance between points and the best point that more runs would remove, 0 to 1.
     pub emulator_share: f64,
-    /// One flag per point; the best itself is always in.
+    /// Whether each simulated point belongs to the set; the best point always does.
     pub indistinguishable: Vec<bool>,
-    /// Places where nothing was simulated, spread evenly over what may be, and what is there.
+    /// Points that were not simulated, spread evenly over the part of the search space that is not implausible.
     pub unvisited: Vec<Unvisited>,
 }
 
 impl Uncertainty {
-    /// `visited` are positions of the points that the inference was asked about.
+    /// `visited` are the positions of the simulated points whose implausibility was computed.
     pub(in crate::calibration) fn new(
         study: &Study,
         scores: &Scores,

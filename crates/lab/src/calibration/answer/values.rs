@@ -1,4 +1,4 @@
-//! Parameter values in a file: the `best.ron` of a sweep, readable wherever `--parameters` is.
+//! Files of parameter values, such as the `best.ron` of a sweep, which every command with `--parameters` reads.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

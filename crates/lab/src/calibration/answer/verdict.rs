@@ -1,4 +1,4 @@
-//! What the recordings say about each parameter.
+//! The verdict on each parameter: its best value, its interval, and whether the recordings determine it.
 
 use std::fmt;
 
@@ -10,7 +10,7 @@ use realgap_core::unit::quantity;
 use realgap_inference::{INTERVAL_LEVEL, LeastSquaresEstimate, Marginal, PosteriorDraws};
 use realgap_optimization::Range;
 
-/// One parameter's best value and the range that fits as well.
+/// The best value of one parameter, and the values that are compatible with the recordings.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Verdict {
@@ -20,20 +20,20 @@ pub struct Verdict {
     pub unit: String,
     /// Best value.
     pub best: f64,
-    /// Smallest value in the indistinguishable set.
+    /// Smallest value in the confidence set.
     pub low: f64,
-    /// Largest value in the indistinguishable set.
+    /// Largest value in the confidence set.
     pub high: f64,
     /// Central 90 % interval; `None` where there are several.
     pub interval: Option<(f64, f64)>,
-    /// The parts of the 90 % interval where values between them are rejected; else empty.
+    /// The parts of the 90 % interval, where values between them are rejected; otherwise empty.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub intervals: Vec<(f64, f64)>,
     /// False where the recordings do not determine the parameter within the searched range.
     pub identified: bool,
-    /// One sentence.
+    /// The verdict as one sentence.
     pub text: String,
-    /// The same with what it rests on; it is one of the report's claims.
+    /// The same sentence with the numbers it rests on; it is one of the report's claims.
     #[serde(skip)]
     pub claim: Claim,
 }
@@ -44,18 +44,18 @@ impl fmt::Display for Verdict {
     }
 }
 
-/// What a study's points, and what was inferred from them, say.
+/// The points of a study, and what was inferred from them.
 #[derive(Debug, Clone, Copy)]
 pub struct Tables<'a> {
-    /// The parameters and where they were searched.
+    /// The parameters and their searched ranges.
     pub ranges: &'a [Range],
     /// The points.
     pub scores: &'a Scores,
-    /// Which of them cannot be told from the best.
+    /// The confidence set.
     pub uncertainty: Option<&'a Uncertainty>,
-    /// Values as likely as the recordings leave them.
+    /// Posterior draws of the parameters.
     pub draws: Option<&'a PosteriorDraws>,
-    /// What numerics change.
+    /// The effect of numerical settings.
     pub audit: Option<&'a Audit>,
     /// Recordings that were fitted.
     pub recordings: usize,
@@ -82,7 +82,7 @@ impl Verdict {
         }
     }
 
-    /// What least squares know: the ends of the 90 % interval stand for what fits as well.
+    /// The verdicts of least squares: the ends of the 90 % interval take the place of the confidence set.
     pub(in crate::calibration) fn of_least_squares(
         tables: &Tables<'_>,
         known: &[LeastSquaresEstimate],

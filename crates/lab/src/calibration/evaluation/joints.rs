@@ -1,4 +1,4 @@
-//! How well one setting predicts the joints of recordings that hold nothing else.
+//! Evaluation of given parameter values on recordings of joints alone.
 
 use std::collections::BTreeMap;
 

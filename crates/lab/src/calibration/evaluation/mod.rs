@@ -1,4 +1,5 @@
-//! How well one setting predicts recordings it may never have seen: pose errors, flips and resting faces.
+//! Evaluation of given parameter values on recordings that they may not have been fitted on: pose errors, flips and resting
+//! faces.
 
 pub(super) mod joints;
 pub(super) mod reproduction;
@@ -34,7 +35,7 @@ pub struct Average {
     pub mean: f64,
     /// Median (mean of the middle two).
     pub median: f64,
-    /// Standard deviation / √n; 0 for a single recording, which does not know it.
+    /// Standard deviation / √n; 0 for a single recording, where it cannot be estimated.
     pub standard_error: f64,
 }
 
@@ -127,7 +128,7 @@ pub(in crate::calibration) fn by_recording<T>(cases: Vec<Vec<(usize, T)>>) -> Ve
     rows.into_iter().map(|(_, row)| row).collect()
 }
 
-/// Nothing is left that a mean could be over.
+/// The error of a study whose simulations all diverged.
 pub(in crate::calibration) fn all_diverged(definition: &Definition) -> Error {
     definition.at_file(
         Error::invalid("every simulation diverged, so there are no errors to report")
@@ -247,7 +248,7 @@ pub(in crate::calibration) fn provenance(study: &Study) -> BTreeMap<String, Stri
 }
 
 impl Average {
-    /// Of at least one value.
+    /// The average of at least one value.
     pub(in crate::calibration) fn of(values: Vec<f64>) -> Option<Self> {
         let root = (values.len() as f64).sqrt();
         (!values.is_empty()).then(|| Self {

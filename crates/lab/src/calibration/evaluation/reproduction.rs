@@ -1,4 +1,5 @@
-//! In how many robots of a study of many does the shared answer do what was recorded? The split of paper 003, with robots for trials.
+//! Reproduction: in how many robots of a study of many the shared answer does what was recorded. The categories are those of
+//! paper 003, with robots in place of trials.
 
 use std::fmt;
 
@@ -17,7 +18,7 @@ use realgap_path::comparison::{Context, METRICS, Metric, Needs, Pair, Rms};
 use realgap_path::trajectory::{Prepared, Trajectory, prepare};
 use realgap_simulation::Experiment;
 
-/// What the shared answer makes of one robot; the first that holds.
+/// How the runs of one robot at the shared answer compare with its recordings; the first category that applies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -28,12 +29,12 @@ pub enum Likeness {
     Alike,
     /// Its runs go nowhere.
     GoesNowhere,
-    /// Its runs go another way.
+    /// Its runs take another path.
     OtherPath,
 }
 
-/// What the shared answer makes of all robots, each simulated once with every equally valid setting. The shares are of all robots,
-/// with 95 % Wilson intervals; distances are those of the metric `rms`.
+/// How the shared answer reproduces all robots, each simulated once with every equally valid setting. The shares are of all
+/// robots, with 95 % Wilson intervals; distances are those of the metric `rms`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Reproduction {
@@ -52,7 +53,7 @@ pub struct Reproduction {
     pub metrics: Vec<MetricFloors>,
     /// Robots whose mean recorded net displacement lies between the least and the largest of their runs'; `None` for one run.
     pub displacement_held: Option<Proportion>,
-    /// The share of robots that would, if the recordings were further runs, at least.
+    /// The least expected share of such robots, if the recordings were further runs.
     pub displacement_promise: f64,
     /// The robots, in the order of the study.
     pub robots: Vec<RobotReproduction>,
@@ -70,13 +71,13 @@ pub struct MetricFloors {
     pub median_noise_floors: Option<f64>,
 }
 
-/// What the shared answer makes of one robot.
+/// How the shared answer reproduces one robot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RobotReproduction {
     /// Its name.
     pub robot: String,
-    /// What it is.
+    /// Its category.
     pub likeness: Likeness,
     /// Mean distance of its runs to its recordings, metres.
     pub distance_m: f64,
@@ -155,7 +156,7 @@ impl Reproduction {
 }
 
 impl fmt::Display for Reproduction {
-    /// How many robots do what, one share after the other, and what other metrics say.
+    /// Writes the shares of robots in each category, and the results of other metrics.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let share = |of: &Proportion| {
             let [share, low, high] = [of.share, of.low, of.high].map(|part| 100.0 * part);
@@ -200,7 +201,7 @@ struct Distances {
     recordings: Vec<f64>,
 }
 
-/// A motion as metrics want it.
+/// A motion in the form that metrics need.
 struct Moved {
     motion: Trajectory,
     prepared: Prepared,
@@ -273,7 +274,7 @@ impl Seen {
         Ok(())
     }
 
-    /// Its distance by a metric in noise floors; `None` where it has no floor.
+    /// Distance of the runs by a metric, in noise floors; `None` where the robot has no noise floor.
     fn noise_floors(&self, metric: usize) -> Option<f64> {
         let distances = &self.distances[metric];
         let floor = distances.floor()?;
@@ -321,7 +322,7 @@ impl Distances {
         }
     }
 
-    /// Of two motions.
+    /// Distance of two motions by a metric.
     fn metric_of(
         &self,
         real: (&Trajectory, &Prepared),
@@ -331,7 +332,7 @@ impl Distances {
         Ok(self.metric.compare(&pair, &Context::default())?.value)
     }
 
-    /// The noise floor; `None` where no two recordings share a start, or none differ.
+    /// The noise floor of the robot; `None` where no two recordings share a start, or none differ.
     fn floor(&self) -> Option<f64> {
         mean_of_any(self.recordings.iter().copied()).filter(|floor| *floor > 0.0)
     }

@@ -1,4 +1,4 @@
-//! Which face ends down: how often in reality, and how often when every recording is simulated once.
+//! Resting faces: which face ends down how often in reality, and how often when every recording is simulated once.
 
 use std::collections::BTreeMap;
 
@@ -19,11 +19,11 @@ use realgap_simulation::parameter::ParameterSet;
 pub struct FaceOdds {
     /// Name of the face in the tracked module's frame.
     pub face: &'static str,
-    /// This is how many really ended so.
+    /// Recordings that really ended on the face.
     pub real: usize,
-    /// This is how many ended so in simulation.
+    /// Recordings whose simulation ended on the face.
     pub simulated: usize,
-    /// This is how many recordings ended so both really and in simulation.
+    /// Recordings that ended on the face both really and in simulation.
     pub both: usize,
 }
 
@@ -115,7 +115,7 @@ impl Definition {
         run: &RunOptions<'_>,
     ) -> Result<RestingOdds> {
         self.at_rest()?;
-        // As the real counts: over whole recordings, whatever part of them the study compares.
+        // As for the real counts, whole recordings count, even where the study compares a part of them.
         self.duration_s = None;
         let (recordings, sha256) = std::mem::take(&mut self.recordings)
             .into_iter()

@@ -1,4 +1,4 @@
-//! What a small change of every parameter does to the score: one at a time around a point.
+//! Sensitivity of a study's score to small changes of its parameters, one parameter at a time around a point.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -26,8 +26,8 @@ pub struct Sensitivity {
     pub unit: &'static str,
     /// Score of the point itself.
     pub score: f64,
-    /// Standard deviation of that score when the simulated start varies by 1 mm and 1°: smaller changes are chance; `None` where
-    /// every recording has its own start.
+    /// Standard deviation of that score when the simulated start varies by 1 mm and 1°: smaller changes may be chance; `None`
+    /// where every recording has its own start.
     pub start_sd: Option<f64>,
     /// Every parameter that acts on this robot, largest effect first.
     pub effects: Vec<Effect>,
@@ -65,7 +65,7 @@ fn perturbations(experiment: &Experiment) -> Vec<(&'static Parameter, Perturbati
     all.collect()
 }
 
-/// The mean over the recordings of all cases; `None` where one of these diverged.
+/// The mean score over the recordings of all cases; `None` where one of these diverged.
 fn mean_score(
     study: &Study,
     basis: Option<&Basis>,
@@ -98,7 +98,7 @@ fn sensitivity(study: &Study, run: &RunOptions<'_>) -> Result<Sensitivity> {
     let total = tasks.len() + repeats as usize;
     let done = AtomicUsize::new(0);
     let report = || run.tell(done.fetch_add(1, Ordering::Relaxed) + 1, total, None);
-    // A value that cannot be simulated (a radius wider than the cube) has no effect to tell, but is no failure.
+    // A value that cannot be simulated (such as a radius wider than the cube) is no failure; its effect stays unknown.
     let outcomes: Vec<Option<Vec<CaseRow>>> = tasks
         .par_iter()
         .map(|task| {

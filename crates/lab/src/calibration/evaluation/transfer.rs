@@ -1,4 +1,4 @@
-//! Does what is tuned on some robots hold for another? The question of a study of many.
+//! Transfer: whether a floor that is tuned on some robots of a study also holds for the others.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::calibration::{Member, PointScore, Scores, Study};
 use realgap_core::statistics::{least_by, mean_of};
 
-/// What a floor that was tuned on the other robots does for each of them.
+/// How well parameters that were tuned on the other robots fit each robot.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Transfer {
@@ -23,27 +23,27 @@ pub struct Transfer {
     pub closed: f64,
     /// Share of the untuned misfit that each robot's own best point closes: no floor can close more.
     pub closable: f64,
-    /// What became of robots' own parameters where the others' point was taken.
+    /// How the robots' own parameters were treated at the point of the others.
     pub own_parameters: OwnParameters,
     /// The robots, in the order of the study.
     pub robots: Vec<RobotMisfit>,
 }
 
-/// What becomes of parameters that are about one robot alone (`robot.NAME.PARAMETER`) where that robot is left out.
+/// How parameters of one robot alone (`robot.NAME.PARAMETER`) are treated where that robot is left out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum OwnParameters {
-    /// There are none.
+    /// There are no such parameters.
     None,
-    /// They are fitted to the robot's own recordings again, among the points that have the others' shared values.
+    /// They are fitted again to the robot's own recordings, among the points that have the others' shared values.
     Refitted,
-    /// They are what they happen to be at the others' point: no two points that were evaluated differ in them alone.
+    /// They keep their values at the others' point, because no two evaluated points differ in them alone.
     AsTheyCame,
 }
 
 impl OwnParameters {
-    /// For people, behind the number that it is about; nothing where there are none.
+    /// A remark for readers behind the number that it is about; empty where there are no such parameters.
     pub fn remark(self) -> &'static str {
         match self {
             Self::None => "",
@@ -80,7 +80,8 @@ pub struct RobotMisfit {
 }
 
 impl Transfer {
-    /// Of the points that a sweep or an optimizer has evaluated; `None` for a study of one robot, and where nothing has a score.
+    /// Transfer over the points that a sweep or an optimizer has evaluated; `None` for a study of one robot, and where no point
+    /// has a score.
     pub(in crate::calibration) fn new(study: &Study, scores: &Scores) -> Option<Self> {
         let definition = study.definition();
         if definition.robots.len() < 2 {
@@ -136,7 +137,7 @@ impl Transfer {
     }
 }
 
-/// Whether a parameter of the study is about this robot alone, in the order of the parameters.
+/// Whether each parameter of the study, in order, belongs to this robot alone.
 fn is_own(study: &Study, member: &Member) -> Vec<bool> {
     let parameters = study.definition().parameters.iter();
     let name = member.morphology.name();
@@ -145,8 +146,8 @@ fn is_own(study: &Study, member: &Member) -> Vec<bool> {
         .collect()
 }
 
-/// Points that differ in nothing but a robot's own parameters, together. Where there are such, a point without a choice is none of
-/// them: waves lie between the points of a grid, each with other values of everything.
+/// Groups of points that differ only in the robot's own parameters. Where a group has several points, groups of one are left out:
+/// points of waves lie between the points of a grid and differ in all parameters.
 fn families<'a>(
     study: &Study,
     points: &[&'a PointScore],
@@ -170,7 +171,7 @@ fn families<'a>(
     families
 }
 
-/// The points with the shared values that suit the others best: on average, since the robot's own parameters are nothing to them.
+/// The group whose shared values fit the others best on average, because the robot's own parameters do not affect the others.
 fn best_family<'a>(
     families: Vec<Vec<&'a PointScore>>,
     of_others: &dyn Fn(&PointScore) -> f64,
@@ -187,7 +188,7 @@ fn lowest_of<'a>(
     least_by(points.iter().copied(), |point| of(point))
 }
 
-/// Refitted where every robot with parameters of its own was.
+/// `Refitted` where every robot with parameters of its own was fitted again.
 fn own_parameters(study: &Study, robots: &[RobotMisfit]) -> OwnParameters {
     let members = study.definition().robots.iter().zip(robots);
     let with_own = members.filter(|(member, _)| is_own(study, member).contains(&true));
@@ -201,7 +202,7 @@ fn own_parameters(study: &Study, robots: &[RobotMisfit]) -> OwnParameters {
     }
 }
 
-/// The point nearest to where nobody has tuned anything, along the ranges.
+/// The point nearest to the default values, along the ranges.
 fn nearest_to_defaults<'a>(study: &Study, points: &[&'a PointScore]) -> Option<&'a PointScore> {
     let definition = study.definition();
     let ranges = definition.grid.ranges();

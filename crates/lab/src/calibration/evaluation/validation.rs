@@ -1,4 +1,4 @@
-//! Scoring on recordings that the fit has not seen.
+//! Validation: scores on recordings that were held out of the fit.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,11 +7,11 @@ use crate::calibration::{PointScore, Scores, Split, Study};
 use realgap_core::statistics::{least_by, mean, mean_of, standard_deviation};
 use realgap_core::{Code, Result, Warning};
 
-/// How well the fit does on recordings that it has not seen.
+/// How the best point scores on recordings that were held out of the fit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Validation {
-    /// How the recordings were parted.
+    /// How the recordings were split.
     pub split: String,
     /// Mean score of the recordings that were fitted, at the best point.
     pub fit_score: f64,
@@ -21,17 +21,17 @@ pub struct Validation {
     pub difference_standard_error: f64,
     /// Held-out recordings, each counted once.
     pub held_out_recordings: usize,
-    /// The best values of each fold; empty for a single hold-out.
+    /// One entry per fold; empty for a single hold-out.
     pub folds: Vec<Fold>,
 }
 
-/// One fold: fitted without some recordings, checked with them.
+/// One fold: fitted without some recordings, and checked with these.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Fold {
     /// Best values of the study's parameters without the held-out recordings, in order.
     pub values: Vec<f64>,
-    /// Mean score of the others.
+    /// Mean score of the fitted recordings at those values.
     pub fit_score: f64,
     /// Mean score of the held-out recordings at those values.
     pub held_out_score: f64,
@@ -39,12 +39,12 @@ pub struct Fold {
     pub held_out: Vec<String>,
 }
 
-/// Above so many standard errors fit and held-out score are said to part.
+/// A warning is given where held-out and fitted score differ by more than so many standard errors.
 const PARTED: f64 = 2.0;
 
 impl Validation {
-    /// `None` where nothing is held out or nothing has a score. `refits` are the best points of the fit repeated without the
-    /// recordings of each fold; where there are none, every point was evaluated, and the best for the others is one of them.
+    /// `None` where nothing is held out or no point has a score. `refits` are the best points of fits without the recordings of
+    /// each fold; where there are none, every point was evaluated, and the best one for the other recordings is taken.
     ///
     /// # Errors
     /// None beyond those of [`Split::held_out`].
@@ -124,7 +124,7 @@ impl Validation {
         })
     }
 
-    /// A warning where the fit does clearly worse on what it has not seen.
+    /// A warning where the best point scores clearly worse on held-out recordings.
     pub fn warning(&self) -> Option<Warning> {
         let difference = self.held_out_score - self.fit_score;
         (difference > PARTED * self.difference_standard_error && difference > 0.0).then(|| {

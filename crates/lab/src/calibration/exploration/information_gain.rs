@@ -1,5 +1,5 @@
-//! What each motion tells of the parameters that the others do not: D-optimality (Atkinson & Donev 1992) from the differences that
-//! least squares took anyway.
+//! How much information each recording adds to the others (D-optimality; Atkinson & Donev 1992), from the finite differences that
+//! least squares took.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -13,22 +13,24 @@ use realgap_inference::added_information;
 use realgap_optimization::{Quadratic, UnitPoint, slopes};
 use realgap_store::Trial;
 
-/// What one motion adds to all that is fitted, as if errors were noise alone and straight in the parameters.
+/// Information that one recording adds to all others that are fitted, as if errors were independent noise and linear in the
+/// parameters.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct InformationGain {
     /// Name of the recording.
     pub recording: String,
-    /// Whether it was fitted: then this is what the fit would lack without it, else what the fit would gain with it.
+    /// Whether the recording was fitted. If so, this is what the fit would lose without it, otherwise what the fit would gain
+    /// with it.
     pub is_fitted: bool,
-    /// Half the gain of the logarithm of the information matrix's determinant: with a bit more, the parameters lie in half the
-    /// volume.
+    /// Half of the increase of log2 of the information matrix's determinant: one bit more halves the volume of the confidence
+    /// region of the parameters.
     pub bits: f64,
-    /// The same of each parameter by itself: with a bit more, its interval is half as long.
+    /// The same for each parameter by itself: one bit more halves the length of its interval.
     pub parameters: BTreeMap<&'static str, f64>,
 }
 
-/// The errors of one log at a point.
+/// The errors of one recording at a point.
 struct LogErrors<'a> {
     path: &'a Path,
     name: &'a str,
@@ -37,7 +39,8 @@ struct LogErrors<'a> {
 }
 
 impl Study {
-    /// Single errors, log by log, whose windows are not independent; `None` where a case has none.
+    /// Single errors by recording; windows of one recording are not independent and are put together. `None` where a case has no
+    /// errors.
     fn logs_of(&self, trial: &Trial) -> Option<Vec<LogErrors<'_>>> {
         let definition = self.definition();
         let mut logs: Vec<LogErrors<'_>> = Vec::new();
@@ -66,8 +69,7 @@ impl Study {
         Some(logs)
     }
 
-    /// Single errors of the recordings that are fitted, in one row, and how many of them each log has; `None` where a case has
-    /// none.
+    /// Single errors of the fitted recordings in one list, and their number in each recording; `None` where a case has none.
     pub(in crate::calibration) fn errors_of(
         &self,
         trial: &Trial,
@@ -78,8 +80,8 @@ impl Study {
         (!errors.is_empty()).then(|| (errors, fitted.iter().map(Vec::len).collect()))
     }
 
-    /// What each log tells, the most first; `around`: where least squares are, and the points moved from there by one coordinate
-    /// each, as simulated.
+    /// The information gain of each recording, largest first. `around` is the point where least squares ended, followed by the
+    /// points that differ from it in one coordinate each, as they were simulated.
     pub(in crate::calibration) fn motions(
         &self,
         known: &Quadratic,
@@ -120,10 +122,10 @@ impl Study {
     }
 }
 
-/// How many of the motions that tell most are said.
+/// Most recordings that are listed.
 const SAID: usize = 5;
 
-/// A line for each of the motions that tell most, and for the one that tells least.
+/// Writes a line for each of the recordings with the largest gains, and for the one with the smallest.
 pub(in crate::calibration) fn say(
     motions: &[InformationGain],
     f: &mut fmt::Formatter<'_>,

@@ -15,7 +15,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// The values that least squares chose; `None` of every other method.
+    /// The values that least squares chose; `None` for every other method.
     pub(in crate::calibration) fn fitted(&self) -> Option<Vec<f64>> {
         match self {
             Self::Tune(tuned) if !tuned.least_squares.is_empty() => {
@@ -25,8 +25,8 @@ impl Method {
         }
     }
 
-    /// Whether an optimizer chose the point of the run with this index for its score: such points crowd where the best is, and are no
-    /// sample of what may be.
+    /// Whether an optimizer chose the point of the run with this index because of scores. Such points crowd around the best
+    /// point, so they are no random sample.
     pub(in crate::calibration) fn crowds(&self, run: usize) -> bool {
         match self {
             Self::Sweep => false,
@@ -64,14 +64,14 @@ pub struct Tuned {
     pub evaluated: usize,
     /// Why it ended.
     pub termination: Termination,
-    /// What least squares know of each parameter where they ended; empty for other optimizers.
+    /// What least squares tell about each parameter where they ended; empty for other optimizers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub least_squares: Vec<LeastSquaresEstimate>,
-    /// Lowest score of all points, where least squares chose a point with another: they count large errors less, and prior
-    /// knowledge, too.
+    /// Lowest score of all points, where least squares chose a point with a higher score: their robust loss weighs large errors
+    /// less and contains prior knowledge.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lowest_score: Option<f64>,
-    /// What each recording tells them that the others do not, the most first; empty for other optimizers.
+    /// Information that each recording adds to the others, largest first; empty for other optimizers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub motions: Vec<InformationGain>,
 }

@@ -1,4 +1,4 @@
-//! The sweep: every point of a study, kept as it comes, scored at the end.
+//! The sweep: every point of a study's grid is simulated and stored, and all are scored at the end.
 
 use crate::calibration::exploration::trial_sink::{RunDescription, TrialSink};
 use crate::calibration::exploration::wave::{WAVES, next_wave, runs_a_wave};
@@ -8,19 +8,20 @@ use realgap_optimization::{Batch, Ending, RunOptions, drive};
 use realgap_store::{Mode, Part, Place};
 
 impl Study {
-    /// Simulates every point of the study's grid, each with one of the equally valid settings, then waves of points where the best
-    /// may be, between those of the grid, too, and says what cannot be told from the best.
+    /// Simulates every point of the study's grid, each with one of the equally valid settings, then waves of further points near
+    /// the best ones, also between the points of the grid. The answer has the best point, the confidence set and a verdict per
+    /// parameter.
     ///
-    /// The answer does not depend on the threads.
+    /// The answer does not depend on the number of threads.
     ///
     /// # Errors
-    /// A grid too large to be swept, or a metric that cannot compare.
+    /// A grid that is too large to be swept, or a metric that cannot compare the paths.
     pub fn sweep(&self, run: &RunOptions<'_>) -> Result<Answer> {
         sweep(self, None, run)
     }
 
-    /// As [`Study::sweep`], with every trial kept in a folder as it comes: an interrupted sweep can go on, and the answer has
-    /// the same bits however often that happened.
+    /// As [`Study::sweep`], with every trial stored in a folder as soon as it is finished: an interrupted sweep can be resumed,
+    /// and the answer has the same bits however often it was interrupted.
     ///
     /// # Errors
     /// As [`Study::sweep`]; a folder in use, results of another study in it, a full disk.
@@ -33,8 +34,9 @@ impl Study {
         sweep(self, Some((place.into(), mode)), run)
     }
 
-    /// Simulates one worker's share of the batch of a sweep that is under way, and ends there: interrupted, unless everything is
-    /// merged. What is to be simulated in the next batch depends on all of this one, so the parts are merged first.
+    /// Simulates one worker's share of the current batch of a distributed sweep and stops there. The ending is "interrupted"
+    /// unless all shares are merged already. The points of the next batch depend on all of this one, so the shares are merged
+    /// first.
     ///
     /// # Errors
     /// As [`Study::sweep_into`].
@@ -43,7 +45,7 @@ impl Study {
     }
 }
 
-/// What follows the last trial.
+/// Message for the work after the last trial.
 pub(in crate::calibration) const WEIGHING: &str =
     "weighing what cannot be told apart, auditing the numerics";
 
@@ -71,7 +73,7 @@ fn points(study: &Study) -> Result<usize> {
     Ok(grid.len())
 }
 
-/// Simulates the grid and what may be the best; how many points were asked for in the end.
+/// Simulates the grid and the waves after it; returns the ending and the number of points that were requested.
 fn simulate(
     study: &Study,
     sink: &mut TrialSink<'_>,

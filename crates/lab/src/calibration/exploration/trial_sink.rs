@@ -1,11 +1,12 @@
-//! Where a study's trials go: memory, or the store of a results folder that explains itself.
+//! Where the trials of a study are stored: in memory, or in the store of a results folder, which then contains a description of
+//! the study.
 
 use crate::calibration::{PointScore, Study};
 use realgap_core::Result;
 use realgap_optimization::Ending;
 use realgap_store::{Fingerprint, Memory, Mode, Part, Place, Storage, Store, Trial, TrialScore};
 
-/// What a run that keeps its results needs to know of itself.
+/// A run whose trials are stored, as the store describes it.
 pub(in crate::calibration) struct RunDescription<'a> {
     pub study: &'a Study,
     pub fingerprint: Fingerprint,
@@ -15,16 +16,16 @@ pub(in crate::calibration) struct RunDescription<'a> {
     pub expected: usize,
 }
 
-/// Where trials go.
+/// Where trials are stored.
 pub(in crate::calibration) enum TrialSink<'a> {
     Memory(Memory<Trial>),
     Folder(Box<Store>),
-    /// A worker's part of a run that others work on, too.
+    /// The share of one worker in a distributed run.
     Part(&'a mut Part),
 }
 
 impl TrialSink<'_> {
-    /// Memory, or the store of a folder as the mode asks, described.
+    /// Opens memory, or the store of a folder in the given mode, and writes the description of the run.
     pub fn open(kept: &RunDescription<'_>, place: Option<(Place<'_>, Mode)>) -> Result<Self> {
         let Some((place, mode)) = place else {
             return Ok(Self::Memory(Memory::default()));
@@ -36,7 +37,7 @@ impl TrialSink<'_> {
         Ok(Self::Folder(Box::new(store)))
     }
 
-    /// Where the trials are.
+    /// The stored trials.
     pub fn rows(&self) -> &dyn Storage<Trial> {
         match self {
             Self::Memory(memory) => memory,
@@ -45,7 +46,7 @@ impl TrialSink<'_> {
         }
     }
 
-    /// Where the trials go.
+    /// The store, for writing.
     pub fn rows_mut(&mut self) -> &mut dyn Storage<Trial> {
         match self {
             Self::Memory(memory) => memory,
@@ -59,7 +60,7 @@ impl TrialSink<'_> {
         self.rows().rows_within(0..i64::MAX as usize)
     }
 
-    /// Keeps scores beside the trials, for readers of the folder.
+    /// Stores scores beside the trials, for readers of the folder.
     pub fn score(&mut self, points: &[PointScore]) -> Result<()> {
         let Self::Folder(store) = self else {
             return Ok(());
@@ -73,7 +74,7 @@ impl TrialSink<'_> {
         store.insert_scores(&scores.collect::<Vec<_>>())
     }
 
-    /// Notes how the run ended.
+    /// Stores how the run ended.
     pub fn end(&mut self, ending: Ending) -> Result<()> {
         match self {
             Self::Folder(store) if ending == Ending::Complete => store.complete(),
@@ -82,7 +83,7 @@ impl TrialSink<'_> {
     }
 }
 
-/// What somebody with nothing but the store needs to read it.
+/// Writes everything that a reader who has only the store needs to understand it.
 fn describe(kept: &RunDescription<'_>, store: &mut Store) -> Result<()> {
     let definition = kept.study.definition();
     let ranges = definition.grid.ranges().iter();

@@ -1,4 +1,4 @@
-//! Tuning: an optimizer chooses the points, stored as they come.
+//! Tuning: an optimizer chooses the points, and every trial is stored as soon as it is finished.
 
 use crate::calibration::exploration::sweep::WEIGHING;
 use crate::calibration::exploration::trial_sink::{RunDescription, TrialSink};
@@ -17,21 +17,21 @@ use realgap_optimization::{
 use realgap_path::comparison::Basis;
 use realgap_store::{Fingerprint, Mode, Part, Place, Trial};
 
-/// How to tune.
+/// Options of a tuning.
 #[derive(Debug, Clone, Copy)]
 pub struct TuneOptions {
-    /// Who chooses the points.
+    /// The optimizer that chooses the points.
     pub optimizer: &'static dyn Optimizer,
     /// Most simulations of the whole study, the first design included.
     pub budget: usize,
-    /// Stop after so many points in a row without a better one.
+    /// Number of points in a row without an improvement after which the tuning stops.
     pub patience: Option<usize>,
 }
 
-/// Most points: they are held in memory, and every proposal looks at all of them.
+/// Largest budget: all points are held in memory, and every proposal looks at all of them.
 const MOST_POINTS: usize = 1_000_000;
 
-/// Runs of the first design from which the basis of the `pca` metric is fitted (DESIGN, section 4).
+/// Runs of the first design on which the basis of the `pca` metric is fitted.
 const BASIS_DESIGN: usize = 64;
 
 impl Default for TuneOptions {
@@ -46,19 +46,21 @@ impl Default for TuneOptions {
 }
 
 impl Study {
-    /// Simulates the points that an optimizer asks for and says what cannot be told from the best.
+    /// Simulates the points that an optimizer asks for. The answer has the best point, the confidence set and a verdict per
+    /// parameter.
     ///
-    /// A metric with a basis gets it from the recordings and a space-filling first design, frozen before the optimizer
-    /// begins. The answer depends on the study, the optimizer, its seed and the budget, not on the threads.
+    /// A metric with a basis gets it from the recordings and a space-filling first design; it stays the same from then on. The
+    /// answer depends on the study, the optimizer, its seed and the budget, not on the number of threads.
     ///
     /// # Errors
-    /// A budget that does not hold the first design and one batch, or a metric that cannot compare.
+    /// A budget that does not hold the first design and one batch, or a metric that cannot compare the paths.
     pub fn tune(&self, options: &TuneOptions, run: &RunOptions<'_>) -> Result<Answer> {
         tune(self, None, options, run)
     }
 
-    /// As [`Study::tune`], with every trial kept in a folder as it comes: the answer has the same bits however often the run
-    /// was interrupted and resumed; a larger budget goes on where a smaller one ended, a smaller one uses what is there.
+    /// As [`Study::tune`], with every trial stored in a folder as soon as it is finished: the answer has the same bits however
+    /// often the run was interrupted and resumed. A larger budget continues where a smaller one ended; a smaller one uses the
+    /// stored trials.
     ///
     /// # Errors
     /// As [`Study::tune`]; a folder in use, results of another study in it, a full disk.
@@ -72,7 +74,7 @@ impl Study {
         tune(self, Some((place.into(), mode)), options, run)
     }
 
-    /// What decides the results of a tuning.
+    /// Everything that decides the results of a tuning.
     pub fn tune_fingerprint(&self, options: &TuneOptions) -> Fingerprint {
         let fingerprint = self
             .fingerprint()
@@ -85,8 +87,8 @@ impl Study {
         }
     }
 
-    /// Simulates one worker's share of the batch of a tuning that is under way, and ends there: interrupted, unless everything is
-    /// merged.
+    /// Simulates one worker's share of the current batch of a distributed tuning and stops there. The ending is "interrupted"
+    /// unless all shares are merged already.
     ///
     /// # Errors
     /// As [`Study::tune_into`].
@@ -104,13 +106,13 @@ impl Study {
     }
 }
 
-/// Whether the metric wants a basis that nobody has given.
+/// Whether the metric needs a basis that the study does not have.
 fn needs_basis(study: &Study) -> bool {
     let definition = study.definition();
     definition.metric.needs().basis && !definition.basis.is_known()
 }
 
-/// Points before the optimizer begins.
+/// Number of points of the first design.
 fn first_design(study: &Study, options: &TuneOptions) -> usize {
     let dimensions = study.definition().grid.ranges().len();
     let basis = if needs_basis(study) { BASIS_DESIGN } else { 0 };
@@ -173,7 +175,7 @@ fn tune(
     run.tell_finishing(WEIGHING, evaluated);
     let mut answer = run.install(|| {
         let scores = match ending {
-            // Least squares know the bottom that they are at.
+            // Least squares end at a known minimum, so that no waves are needed.
             Ending::Complete if known.is_none() => widened(study, scores)?,
             _ => scores,
         };
@@ -183,8 +185,8 @@ fn tune(
     Ok(answer)
 }
 
-/// The best point of the same tuning without the recordings of each fold, in memory; trials that are `known` are not simulated
-/// again. `None` where it was interrupted, or where a fold has no point with a score.
+/// The best point of the same tuning without the recordings of each fold, in memory; trials in `known` are not simulated again.
+/// `None` where the tuning was interrupted, or where a fold has no point with a score.
 fn refits(
     study: &Study,
     options: &TuneOptions,
@@ -212,7 +214,8 @@ fn refits(
     Ok(Some(best))
 }
 
-/// Least squares need errors, and only they know what to do with prior knowledge.
+/// Checks that least squares get single errors, and that prior knowledge is given to no other optimizer, because the others
+/// cannot use it.
 fn check_errors(study: &Study, options: &TuneOptions) -> Result<()> {
     let definition = study.definition();
     let name = options.optimizer.name();
@@ -238,7 +241,7 @@ fn check_errors(study: &Study, options: &TuneOptions) -> Result<()> {
     .allowed("joints"))
 }
 
-/// What the optimizer is told of the study.
+/// The optimization problem of the study.
 ///
 /// # Errors
 /// A budget that does not hold the first design and one batch, or that is too large.
@@ -279,7 +282,7 @@ fn brief(study: &Study, options: &TuneOptions) -> Result<OptimizationProblem> {
 
 struct Tuning<'a> {
     study: &'a Study,
-    /// Most points: as many as are asked for, or as are stored already.
+    /// Most points: the budget, or the number of stored trials if that is larger.
     budget: usize,
     options: &'a TuneOptions,
     brief: OptimizationProblem,
@@ -288,15 +291,15 @@ struct Tuning<'a> {
     design: Vec<UnitPoint>,
     basis: Option<Basis>,
     told: Vec<EvaluatedPoint>,
-    /// Scores so far, by trial.
+    /// Scores so far, with the numbers of their trials.
     seen: Vec<(usize, f64)>,
-    /// How many of the errors each log has.
+    /// Number of the errors of each recording.
     logs: Vec<usize>,
     best: Option<f64>,
     since_best: usize,
     /// Trials of the same study by an earlier tuning, by index.
     known: &'a [Trial],
-    /// Points before these, and all, for the progress.
+    /// For the progress: the number of points before these, and of all.
     shown: (usize, usize),
 }
 
@@ -382,7 +385,7 @@ impl<'a> Tuning<'a> {
         History { design, told }
     }
 
-    /// What each recording tells, from the differences that least squares took.
+    /// The information gain of each recording, from the finite differences that least squares took.
     fn motions(&self, known: &Quadratic) -> Result<Vec<InformationGain>> {
         let first = self.design.len();
         let (at, moved) = (first + known.told.0, first + known.told.1);
@@ -394,7 +397,7 @@ impl<'a> Tuning<'a> {
         Ok(self.study.motions(known, &around.collect::<Vec<_>>()))
     }
 
-    /// Evaluates the candidates that follow what has been told; stored ones are not simulated again.
+    /// Evaluates the candidates that follow the evaluated points; stored ones are not simulated again.
     fn evaluate(&mut self, candidates: &[UnitPoint]) -> Result<Ending> {
         let offset = self.told.len();
         let (before, total) = self.shown;
@@ -417,7 +420,7 @@ impl<'a> Tuning<'a> {
         )
     }
 
-    /// Scores what was just evaluated and adds it to the history.
+    /// Scores the points that were just evaluated and adds them to the history.
     fn tell(&mut self, candidates: &[UnitPoint]) -> Result<()> {
         let offset = self.told.len();
         let trials = self
@@ -431,7 +434,7 @@ impl<'a> Tuning<'a> {
         let (settings, shifts) = (self.study.settings(), self.engine_shifts());
         let grid = &self.study.definition().grid;
         for ((point, scored), trial) in candidates.iter().zip(&scores.runs).zip(&trials) {
-            // An optimizer of somebody else may ask for other points when it is asked again.
+            // An optimizer from outside may propose other points when it is asked again.
             if grid.values_at(point) != trial.values {
                 return Err(Error::conflict(
                     "the stored points are not those that the optimizer asks for",
@@ -461,8 +464,9 @@ impl<'a> Tuning<'a> {
         Ok(())
     }
 
-    /// What engines add to scores as far as scores so far tell, the study's own and the second, so that points are compared and not
-    /// engines: half of what parts their medians. The emulator, which knows places, judges without it.
+    /// Shift of the scores of the study's own engine and of the second, which is subtracted so that the optimizer compares points
+    /// and not engines: half of the difference between the medians of both engines' scores so far. The emulator models the
+    /// difference by itself and gets unshifted scores.
     fn engine_shifts(&self) -> [f64; 2] {
         let settings = self.study.settings();
         let median_of = |engine: f64| {
@@ -486,7 +490,7 @@ impl<'a> Tuning<'a> {
         }
     }
 
-    /// Scores of everything evaluated, also of a batch that was interrupted.
+    /// Scores of all evaluated points, also of an interrupted batch.
     fn scores(&self) -> Result<Scores> {
         let trials = self.sink.trials()?;
         match &self.basis {

@@ -1,4 +1,5 @@
-//! Which runs follow the first: waves into what is not implausible yet, then all settings of what may be the best.
+//! The runs after the first ones: waves of points that are not implausible yet, then all settings of candidates for the best
+//! point.
 
 use rayon::prelude::*;
 
@@ -11,24 +12,25 @@ use realgap_core::statistics::least_by;
 use realgap_inference::{Emulator, HistoryMatching, ObservationUncertainty, ScoredRun};
 use realgap_path::trajectory::Prepared;
 
-/// Waves after the first runs; every wave knows what the one before has found.
+/// Number of waves after the first runs; every wave uses all runs before it.
 pub(in crate::calibration) const WAVES: usize = 3;
-/// Runs of one wave: a share of the first ones, less of a large map, within bounds.
+/// Number of runs of one wave: one in so many of the first runs, fewer for a large grid, within bounds.
 const SHARE: usize = 6;
 const SHARE_OF_A_LARGE_MAP: usize = 8;
 const LEAST: usize = 16;
 const MOST: usize = 500;
-/// Places and points that a wave is chosen from.
+/// Sampled points and simulated points among which the points of a wave are chosen.
 const PLACES: usize = 200;
 const VISITED: usize = 60;
-/// A wave whose emulator has less than this share in what parts points from the best is the last.
+/// No further wave is made where the emulator has less than this share in the variance of the difference between points and the
+/// best point.
 const SETTLED: f64 = 0.1;
-/// How often another point may turn out to be the best while settings are completed.
+/// Most candidates for the best point whose settings are completed.
 const CHAMPIONS: usize = 5;
-/// A map of more points than these is not looked through for places where nobody was.
+/// Points of a grid that were not simulated are candidates only where the grid has at most so many points.
 const NODES: usize = 2000;
 
-/// Runs of one wave after so many first runs; none where there is one setting only.
+/// Runs of one wave after so many first runs; 0 where there is one setting only.
 pub(in crate::calibration) fn runs_a_wave(study: &Study, first: usize) -> usize {
     let share = match is_large_map(first) {
         true => SHARE_OF_A_LARGE_MAP,
@@ -41,8 +43,8 @@ pub(in crate::calibration) fn runs_a_wave(study: &Study, first: usize) -> usize 
 }
 
 impl Study {
-    /// Simulations of a sweep at most, each of all cases: the grid, the waves after it, and the settings of the best;
-    /// `usize::MAX` where nobody could count them.
+    /// Most simulations of a sweep, each of all cases: the grid, the waves after it, and the settings of the best point;
+    /// `usize::MAX` where the number is too large to count.
     pub fn sweep_runs(&self) -> usize {
         let grid = self.definition().grid.len();
         let again = WAVES * runs_a_wave(self, grid) + self.settings().count - 1;
@@ -50,7 +52,7 @@ impl Study {
     }
 }
 
-/// The runs with a score, as an emulator wants them.
+/// The runs with a score, in the form that the emulator needs.
 pub(in crate::calibration) fn scored_runs(study: &Study, scores: &Scores) -> Vec<ScoredRun> {
     let (settings, grid) = (study.settings(), &study.definition().grid);
     let scored = scores.runs.iter().filter(|run| run.score.is_some());
@@ -70,11 +72,12 @@ pub(in crate::calibration) fn scored_runs(study: &Study, scores: &Scores) -> Vec
         .collect()
 }
 
-/// Fewer runs of the best point than this, or of an engine than that, do not tell how recordings might differ.
+/// Least runs of the best point, and of one engine there, from which the variability of a single recording is estimated.
 const TELLING: usize = 8;
 const TELLING_OF_AN_ENGINE: usize = 4;
 
-/// Paths that a single recording might have had, by engine; none where there are more, or where a metric needs more than paths.
+/// Surrogates of a single recording: paths of the best point's runs, by engine; empty where there are more recordings, or where
+/// the metric needs more than paths.
 fn surrogate_recordings(study: &Study, scores: &Scores) -> Vec<Vec<Prepared>> {
     let is_of_paths = scores.basis.is_some() || study.definition().metric.name() == "rms";
     let best = scores
@@ -94,7 +97,7 @@ fn surrogate_recordings(study: &Study, scores: &Scores) -> Vec<Vec<Prepared>> {
     }
 }
 
-/// How far a run is from such a path, by the study's metric.
+/// Distance of a run to a surrogate recording, by the study's metric.
 fn distance(study: &Study, scores: &Scores, real: &Prepared, run: &PointScore) -> f64 {
     let Ok(path) = Prepared::from_xy_m(run.path_xy_m.clone()) else {
         return 0.0;
@@ -116,7 +119,7 @@ pub(in crate::calibration) fn leading(
     let mut positions = scores.ranked();
     let grid = &study.definition().grid;
     if let Some(emulator) = emulator.filter(|emulator| emulator.has_two_variants()) {
-        // A single run says more about its engine than about its point.
+        // The score of a single run depends on its engine more than on its point, so points are ranked by their expected scores.
         let expected = |position: &usize| {
             emulator.standardised(&grid.place_of(&scores.points[*position].values))
         };
@@ -130,7 +133,8 @@ pub(in crate::calibration) fn leading(
     (positions, places)
 }
 
-/// Values of the points of the wave whose first trial has the number `from`; none where more runs would hardly tell more.
+/// Values of the points of the wave whose first trial has the number `from`; empty where more runs would hardly change the
+/// answer.
 ///
 /// # Errors
 /// As [`Emulator::new`].
@@ -161,7 +165,7 @@ pub(in crate::calibration) fn next_wave(
     Ok(chosen.map(|place| grid.values_at(place)).collect())
 }
 
-/// The waves after so many first runs, in memory.
+/// The scores with the waves after so many first runs, in memory.
 ///
 /// # Errors
 /// As [`Study::simulate`].
@@ -189,7 +193,7 @@ fn simulated(study: &Study, chosen: Vec<(usize, Vec<f64>)>) -> Result<Vec<realga
         .collect()
 }
 
-/// A number behind those of all trials and of the map, whose setting is the study's own.
+/// A number after those of all trials and of the grid, with the study's own setting.
 fn next_trial(study: &Study, scores: &Scores) -> usize {
     let settings = study.settings();
     let last = scores.runs.iter().map(|run| run.index).max().unwrap_or(0);
@@ -198,7 +202,8 @@ fn next_trial(study: &Study, scores: &Scores) -> usize {
         .next_multiple_of(settings.count)
 }
 
-/// Points of the map where nobody was: an optimizer, which settles in one valley, has the same candidates as a sweep then.
+/// Points of the grid that were not simulated. With these, the candidates after an optimizer, which converges to one valley, are
+/// those after a sweep.
 fn unvisited(study: &Study, scores: &Scores) -> impl Iterator<Item = Vec<f64>> {
     let grid = &study.definition().grid;
     let nodes = if grid.len() > NODES { 0 } else { grid.len() };
@@ -206,8 +211,8 @@ fn unvisited(study: &Study, scores: &Scores) -> impl Iterator<Item = Vec<f64>> {
     nodes.filter(|values| scores.points.iter().all(|point| point.values != *values))
 }
 
-/// The best point: the lowest mean over all its settings. Whichever point the emulator expects to be lower than the best so far
-/// is simulated with all of them.
+/// Finds the best point: the one with the lowest mean over all of its settings. Whenever the emulator expects a lower score at
+/// another point, all settings of that point are simulated.
 ///
 /// # Errors
 /// As [`Study::simulate`].
@@ -218,7 +223,7 @@ pub(in crate::calibration) fn settled(
 ) -> Result<(Scores, Option<Emulator>)> {
     let settings = study.settings();
     if settings.count == 1 {
-        // Who asks for single runs gets the lowest of them, luck included.
+        // A study of single runs takes the lowest one, with its chance.
         return Ok((scores, emulator));
     }
     let grid = &study.definition().grid;

@@ -1,19 +1,21 @@
-//! Where the nearest run parts from recordings that no parameters explain, and which one change would bring it nearest.
+//! Description of a misfit: where the nearest run differs most from the recordings, and which single change would bring it
+//! nearest to them.
 
 use serde::Serialize;
 
 use crate::calibration::goodness_of_fit::path::{Nearest, QUARTERS, middle};
 use realgap_path::trajectory::{Prepared, mean_square_m2, turned};
 
-/// Where what no parameters explain is worst, and what it looks like, in the run that comes nearest.
+/// Where a model that explains no recordings is worst, and how: of the run that comes nearest to the recordings.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Misfit {
-    /// Beginning of the quarter of the path in which the run is farthest off, seconds.
+    /// Beginning of the quarter of the path in which the run deviates most, seconds.
     pub from_s: f64,
     /// Its end, seconds.
     pub to_s: f64,
-    /// How far off the run is there, in standard deviations of what parts recordings, and neighbouring runs.
+    /// Deviation of the run in that quarter, in standard deviations of the differences between recordings and between
+    /// neighbouring runs.
     pub deviations: f64,
     /// The change of the run that brings it nearest to the mean recording.
     pub change: Change,
@@ -23,22 +25,23 @@ pub struct Misfit {
     pub share: f64,
 }
 
-/// What one number could change of a path.
+/// A change of a path by one number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Change {
-    /// Left and right exchanged.
+    /// Mirror image: left and right exchanged.
     Mirrored,
     /// All lengths times a factor.
     Lengths,
-    /// The same path that many times as fast.
+    /// The same path, so many times as fast.
     Pace,
-    /// Turning more to the left, evenly along the way.
+    /// More turning to the left, spread evenly along the path.
     Turning,
 }
 
-/// Changes to each side of none that are tried, up to this factor, or angle in radians.
+/// Number of tried changes on each side of no change; they are spaced evenly up to the largest factor, or to the largest angle in
+/// radians.
 const TRIED: i32 = 30;
 const FACTOR: f64 = 1.5;
 const TURN_RAD: f64 = std::f64::consts::PI;
@@ -52,7 +55,7 @@ impl Misfit {
     ) -> Self {
         let run_m = run.xy_m();
         let middle_m = middle(&real.iter().map(|path| path.xy_m()).collect::<Vec<_>>());
-        // Compared over the points that both have: a faster run is there sooner.
+        // Only the common part of both paths is compared, because a faster run covers the recorded part earlier.
         let left = |path_m: &[[f64; 2]]| {
             let (path_m, middle_m) = (turned(path_m), turned(&middle_m[..path_m.len()]));
             mean_square_m2(&path_m, &middle_m)
@@ -82,7 +85,7 @@ impl Misfit {
     }
 }
 
-/// The path so many times as fast, as far as it goes and the recording lasts.
+/// The path so many times as fast, up to its end or to the end of the recording.
 fn faster(path_m: &[[f64; 2]], factor: f64) -> Vec<[f64; 2]> {
     let last = path_m.len() - 1;
     let within = (0..=last).map(|at| factor * at as f64);
@@ -94,7 +97,7 @@ fn faster(path_m: &[[f64; 2]], factor: f64) -> Vec<[f64; 2]> {
     there.collect()
 }
 
-/// The path with every step turned by as much of `turn_rad` as lies behind it.
+/// The path with every step turned by a share of `turn_rad` that is proportional to the length of path before it.
 fn bent(path_m: &[[f64; 2]], turn_rad: f64) -> Vec<[f64; 2]> {
     let mut at_m = path_m[0];
     let steps = path_m.windows(2).enumerate().map(|(step, pair)| {
@@ -146,7 +149,7 @@ mod tests {
             let real = prepared(&recorded);
             let found = Misfit::new(nearest, &run, &[&real; 3], 8.0);
             assert_eq!(found.change, change, "{found:?}");
-            // Steps of what is tried are 1.4 % and 6 degrees.
+            // The tried changes are spaced by 1.4 % and 6 degrees.
             assert!((found.size - size).abs() < 0.06, "{found:?}");
             assert!(found.share > 0.95, "{found:?}");
             assert_eq!((found.from_s, found.to_s), (2.0, 4.0));

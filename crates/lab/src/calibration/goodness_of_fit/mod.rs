@@ -1,4 +1,4 @@
-//! Does the model explain the recordings at all? Judged before its numbers.
+//! Goodness of fit: whether the model explains the recordings at all, which is judged before its numbers.
 
 pub(super) mod misfit;
 pub(super) mod path;
@@ -10,7 +10,7 @@ use crate::calibration::answer::score::{PointScore, Scores};
 use crate::calibration::exploration::method::Method;
 use crate::calibration::goodness_of_fit::misfit::Misfit;
 use crate::calibration::goodness_of_fit::path::Nearest;
-use crate::calibration::goodness_of_fit::two_sample::likeness;
+use crate::calibration::goodness_of_fit::two_sample::two_sample_p_value;
 use crate::calibration::study::Study;
 use crate::claim::{self, SIGNIFICANT};
 use crate::prediction::ensemble::rms_m;
@@ -19,37 +19,39 @@ use realgap_core::statistics::{energy_test, mean};
 use realgap_core::warning::{Code, Warning};
 use realgap_path::trajectory::Prepared;
 
-/// The best point's runs against the recordings, both against what repeats differ by; distances are those of the metric `rms`.
+/// Comparison of the best point's runs with the recordings, and of both with the differences between repeats. Distances are those
+/// of the metric `rms`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Fit {
-    /// Mean distance of the best point's runs to the recordings, in noise floors: mean distances between recordings of the same
-    /// run.
+    /// Mean distance of the best point's runs to the recordings, in noise floors; the noise floor is the mean distance between
+    /// recordings of the same run.
     pub noise_floors: f64,
-    /// How likely the runs are as unlike the recordings if both are drawn alike (energy test; Székely & Rizzo 2013); `None` for
-    /// fewer than three recordings.
+    /// Energy test (Székely & Rizzo 2013): probability of so large a difference between runs and recordings if both have the same
+    /// distribution; `None` for fewer than three recordings.
     pub p_value: Option<f64>,
-    /// How likely the recordings are as unlike every set of repeats of the runs near them, if they are one more such set; `None` where
-    /// that need not be asked.
+    /// Two-sample test: probability that the recordings differ so much from every set of repeats of the runs near them, if they
+    /// are one more such set; `None` where the test is not needed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub neighbours_p_value: Option<f64>,
-    /// False where no parameters of this model explain these recordings: the energy test tells them from the best point's runs, and
-    /// no run of any point comes as near them as one more recording would; or they are not drawn like repeats of any run near them.
+    /// False where no parameters of this model explain these recordings. This is so where the energy test rejects the best
+    /// point's runs and no run of any point is as near to the recordings as one more recording would be; it is also so where the
+    /// two-sample test rejects every set of repeats near the recordings.
     pub explains: bool,
-    /// Variance of the model's discrepancy in those of a recording, which widens the intervals; 0 where the model explains the
-    /// recordings.
+    /// Variance of the model's discrepancy, in variances of a recording, which widens the intervals; 0 where the model explains
+    /// the recordings.
     pub discrepancy: f64,
-    /// Where runs are of two engines, the one whose runs these are: it explains the recordings better.
+    /// Where there are two engines, the engine of these runs: the one that explains the recordings better.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub engine: Option<&'static str>,
-    /// Where it is worst, and what that looks like; `None` where the model explains the recordings.
+    /// Where the misfit is largest, and which change would reduce it most; `None` where the model explains the recordings.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub misfit: Option<Misfit>,
 }
 
-/// Fewer recordings than this cannot be told from anything.
+/// The energy test has no power with fewer recordings than this.
 const LEAST: usize = 3;
-/// From this p-value on the best point's runs are like the recordings, and nothing more is asked.
+/// From this p-value of the energy test on, the best point's runs fit the recordings and no further test is made.
 const ALIKE: f64 = 0.2;
 
 impl Fit {
@@ -74,7 +76,7 @@ impl Fit {
             engines.push((paths.collect::<Result<Vec<_>>>()?, engine));
         }
         let mut fits = Vec::new();
-        // Reality is none of two engines: where one explains the recordings, the model does.
+        // Reality is neither of the two engines: the model explains the recordings where the runs of one engine do.
         for (runs, engine) in &engines {
             let engine = engine.and_then(|engine| study.engine_named(engine));
             let fit = Self::of_runs(study, runs)?;
@@ -105,7 +107,7 @@ impl Fit {
             false => {
                 let all = runs.zip(&paths);
                 let spread = all.filter(|(run, _)| !method.crowds(run.index));
-                likeness(study, &real, &spread.collect::<Vec<_>>())?
+                two_sample_p_value(study, &real, &spread.collect::<Vec<_>>())?
             }
         };
         let explains =
@@ -123,7 +125,7 @@ impl Fit {
         }))
     }
 
-    /// Of the best point's runs alone.
+    /// The comparison of these runs of the best point alone.
     fn of_runs(study: &Study, runs: &[Prepared]) -> Result<Option<Self>> {
         let real = study.part_of(&study.real_paths(), false);
         if study.cases().len() != 1 || real.len() < 2 {
@@ -132,7 +134,7 @@ impl Fit {
         let all: Vec<&Prepared> = real.iter().copied().chain(runs).collect();
         let pairs = || (0..all.len()).flat_map(|i| (i + 1..all.len()).map(move |j| (i, j)));
         let distances: Vec<f64> = pairs().map(|(i, j)| rms_m(all[i], all[j])).collect();
-        // Within the recordings, across, within the runs.
+        // Distances within the recordings, between recordings and runs, and within the runs.
         let over = |kind: usize, power: i32| {
             let kinds =
                 pairs().map(|(i, j)| usize::from(i >= real.len()) + usize::from(j >= real.len()));
@@ -161,7 +163,7 @@ impl Fit {
         }))
     }
 
-    /// A warning where nothing explains so many recordings.
+    /// A warning where no parameters explain these recordings.
     pub(in crate::calibration) fn warning(&self, recordings: usize) -> Option<Warning> {
         let said = claim::model(self, recordings).text;
         (!self.explains).then(|| Code::ModelContradicted.warning(said))

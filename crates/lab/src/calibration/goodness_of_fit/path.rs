@@ -1,9 +1,10 @@
-//! Does any run come as near the recordings as one more recording would? History matching of the path itself.
+//! Path goodness of fit: whether any run comes as near to the recordings as one more recording would. It is history matching of
+//! the path itself.
 //!
-//! Outputs are the whole path and its quarters, each turned as a path of its own: how far a robot has turned before moves
-//! everything after it, and hides there what it does. A run is as implausible as the worst of its outputs (Vernon, Goldstein & Bower
-//! 2010), which are off by more than recordings differ and runs lie apart that are neighbours. One run that comes near is enough:
-//! reality has parameters and a setting of its own, and is as near to a run as runs are to one another.
+//! The outputs are the whole path and its quarters. Each is rotated to a common heading: an earlier turn moves everything after
+//! it, and would hide later deviations. The implausibility of a run is that of its worst output (Vernon, Goldstein & Bower 2010),
+//! in units of the differences between recordings and between neighbouring runs. One run that comes near is enough: reality has
+//! parameters and a setting of its own, and is as near to a run as runs are to each other.
 
 use std::ops::Range;
 
@@ -15,34 +16,35 @@ type Path = Vec<[f64; 2]>;
 
 /// Parts of the path beside the whole.
 pub(in crate::calibration) const QUARTERS: usize = 4;
-/// Runs nearest to the recordings that are looked at.
+/// Number of runs nearest to the recordings that are examined.
 const NEAR: usize = 16;
 
-/// The run that comes nearest.
+/// The run that comes nearest to the recordings.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::calibration) struct Nearest {
-    /// Its position.
+    /// Its position in the list of runs.
     pub run: usize,
-    /// How likely one more recording is as far off in one of the outputs.
+    /// Probability that one more recording deviates as much in one of the outputs.
     pub p_value: f64,
-    /// The quarter in which it is farthest off, from 0.
+    /// The quarter with the largest deviation, from 0.
     pub quarter: usize,
-    /// How far off it is there, in what recordings and neighbouring runs part.
+    /// Its deviation there, in standard deviations of the differences between recordings and between neighbouring runs.
     pub deviations: f64,
 }
 
-/// Deviations of paths: how large they are, in how many directions, and of how many that is known.
+/// Spread of paths: total variance, effective number of directions, and degrees of freedom.
 #[derive(Debug, Clone, Copy)]
 struct Spread {
     variance: f64,
-    /// As many as there were if deviations were alike in all of them.
+    /// Effective number of directions: the number of directions with equal variances that have the same sum of variances and the
+    /// same sum of squared variances.
     directions: f64,
     freedom: f64,
 }
 
 impl Spread {
-    /// Directions are the square of the covariance's trace over the trace of its square, both without the bias of few deviations
-    /// (Srivastava 2005).
+    /// The effective number of directions is the square of the covariance's trace over the trace of its square, both corrected
+    /// for the bias of few deviations (Srivastava 2005).
     fn of(deviations: &[Path], freedom: f64) -> Self {
         let pairs = deviations
             .iter()
@@ -65,8 +67,8 @@ impl Spread {
         }
     }
 
-    /// Of the sum of two deviations, as if they went the same ways, where the sum has the fewest directions; what is known of
-    /// it: Welch 1947; Satterthwaite 1946.
+    /// Spread of a sum of two deviations, under the assumption that both have the same directions, which gives the sum the fewest
+    /// directions. Degrees of freedom: Welch 1947; Satterthwaite 1946.
     fn with(self, other: Self) -> Self {
         let both = [self, other].into_iter().filter(|s| s.variance > 0.0);
         let over = |of: &dyn Fn(&Self) -> f64| both.clone().map(|spread| of(&spread)).sum::<f64>();
@@ -75,11 +77,11 @@ impl Spread {
             return self;
         }
         let directions = (variance / over(&|s| s.variance / s.directions.sqrt())).powi(2);
-        let doubt = over(&|s| s.variance.powi(2) / (s.directions * s.freedom));
+        let denominator = over(&|s| s.variance.powi(2) / (s.directions * s.freedom));
         Self {
             variance,
             directions,
-            freedom: variance * variance / doubt / directions,
+            freedom: variance * variance / denominator / directions,
         }
     }
 
@@ -96,7 +98,8 @@ impl Spread {
         }
     }
 
-    /// How likely so large a square is by chance (Box 1954: as if variances were the same in so many directions).
+    /// Probability of a square of at least this size (Box 1954: as if the variances were equal in the effective number of
+    /// directions).
     fn tail(&self, square: f64) -> f64 {
         let second = self.directions * self.freedom;
         fisher_tail(self.in_variances(square), self.directions, second)
@@ -128,12 +131,12 @@ impl Output {
         }
     }
 
-    /// What parts one more recording from the mean of `count`, and neighbouring runs.
-    fn unknown(&self, count: usize, neighbours: &[(usize, usize)]) -> Spread {
-        let apart = |(a, b): &(usize, usize)| between(&self.runs[*a], &self.runs[*b]);
-        let apart: Vec<Path> = neighbours.iter().map(apart).collect();
+    /// Spread of the difference between one more recording and the mean of `count` recordings, with that of neighbouring runs.
+    fn uncertainty(&self, count: usize, neighbours: &[(usize, usize)]) -> Spread {
+        let difference = |(a, b): &(usize, usize)| between(&self.runs[*a], &self.runs[*b]);
+        let differences: Vec<Path> = neighbours.iter().map(difference).collect();
         let more = self.recordings.times(1.0 + 1.0 / count as f64);
-        more.with(Spread::of(&apart, apart.len() as f64))
+        more.with(Spread::of(&differences, differences.len() as f64))
     }
 }
 
@@ -157,7 +160,7 @@ fn product(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
 }
 
 impl Nearest {
-    /// Of all runs of a study, at any of its points, to three recordings at least; `None` without a run.
+    /// The nearest of all runs of a study, at any of its points, to at least three recordings; `None` without a run.
     pub fn new(real: &[&Prepared], runs: &[Prepared]) -> Option<Self> {
         let quarter = |at: usize| at * POINTS / QUARTERS..(at + 1) * POINTS / QUARTERS;
         let ranges = std::iter::once(0..POINTS).chain((0..QUARTERS).map(quarter));
@@ -175,11 +178,11 @@ impl Nearest {
         order.truncate(NEAR);
         let neighbours = order.iter().filter_map(|&(run, _)| {
             let others = (0..runs.len()).filter(|other| *other != run);
-            let apart = |other: &usize| worst(&|o| mean_square_m2(&o.runs[run], &o.runs[*other]));
-            Some((run, least_by(others, apart)?))
+            let distance = |other: &usize| worst(&|o| mean_square_m2(&o.runs[run], &o.runs[*other]));
+            Some((run, least_by(others, distance)?))
         });
         let neighbours: Vec<(usize, usize)> = neighbours.collect();
-        let unknown = outputs.iter().map(|o| o.unknown(real.len(), &neighbours));
+        let unknown = outputs.iter().map(|o| o.uncertainty(real.len(), &neighbours));
         let unknown: Vec<Spread> = unknown.collect();
         let seen = order.iter().map(|&(run, _)| {
             let both = || unknown.iter().zip(&outputs);
@@ -191,7 +194,7 @@ impl Nearest {
             let quarter = quarter.unwrap_or(0);
             Self {
                 run,
-                // Any of the outputs might have been the worst (Bonferroni).
+                // The worst output is the largest of several, so the probability is corrected (Bonferroni).
                 p_value: (least * outputs.len() as f64).min(1.0),
                 quarter,
                 deviations: off[quarter + 1].sqrt(),
@@ -211,7 +214,8 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
     use realgap_core::random::Generator;
 
-    /// A way of 1 m that bends and wavers in a few directions, each by a normal number; a camera sees it with `camera_m`.
+    /// A path of 1 m that bends in a few directions, each by a normal random number; a camera records it with the noise
+    /// `camera_m`.
     fn path(bends: &[f64], camera_m: f64, rng: &mut Generator) -> Prepared {
         let point = |at: usize| {
             let share = at as f64 / (POINTS - 1) as f64;
@@ -229,8 +233,8 @@ mod tests {
         Prepared::from_xy_m(realgap_path::trajectory::turned(&seen)).unwrap()
     }
 
-    /// How many of 200 realities no run comes near to: settings bend a way by 1 cm in so many directions, what repeats
-    /// differ by bends it by `repeat` cm, and reality is `off` cm beyond them.
+    /// Number of 200 realities that no run comes near to: settings bend the path by 1 cm in so many directions, repeats by
+    /// `repeat` cm, and reality lies `off` cm beyond them.
     fn unexplained(directions: usize, recordings: usize, repeat: f64, off: f64) -> usize {
         let mut rng = Generator::seed_from_u64(7);
         let normals = |rng: &mut Generator, centre: &[f64], size: f64| -> Vec<f64> {
@@ -261,7 +265,7 @@ mod tests {
         (0..200).filter(alarm).count()
     }
 
-    /// At one false alarm in twenty more than 17 of 200 come in 2 % of cases.
+    /// At one false alarm in twenty, more than 17 of 200 occur with a probability of 2 %.
     #[test]
     fn a_reality_that_is_one_of_the_settings_has_a_run_near_it_however_much_its_recordings_differ()
     {

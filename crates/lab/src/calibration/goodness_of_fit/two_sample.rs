@@ -1,14 +1,15 @@
-//! Are the recordings drawn like repeats of the runs that come nearest to them?
+//! Two-sample goodness of fit: whether the recordings have the distribution of repeats of a run near them.
 //!
-//! Where repeats differ much, a run is soon as near as one more recording, whatever made them: only what is drawn tells them apart.
-//! So the nearest points, each with the setting that came nearest, are repeated under the study's noise as often as there are
-//! recordings. If the model is right, reality is one more point and setting among them, and its recordings are no farther from the
-//! set that is most like them than these sets are from one another: the rank among them is a p-value (a permutation test of one
-//! against the others). It is cautious, for the sets were chosen around the recordings.
+//! Where repeats differ much, some run is soon as near to the recordings as one more recording would be; only the distribution
+//! can then reject the model. So the points nearest to the recordings, each with its nearest setting, are repeated under the
+//! study's noise as often as there are recordings. If the model is right, reality is one more point and setting among them, and
+//! its recordings are no farther from the most similar set of repeats than these sets are from one another. The rank among the
+//! sets is a p-value (a permutation test of one set against the others). The test is conservative, because the sets were chosen
+//! around the recordings.
 //!
-//! It is asked of where paths lie and of how they bend over short and long strides: small differences early put later points
-//! anywhere, while each stride of a gait stays what it is. The product of the ranks (Fisher 1925) has a rank among those of the sets,
-//! so that asking three times promises no more than asking once.
+//! Three features are tested: where paths lie, and how they bend over short and over long strides. Small early differences can
+//! move the later points of a path anywhere, while each stride of a gait stays the same. The product of the three ranks (Fisher
+//! 1925) is ranked among those of the sets, so that three features do not raise the rate of false alarms.
 
 use rayon::prelude::*;
 
@@ -22,19 +23,20 @@ use realgap_core::statistics::mean;
 use realgap_path::trajectory::{Prepared, mean_square_m2, prepare};
 use realgap_simulation::Noise;
 
-/// Points that are repeated: two of so many may be farther from the others than reality is.
+/// Points that are repeated. At a level of 5 %, two of so many sets may be farther from the others than the recordings are.
 const NEAR: usize = 40;
-/// Fewer of them never tell anything at 5 %.
+/// With fewer points than this the test cannot reject at 5 %.
 const FEWEST: usize = 20;
-/// Repeats of a run at most.
+/// Most repeats of a run.
 const REPEATS: usize = 10;
 
-/// How likely the recordings are so unlike every set of repeats near them, if they are one more such set; `None` where there are too few
-/// points. `runs` are those with a score whose points no optimizer chose for theirs, with their paths.
+/// Probability that the recordings are so different from every set of repeats near them, if they are one more such set; `None`
+/// where there are too few points. `runs` have a score and a path, and their points were not chosen by an optimizer because of
+/// their scores.
 ///
 /// # Errors
-/// Noise that cannot be, and motions that cannot be prepared.
-pub(in crate::calibration) fn likeness(
+/// Invalid noise, and motions that cannot be prepared.
+pub(in crate::calibration) fn two_sample_p_value(
     study: &Study,
     real: &[&Prepared],
     runs: &[(&PointScore, &Prepared)],
@@ -44,7 +46,7 @@ pub(in crate::calibration) fn likeness(
     let mut near: Vec<(&PointScore, f64)> =
         runs.iter().map(|(run, path)| (*run, far(path))).collect();
     near.sort_by(|a, b| a.1.total_cmp(&b.1));
-    // Runs of one point are alike, however many settings it was given: its nearest stands for it.
+    // Runs of one point are similar whatever their settings are, so each point is represented by its nearest run.
     let mut points: Vec<(&PointScore, f64)> = Vec::new();
     for run in near {
         if points.len() < NEAR && points.iter().all(|(other, _)| other.values != run.0.values) {
@@ -52,7 +54,7 @@ pub(in crate::calibration) fn likeness(
         }
     }
     let repeats = real.len().min(REPEATS);
-    // Starts differ by the noise alone.
+    // The repeats differ by the study's noise alone, so there is one engine and no other setting.
     let settings = Settings {
         noise: Noise::default(),
         ..study.settings()
@@ -62,7 +64,7 @@ pub(in crate::calibration) fn likeness(
     let set_of = |(rank, (run, _)): (usize, &(&PointScore, f64))| -> Result<Vec<Prepared>> {
         let own = study.experiment_with(0, &study.parameter_set(&run.values))?;
         let own = settings.apply(settings.of_trial(run.index), &own);
-        // Draws of their own for every set, or else all would err alike.
+        // Every set has random numbers of its own, because otherwise the deviations of all sets would be the same.
         let numbers = (0..repeats).map(|repeat| (rank * repeats + repeat) as u64);
         let paths = numbers.map(|number| {
             let run = ensemble::repeat(&own, &noise, definition.seed, number)?;
@@ -77,20 +79,20 @@ pub(in crate::calibration) fn likeness(
     Ok((sets.len() >= FEWEST).then(|| rank(real, &sets)))
 }
 
-/// What of paths is compared: points in the plane, metres.
+/// A feature of a path that is compared: points in the plane, metres.
 type Feature = fn(&Prepared) -> Vec<[f64; 2]>;
-/// Where they lie, and how they bend over 3 % and 17 % of their time.
+/// Positions, and bends over 3 % and 17 % of the duration.
 const FEATURES: [Feature; 3] = [
     |path| path.xy_m().to_vec(),
     |path| bends_m(path, 5),
     |path| bends_m(path, 30),
 ];
 
-/// Strides that are shorter have no direction.
+/// A shorter stride has no direction.
 const STILL_M: f64 = 1e-4;
 
-/// How far each stride of so many points goes along the stride before it, and to the left of it: neither heading nor earlier errors
-/// move that.
+/// For each stride over so many points: how far it goes along the direction of the stride before it, and to the left of that
+/// direction. Neither the heading nor earlier errors change these numbers.
 fn bends_m(path: &Prepared, points: usize) -> Vec<[f64; 2]> {
     let strides = path.xy_m().windows(2 * points + 1).map(|window| {
         let stride = |from: usize| {
@@ -106,16 +108,17 @@ fn bends_m(path: &Prepared, points: usize) -> Vec<[f64; 2]> {
     strides.collect()
 }
 
-/// How likely reality is as far from all sets as it is, if it is one more of them: the rank of the product of its ranks.
+/// Rank of the recordings among the sets, as a probability: how likely they are so far from all sets if they are one more of
+/// them.
 fn rank(real: &[&Prepared], sets: &[Vec<&Prepared>]) -> f64 {
     let all = || std::iter::once(real).chain(sets.iter().map(Vec::as_slice));
     let ranks = FEATURES.map(|feature| {
         let all: Vec<Vec<Vec<[f64; 2]>>> = all()
             .map(|set| set.iter().map(|path| feature(path)).collect())
             .collect();
-        let apart_m = apart_m(&all);
-        let as_far = |own: &f64| apart_m.iter().filter(|m| *m >= own).count();
-        apart_m.iter().map(as_far).collect::<Vec<usize>>()
+        let separations_m = least_separations_m(&all);
+        let as_far = |own: &f64| separations_m.iter().filter(|m| *m >= own).count();
+        separations_m.iter().map(as_far).collect::<Vec<usize>>()
     });
     let product = |set: usize| -> usize { ranks.iter().map(|ranks| ranks[set]).product() };
     let products: Vec<usize> = (0..=sets.len()).map(product).collect();
@@ -123,17 +126,17 @@ fn rank(real: &[&Prepared], sets: &[Vec<&Prepared>]) -> f64 {
     as_rare as f64 / products.len() as f64
 }
 
-/// Energy distance of each set to the one that is most like it; sets beyond the first are compared with each other, and not with
-/// the first.
-fn apart_m(sets: &[Vec<Vec<[f64; 2]>>]) -> Vec<f64> {
+/// Energy distance of each set to the most similar other set. The first set is compared with all others, and the others with each
+/// other but not with the first.
+fn least_separations_m(sets: &[Vec<Vec<[f64; 2]>>]) -> Vec<f64> {
     let within: Vec<f64> = sets.iter().map(|set| within_m(set)).collect();
     let mut least_m = vec![f64::INFINITY; sets.len()];
     for b in 1..sets.len() {
         for a in 0..b {
-            let apart_m = 2.0 * across_m(&sets[a], &sets[b]) - within[a] - within[b];
-            least_m[a] = least_m[a].min(apart_m);
+            let separation_m = 2.0 * across_m(&sets[a], &sets[b]) - within[a] - within[b];
+            least_m[a] = least_m[a].min(separation_m);
             if a > 0 {
-                least_m[b] = least_m[b].min(apart_m);
+                least_m[b] = least_m[b].min(separation_m);
             }
         }
     }
@@ -144,7 +147,7 @@ fn distance_m(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
     mean_square_m2(a, b).sqrt()
 }
 
-/// Mean distance of two members of different sets.
+/// Mean distance between a member of one set and a member of another.
 fn across_m(a: &[Vec<[f64; 2]>], b: &[Vec<[f64; 2]>]) -> f64 {
     let pairs = a
         .iter()
@@ -152,7 +155,7 @@ fn across_m(a: &[Vec<[f64; 2]>], b: &[Vec<[f64; 2]>]) -> f64 {
     mean(&pairs.collect::<Vec<f64>>())
 }
 
-/// The same of one set, without the bias of few members.
+/// Mean distance between two members of a set, corrected for the bias of few members.
 fn within_m(set: &[Vec<[f64; 2]>]) -> f64 {
     let pairs = set.iter().enumerate();
     let pairs = pairs.flat_map(|(i, a)| set[i + 1..].iter().map(move |b| distance_m(a, b)));
@@ -167,7 +170,8 @@ mod tests {
     use realgap_core::random::Generator;
     use realgap_path::trajectory::POINTS;
 
-    /// Ways of 1 m that bend by this much, and each by as much as `spread` more or less, with strides that go aside by `aside_m`.
+    /// Paths of 1 m that bend by the given amount, each by a random amount of size `spread` more or less, with strides that go
+    /// sideways by `aside_m`.
     fn set(
         bend: f64,
         spread: f64,
@@ -188,16 +192,16 @@ mod tests {
         (0..count).map(&mut way).collect()
     }
 
-    /// How many of 100 realities are told from 40 sets: points bend the way by 1 cm, repeats by `spread`; reality bends it by `off`,
-    /// repeats it with `real_spread`, and goes aside by `aside_m` more.
-    fn told(spread: f64, off: f64, real_spread: f64, aside_m: f64, recordings: usize) -> usize {
+    /// Number of 100 realities that are rejected against 40 sets: points bend the path by 1 cm, repeats by `spread`; reality
+    /// bends it by `off`, repeats it with `real_spread`, and goes sideways by `aside_m` more.
+    fn rejected(spread: f64, off: f64, real_spread: f64, aside_m: f64, recordings: usize) -> usize {
         let mut rng = Generator::seed_from_u64(3);
         let told = (0..100).filter(|_| {
             let mut bend =
                 || -> f64 { 0.01 * Distribution::<f64>::sample(&StandardNormal, &mut rng) };
             let bends: Vec<f64> = (0..NEAR).map(|_| bend()).collect();
             let own = off + bend();
-            // A parameter moves how far strides go aside, too.
+            // A parameter also changes how far strides go sideways.
             let sets = bends
                 .iter()
                 .map(|bend| set(*bend, spread, 0.002 + 0.02 * bend, recordings, &mut rng));
@@ -210,11 +214,11 @@ mod tests {
         told.count()
     }
 
-    /// At one false alarm in twenty more than 11 of 100 come in 1 % of cases.
+    /// At one false alarm in twenty, more than 11 of 100 occur with a probability of 1 %.
     #[test]
     fn a_reality_among_the_points_is_one_more_set_however_much_repeats_differ() {
         for (spread, recordings) in [(0.001, 3), (0.01, 3), (0.01, 10), (0.05, 10)] {
-            let alarms = told(spread, 0.0, spread, 0.0, recordings);
+            let alarms = rejected(spread, 0.0, spread, 0.0, recordings);
             assert!(alarms <= 11, "{spread} {recordings}: {alarms}");
         }
     }
@@ -222,16 +226,16 @@ mod tests {
     #[test]
     fn a_reality_that_repeats_itself_otherwise_is_told_from_all_though_each_run_might_be_one_of_it()
     {
-        // Ten times as sure of itself as the model, in the midst of the model's runs.
-        assert!(told(0.03, 0.0, 0.003, 0.0, 10) >= 90);
-        // And one that lies beyond them.
-        assert!(told(0.01, 0.06, 0.01, 0.0, 10) >= 90);
+        // Reality repeats ten times as well as the model, in the middle of the model's runs.
+        assert!(rejected(0.03, 0.0, 0.003, 0.0, 10) >= 90);
+        // A reality that lies beyond the model's runs.
+        assert!(rejected(0.01, 0.06, 0.01, 0.0, 10) >= 90);
     }
 
-    /// Not always: where ways lie has a rank, too, which is any there.
+    /// The power is below 100 %, because the positions have a rank, too, and it is uniform here.
     #[test]
     fn a_reality_with_strides_of_its_own_is_mostly_told_though_its_ways_lie_where_all_others_lie() {
-        let told = told(0.05, 0.0, 0.05, 0.006, 10);
+        let told = rejected(0.05, 0.0, 0.05, 0.006, 10);
         assert!(told >= 75, "{told}");
     }
 }

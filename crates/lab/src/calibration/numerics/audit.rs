@@ -1,4 +1,4 @@
-//! The numerical audit: does the answer depend on the step?
+//! The numerical audit: how much the best score depends on timestep, substeps and contact stiffness.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,15 +14,16 @@ use realgap_simulation::{Experiment, Solver};
 pub struct AuditRow {
     /// What was changed, and to what.
     pub setting: String,
-    /// True for a setting that is coarser than the study's: it says how much there is to lose, not how sure the answer is.
+    /// Whether the setting is coarser than the study's own: it shows how much accuracy there is to lose, not how sure the answer
+    /// is.
     pub coarser: bool,
-    /// The score then, in the study's own engine; `None` where it diverged.
+    /// The score with this setting, in the study's own engine; `None` where the run diverged.
     pub score: Option<f64>,
-    /// `score` minus the best score, of the same engine's settings where there are two.
+    /// `score` minus the best score; where there are two engines, minus the mean of the own engine's settings.
     pub change: Option<f64>,
 }
 
-/// How much the best score depends on timestep, substeps and contact stiffness, which no recording can tell.
+/// How much the best score depends on timestep, substeps and contact stiffness, which recordings cannot determine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Audit {
@@ -30,11 +31,11 @@ pub struct Audit {
     pub rows: Vec<AuditRow>,
     /// Largest absolute change by a setting that is no coarser than the study's.
     pub largest_change: f64,
-    /// Largest absolute change by a coarser one.
+    /// Largest absolute change by a coarser setting.
     pub largest_coarser_change: f64,
     /// Parameters whose whole searched range changes the best score by less than `largest_change`.
     pub unresolved: Vec<String>,
-    /// Parameters whose indistinguishable values differ in score by less than `largest_change`.
+    /// Parameters whose values in the confidence set differ in score by less than `largest_change`.
     pub shaken: Vec<String>,
 }
 
@@ -53,7 +54,7 @@ impl Audit {
             return Ok(None);
         };
         let point = &scores.points[best];
-        // What the other engine changes is said of engines, not of steps.
+        // The difference between the engines is reported elsewhere, so only runs of the own engine are compared.
         let settings = study.settings();
         let runs = scores.runs_at(&point.values);
         let runs: Vec<(usize, f64)> = runs
@@ -96,7 +97,7 @@ impl Audit {
         }))
     }
 
-    /// The setting, no coarser than the study's, that changes the score most, and by how much.
+    /// The setting, no coarser than the study's own, that changes the score most, and its change.
     pub fn worst(&self) -> Option<(&str, f64)> {
         let rows = self.rows.iter().filter(|row| !row.coarser);
         let changed = rows.filter_map(|row| Some((row.setting.as_str(), row.change?)));
@@ -104,7 +105,7 @@ impl Audit {
     }
 }
 
-/// Settings: what they are called, whether they are coarser, and what they change.
+/// The settings of the audit: name, whether it is coarser, and the change of the experiment.
 fn changes(solver: &Solver) -> Vec<(String, bool, Change)> {
     let mut changes: Vec<(String, bool, Change)> = Vec::new();
     for factor in [0.5, 2.0] {
@@ -130,7 +131,8 @@ fn changes(solver: &Solver) -> Vec<(String, bool, Change)> {
             ));
         }
     }
-    // Convergence in the step alone is not correctness: a contact that is too soft converges, too.
+    // Convergence in the timestep alone does not prove a result correct: a contact that is too soft converges, too. So the
+    // contact is made harder as well.
     changes.push((
         "limit of hard contact and short steps".to_owned(),
         false,

@@ -1,25 +1,25 @@
-//! How long a study will take, from a slice of it: within a second or two, whatever the study.
+//! An estimate of the CPU time of a study, from a short slice of one run: it takes a second or two for any study.
 
 use realgap_core::Result;
 use realgap_simulation::{self as simulation, Experiment};
 
 use crate::calibration::{StartRule, Study};
 
-/// A slice is no longer than this, simulated seconds.
+/// Longest slice, simulated seconds.
 const SLICE_S: f64 = 0.2;
-/// Steps of a first, coarse look: few, whatever the study asks for.
+/// Timestep of a first, coarse measurement, which takes few steps for any study.
 const COARSE_STEP_S: f64 = 0.05;
-/// Steps of a second look, where the first says that there is time for it.
+/// Timestep of a second measurement, which is made where the first shows that it is short.
 const FINE_STEP_S: f64 = 1.0 / 240.0;
-/// CPU seconds that the second look may take, and the steps that it takes at most (settling included).
+/// Most CPU seconds of the second measurement, and its most steps (settling included).
 const FINE_CPU_S: f64 = 0.7;
 const FINE_STEPS: f64 = 800.0;
-/// More substeps than this are not run, but counted.
+/// More substeps than this are not run; their cost is extrapolated.
 const SUBSTEPS: usize = 8;
 
 impl Study {
-    /// CPU seconds of one run in the middle of the grid, on average over the settings, settling included, from a slice in each engine
-    /// that is run now.
+    /// CPU seconds of one run in the middle of the grid, a mean over the equally valid settings, settling included. A slice is
+    /// run now in each engine.
     ///
     /// # Errors
     /// Settings that cannot be simulated.
@@ -50,7 +50,7 @@ impl Study {
     }
 }
 
-/// What a slice tells.
+/// What was measured in a slice.
 struct Slice {
     /// CPU seconds of one step at the study's own substeps.
     cpu_s: f64,
@@ -62,7 +62,7 @@ fn slice(whole: &Experiment, least_step_s: f64) -> Result<Slice> {
     let mut some = whole.clone();
     some.duration_s = whole.duration_s.min(SLICE_S);
     some.sampling = simulation::Sampling::Rate(1.0 / some.duration_s);
-    // A step costs the same whatever its length.
+    // The cost of a step does not depend on its length.
     some.solver.timestep_s = whole.solver.timestep_s.max(least_step_s);
     some.solver.substeps = whole.solver.substeps.min(SUBSTEPS);
     let run = simulation::run(&some)?;

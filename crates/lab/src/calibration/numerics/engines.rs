@@ -1,4 +1,5 @@
-//! What each of two engines says to the answer of both, and where it would be best by itself.
+//! The answer of a study of two engines, seen by each engine: whether the engine rejects the common best point, and which point
+//! it prefers.
 
 use std::collections::BTreeMap;
 
@@ -6,46 +7,48 @@ use crate::calibration::{PointScore, Scores, Study, by_name};
 use realgap_core::statistics::mean_of;
 use realgap_inference::{Emulator, ObservationUncertainty, ScoreCovariance, implausibility};
 
-/// One engine's part in an answer of two.
+/// The view of one engine on the answer of both.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EngineWish {
-    /// Its name.
+    /// Name of the engine.
     pub engine: &'static str,
-    /// Mean score of its settings at the answer of both, in the metric's unit.
+    /// Mean score of the engine's settings at the common best point, in the metric's unit.
     pub score: f64,
-    /// Of so many settings.
+    /// Number of these settings.
     pub settings: usize,
-    /// Of the points that were simulated, by either engine, the one that is expected to be best in this engine alone.
+    /// The point with the lowest expected score in this engine alone, among all simulated points.
     pub parameters: BTreeMap<String, f64>,
-    /// The score to be expected there.
+    /// The expected score of that point.
     pub expected: f64,
-    /// By how many standard deviations of everything unknown the answer of both is worse in this engine than another point.
+    /// Implausibility of the common best point in this engine: by how many standard deviations of everything uncertain another
+    /// point scores better.
     pub implausibility: f64,
-    /// Up to so many it is allowed.
+    /// Largest implausibility of a point that the engine does not reject.
     pub limit: f64,
 }
 
 impl EngineWish {
-    /// Whether the answer of both may be its own, too.
+    /// Whether the engine does not reject the common best point.
     pub fn allows(&self) -> bool {
         self.implausibility <= self.limit
     }
 }
 
-/// The engines of runs, as [`Settings::engine_of_trial`](crate::calibration::numerics::setting::Settings::engine_of_trial) tells them.
+/// The codes of the two engines, as
+/// [`Settings::engine_of_trial`](crate::calibration::numerics::setting::Settings::engine_of_trial) gives them.
 const ENGINES: [f64; 2] = [1.0, -1.0];
-/// Points that an engine compares the answer with: those that it likes best.
+/// Points that the common best point is compared with: those with the lowest expected scores in the engine.
 const COMPARED: usize = 200;
 
 impl Study {
-    /// Name of the engine that such runs are of; `None` where there is one only.
+    /// Name of the engine with this code; `None` where there is one engine only.
     pub(in crate::calibration) fn engine_named(&self, engine: f64) -> Option<&'static str> {
         let second = self.settings().second?;
         let own = self.cases()[0].experiment.engine();
         Some(if engine < 0.0 { second.get() } else { own }.name())
     }
 
-    /// What each engine says to the point at position `best`; nothing where there is one engine only.
+    /// The view of each engine on the point at position `best`; empty where there is one engine only.
     pub(in crate::calibration) fn wishes(
         &self,
         scores: &Scores,

@@ -1,29 +1,32 @@
-//! Equally valid settings: numerics and starts that nobody can choose between by reason.
+//! Equally valid settings: choices of numerics, start and engine between which there is no reason to prefer one.
 //!
-//! A step that is half as long, twice the substeps, a start a millimetre off, or the second engine where it can run the robot, is
-//! as good a choice as the study's own, and for a robot that walks it changes the score. What all of them say on average is an
-//! answer; what one of them says is luck. Engines weigh the same, however many settings each has.
+//! A timestep half as long, twice the substeps, a start that is a millimetre off, or the second engine where it can run the
+//! robot, is as good a choice as the study's own; for a walking robot each of them changes the score. So the score is the mean
+//! over all of them, because a single one contains chance. Both engines have the same weight, whatever their numbers of settings
+//! are.
 
 use crate::calibration::Study;
 use realgap_core::statistics::mean_of_any;
 use realgap_simulation::{EngineChoice, Experiment, JointFormulation, Noise};
 
-/// With two engines one setting in so many runs in the study's own, which is the dear one: six of sixteen. A mean over both is as
-/// sure then as it would be with fifteen settings shared evenly.
+/// With two engines, one setting in so many runs in the study's own engine, which is the expensive one: six of sixteen. The mean
+/// over both engines is then as precise as with fifteen settings that are shared evenly.
 const OWN_EVERY: usize = 3;
-/// A map of so many points or more tells what parts the engines, a smooth function, from fewer runs of the dear one: on its points
-/// one in so many of the settings above stays there.
+/// A grid of at least so many points needs fewer runs of the expensive engine to determine the difference between the engines,
+/// which is a smooth function of the parameters: on its points, only one in `OWN_OF_A_LARGE_MAP` of the own engine's settings
+/// runs in it.
 const LARGE_MAP: usize = 256;
 const OWN_OF_A_LARGE_MAP: usize = 2;
-/// On a large map, where Rapier takes multibody joints and so is dear, the tree solver gets its substeps divided by this: paths of
-/// 8 s come out at most 3 mm farther from its limit, for three fifths of the time (docs/fidelity/settings.md has the table).
+/// On a large grid, where Rapier uses multibody joints and is therefore expensive, the tree solver's substeps are divided by this
+/// number: paths of 8 s are at most 3 mm farther from its limit, in three fifths of the time (docs/fidelity/settings.md has the
+/// table).
 const SECOND_SUBSTEPS: usize = 2;
 
-/// One of the equally valid settings, by number; 0 is the study's own.
+/// Number of an equally valid setting; 0 is the study's own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(in crate::calibration) struct Setting(u64);
 
-/// What is left alone and what varies between the settings of a study.
+/// The equally valid settings of a study.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::calibration) struct Settings {
     /// How starts (or, for an ensemble, whole repeats) differ.
@@ -34,7 +37,7 @@ pub(in crate::calibration) struct Settings {
     pub seed: u64,
     /// The engine that is as valid as the study's own; `None` where there is none.
     pub second: Option<EngineChoice>,
-    /// Trials below this number are the points of a large map; 0 where it is not large.
+    /// Trials with a number below this one are points of a large grid; 0 where the grid is not large.
     pub of_map: usize,
 }
 
@@ -54,8 +57,8 @@ impl Setting {
 }
 
 impl Settings {
-    /// The setting that trial number `index` is simulated with: all of them in turn, so that neighbours on a grid differ. On a large
-    /// map half of the study's own engine give way to their neighbours of the second.
+    /// The setting of trial number `index`: all settings take turns, so that neighbours on a grid have different ones. On a large
+    /// grid, half of the settings of the study's own engine are replaced by a neighbouring setting of the second engine.
     pub fn of_trial(&self, index: usize) -> Setting {
         let (round, number) = (index / self.count, index % self.count);
         let gives_way = index < self.of_map
@@ -68,13 +71,13 @@ impl Settings {
         })
     }
 
-    /// Which engine trial number `index` is simulated by: 1 for the study's own, −1 for the second, 0 where there is one only. What
-    /// engines deviate from their mean is this times one and the same number.
+    /// Code of the engine of trial number `index`: 1 for the study's own, −1 for the second, 0 where there is one engine only.
+    /// The deviation of an engine from the mean of both is this code times half of their difference.
     pub fn engine_of_trial(&self, index: usize) -> f64 {
         self.engine_of(self.of_trial(index).0 as usize)
     }
 
-    /// The same of a setting.
+    /// Code of the engine of a setting.
     fn engine_of(&self, number: usize) -> f64 {
         match (self.second, number % OWN_EVERY) {
             (None, _) => 0.0,
@@ -83,7 +86,7 @@ impl Settings {
         }
     }
 
-    /// The mean of runs, each told by the number of its trial: of the engines' means where both have some.
+    /// The mean of runs, each given by the number of its trial and a value: the mean of both engines' means where both have runs.
     pub fn mean(&self, runs: &[(usize, f64)]) -> f64 {
         let [own, second] = self.engine_means(runs);
         match (own, second) {
@@ -92,7 +95,7 @@ impl Settings {
         }
     }
 
-    /// The mean of each engine's runs: the study's own, and the second.
+    /// The mean of each engine's runs: of the study's own engine, and of the second.
     pub fn engine_means(&self, runs: &[(usize, f64)]) -> [Option<f64>; 2] {
         let of = |is_own: bool| {
             let here = |index: usize| (self.engine_of_trial(index) >= 0.0) == is_own;
@@ -102,8 +105,8 @@ impl Settings {
         [of(true), of(false)]
     }
 
-    /// What runs of the study's own engine, and of the second, cost on average over all settings, in runs of each with the study's own
-    /// steps; substeps count like steps.
+    /// Mean cost of a run over all settings, of the study's own engine and of the second, in runs of that engine with the study's
+    /// own steps. A substep costs as much as a step.
     pub fn mean_costs(&self, own: &Experiment) -> [f64; 2] {
         let steps = |experiment: &Experiment| {
             experiment.solver.substeps as f64 / experiment.solver.timestep_s
@@ -117,7 +120,7 @@ impl Settings {
         [of(true), of(false)]
     }
 
-    /// The experiment as this setting has it.
+    /// The experiment with this setting.
     pub fn apply(&self, setting: Setting, experiment: &Experiment) -> Experiment {
         if setting == Setting::OWN {
             return experiment.clone();
@@ -136,15 +139,15 @@ impl Settings {
     }
 }
 
-/// Whether a map of so many points is a large one.
+/// Whether a grid of so many points is a large one.
 pub(in crate::calibration) fn is_large_map(points: usize) -> bool {
     points >= LARGE_MAP
 }
 
 impl Study {
-    /// The engine that is as valid for this study as its own, Rapier: the one beside it, where that can run all of its robots at all
-    /// values that are searched. None for a study that fixes `solver.engine`, or anything that means something in Rapier only, and
-    /// for errors of joints, of whose runs least squares take differences.
+    /// The second engine, which is as valid for this study as its own engine Rapier, where it can run all robots of the study at
+    /// all searched values. `None` for a study that fixes `solver.engine` or a parameter that only Rapier has, and for fits of
+    /// joint errors, because least squares take differences of their runs.
     pub(in crate::calibration) fn second_engine(&self) -> Option<EngineChoice> {
         let definition = self.definition();
         let ranges = definition.grid.ranges();
@@ -225,7 +228,7 @@ mod tests {
         let own = |number: &usize| both.engine_of_trial(*number) > 0.0;
         let numbers: Vec<usize> = (0..16).filter(own).collect();
         assert_eq!(numbers, [0, 3, 6, 9, 12, 15]);
-        // What one engine says alone moves the mean by half of it, from two settings on.
+        // A deviation of one engine alone moves the mean by half of it, for two settings and more.
         for count in 2..=16 {
             let some = Settings { count, ..both };
             let runs = (0..count).map(|n| (n, if own(&n) { 10.0 } else { 4.0 }));
@@ -251,7 +254,7 @@ mod tests {
         }
         let expected: [usize; 16] = std::array::from_fn(|n| usize::from(n % OWN_EVERY == 0));
         assert_eq!(of_own, expected);
-        // Behind the map, and on a smaller one, all settings come in turn.
+        // Behind the points of a large grid, and on a smaller grid, all settings take turns.
         for index in LARGE_MAP..2 * LARGE_MAP {
             assert_eq!(large.of_trial(index), both.of_trial(index));
         }
@@ -268,7 +271,7 @@ mod tests {
             assert_eq!(is_own, of_both().engine_of_trial(number) > 0.0);
             with.solver.engine = own.solver.engine;
             assert_eq!(alone, with, "{number}");
-            // A large map pays for half of its substeps.
+            // On a large grid the second engine runs with half of its substeps.
             let large = Settings {
                 of_map: LARGE_MAP,
                 ..of_both()

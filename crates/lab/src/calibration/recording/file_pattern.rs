@@ -1,4 +1,4 @@
-//! What a glob matches: every file of it counts, and whatever cannot be one is an error that names it.
+//! The files that a glob names: every match counts, and a match that cannot be a recording is an error that names it.
 
 use std::fs;
 use std::path::{Component, Path, PathBuf};
@@ -7,18 +7,19 @@ use glob::{MatchOptions, Pattern};
 
 use realgap_core::{Error, Result};
 
-/// How names match: `*` stops at slashes (a name has none), upper and lower case differ.
+/// How names are matched: `*` does not match slashes (a name has none), and case matters.
 const OPTIONS: MatchOptions = MatchOptions {
     case_sensitive: true,
     require_literal_separator: true,
     require_literal_leading_dot: false,
 };
 
-/// Everything below `base` that the pattern names, in order of the paths. Only the pattern has wildcards, `base` has none.
+/// Every file below `base` that the pattern matches, in the order of the paths. Wildcards have a meaning in the pattern only, not
+/// in `base`.
 ///
 /// # Errors
-/// A pattern that is none; a folder that cannot be read; a match that is no file (a folder, a pipe, a link that leads nowhere or
-/// in a circle) or whose name is no text.
+/// A pattern that is not a glob; a folder that cannot be read; a match that is not a file (a folder, a pipe, a link that leads to
+/// no file) or whose name is not UTF-8.
 pub(in crate::calibration) fn matching_files(base: &Path, pattern: &str) -> Result<Vec<PathBuf>> {
     let mut steps = Vec::new();
     for component in Path::new(pattern).components() {
@@ -34,18 +35,18 @@ pub(in crate::calibration) fn matching_files(base: &Path, pattern: &str) -> Resu
     Ok(found)
 }
 
-/// Whether a name fits a pattern with wildcards; a pattern that is none fits nothing.
+/// Whether a name matches a pattern with wildcards; a pattern that is not a glob matches nothing.
 pub(in crate::calibration) fn name_matches(pattern: &str, name: &str) -> bool {
     Pattern::new(pattern).is_ok_and(|pattern| pattern.matches_with(name, OPTIONS))
 }
 
 /// One step down the path.
 enum Step {
-    /// To this name.
+    /// To the entry with this name.
     Literal(PathBuf),
-    /// To every name that matches.
+    /// To every entry whose name matches.
     Names(Pattern),
-    /// To any depth.
+    /// To every folder at any depth.
     Anywhere,
 }
 
@@ -76,7 +77,7 @@ fn walk(at: PathBuf, steps: &[Step], found: &mut Vec<PathBuf>) -> Result<()> {
     match step {
         Step::Literal(name) => {
             let next = at.join(name);
-            // A link that leads nowhere is there, too: it is refused by name.
+            // A dangling link exists, too, and is refused by name later.
             if fs::symlink_metadata(&next).is_ok() {
                 walk(next, rest, found)?;
             }
@@ -92,7 +93,7 @@ fn walk(at: PathBuf, steps: &[Step], found: &mut Vec<PathBuf>) -> Result<()> {
                         .at_file(at.join(&name))
                         .hint("give the file another name, or a glob that does not match it"));
                 }
-                // Further steps lead through folders only.
+                // Only folders have further steps below them.
                 if rest.is_empty() || at.join(&name).is_dir() {
                     walk(at.join(&name), rest, found)?;
                 }
@@ -101,7 +102,7 @@ fn walk(at: PathBuf, steps: &[Step], found: &mut Vec<PathBuf>) -> Result<()> {
         Step::Anywhere => {
             walk(at.clone(), rest, found)?;
             for entry in entries(&at)? {
-                // Links to folders are not followed: they may lead in a circle.
+                // Links to folders are not followed, because they may form a circle.
                 if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
                     walk(at.join(entry.file_name()), steps, found)?;
                 }
@@ -125,7 +126,7 @@ fn entries(folder: &Path) -> Result<Vec<fs::DirEntry>> {
         .map_err(|e| Error::io("look for recordings", here, &e))
 }
 
-/// Follows links.
+/// Checks that a match is a file; links are followed.
 fn must_be_file(path: &Path) -> Result<()> {
     let what = match fs::metadata(path) {
         Ok(metadata) if metadata.is_file() => return Ok(()),

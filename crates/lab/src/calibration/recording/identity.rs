@@ -1,27 +1,27 @@
-//! Which recordings values were fitted on, so that nobody takes agreement with these for a prediction.
+//! Identifiers of recordings, and the warning that values are compared with recordings on which they were fitted.
 
 use realgap_core::file::sha256;
 use realgap_core::{Code, Warning};
 use realgap_path::trajectory::Recording;
 
-/// Hexadecimal digits that tell recordings apart: 64 bits.
+/// Hexadecimal digits of an identifier: 64 bits.
 const DIGITS: usize = 16;
 
-/// What a recording is known by whatever its file is called: the start of the SHA-256 of its samples.
+/// Identifier of a recording, independent of the name of its file: the start of the SHA-256 of its samples.
 pub fn recording_id(recording: &Recording) -> String {
     let mut id = samples_sha256(recording);
     id.truncate(DIGITS);
     id
 }
 
-/// Hash of what was recorded.
+/// SHA-256 of the samples.
 pub(in crate::calibration) fn samples_sha256(recording: &Recording) -> String {
     let samples = format!("{:?}", recording.trajectory);
-    // A recording without signals is known by what it was known by before there were any.
+    // Recordings without signals keep the identifier that they had before recordings could have signals.
     sha256(samples.replacen(", signals: []", "", 1).as_bytes())
 }
 
-/// Conclusion so where recordings are among those that the values were fitted on.
+/// A warning where some recordings are among those on which the values were fitted.
 pub(in crate::calibration) fn in_sample(
     recordings: &[Recording],
     fitted_on: &[String],

@@ -1,4 +1,4 @@
-//! Joints of recordings and of the robot that is simulated in their place.
+//! The joints of recordings, and of the robot that is simulated in their place.
 
 use crate::calibration::Commands;
 use crate::calibration::recording::file_pattern::name_matches;
@@ -8,11 +8,12 @@ use realgap_path::trajectory::{Recording, Trajectory, may_be_attitude};
 use realgap_robot::morphology::Hinge;
 use realgap_simulation::{Experiment, JointState};
 
-/// Starts the robot's joints as recorded, has the run record them and the servos do what they were told, where the recording has any
-/// of the robot's joints.
+/// Starts the robot's joints at the recorded angles, has the run record the joints, and gives the servos the recorded commands,
+/// where the recording has any of the robot's joints.
 ///
 /// # Errors
-/// Joints of the robot without a column, and columns without a joint, that `left_out` does not name; as [`Commands::set_up`].
+/// Joints of the robot without a column, and columns without a joint, that `left_out` does not name; the errors of
+/// [`Commands::set_up`].
 pub(in crate::calibration) fn set_up(
     experiment: &mut Experiment,
     recording: &Recording,
@@ -49,17 +50,17 @@ pub(in crate::calibration) fn set_up(
     }
 }
 
-/// What of a robot's joints and a recording's columns has no partner, by name.
+/// Joints of a robot and columns of a recording that do not match each other, by name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Unmatched<'a> {
-    /// Joints without a column of their angle.
+    /// Joints without a recorded angle.
     pub joints: Vec<&'a str>,
-    /// Columns of joints, commands and switches without a joint.
+    /// Columns of joints, commands and switches that match no joint.
     pub columns: Vec<&'a str>,
 }
 
 impl<'a> Unmatched<'a> {
-    /// Those of this robot and recording; columns that command its servos have their partner where there are `commands`.
+    /// Those of this robot and recording. Columns that command servos are matched where there are `commands`.
     pub fn of(hinges: &'a [Hinge], motion: &'a Trajectory, commands: Option<&Commands>) -> Self {
         let is_hinge = |name: &str| hinges.iter().any(|hinge| hinge.name == name);
         let taken = commands.map_or_else(Vec::new, |c| c.columns_of(hinges, motion));
@@ -78,7 +79,7 @@ impl<'a> Unmatched<'a> {
     }
 }
 
-/// Whether every joint has its column and every column its joint.
+/// Checks that every joint has its column and every column its joint.
 fn check_names(
     experiment: &Experiment,
     recording: &Recording,
@@ -97,12 +98,12 @@ fn check_names(
     } = Unmatched::of(hinges, motion, commands);
     missing.retain(|name| !is_left_out(name));
     others.retain(|name| !is_left_out(name));
-    // Beside a pose, an angle of this name is the body's.
+    // Beside a recorded pose, a column with an angle's name belongs to the attitude of the body.
     let (attitude, others): (Vec<&str>, Vec<&str>) = others
         .into_iter()
         .partition(|name| may_be_attitude(name) && !motion.is_of_joints());
     if hinges.is_empty() || (missing.len() == hinges.len() && !motion.is_of_joints()) {
-        // A recording of poses, whose other columns are nobody's.
+        // The recording has poses, so its other columns need not match joints.
         let all: Vec<&str> = attitude.into_iter().chain(others).collect();
         return Ok((!all.is_empty()).then(|| unused(&all)));
     }

@@ -40,7 +40,7 @@ impl Found {
         Ok(())
     }
 
-    /// Leaves out what still moves at its end, and says so.
+    /// Leaves out recordings in which something still moves at the end, with a warning.
     pub fn keep_those_at_rest(&mut self) -> Result<Option<Warning>> {
         let all = self.recordings.len();
         let rests = self.recordings.iter().map(|r| is_at_rest(&r.trajectory));
@@ -68,8 +68,8 @@ impl Found {
     }
 }
 
-/// Reads every recording that the overrides' globs (relative to the current folder) or the study's own
-/// (relative to its file) name, in order of their paths.
+/// Reads every recording that the globs name, in the order of the paths: the overrides' globs, relative to the current folder, or
+/// else the study's own, relative to its file.
 pub(in crate::calibration) fn find(
     definition: &Definition,
     study: &Path,
@@ -132,7 +132,7 @@ pub(in crate::calibration) fn find(
     Ok(found)
 }
 
-/// The set that a recording of a file with several belongs to: `runs/us1/3` is of `us1`.
+/// The set to which a recording of a file with several sets belongs: `runs/us1/3` belongs to `us1`.
 fn set_of(name: &str) -> Option<&str> {
     let parts: Vec<&str> = name.split('/').collect();
     match parts.as_slice() {
@@ -141,11 +141,11 @@ fn set_of(name: &str) -> Option<&str> {
     }
 }
 
-/// The files that these globs name, relative to `base`, each once; in order of the globs, then of the paths.
+/// The files that these globs name, relative to `base`, each once; in the order of the globs, then of the paths.
 ///
 /// # Errors
-/// A glob that is none or that matches nothing; a match that is no file with the ending of a recording. A `meta.ron`, a README
-/// and a licence may lie beside recordings.
+/// A pattern that is not a glob or that matches nothing; a match that is not a file with the ending of a recording. A `meta.ron`,
+/// a README and a licence may stand beside recordings.
 pub fn recording_paths(globs: &[String], base: &Path) -> Result<Vec<PathBuf>> {
     let mut paths = Vec::new();
     for pattern in globs {
@@ -175,7 +175,7 @@ pub fn recording_paths(globs: &[String], base: &Path) -> Result<Vec<PathBuf>> {
     Ok(paths)
 }
 
-/// Whether a file lies beside recordings without being one.
+/// Whether a file may stand beside recordings without being one.
 fn is_beside(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     name == META_FILE
@@ -184,7 +184,7 @@ fn is_beside(path: &Path) -> bool {
             .any(|start| name.starts_with(start))
 }
 
-/// What the reader should know of recordings that are matched with simulations of `robot`.
+/// Warnings about recordings that are compared with simulations of `robot`.
 pub(in crate::calibration) fn warnings_for(
     robot: &Morphology,
     recordings: &[Recording],
@@ -210,10 +210,10 @@ pub(in crate::calibration) fn warnings_for(
     in_short(warnings)
 }
 
-/// Fewer recordings than this hardly know how reality repeats itself.
+/// With fewer recordings than this the variability of reality is hardly known.
 pub const FEW_RECORDINGS: usize = 5;
 
-/// Conclusion so where there are several recordings, but few.
+/// A warning where there are several recordings, but few.
 pub fn few_recordings(count: usize) -> Option<Warning> {
     (2..FEW_RECORDINGS).contains(&count).then(|| {
         Code::FewRecordings.warning(format!(
@@ -244,7 +244,7 @@ fn stand_in(recordings: &[Recording]) -> Option<Warning> {
     })
 }
 
-/// What the reader of any result from these recordings should know, whatever they are compared with.
+/// Warnings about these recordings that hold for every result, whatever the recordings are compared with.
 pub fn recording_warnings(recordings: &[Recording]) -> Vec<Warning> {
     let mut warnings: Vec<Warning> = recordings.iter().flat_map(|r| r.warnings.clone()).collect();
     warnings.extend(different_robots(recordings));
@@ -252,10 +252,10 @@ pub fn recording_warnings(recordings: &[Recording]) -> Vec<Warning> {
     in_short(warnings)
 }
 
-/// Most recordings of which the same is said.
+/// Most recordings that are listed with the same warning.
 const SAID_OF: usize = 3;
 
-/// Every warning once, and no long list of recordings that are all alike.
+/// Every warning once; many recordings with the same warning are summarised.
 pub(in crate::calibration) fn in_short(mut warnings: Vec<Warning>) -> Vec<Warning> {
     warnings.sort();
     warnings.dedup();
@@ -271,7 +271,7 @@ pub(in crate::calibration) fn in_short(mut warnings: Vec<Warning>) -> Vec<Warnin
     short
 }
 
-/// What is said of single recordings.
+/// Warnings that are about single recordings.
 const OF_ONE_RECORDING: [Code; 12] = [
     Code::Hole,
     Code::OffFloor,

@@ -1,4 +1,5 @@
-//! Recordings that hardly are what they are taken for: lengths, angles and heights that do not fit the robot, one run twice.
+//! Checks of recordings that are probably not as they are read: lengths, angles and heights that do not fit the robot, and a run
+//! that occurs twice.
 
 use nalgebra::{Isometry3, Translation3};
 
@@ -8,14 +9,14 @@ use realgap_path::trajectory::{COMMAND, Recording, odd_axes};
 use realgap_robot::morphology::Morphology;
 use realgap_simulation::{Experiment, Posture};
 
-/// A robot that seems to go farther than this, in its own lengths, may have been measured in another unit.
+/// A robot that seems to move farther than this, in body lengths, may have been measured in another unit.
 const FAR: f64 = 100.0;
-/// No robot is faster than this, in its own lengths a second.
+/// No robot is faster than this, in body lengths per second.
 const FAST_1_S: f64 = 5.0;
-/// Who measures in another unit than metres sees a robot go farther than this.
+/// A robot that seems to move less far than this, in body lengths, may have been measured in another unit.
 const NEAR: f64 = 0.05;
 
-/// Recordings whose lengths, in another unit, would fit the robot better.
+/// Warnings about recordings whose lengths would fit the robot better in another unit.
 pub(in crate::calibration) fn lengths(
     robot: &Morphology,
     recordings: &[Recording],
@@ -52,7 +53,7 @@ pub(in crate::calibration) fn lengths(
     unlikely.collect()
 }
 
-/// Axes that hardly are x forward, y to the left, z up.
+/// A warning about axes that are probably not x forward, y to the left, z up.
 pub(in crate::calibration) fn axes(
     robot: &Morphology,
     recordings: &[Recording],
@@ -61,10 +62,10 @@ pub(in crate::calibration) fn axes(
     Some(Code::UnknownAxes.warning(odd_axes(recordings, body_m)?))
 }
 
-/// A recorded angle is doubted where it lies beyond its joint's limits by more than this share of their size.
+/// A recorded angle is doubtful where it lies beyond its joint's limits by more than this share of the limits' range.
 const BEYOND: f64 = 0.25;
 
-/// Angles and commands far beyond the limits of their joint: mostly degrees that are read as radians.
+/// Warnings about angles and commands far beyond the limits of their joint: most of them are degrees that are read as radians.
 pub(in crate::calibration) fn angles(robot: &Morphology, recordings: &[Recording]) -> Vec<Warning> {
     let assembly = robot.assemble();
     let limited = |name: &str| {
@@ -93,7 +94,7 @@ pub(in crate::calibration) fn angles(robot: &Morphology, recordings: &[Recording
     recordings.iter().filter_map(of).collect()
 }
 
-/// Recordings of a body that goes somewhere, of a robot that is held at its root.
+/// Warnings about recordings in which the body moves, of a robot that is held at its root.
 pub(in crate::calibration) fn held(robot: &Morphology, recordings: &[Recording]) -> Vec<Warning> {
     if robot.assemble().world_from_mount.is_none() {
         return Vec::new();
@@ -114,7 +115,7 @@ pub(in crate::calibration) fn held(robot: &Morphology, recordings: &[Recording])
     recordings.iter().filter_map(of).collect()
 }
 
-/// One run that is counted twice makes reality look more repeatable than it is.
+/// Warnings about a run that occurs twice, which makes reality look more repeatable than it is.
 pub(in crate::calibration) fn duplicate_recordings(recordings: &[Recording]) -> Vec<Warning> {
     let twin_of = |(index, recording): (usize, &Recording)| {
         let earlier = recordings[..index].iter();
@@ -129,10 +130,11 @@ pub(in crate::calibration) fn duplicate_recordings(recordings: &[Recording]) -> 
     recordings.iter().enumerate().filter_map(twin_of).collect()
 }
 
-/// A robot whose lowest point is this share of its size inside of the floor, or never nearer than that to it, is doubted.
+/// Poses are doubtful where the robot's lowest point is always above the floor, or ever below it, by more than this share of the
+/// body length.
 const OFF: f64 = 0.1;
 
-/// A rigid robot that its recorded poses put into the floor, or leave above it for the whole run.
+/// A warning about a rigid robot whose recorded poses reach into the floor, or stay above it for the whole run.
 pub(in crate::calibration) fn floor(
     experiment: &Experiment,
     recording: &Recording,

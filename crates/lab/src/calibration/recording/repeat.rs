@@ -1,4 +1,4 @@
-//! What an ensemble of a study repeats, and the recordings it is held against.
+//! The experiments of a study that an ensemble repeats, and the recordings that the ensemble is compared with.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use realgap_path::trajectory::Prepared;
 use realgap_simulation::parameter::ParameterSet;
 use realgap_simulation::{Experiment, Noise, Sampling};
 
-/// One experiment of a study to be repeated, with the recordings that should show what its repeats show.
+/// One experiment of a study that is repeated, with the recordings that its repeats are compared with.
 #[derive(Debug, Clone)]
 pub struct RepeatCase {
     /// The study's name, or the recording's where every recording has its own start.
@@ -20,12 +20,12 @@ pub struct RepeatCase {
     pub real: Vec<(String, Prepared)>,
 }
 
-/// A study whose experiments are to be repeated.
+/// A study whose experiments are repeated.
 #[derive(Debug)]
 pub struct Repeatable {
-    /// What the study says.
+    /// The definition of the study.
     pub definition: Definition,
-    /// Its experiments: one where the start is settled, else one a recording.
+    /// Its experiments: one where the start is settled, otherwise one per recording.
     pub cases: Vec<RepeatCase>,
     /// What the reader should know.
     pub warnings: Vec<Warning>,
@@ -35,7 +35,8 @@ pub struct Repeatable {
 const RATE_HZ: f64 = 60.0;
 
 impl Repeatable {
-    /// Reads a study to be repeated; one that names no recordings must say itself where and how long the runs are.
+    /// Reads a study whose experiments are repeated. A study that names no recordings has to state the start and the length of
+    /// the runs.
     ///
     /// # Errors
     /// As [`Study::read`].
@@ -43,7 +44,7 @@ impl Repeatable {
         Self::parse(&Source::read(path, "study")?, overrides)
     }
 
-    /// As [`Repeatable::read`], of a text.
+    /// As [`Repeatable::read`], from a text.
     ///
     /// # Errors
     /// As [`Repeatable::read`].
@@ -98,10 +99,10 @@ impl Repeatable {
         })
     }
 
-    /// How the study says that its repeats differ.
+    /// The noise of repeats that the study states.
     ///
     /// # Errors
-    /// It does not say.
+    /// The study states no noise.
     pub fn noise(&self) -> Result<Noise> {
         self.definition.noise.ok_or_else(|| {
             self.definition.at_file(
@@ -117,10 +118,10 @@ impl Repeatable {
 }
 
 impl Study {
-    /// The experiments to repeat: one where the start is settled, else one a recording.
+    /// The experiments to repeat: one where the start is settled, otherwise one per recording.
     ///
     /// # Errors
-    /// A start state that cannot be refined as the study asks.
+    /// A start state that cannot be identified as the study asks.
     pub(in crate::calibration) fn repeat_cases(
         &self,
         set: &ParameterSet,

@@ -12,7 +12,7 @@ use realgap_simulation::{self as simulation, Camera, Distribution, Experiment, N
 use realgap_store::FolderLock;
 use serde::Serialize;
 
-/// What is recorded, and how repeats differ.
+/// What is simulated as a stand-in for recordings, and how repeats differ.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StandIn {
     /// Number of recordings.
@@ -23,29 +23,29 @@ pub struct StandIn {
     pub rate_hz: f64,
     /// Hidden values of parameters.
     pub values: ParameterSet,
-    /// What the noise is drawn from.
+    /// Seed of the noise.
     pub seed: u64,
     /// Standard deviations of the noise.
     pub noise: NoiseReport,
 }
 
-/// What was written.
+/// The written recordings, and how they were made.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RecordReport {
     /// Name of the robot.
     pub morphology: String,
-    /// What the recordings are.
+    /// What kind of recordings these are.
     pub source: Source,
     /// The files.
     pub recordings: Vec<PathBuf>,
-    /// The file that says what they are.
+    /// The metadata file, which says how they were made.
     pub meta: PathBuf,
     /// Time of each, seconds.
     pub duration_s: f64,
     /// Samples in a second.
     pub rate_hz: f64,
-    /// What the noise was drawn from.
+    /// Seed of the noise.
     pub seed: u64,
     /// Parameters that were set, by name.
     pub parameters: BTreeMap<&'static str, f64>,
@@ -59,7 +59,7 @@ pub struct RecordReport {
     pub warnings: Vec<Warning>,
 }
 
-/// Standard deviations.
+/// Standard deviations of the noise.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NoiseReport {
@@ -103,10 +103,11 @@ impl NoiseReport {
 }
 
 impl StandIn {
-    /// Records a robot into a folder, with a `meta.ron` that says that these are stand-ins and how they were made.
+    /// Records a simulated robot into a folder, with a `meta.ron` that declares the recordings as stand-ins and says how they
+    /// were made.
     ///
     /// # Errors
-    /// Noise that is none, a folder that holds recordings already, a run that diverges, a disk that is full.
+    /// Invalid noise, a folder that holds recordings already, a run that diverges, a full disk.
     pub fn record(
         &self,
         robot: &Morphology,
@@ -159,7 +160,7 @@ impl StandIn {
         })
     }
 
-    /// Makes and locks the folder, where it holds nothing that would be mixed up or replaced.
+    /// Makes and locks the folder, unless it holds files that would be mixed up or replaced.
     fn take(&self, folder: &Path) -> Result<FolderLock> {
         if folder.join(trajectory::META_FILE).exists() {
             return Err(Error::conflict("the folder already holds recordings")

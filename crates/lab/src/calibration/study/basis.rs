@@ -9,22 +9,22 @@ use realgap_path::comparison::Basis;
 /// Where the basis of the `pca` metric comes from.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum BasisRule {
-    /// The recordings and every simulation that is compared with them (paper 003, section 2.2).
+    /// The basis is fitted on the recordings and on every simulation that is compared with them (paper 003, section 2.2).
     #[default]
     Everything,
-    /// The recordings that are fitted alone: what reality does, whatever was simulated.
+    /// The basis is fitted on the fitted recordings alone, so that it does not depend on what was simulated.
     Recordings,
-    /// A basis that was saved, so that numbers of different studies can be compared.
+    /// A basis that was saved before, so that the scores of different studies can be compared.
     Saved {
         /// The basis.
         basis: Box<Basis>,
-        /// This is the check sum of its file.
+        /// Checksum of its file.
         sha256: String,
     },
 }
 
 impl BasisRule {
-    /// A basis as a results folder holds it or a comparison saved it.
+    /// Reads a basis from a results folder, or one that a comparison saved.
     ///
     /// # Errors
     /// A file that cannot be read or holds no basis.
@@ -36,12 +36,12 @@ impl BasisRule {
         })
     }
 
-    /// Whether it is known before anything is simulated.
+    /// Whether the basis is known before anything is simulated.
     pub fn is_known(&self) -> bool {
         *self != Self::Everything
     }
 
-    /// For people.
+    /// A short description for reports.
     pub fn label(&self) -> String {
         match self {
             Self::Everything => "recordings and simulations".to_owned(),

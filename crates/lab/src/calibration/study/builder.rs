@@ -15,9 +15,9 @@ use realgap_robot::morphology::Morphology;
 use realgap_simulation::Noise;
 use realgap_simulation::parameter::{Assignment, by_name};
 
-/// A study as it is put together; [`Study::builder`] begins one.
+/// A study that is being built; [`Study::builder`] begins one.
 ///
-/// Everything that a study file says can be said; what is not said is as in a file that does not say it.
+/// The builder has everything that a study file has; what is not set has the default of a study file.
 #[derive(Debug, Clone)]
 #[must_use = "nothing is a study before `build`"]
 pub struct StudyBuilder {
@@ -92,25 +92,25 @@ impl StudyBuilder {
 
     realgap_core::setters! {
         within definition;
-        /// How far apart two trajectories are; else `pca`.
+        /// The metric; `pca` by default.
         metric: &'static dyn Metric;
-        /// Where the basis of `pca` comes from; else the recordings and the simulations.
+        /// Where the basis of `pca` comes from; the recordings and the simulations by default.
         basis: BasisRule;
-        /// How many principal components `pca` keeps; else those with 99 % of the variance.
+        /// How many principal components `pca` keeps; by default as many as hold 99 % of the variance.
         components: Components;
-        /// What the score of a point is the mean over; else equally valid settings.
+        /// Over what the score of a point is the mean; equally valid settings by default.
         score: ScoreRule;
-        /// Length of the runs, seconds; else as long as the recordings.
+        /// Length of the runs, seconds; by default as long as the recordings.
         duration_s: f64;
-        /// Seed of everything random; else 1.
+        /// Seed of everything random; 1 by default.
         seed: u64;
-        /// Which recordings are kept from the fit to check it.
+        /// Which recordings are held out of the fit to check it.
         split: Split;
         /// How repeats differ, for ensembles and gaps.
         noise: Noise;
     }
 
-    /// Runs start from this state of each recording; else at rest on the floor.
+    /// Runs start from this state of each recording instead of at rest on the floor.
     pub fn start_from_recordings(mut self, state: StartState) -> Self {
         self.definition.start = StartRule::FromRecording;
         self.definition.start_state = state;
@@ -120,7 +120,8 @@ impl StudyBuilder {
     /// The study, ready to run.
     ///
     /// # Errors
-    /// A name that cannot be that of a folder, no recordings, nothing that varies, unknown parameters, values out of bounds, and as [`Study::new`].
+    /// A name that cannot name a folder, no recordings, no parameter that varies, unknown parameters, values out of bounds, and
+    /// the errors of [`Study::new`].
     pub fn build(self) -> Result<Study> {
         let mut definition = self.definition;
         check_name(&definition.name, "a study")?;

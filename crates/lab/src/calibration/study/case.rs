@@ -1,4 +1,4 @@
-//! One simulation of a study and the recordings it is compared with.
+//! One simulation of a study and the recordings that it is compared with.
 
 use std::borrow::Cow;
 use std::sync::{Arc, Mutex};
@@ -15,7 +15,7 @@ use realgap_identification::{Body, EQUAL_MOMENTS, KnownFlight, Refined, StartSta
 use realgap_path::trajectory::{Prepared, Recording, State, Trajectory, clip, prepare};
 use realgap_simulation::{Experiment, Sampling, Start};
 
-/// One recording as it is compared: cut to the simulated duration, and prepared.
+/// One recording in the form that is compared: cut to the simulated duration, and prepared.
 #[derive(Debug, Clone)]
 pub struct Target {
     /// Index of the recording in the study.
@@ -27,7 +27,7 @@ pub struct Target {
 }
 
 impl Target {
-    /// The target in true lengths, where recorded ones are `length_scale` times those.
+    /// The target in true lengths, where the recorded lengths are `length_scale` times the true ones.
     ///
     /// # Errors
     /// Lengths that are no longer finite.
@@ -52,14 +52,15 @@ pub struct Case {
     pub experiment: Experiment,
     /// The recordings it is compared with, at least one.
     pub targets: Vec<Target>,
-    /// What its flight was found to be last, for whoever asks next.
+    /// The free flight that was identified last from the recording, kept as a cache for the next identification.
     pub(in crate::calibration) flight: Arc<Mutex<Option<KnownFlight>>>,
 }
 
 /// Samples per second of a simulation that starts settled; the comparison resamples to 182 points anyway.
 const SETTLED_RATE_HZ: f64 = 60.0;
 
-/// The cases of a study, of each of its robots: one for all recordings when the start is settled, else one a recording.
+/// The cases of a study, of each of its robots: one case for all recordings where the start is settled, otherwise one case per
+/// recording.
 pub(in crate::calibration) fn cases(definition: &Definition) -> Result<(Vec<Case>, Vec<Warning>)> {
     if definition.recordings.is_empty() {
         return Err(
@@ -86,7 +87,7 @@ pub(in crate::calibration) fn cases(definition: &Definition) -> Result<(Vec<Case
     }
 }
 
-/// The cases of every robot, one robot after the other.
+/// The cases of every robot, in the order of the robots.
 fn cases_of_all(definition: &Definition) -> Result<(Vec<Case>, Vec<Warning>)> {
     let (mut all, mut warnings) = (Vec::new(), Vec::new());
     for member in &definition.robots {
@@ -102,7 +103,7 @@ fn cases_of_all(definition: &Definition) -> Result<(Vec<Case>, Vec<Warning>)> {
     Ok((all, warnings))
 }
 
-/// The error about a run; of recordings whose times are doubted, what would mend these.
+/// The error of a run; where the times of recordings are doubtful, with a hint that says what to correct.
 fn doubted(error: Error, recordings: &[Recording]) -> Error {
     let mut warnings = recordings.iter().flat_map(|recording| &recording.warnings);
     match warnings.find(|warning| warning.code == Code::UnlikelyTime) {
@@ -123,7 +124,7 @@ fn settled(definition: &Definition, base: &Experiment) -> Result<(Vec<Case>, Vec
         duration_s = shortest_s;
     }
     let mut experiment = base.clone();
-    // Runs that begin as one share the track of the first recording.
+    // Runs that begin at the same settled start share the tracks of the bodies in the first recording.
     scene_file::lead(&mut experiment, &definition.recordings[0])?;
     experiment.duration_s = duration_s;
     experiment.sampling = Sampling::Rate(SETTLED_RATE_HZ);
@@ -161,7 +162,7 @@ fn from_recordings(
         let times_s = target.motion.times_s();
         let mut experiment = base.clone();
         if recording.trajectory.is_of_joints() && base.assembly.world_from_mount.is_some() {
-            // What is held needs no state but its joints'.
+            // A robot that is held at its root needs no start state but that of its joints.
             experiment.start = Start::Settled;
         } else {
             experiment.start = Start::State(first_state(recording, &mut warnings)?);
@@ -194,7 +195,8 @@ fn from_recordings(
     Ok((cases, warnings))
 }
 
-/// A start that has seen more than the first sample is no prediction from it: every report has to say so.
+/// Warnings about starts that were identified from more than the first sample: the runs are then no pure predictions from the
+/// first sample, and every report has to say so.
 fn start_state_warnings(definition: &Definition, cases: &[Case]) -> Result<Vec<Warning>> {
     let rule = definition.start_state;
     if rule == StartState::FirstSample {
@@ -243,7 +245,7 @@ fn target(
     })
 }
 
-/// The first recorded state; velocities not recorded are differences of the first two samples.
+/// The first recorded state. Velocities that were not recorded are differences of the first two samples.
 fn first_state(recording: &Recording, warnings: &mut Vec<Warning>) -> Result<State> {
     let motion = &recording.trajectory;
     if motion.is_of_joints() {

@@ -1,4 +1,4 @@
-//! The RON form of recorded commands, and the commands, gain and switching-off of a recording.
+//! The RON form of recorded commands: which columns command the servos, their gain, and when they are switched off.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use realgap_simulation::{Between, CommandTrack, Experiment, Quantity};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Commands")]
 pub struct Commands {
-    /// Recorded columns that hold what a hinge was told, where they are not called after it.
+    /// Recorded columns that hold the commands of a hinge, where they are not named after the hinge.
     #[serde(default)]
     pub columns: Vec<CommandColumn>,
     /// What is in force between two recorded commands.
@@ -36,7 +36,7 @@ pub struct Commands {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum BetweenCommands {
-    /// The earlier one, as servos do.
+    /// The earlier one, as real servos do.
     #[default]
     Held,
     /// A straight line from one to the other.
@@ -54,17 +54,17 @@ pub struct CommandColumn {
     pub column: String,
 }
 
-/// What a command is called after its joint, and what it is of.
+/// Endings of a command column after the name of the joint, and the quantity that is commanded.
 const ENDINGS: [(&str, Quantity); 3] = [
     (COMMAND, Quantity::Position),
     ("_command_rad_s", Quantity::Velocity),
     ("_command_nm", Quantity::Torque),
 ];
 
-/// What a switch is called after its joint.
+/// Ending of a switch column after the name of the joint.
 pub(in crate::calibration) const ON: &str = "_on";
 
-/// The recorded numbers in a column of commands.
+/// The recorded numbers and the quantity of a column of commands.
 fn recorded<'a>(motion: &'a Trajectory, column: &str) -> Option<(&'a [f64], Quantity)> {
     if let Some(joint) = motion.joint(column) {
         return Some((&joint.angles_rad, Quantity::Position));
@@ -103,10 +103,10 @@ impl Commands {
         servos.filter_map(column).collect()
     }
 
-    /// Has the experiment's servos do what the recording says that they were told.
+    /// Sets the commands of the experiment's servos to the recorded commands.
     ///
     /// # Errors
-    /// A hinge or column that is not there, or a number that is none in a name.
+    /// A hinge or column that does not exist, or a gain in a recording's name that is not a number.
     pub(in crate::calibration) fn set_up(
         &self,
         experiment: &mut Experiment,

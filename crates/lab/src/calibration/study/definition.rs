@@ -1,4 +1,4 @@
-//! What a study says: robot, recordings, parameters, metric; validated, but nothing is made ready to run yet.
+//! The definition of a study: robot, recordings, parameters, metric. It is validated, but no simulation is set up yet.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -28,7 +28,7 @@ pub enum StartRule {
     FromRecording,
 }
 
-/// What the score of a point is the mean over.
+/// Over what the score of a point is the mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum ScoreRule {
@@ -36,25 +36,26 @@ pub enum ScoreRule {
     /// millimetre and a degree off.
     #[default]
     Valid,
-    /// These many of them, and the noise of the study's repeats besides: what an ensemble of real robots would do.
+    /// So many repeats, with equally valid settings and with the noise of the study's repeats: what an ensemble of real robots
+    /// would do.
     Ensemble {
         /// How many repeats the mean is over.
         repeats: usize,
     },
-    /// Nothing: one run with the study's own settings, luck included.
+    /// One run with the study's own settings, so that the score contains the chance of a single run.
     Single,
 }
 
-/// What a study says, validated.
+/// A validated definition of a study.
 #[derive(Debug, Clone)]
 pub struct Definition {
     /// File stem.
     pub name: String,
     /// The file; `None` for a study that was built.
     pub path: Option<PathBuf>,
-    /// The file as written; empty for a study that was built.
+    /// The text of the file; empty for a study that was built.
     pub text: String,
-    /// What it is for.
+    /// Purpose of the study, for readers.
     pub description: String,
     /// The robot.
     pub morphology: Morphology,
@@ -62,13 +63,13 @@ pub struct Definition {
     pub robots: Vec<Member>,
     /// The two-wheel robot that is simulated in place of the morphology, which then is only its size.
     pub vehicle: Option<Arc<Vehicle>>,
-    /// Which set of a file with several (`condition,run,…`) is compared with.
+    /// Which set of recordings is compared, in a file that holds several (`condition,run,…`).
     pub condition: Option<String>,
     /// SHA-256 of the morphology file.
     pub morphology_sha256: String,
     /// Globs of the recordings, relative to the file.
     pub recording_globs: Vec<String>,
-    /// What reality did.
+    /// The recordings of the real robot.
     pub recordings: Vec<Recording>,
     /// SHA-256 of each recording's file.
     pub recordings_sha256: Vec<String>,
@@ -78,33 +79,34 @@ pub struct Definition {
     pub start_state: StartState,
     /// Whether recordings that end while moving are left out.
     pub only_at_rest: bool,
-    /// What the robot reads, and does about it.
+    /// The controller: sensors that the robot reads, and rules that it follows.
     pub steering: Option<Steering>,
     /// Other bodies beside the robot.
     pub scene: Vec<SceneBody>,
-    /// What the recordings say of the servos.
+    /// How recorded columns command the servos.
     pub commands: Option<Commands>,
-    /// Joints of the robot without a recorded column and recorded columns without a joint that are meant to be so, with `*`.
+    /// Joints of the robot that are meant to have no recorded column, and recorded columns that are meant to have no joint; `*`
+    /// stands for any letters.
     pub left_out: Vec<String>,
     /// Windows into which recordings are cut, each a recording of its own.
     pub horizon: Option<Horizon>,
-    /// Length of the runs, seconds; `None`: as long as the recordings.
+    /// Length of the runs, seconds; `None` for runs as long as the recordings.
     pub duration_s: Option<f64>,
     /// How the recordings' files are read.
     pub reading: Reading,
     /// Fixed parameter values.
     pub set: ParameterSet,
-    /// Values in place of some of them that fits left possible: every repeat under noise takes one of each group.
+    /// Posterior draws of some of the fixed values, one group per fit: every repeat under noise takes one draw of each group.
     pub draws: Vec<Vec<ParameterSet>>,
-    /// The parameters that vary, and how far.
+    /// The parameters that vary, with their ranges.
     pub grid: Grid,
     /// The parameters of [`Definition::grid`], in its order.
     pub parameters: Vec<&'static Parameter>,
-    /// What is known of each of them beforehand: median and variance of its coordinate between the ends of its range.
+    /// Prior knowledge of each parameter: median and variance of its coordinate between the ends of its range.
     pub priors: Vec<Option<(f64, f64)>>,
-    /// How far apart two trajectories are.
+    /// The metric: the distance of two trajectories.
     pub metric: &'static dyn Metric,
-    /// What the score of a point is the mean over.
+    /// Over what the score of a point is the mean.
     pub score: ScoreRule,
     /// Where the basis of the `pca` metric comes from.
     pub basis: BasisRule,
@@ -112,22 +114,23 @@ pub struct Definition {
     pub components: Components,
     /// Seed of everything random.
     pub seed: u64,
-    /// Which recordings are kept from the fit to check it.
+    /// Which recordings are held out of the fit to check it.
     pub split: Option<Split>,
     /// Known truth of a stand-in, for marking it in pictures; never used by the fit.
     pub truth: ParameterSet,
-    /// How repeats differ, where the study says; used by ensembles, never by a sweep.
+    /// Noise of repeats, where the study states it; ensembles use it, a sweep does only where it scores ensembles or repeats runs
+    /// to judge the fit.
     pub noise: Option<Noise>,
-    /// What the reader should know.
+    /// Warnings for the reader.
     pub warnings: Vec<Warning>,
 }
 
 /// Where the runs of a study start, for reports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StartUsed {
-    /// At rest on the floor.
+    /// The robot starts at rest on the floor.
     Settled,
-    /// Every run starts as its recording does.
+    /// Every run starts in the state of its recording.
     FromRecording(StartState),
 }
 
@@ -146,11 +149,11 @@ impl Serialize for StartUsed {
     }
 }
 
-/// How long a run may be.
+/// Allowed lengths of a run.
 const DURATION: Range = Range::within(1e-3, 3600.0, "s");
 
 impl Definition {
-    /// A study of a robot of which nothing more is said, recordings and what varies included.
+    /// A definition with defaults for everything but the name and the robot; it has no recordings and no varied parameters yet.
     pub(in crate::calibration) fn of(name: String, morphology: Morphology) -> Self {
         Self {
             name,
@@ -192,7 +195,7 @@ impl Definition {
         }
     }
 
-    /// The first of its numbers that cannot be, with the name of its field.
+    /// The first number that is not allowed, with the name of its field.
     pub(in crate::calibration) fn fault(&self) -> Option<(String, Error)> {
         let components = self.components.check().err();
         let duration = self
@@ -205,7 +208,7 @@ impl Definition {
             .or_else(|| noise.map(|(field, error)| (format!("noise.{field}"), error)))
     }
 
-    /// Where its runs start.
+    /// The start of the runs, for reports.
     pub fn start_used(&self) -> StartUsed {
         match self.start {
             StartRule::Settled => StartUsed::Settled,
@@ -213,12 +216,12 @@ impl Definition {
         }
     }
 
-    /// Where its recordings come from.
+    /// The source of the recordings.
     pub fn source(&self) -> Source {
         Source::of(&self.recordings)
     }
 
-    /// The error with the study's file, where it has one.
+    /// The error with the study's file, where the study has a file.
     pub fn at_file(&self, error: Error) -> Error {
         match &self.path {
             Some(path) => error.at_file(path),
@@ -226,7 +229,7 @@ impl Definition {
         }
     }
 
-    /// The experiment with everything that the study fixes, before any recording has a say.
+    /// The experiment with everything that the study fixes, before a start is taken from a recording.
     pub fn experiment(&self) -> Experiment {
         let mut base = Experiment::new(self.morphology.assemble());
         base.scene = self.scene.clone();

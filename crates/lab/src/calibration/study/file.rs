@@ -1,4 +1,4 @@
-//! The RON form of a study, and what reading it takes.
+//! The RON form of a study, and how it is read.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -28,7 +28,7 @@ use realgap_simulation::{Noise, SceneBody, Vehicle};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Study")]
 pub struct StudyFile {
-    /// What is asked, for people.
+    /// The question that the study answers, for readers.
     #[serde(default)]
     description: String,
     /// The robot's file, relative to this one; either this or `vehicle`.
@@ -88,7 +88,7 @@ pub struct StudyFile {
     /// How many principal components are kept.
     #[serde(default)]
     components: Components,
-    /// What the score of a point is the mean over.
+    /// Over what the score of a point is the mean.
     #[serde(default)]
     score: ScoreRule,
     /// Seed of everything random.
@@ -165,7 +165,7 @@ impl RangeFile {
                 .allowed("(median, spread): a median within the range, a spread above 0"));
         }
         let at = range.coordinate(median);
-        // Along a logarithmic range a spread is a share of the median.
+        // Along a logarithmic range a standard deviation is a share of the median.
         let near = 1e-3 * (range.to - range.from);
         let there = if median + near <= range.to {
             median + near
@@ -199,7 +199,7 @@ impl Definition {
         Self::parse(&Source::read(path, "study")?, overrides)
     }
 
-    /// As [`Definition::read`], of a text; what it names is relative to the folder of its path.
+    /// As [`Definition::read`], from a text. Paths in the text are relative to the folder of the source's path.
     ///
     /// # Errors
     /// As [`Definition::read`].
@@ -229,7 +229,7 @@ impl Definition {
         Ok(whole)
     }
 
-    /// With the recordings that it names.
+    /// The definition with the recordings that its globs name.
     fn with_found(self, path: &Path, overrides: &Overrides) -> Result<Self> {
         let definition = self;
         let mut found = recording::find(&definition, path, overrides)?;
@@ -252,15 +252,15 @@ impl Definition {
         })
     }
 
-    /// Reads a study and its morphology but not its recordings: to check the file itself.
+    /// Reads a study and its morphology but not its recordings, to check the file itself.
     ///
     /// # Errors
-    /// As [`Definition::read`], recordings apart.
+    /// As [`Definition::read`], except for those about recordings.
     pub fn read_without_recordings(path: impl AsRef<Path>, overrides: &Overrides) -> Result<Self> {
         Self::parse_without_recordings(&Source::read(path, "study")?, overrides)
     }
 
-    /// As [`Definition::read_without_recordings`], of a text.
+    /// As [`Definition::read_without_recordings`], from a text.
     ///
     /// # Errors
     /// As [`Definition::read_without_recordings`].
@@ -374,7 +374,7 @@ struct Robot {
 }
 
 impl StudyFile {
-    /// Whether it says nothing that only a study of one robot can mean.
+    /// Whether the file names several robots and nothing that belongs to a study of one robot.
     fn is_of_many(&self) -> bool {
         let one = self.morphology.is_some() || self.vehicle.is_some();
         !one && self.recordings.is_empty() && !self.robots.is_empty()
@@ -405,7 +405,7 @@ impl StudyFile {
         }
     }
 
-    /// The values that it fixes.
+    /// The values that the file fixes.
     fn fixed(&self, source: &Source) -> Result<ParameterSet> {
         let multibody = self.joint.map(|joint| matches!(joint, Joint::Multibody));
         let named = [
@@ -424,7 +424,7 @@ impl StudyFile {
         Ok(set.with_all(&more))
     }
 
-    /// What varies, as a grid and as parameters.
+    /// The varied parameters, as a grid and as a list.
     fn varied(
         &self,
         source: &Source,
@@ -449,7 +449,7 @@ impl StudyFile {
     }
 }
 
-/// A cube of a vehicle's size and name, for everything that asks how large a robot is.
+/// A cube with the size and the name of a vehicle: the morphology from which body lengths are computed.
 fn outside_of(vehicle: &Vehicle) -> Result<Morphology> {
     let text = format!(
         "(name: {:?}, defaults: (side_m: {}, mass_kg: 0.3), modules: [(name: \"body\", kind: Passive())], glue: [])",

@@ -1,4 +1,4 @@
-//! Everything that decides a study's results, so that two studies never share a results folder.
+//! The fingerprint of a study: everything that decides its results, so that two studies never share a results folder.
 
 use std::collections::BTreeSet;
 
@@ -8,7 +8,7 @@ use realgap_identification::StartState;
 use realgap_store::Fingerprint;
 
 impl Study {
-    /// Everything that decides the results.
+    /// The fingerprint: everything that decides the results.
     pub fn fingerprint(&self) -> Fingerprint {
         let definition = self.definition();
         let experiment = &self.cases()[0].experiment;
@@ -38,7 +38,7 @@ impl Study {
         if let Some(second) = self.settings().second {
             print = print.with("second engine", second.get().version());
         }
-        // How the recordings are read, a `meta.ron` beside them included.
+        // The reading of the recordings contains the settings of a `meta.ron` beside them.
         let read_as = definition.recordings.iter().map(|r| r.reading.to_string());
         let read_as: BTreeSet<String> = read_as.filter(|how| !how.is_empty()).collect();
         for (index, how) in read_as.into_iter().enumerate() {
@@ -79,7 +79,7 @@ impl Study {
 }
 
 impl Definition {
-    /// The fingerprint with the draws that repeats take, where there are any.
+    /// The fingerprint with the posterior draws that repeats take, where there are any.
     pub(crate) fn with_draws(&self, print: Fingerprint) -> Fingerprint {
         match self.draws.is_empty() {
             true => print,

@@ -1,4 +1,5 @@
-//! Studies of many robots: each has its own recordings, and all share what varies, the floor above all.
+//! Studies of many robots: every robot has its own recordings, and all robots share the varied parameters, mainly those of the
+//! floor.
 
 use std::ops::Range;
 
@@ -24,14 +25,14 @@ pub struct Member {
     pub set: ParameterSet,
     /// Where its runs start.
     pub start: StartRule,
-    /// What it reads, and does about it; that of the study, unless it has its own.
+    /// Its controller: its own, or else that of the study.
     pub steering: Option<Steering>,
     /// How many times each of its recordings counts.
     pub weight: f64,
 }
 
 impl Definition {
-    /// The study of one of its robots alone.
+    /// The study of this robot alone.
     pub(in crate::calibration) fn of_member(&self, member: &Member) -> Self {
         Self {
             morphology: member.morphology.clone(),
@@ -48,7 +49,7 @@ impl Definition {
         }
     }
 
-    /// What is fixed for a robot: all but what is about another one.
+    /// The values that are fixed for a robot: all but those of other robots.
     pub(in crate::calibration) fn set_of(&self, robot: &Morphology) -> ParameterSet {
         let own = self.set.iter().filter(|assignment| {
             let about = assignment.parameter.robot();
@@ -57,7 +58,7 @@ impl Definition {
         own.fold(ParameterSet::new(), |set, assignment| set.with(*assignment))
     }
 
-    /// The experiment in which a parameter has its value where nobody has tuned it.
+    /// An experiment in which the parameter has its default value.
     pub(in crate::calibration) fn untuned(&self, parameter: &Parameter) -> Experiment {
         let mut members = self.robots.iter();
         let owner = members.find(|member| parameter.robot() == Some(member.morphology.name()));
@@ -67,7 +68,7 @@ impl Definition {
         }
     }
 
-    /// Of each recording by how much its score counts, 1 on average.
+    /// The weights of the recordings' scores, 1 on average.
     pub(in crate::calibration) fn weights(&self) -> Vec<f64> {
         let mut weights = vec![1.0; self.recordings.len()];
         for member in &self.robots {
@@ -102,7 +103,7 @@ impl Definition {
     }
 }
 
-/// Checks that what is about one robot is about one that there is.
+/// Checks that every parameter of a single robot names a robot of the study.
 ///
 /// # Errors
 /// A parameter of a robot that is not in the study.

@@ -1,16 +1,17 @@
-//! Short horizons: a recording cut into windows that each start from what was measured, so that one early error does not spoil the rest.
+//! Short horizons: a recording is cut into windows, and each run starts from the measured state at the beginning of a window, so
+//! that an early error does not affect the rest.
 
 use serde::Deserialize;
 
 use realgap_core::{Error, Result};
 use realgap_path::trajectory::{JointTrack, Recording, cut_out};
 
-/// Windows of this length, one every so often.
+/// Windows of one length that begin at equal intervals.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Horizon(f64, f64);
 
-/// Speeds at a start are means over so many samples on either side, and the start's own.
+/// The speed at the start of a window is a mean over the first sample and so many samples on either side of it.
 const AROUND: usize = 3;
 
 impl Horizon {
@@ -19,12 +20,12 @@ impl Horizon {
         self.0
     }
 
-    /// The windows of a recording as recordings of their own, named after when they begin: half an interval after the recording
-    /// begins, and every interval from then on. Joints start at measured angles, with the mean of seven measured speeds, or else with
-    /// the slope of a line through seven angles.
+    /// The windows of a recording, as recordings of their own that are named after the time at which they begin: half an interval
+    /// after the recording begins, and every interval from then on. Joints start at measured angles, with the mean of seven
+    /// measured speeds, or else with the slope of a line through seven angles.
     ///
     /// # Errors
-    /// Times that are none, or a recording that is too short for one window.
+    /// Times that are not positive numbers, or a recording that is too short for one window.
     pub(in crate::calibration) fn windows(self, recording: &Recording) -> Result<Vec<Recording>> {
         let Self(length_s, every_s) = self;
         let is_time = |s: f64| (1e-3..=3600.0).contains(&s);
@@ -63,13 +64,13 @@ impl Horizon {
         starts.into_iter().map(window).collect()
     }
 
-    /// The log that a window of this name was cut from.
+    /// The name of the recording from which a window with this name was cut.
     pub(in crate::calibration) fn log_of(window: &str) -> &str {
         window.rsplit_once('@').map_or(window, |(log, _)| log)
     }
 }
 
-/// The joint of a window with a speed at its start that noise hardly touches.
+/// The joint of a window, with a start speed that measurement noise hardly affects.
 fn with_start_speed(
     mut part: JointTrack,
     whole: &JointTrack,

@@ -1,4 +1,4 @@
-//! A study made ready: its cases, and what it takes to evaluate one point.
+//! A study that is ready to run: its cases, and the simulation of one point.
 
 pub(super) mod basis;
 pub(super) mod builder;
@@ -33,10 +33,10 @@ use realgap_simulation::parameter::{Assignment, ParameterSet};
 use realgap_simulation::{EngineChoice, Experiment, Noise};
 use realgap_store::{CaseOutcome, CaseResult, CaseRow, Trial};
 
-/// Equally valid settings where the study does not say how many.
+/// Number of equally valid settings where the study does not state one.
 const VALID_SETTINGS: usize = 16;
 
-/// About how many single errors of a point are kept, over all cases, and at least of one.
+/// Approximate number of single errors that are kept of a point, over all cases, and the least number of one case.
 const MOST_ERRORS: usize = 16_384;
 const LEAST_ERRORS: usize = 32;
 
@@ -47,16 +47,16 @@ pub struct Study {
     cases: Vec<Case>,
     warnings: Vec<Warning>,
     held_out: Vec<bool>,
-    /// Of each recording, 1 on average.
+    /// Weight of each recording's score, 1 on average.
     weights: Vec<f64>,
-    /// Of the recordings that are fitted, in recorded lengths, where the metric asks for it.
+    /// Spread of the fitted recordings, in recorded lengths, where the metric needs it.
     spread: Option<Spread>,
-    /// The engine that is as valid for it as its own.
+    /// The second engine, which is as valid for this study as its own.
     second: Option<EngineChoice>,
 }
 
 impl Study {
-    /// Reads a study with its robot and its recordings, and makes it ready.
+    /// Reads a study with its robot and its recordings, and prepares it.
     ///
     /// # Errors
     /// As [`Definition::read`] and [`Study::new`].
@@ -64,7 +64,7 @@ impl Study {
         Self::new(Definition::read(path, overrides)?)
     }
 
-    /// As [`Study::read`], of a text; what it names is relative to the folder of its path.
+    /// As [`Study::read`], from a text. Paths in the text are relative to the folder of the source's path.
     ///
     /// # Errors
     /// As [`Study::read`].
@@ -72,8 +72,8 @@ impl Study {
         Self::new(Definition::parse(source, overrides)?)
     }
 
-    /// The same study with these values, after those that it fixes itself, for ensembles and gaps. `fitted_on` are the recordings that they were
-    /// fitted on and `draws` what that left possible, as in [`Overrides`].
+    /// The same study with these values fixed, after those that it fixes itself, for ensembles and gaps. `fitted_on` are the
+    /// recordings on which the values were fitted and `draws` are the posterior draws of these fits, as in [`Overrides`].
     ///
     /// # Errors
     /// As [`Study::new`].
@@ -127,14 +127,14 @@ impl Study {
             study.spread = Some(spread);
         }
         if study.definition.basis.is_known() {
-            // Refused before any work.
+            // A saved basis that does not fit is refused before any simulation.
             study.basis([]).map_err(|e| study.definition.at_file(e))?;
         }
         study.check_recordings()?;
         Ok(study)
     }
 
-    /// Compares each recording with itself, so that one the metric cannot use is refused before any work.
+    /// Compares each recording with itself, so that a recording that the metric cannot use is refused before any simulation.
     fn check_recordings(&self) -> Result<()> {
         if self.definition.metric.needs().basis {
             return Ok(());
@@ -151,12 +151,12 @@ impl Study {
         Ok(())
     }
 
-    /// The study.
+    /// The definition of the study.
     pub fn definition(&self) -> &Definition {
         &self.definition
     }
 
-    /// The study, where its cases are not needed any more.
+    /// The definition, where the cases are not needed any more.
     pub fn into_definition(self) -> Definition {
         self.definition
     }
@@ -166,18 +166,18 @@ impl Study {
         &self.cases
     }
 
-    /// What the reader should know.
+    /// Warnings for the reader.
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings
     }
 
-    /// Simulated seconds of one point, settling apart.
+    /// Simulated seconds of one point, without settling.
     pub fn simulated_s(&self) -> f64 {
         let cases = self.cases.iter();
         cases.map(|case| case.experiment.duration_s).sum()
     }
 
-    /// How much the score of a recording counts, 1 on average.
+    /// Weight of a recording's score, 1 on average.
     pub(in crate::calibration) fn weight(&self, recording: usize) -> f64 {
         self.weights[recording]
     }
@@ -192,16 +192,16 @@ impl Study {
     /// Simulates every case of grid point `index` and keeps what the comparison needs.
     ///
     /// # Errors
-    /// A metric that cannot compare; a diverged simulation is an outcome, not an error.
+    /// A metric that cannot compare the paths. A diverged simulation is an outcome, not an error.
     pub fn simulate(&self, index: usize) -> Result<Trial> {
         self.simulate_trial(index, self.definition.grid.values(index), false)
     }
 
-    /// The equally valid settings that a score is the mean over.
+    /// The equally valid settings over which a score is the mean.
     pub(in crate::calibration) fn settings(&self) -> Settings {
         let definition = &self.definition;
         let start = match definition.start {
-            // With one recording nothing else says how repeatable reality is.
+            // One recording does not show how repeatable reality is, so the settings contain the noise of careful repeats.
             StartRule::Settled if self.fitted_recordings() < 2 => Noise::careful_repeat(),
             StartRule::Settled => Noise::careful_start(),
             StartRule::FromRecording => Noise::default(),
@@ -211,7 +211,7 @@ impl Study {
             ScoreRule::Ensemble { repeats } => (definition.noise.unwrap_or(start), repeats),
             ScoreRule::Single => (start, 1),
         };
-        // A single run is one of the study's own engine.
+        // A single run is made with the study's own engine.
         let second = self.second.filter(|_| count > 1);
         let points = definition.grid.len();
         let is_large = second.is_some() && is_large_map(points);
@@ -224,11 +224,11 @@ impl Study {
         }
     }
 
-    /// Simulates every case at these values, as trial number `index`, whose number says with which of the equally valid
-    /// settings, with single errors where they are asked for.
+    /// Simulates every case at these values, as trial number `index`. The number decides which of the equally valid settings is
+    /// used. Single errors are kept where `has_errors` asks for them.
     ///
     /// # Errors
-    /// As [`Study::simulate`]; a metric that is not made of single errors.
+    /// As [`Study::simulate`], and a metric that is not made of single errors.
     pub(in crate::calibration) fn simulate_trial(
         &self,
         index: usize,
@@ -262,13 +262,14 @@ impl Study {
     /// # Errors
     /// As [`Study::experiment`].
     pub fn experiment_with(&self, case: usize, set: &ParameterSet) -> Result<Experiment> {
-        // What is fixed for one joint holds against what is varied for all.
+        // A value that is fixed for one joint takes precedence over a value that is varied for all joints.
         let set = self.definition.set.precise().with_all(set);
         let experiment = set.apply(&self.cases[case].experiment);
         if self.definition.start_state == StartState::FirstSample {
             return Ok(experiment);
         }
-        // Centre of mass, gravity and length scale decide the start, so it comes after the parameters.
+        // The start depends on the centre of mass, gravity and the length scale, so it is identified after the parameters are
+        // set.
         let recording = self.cases[case].targets[0].recording;
         let recorded = &self.definition.recordings[recording].trajectory;
         let mut known = self.cases[case]
@@ -280,7 +281,7 @@ impl Study {
         Ok(refined)
     }
 
-    /// Recorded lengths over true ones at these values.
+    /// Ratio of recorded to true lengths at these values.
     pub(in crate::calibration) fn recording_length_scale(&self, values: &[f64]) -> f64 {
         self.parameter_set(values)
             .apply(&self.cases[0].experiment)
@@ -310,7 +311,7 @@ impl Study {
         self.each_case(|case| self.simulate_case(case, &self.experiment_with(case, set)?, false))
     }
 
-    /// A row of every case, in parallel on the current rayon pool.
+    /// One row per case, in parallel on the current rayon pool.
     fn each_case(&self, row: impl Fn(usize) -> Result<CaseRow> + Sync) -> Result<Vec<CaseRow>> {
         let cases = (0..self.cases.len()).into_par_iter();
         cases.map(&row).collect()
@@ -337,12 +338,12 @@ impl Study {
         })
     }
 
-    /// Whether a recording is kept from the fit.
+    /// Whether a recording is held out of the fit.
     pub fn is_held_out(&self, recording: usize) -> bool {
         self.held_out[recording]
     }
 
-    /// The values, one a recording, of those that the fit sees, or of those that are kept from it.
+    /// The values of the fitted recordings, or of those that are held out; one value a recording.
     pub(in crate::calibration) fn part_of<T: Copy>(
         &self,
         recordings: &[T],
@@ -354,7 +355,7 @@ impl Study {
             .collect()
     }
 
-    /// The same study with these recordings kept from the fit, and no others.
+    /// The same study with exactly these recordings held out of the fit.
     pub(in crate::calibration) fn without(&self, held_out: &[usize]) -> Self {
         let recordings = 0..self.definition.recordings.len();
         Self {
@@ -363,7 +364,7 @@ impl Study {
         }
     }
 
-    /// Number of recordings that the fit sees.
+    /// Number of recordings that are fitted.
     pub fn fitted_recordings(&self) -> usize {
         self.held_out.iter().filter(|held_out| !**held_out).count()
     }
@@ -386,7 +387,7 @@ impl Study {
         };
         let prepared = prepare(&motion)?;
         let needs_basis = self.definition.metric.needs().basis;
-        // What is compared here is in true lengths.
+        // The compared paths are in true lengths.
         let spread = self.spread.as_ref();
         let spread = spread.map(|spread| spread.scaled(1.0 / experiment.recording_length_scale));
         let context = context(&self.cases[case], spread.as_ref());
@@ -404,9 +405,9 @@ impl Study {
             }
         }
         scores.extend(errors);
-        // Scores with a basis exist only once all paths are known; the pictures need the first case's.
+        // Scores with a basis can be computed only after all paths are known; pictures need the path of the first case.
         let path_xy_m = if needs_basis || case == 0 {
-            // In recorded lengths, as the recordings that share a basis and a picture with it.
+            // The path is kept in recorded lengths, like the recordings that share a basis and a picture with it.
             let scale = experiment.recording_length_scale;
             let points = prepared.xy_m().iter();
             points.map(|point| point.map(|m| m * scale)).collect()
@@ -423,8 +424,8 @@ impl Study {
         })
     }
 
-    /// The basis of a study's scores: of all recordings and all completed simulations, diverged ones left out, unless the study
-    /// knows it beforehand; `None` where the metric needs none.
+    /// The basis of a study's scores, fitted on all recordings and all completed simulations (diverged ones are left out) unless
+    /// the study has a known basis; `None` where the metric needs none.
     ///
     /// # Errors
     /// Paths from which no basis can be built.
@@ -463,7 +464,7 @@ impl Study {
         }
     }
 
-    /// Reality's prepared paths, by recording.
+    /// The prepared paths of the recordings, by recording.
     pub fn real_paths(&self) -> Vec<&Prepared> {
         let targets = self.cases.iter().flat_map(|case| &case.targets);
         let mut targets: Vec<_> = targets.collect();
@@ -481,7 +482,7 @@ fn context<'a>(case: &Case, spread: Option<&'a Spread>) -> Context<'a> {
     }
 }
 
-/// A mean over an ensemble needs repeats, and noise by which they differ.
+/// Checks that a mean over an ensemble has repeats, and noise by which they differ.
 fn check_score(definition: &Definition) -> Result<()> {
     let ScoreRule::Ensemble { repeats } = definition.score else {
         return Ok(());

@@ -1,4 +1,4 @@
-//! What a caller wants different from a study's file.
+//! Settings of a caller that take the place of those in a study's file.
 
 use crate::calibration::{BasisRule, ScoreRule, Split};
 use realgap_core::{Error, Result};
@@ -7,7 +7,7 @@ use realgap_path::comparison::Metric;
 use realgap_path::trajectory::Reading;
 use realgap_simulation::parameter::ParameterSet;
 
-/// A part of the recordings: the `offset`-th of every `every`, in order of their paths, counted from 0.
+/// A part of the recordings: every `every`-th, beginning with number `offset`, in the order of their paths and counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Part {
     every: usize,
@@ -15,7 +15,7 @@ pub struct Part {
 }
 
 impl Part {
-    /// A part; offsets 0 to `every` − 1 together are the whole.
+    /// A part. The parts with offsets 0 to `every` − 1 together are all recordings.
     ///
     /// # Errors
     /// An offset that is not below `every`.
@@ -34,12 +34,12 @@ impl Part {
     }
 }
 
-/// What the caller wants different from the file.
+/// Settings of a caller that take the place of those in the file.
 #[derive(Debug, Clone, Default)]
 pub struct Overrides {
     /// Globs of recordings, relative to the current folder, in place of the file's.
     pub recordings: Vec<String>,
-    /// Every so many-th recording only, in order of their paths, counted from an offset.
+    /// A part of the recordings only.
     pub part: Option<Part>,
     /// Start state in place of the file's.
     pub start_state: Option<StartState>,
@@ -49,7 +49,7 @@ pub struct Overrides {
     pub metric: Option<&'static dyn Metric>,
     /// Where the basis of `pca` comes from, in place of the file's.
     pub basis: Option<BasisRule>,
-    /// What a score is the mean over, in place of the file's.
+    /// Over what a score is the mean, in place of the file's rule.
     pub score: Option<ScoreRule>,
     /// Time of each run in place of the file's, seconds.
     pub duration_s: Option<f64>,
@@ -59,17 +59,17 @@ pub struct Overrides {
     pub seed: Option<u64>,
     /// Fixed values, after the file's own.
     pub set: ParameterSet,
-    /// What the fits of these values left possible, a group a fit: every repeat under noise takes one of each.
+    /// Posterior draws of these values, a group per fit: every repeat under noise takes one draw of each group.
     pub draws: Vec<Vec<ParameterSet>>,
-    /// What the values were fitted on ([`recording_id`](crate::calibration::recording_id)): a warning says which of the recordings are among
-    /// them.
+    /// Identifiers ([`recording_id`](crate::calibration::recording_id)) of the recordings on which the values were fitted: a
+    /// warning names those of them that the study compares with.
     pub fitted_on: Vec<String>,
-    /// How the recordings are read, before what the file says of it.
+    /// How the recordings are read; it takes precedence over the file's setting.
     pub reading: Reading,
     /// Whether recordings stay whole where the study cuts them into windows.
     pub whole_runs: bool,
-    /// Whether sets of recordings without a study are cut to the shortest and compared at equal times; a study always does.
+    /// Whether recordings without a study are cut to the shortest one and compared at equal times; a study always does this.
     pub equal_times: bool,
-    /// Which recordings are kept from the fit to check it.
+    /// Which recordings are held out of the fit to check it.
     pub split: Option<Split>,
 }

@@ -1,4 +1,4 @@
-//! Robots as a study's file names them.
+//! The RON form of the robots in a study's file.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

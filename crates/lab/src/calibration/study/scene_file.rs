@@ -46,9 +46,9 @@ struct BoxFile {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "motion")]
 enum MotionFile {
-    /// Along the recorded columns that begin with the body's name.
+    /// Follows the recorded columns that begin with the body's name.
     Recorded,
-    /// Stands where it is.
+    /// Stands still.
     Fixed {
         /// Place of the body's frame, metres.
         position_m: Triple,
@@ -56,7 +56,7 @@ enum MotionFile {
         #[serde(default = "upright")]
         orientation_wxyz: (f64, f64, f64, f64),
     },
-    /// Moves as it is pushed.
+    /// Moves when it is pushed.
     Free {
         /// Place of the body's frame, metres.
         position_m: Triple,
@@ -125,7 +125,7 @@ impl BodyFile {
     }
 }
 
-/// Gives every driven body its track in this recording.
+/// Gives every body that follows recorded columns its track in this recording.
 ///
 /// # Errors
 /// A recording without a body of that name, or with one that has no orientations.

@@ -1,4 +1,4 @@
-//! Which recordings a fit may see, and which are kept to check it.
+//! Which recordings are fitted, and which are held out to check the fit.
 
 use std::fmt;
 
@@ -7,10 +7,10 @@ use rand::seq::SliceRandom;
 use realgap_core::random::Once;
 use realgap_core::{Error, Result};
 
-/// Which recordings are kept from the fit.
+/// Which recordings are held out of the fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Split {
-    /// Every recording is held out once: so many parts, each checked with the best of the others.
+    /// Cross-validation with so many folds: every recording is held out once and checked with the best point of the others.
     Folds(usize),
     /// This share of the recordings is held out, more than 0 and less than 1.
     HoldOut(f64),
@@ -44,10 +44,10 @@ fn shuffled(recordings: usize, seed: u64) -> Vec<usize> {
 }
 
 impl Split {
-    /// One flag a recording: kept from the fit of the whole study. Folds keep none from it.
+    /// For each recording, whether it is held out of the fit of the whole study. Folds hold none out of that fit.
     ///
     /// # Errors
-    /// More folds than recordings, a share out of range, or nothing left on one side.
+    /// More folds than recordings, a share out of range, or no recordings on one side.
     pub fn held_out(self, recordings: usize, seed: u64) -> Result<Vec<bool>> {
         let mut flags = vec![false; recordings];
         match self {

@@ -1,4 +1,4 @@
-//! A controller in a study: what is swept or tuned is simulated with it.
+//! The controller of a study: every simulation of a sweep or a tuning runs with it.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use realgap_core::{Error, Result};
 use realgap_simulation::{Controller, Experiment, SceneBody};
 
 impl Definition {
-    /// Gives its robot, or each of its robots, the controller that the study names for it; `own` are those of robots for themselves.
+    /// Gives each robot of the definition the controller that the study names for it; `own` are the controllers of single robots.
     pub(in crate::calibration) fn steer(
         &mut self,
         study: &Source,
@@ -76,13 +76,13 @@ impl Steering {
         })
     }
 
-    /// Gives it to the robot of an experiment.
+    /// Adds the controller to the robot of an experiment.
     pub(in crate::calibration) fn give_to(&self, experiment: &mut Experiment) {
         experiment.scene.extend(self.walls.iter().cloned());
         experiment.controller = Some(Arc::clone(&self.controller));
     }
 
-    /// A check sum of all that it says, its arena and its models included.
+    /// Checksum of the controller with its arena and its models.
     pub(in crate::calibration) fn sha256(&self) -> String {
         sha256(format!("{:?}", self.controller).as_bytes())
     }

@@ -8,8 +8,8 @@ use nalgebra::Vector3;
 
 use realgap_core::unit::Unit;
 use realgap_lab::calibration::{
-    Audit, AuditRow, Best, PosteriorDraws, BestPointUncertainty, EngineWish, Fit, PointScore, Report,
-    Scores, Tables, Uncertainty, UncertaintySource, Unvisited, Verdict,
+    Audit, AuditRow, Best, BestPointUncertainty, EngineWish, Fit, PointScore, PosteriorDraws,
+    Report, Scores, Tables, Uncertainty, UncertaintySource, Unvisited, Verdict,
 };
 use realgap_lab::prediction::ensemble::{Ensemble, Forecast, Motion, Reality, Repeat};
 use realgap_lab::prediction::gap::{
