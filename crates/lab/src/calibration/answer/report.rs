@@ -236,6 +236,9 @@ impl fmt::Display for Report {
                 self.metric,
                 quantity(best.score, self.unit)
             )?;
+            if self.unit == Unit::One {
+                f.write_str(" (dimensionless)")?;
+            }
             let lowest = self.tuning.as_ref().and_then(|tuning| tuning.lowest_score);
             if let Some(lowest) = lowest {
                 write!(

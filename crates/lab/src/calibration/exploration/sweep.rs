@@ -40,7 +40,7 @@ impl Study {
     ///
     /// # Errors
     /// As [`Study::sweep_into`].
-    pub fn sweep_part(&self, part: &mut Part, run: &RunOptions<'_>) -> Result<Ending> {
+    pub(crate) fn sweep_part(&self, part: &mut Part, run: &RunOptions<'_>) -> Result<Ending> {
         Ok(simulate(self, &mut TrialSink::Part(part), run)?.0)
     }
 }

@@ -75,7 +75,7 @@ impl Study {
     }
 
     /// Everything that decides the results of a tuning.
-    pub fn tune_fingerprint(&self, options: &TuneOptions) -> Fingerprint {
+    pub(crate) fn tune_fingerprint(&self, options: &TuneOptions) -> Fingerprint {
         let fingerprint = self
             .fingerprint()
             .with("optimizer", options.optimizer.name())
@@ -92,7 +92,7 @@ impl Study {
     ///
     /// # Errors
     /// As [`Study::tune_into`].
-    pub fn tune_part(
+    pub(crate) fn tune_part(
         &self,
         part: &mut Part,
         options: &TuneOptions,

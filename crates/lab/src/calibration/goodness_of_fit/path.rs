@@ -178,11 +178,14 @@ impl Nearest {
         order.truncate(NEAR);
         let neighbours = order.iter().filter_map(|&(run, _)| {
             let others = (0..runs.len()).filter(|other| *other != run);
-            let distance = |other: &usize| worst(&|o| mean_square_m2(&o.runs[run], &o.runs[*other]));
+            let distance =
+                |other: &usize| worst(&|o| mean_square_m2(&o.runs[run], &o.runs[*other]));
             Some((run, least_by(others, distance)?))
         });
         let neighbours: Vec<(usize, usize)> = neighbours.collect();
-        let unknown = outputs.iter().map(|o| o.uncertainty(real.len(), &neighbours));
+        let unknown = outputs
+            .iter()
+            .map(|o| o.uncertainty(real.len(), &neighbours));
         let unknown: Vec<Spread> = unknown.collect();
         let seen = order.iter().map(|&(run, _)| {
             let both = || unknown.iter().zip(&outputs);

@@ -146,7 +146,7 @@ fn set_of(name: &str) -> Option<&str> {
 /// # Errors
 /// A pattern that is not a glob or that matches nothing; a match that is not a file with the ending of a recording. A `meta.ron`,
 /// a README and a licence may stand beside recordings.
-pub fn recording_paths(globs: &[String], base: &Path) -> Result<Vec<PathBuf>> {
+pub(crate) fn recording_paths(globs: &[String], base: &Path) -> Result<Vec<PathBuf>> {
     let mut paths = Vec::new();
     for pattern in globs {
         let whole = base.join(pattern);
@@ -211,10 +211,10 @@ pub(in crate::calibration) fn warnings_for(
 }
 
 /// With fewer recordings than this the variability of reality is hardly known.
-pub const FEW_RECORDINGS: usize = 5;
+pub(crate) const FEW_RECORDINGS: usize = 5;
 
 /// A warning where there are several recordings, but few.
-pub fn few_recordings(count: usize) -> Option<Warning> {
+pub(crate) fn few_recordings(count: usize) -> Option<Warning> {
     (2..FEW_RECORDINGS).contains(&count).then(|| {
         Code::FewRecordings.warning(format!(
             "{count} recordings hardly know how reality repeats itself: what is said about it is wide, or a guess; {FEW_RECORDINGS} are the least, 20 are better"

@@ -209,7 +209,7 @@ impl Definition {
     }
 
     /// The start of the runs, for reports.
-    pub fn start_used(&self) -> StartUsed {
+    pub(crate) fn start_used(&self) -> StartUsed {
         match self.start {
             StartRule::Settled => StartUsed::Settled,
             StartRule::FromRecording => StartUsed::FromRecording(self.start_state),

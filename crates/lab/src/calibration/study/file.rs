@@ -264,7 +264,7 @@ impl Definition {
     ///
     /// # Errors
     /// As [`Definition::read_without_recordings`].
-    pub fn parse_without_recordings(source: &Source, overrides: &Overrides) -> Result<Self> {
+    pub(crate) fn parse_without_recordings(source: &Source, overrides: &Overrides) -> Result<Self> {
         let path = source.path();
         let file: StudyFile = parse_ron(source)?;
         let folder = path.parent().unwrap_or(Path::new(""));

@@ -157,7 +157,7 @@ impl Study {
     }
 
     /// The definition, where the cases are not needed any more.
-    pub fn into_definition(self) -> Definition {
+    pub(crate) fn into_definition(self) -> Definition {
         self.definition
     }
 
@@ -365,7 +365,7 @@ impl Study {
     }
 
     /// Number of recordings that are fitted.
-    pub fn fitted_recordings(&self) -> usize {
+    pub(crate) fn fitted_recordings(&self) -> usize {
         self.held_out.iter().filter(|held_out| !**held_out).count()
     }
 
