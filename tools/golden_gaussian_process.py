@@ -1,4 +1,4 @@
-"""Writes crates/optimization/tests/golden/gaussian_process.json: reference values for crates/optimization/src/optimizer/gaussian_process.rs.
+"""Writes crates/optimization/tests/golden/gaussian_process.json: reference values for crates/optimization/src/gaussian_process and optimizer/expected_improvement.rs.
 
 pip install numpy==2.4.6 scikit-learn==1.9.1 mpmath==1.4.1
 python3 tools/golden_gaussian_process.py > crates/optimization/tests/golden/gaussian_process.json

@@ -135,7 +135,7 @@ const CLAIMED: [&str; 7] = [
     "narrowed down",
     "is not determined",
     "not determined by",
-    "drawn like",
+    "have the distribution of",
     "noise floors away",
     "explain these",
 ];

@@ -1,343 +1,286 @@
-//! What runs at some points say about the score at every point, those that nobody visited included.
+//! An emulator: what some runs tell about the score at every point, points without a run included.
 //!
-//! The score of a run is, on a logarithmic scale, a smooth function of the parameters, plus a smooth deviation of the
-//! setting that the run has, plus what is left: the ruggedness of a single run. Where settings are of two
-//! engines, their half difference is one more smooth function, added in one and subtracted in the other, so that the first is the
-//! mean of both, whichever ran where. All but the last are Gaussian processes with one kernel shape (Matérn 5/2, a length scale a
-//! parameter; Rasmussen & Williams 2006, sums of processes: section 4.2.4). Their sizes are not known either: several
-//! kernels are drawn, and what they say differently is doubt, too.
+//! On a logarithmic scale, the score of a run is the sum of a smooth function of the parameters, a smooth deviation that belongs to
+//! the run's setting, and noise of the single run. Where there are two variants of the black box, half of their difference is one
+//! more smooth function, which is added for one variant and subtracted for the other; the first function is then the mean of both
+//! variants, whichever of them was run where. All but the noise are Gaussian processes with one Matérn 5/2 kernel shape (Rasmussen &
+//! Williams 2006; sums of processes: section 4.2.4). Their hyperparameters are not known: several kernels are drawn from their
+//! posterior distribution, and the differences between their predictions are part of the uncertainty.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{DMatrix, DVector};
 
-use crate::kernel::{Fitted, Kernel, ScoredRun, mean_weights};
+use crate::kernel::RunKernel;
+use crate::kernel_fit::KernelData;
+use crate::scale::ScoreScale;
+use crate::scored_run::ScoredRun;
 use realgap_core::error::Result;
-use realgap_core::statistics::{mean, median, standard_deviation};
+use realgap_core::statistics::mean;
+use realgap_optimization::gaussian_process::ConditionedProcess;
 use realgap_optimization::thin;
 
-/// Runs that kernels are fitted to, and runs that the emulator knows at most; work grows with the cube of either.
+/// Most runs that kernels are fitted to, and most runs that the emulator is conditioned on; work grows with the cube of either.
 const FITTED: usize = 120;
 const KNOWN: usize = 600;
 
-/// From scores to the scale on which they are modelled: ln(score² + offset²), mean 0 and standard deviation 1. A distance has a
-/// kink where simulation and reality meet, its square has none.
-#[derive(Debug, Clone, Copy)]
-struct Scale {
-    offset: f64,
-    mean: f64,
-    sd: f64,
-}
-
-impl Scale {
-    /// The offset is the median score: nearly the square below it, and logarithmic above, so that a few terrible points do not decide
-    /// how smooth the good ones are.
-    fn new(scores: &[f64]) -> Self {
-        let offset = median(scores).max(f64::MIN_POSITIVE.sqrt());
-        let logs: Vec<f64> = scores
-            .iter()
-            .map(|s| libm::log(s * s + offset * offset))
-            .collect();
-        let sd = standard_deviation(&logs);
-        Self {
-            offset,
-            mean: mean(&logs),
-            sd: if sd > 0.0 { sd } else { 1.0 },
-        }
-    }
-
-    fn of(self, score: f64) -> f64 {
-        (libm::log(score * score + self.offset * self.offset) - self.mean) / self.sd
-    }
-
-    /// How much a standardised value changes with the score.
-    fn slope(self, score: f64) -> f64 {
-        2.0 * score / ((score * score + self.offset * self.offset) * self.sd)
-    }
-
-    fn back(self, value: f64) -> f64 {
-        (libm::exp(value * self.sd + self.mean) - self.offset * self.offset)
-            .max(0.0)
-            .sqrt()
-    }
-}
-
-impl<'a> Fitted<'a> {
-    fn new(scale: Scale, runs: &'a [ScoredRun]) -> Self {
-        let runs = thinned(runs, FITTED);
-        let values = runs.iter().map(|run| scale.of(run.score()));
-        Self {
-            values: DVector::from_iterator(runs.len(), values),
-            runs,
-        }
-    }
-}
-
-/// One kernel with what the runs say through it.
+/// One kernel, with the process that is conditioned on the runs.
 #[derive(Debug, Clone)]
 struct Member {
-    kernel: Kernel,
-    factor: Cholesky<f64, Dyn>,
-    /// Shares of the runs in their likeliest mean, and its variance.
-    shares: DVector<f64>,
-    mean_variance: f64,
-    /// That mean, and the inverse covariance times what the values have beyond it.
-    mean: f64,
-    weights: DVector<f64>,
+    kernel: RunKernel,
+    process: ConditionedProcess,
 }
 
 /// The score over the parameters.
 #[derive(Debug, Clone)]
 pub struct Emulator {
-    scale: Scale,
+    scale: ScoreScale,
     /// Coordinates of the runs.
-    at: Vec<Vec<f64>>,
-    /// Engines of the runs, as [`ScoredRun::engine`].
-    engines: Vec<f64>,
-    /// What each recording's score has beyond the mean over the recordings, standardised; one row a run.
-    parts: DMatrix<f64>,
+    points: Vec<Vec<f64>>,
+    /// Variants of the runs, as [`ScoredRun::variant`].
+    variants: Vec<f64>,
+    /// Deviation of each observation's score (column) from the mean over the observations, standardised; one row a run.
+    observation_deviations: DMatrix<f64>,
     members: Vec<Member>,
 }
 
-/// What the emulator says about some places together. All standardised: mean 0 and standard deviation 1 over the runs.
-pub struct Field {
+/// What the emulator predicts for several points jointly. Scores are standardised: mean 0 and standard deviation 1 over the runs.
+pub struct ScoreField {
     /// Expected scores.
     pub means: DVector<f64>,
-    /// Covariance of what the runs leave open.
+    /// Covariance of the scores that the runs leave.
     pub emulator: DMatrix<f64>,
-    /// Covariance of what one more equally valid setting changes; where engines are averaged, with what either changes.
+    /// Covariance of the change by another equally valid setting; where variants are averaged, also of the change by either variant.
     pub numerics: DMatrix<f64>,
-    /// What each recording deviates, one row a place.
-    pub parts: DMatrix<f64>,
-    /// Correlation of the score's own variation.
-    pub alike: DMatrix<f64>,
+    /// Deviation of each observation's score (column) from the mean over the observations; one row a point.
+    pub observation_deviations: DMatrix<f64>,
+    /// Correlation of the score between the points, before any run.
+    pub correlation: DMatrix<f64>,
     /// Variance of single runs about their setting.
     pub noise: f64,
     /// Variance of settings.
     pub setting: f64,
-    /// Variance of recordings.
-    pub recording: f64,
+    /// Variance of observations.
+    pub observation: f64,
 }
 
 impl Emulator {
-    /// `None` for fewer than three runs.
+    /// Fits kernels to the runs. `None` for fewer than three runs.
     ///
     /// # Errors
-    /// None beyond those of the optimizer that finds the likeliest kernel.
+    /// None beyond those of the optimizer that finds the kernel of maximum posterior density.
     pub fn new(runs: &[ScoredRun]) -> Result<Option<Self>> {
         if runs.len() < 3 {
             return Ok(None);
         }
         let scores: Vec<f64> = runs.iter().map(ScoredRun::score).collect();
-        let scale = Scale::new(&scores);
-        let kernels = Fitted::new(scale, runs).kernels()?;
-        Ok(Some(Self::with(scale, &kernels, runs)))
+        let scale = ScoreScale::new(&scores);
+        let fitted = thinned(runs, FITTED);
+        let data = KernelData {
+            values: values(scale, &fitted),
+            runs: fitted,
+        };
+        Ok(Some(Self::with(scale, &data.kernels()?, runs)))
     }
 
-    /// The same kernels with more runs.
-    pub fn again(&self, runs: &[ScoredRun]) -> Self {
-        let kernels: Vec<Kernel> = self.members.iter().map(|m| m.kernel.clone()).collect();
+    /// The same kernels, conditioned on other runs: mostly on the earlier ones and some more.
+    #[must_use]
+    pub fn conditioned_on(&self, runs: &[ScoredRun]) -> Self {
+        let kernels: Vec<RunKernel> = self.members.iter().map(|m| m.kernel.clone()).collect();
         Self::with(self.scale, &kernels, runs)
     }
 
-    fn with(scale: Scale, kernels: &[Kernel], runs: &[ScoredRun]) -> Self {
+    fn with(scale: ScoreScale, kernels: &[RunKernel], runs: &[ScoredRun]) -> Self {
         let runs = thinned(runs, KNOWN);
-        let values = runs.iter().map(|run| scale.of(run.score()));
-        let values = DVector::from_iterator(runs.len(), values);
-        let parts = match runs[0].surrogate_recordings.as_slice() {
-            [] => DMatrix::from_fn(runs.len(), runs[0].recordings.len(), |run, recording| {
+        let values = values(scale, &runs);
+        let observation_deviations = match runs[0].surrogate_scores.as_slice() {
+            [] => DMatrix::from_fn(runs.len(), runs[0].scores.len(), |run, observation| {
                 let score = runs[run].score();
-                scale.slope(score) * (runs[run].recordings[recording] - score)
+                scale.slope(score) * (runs[run].scores[observation] - score)
             }),
-            engines => {
-                let columns = engines.iter().map(Vec::len).sum();
+            variants => {
+                let columns = variants.iter().map(Vec::len).sum();
                 let rows = runs
                     .iter()
-                    .flat_map(|run| deviations(scale, &run.surrogate_recordings));
+                    .flat_map(|run| surrogate_deviations(scale, &run.surrogate_scores));
                 DMatrix::from_row_iterator(runs.len(), columns, rows)
             }
         };
         let members = kernels.iter().filter_map(|kernel| {
-            let factor = kernel.factor(&runs)?;
-            let shares = mean_weights(&factor);
-            let mean = shares.dot(&values);
-            let ones = DVector::repeat(runs.len(), 1.0);
             Some(Member {
                 kernel: kernel.clone(),
-                mean_variance: factor.solve(&ones).sum().recip(),
-                weights: factor.solve(&values.add_scalar(-mean)),
-                factor,
-                shares,
-                mean,
+                process: kernel.condition(&runs, &values)?,
             })
         });
         Self {
             scale,
             members: members.collect(),
-            at: runs.iter().map(|run| run.at.clone()).collect(),
-            engines: runs.iter().map(|run| run.engine).collect(),
-            parts,
+            points: runs.iter().map(|run| run.point.clone()).collect(),
+            variants: runs.iter().map(|run| run.variant).collect(),
+            observation_deviations,
         }
     }
 
-    /// Covariance of a run with the score at a place: in an engine, or, for 0, on average over both.
-    fn covariance(&self, kernel: &Kernel, run: usize, place: &[f64], engine: f64) -> f64 {
-        let alike = 1.0 + kernel.between_engines * engine * self.engines[run];
-        alike * kernel.covariance(&self.at[run], place)
+    /// Covariance of a run with the score at a point: in a variant, or, for 0, on average over both.
+    fn covariance(&self, kernel: &RunKernel, run: usize, point: &[f64], variant: f64) -> f64 {
+        let shared = 1.0 + kernel.between_variants * variant * self.variants[run];
+        shared * kernel.score.covariance(&self.points[run], point)
     }
 
-    fn across(&self, member: &Member, place: &[f64], engine: f64) -> DVector<f64> {
-        let runs = 0..self.at.len();
-        let covariances = runs.map(|run| self.covariance(&member.kernel, run, place, engine));
-        DVector::from_iterator(self.at.len(), covariances)
+    fn across(&self, member: &Member, point: &[f64], variant: f64) -> DVector<f64> {
+        let runs = 0..self.points.len();
+        let covariances = runs.map(|run| self.covariance(&member.kernel, run, point, variant));
+        DVector::from_iterator(self.points.len(), covariances)
     }
 
-    /// Expected score at a place, standardised.
-    pub fn standardised(&self, place: &[f64]) -> f64 {
-        self.standardised_in(place, 0.0)
+    /// Expected score at a point, standardised.
+    pub fn standardised(&self, point: &[f64]) -> f64 {
+        self.standardised_in(point, 0.0)
     }
 
-    fn standardised_in(&self, place: &[f64], engine: f64) -> f64 {
-        let means = self
-            .members
-            .iter()
-            .map(|member| member.mean + self.across(member, place, engine).dot(&member.weights));
+    fn standardised_in(&self, point: &[f64], variant: f64) -> f64 {
+        let members = self.members.iter();
+        let means = members.map(|member| member.process.mean(&self.across(member, point, variant)));
         means.sum::<f64>() / self.members.len() as f64
     }
 
-    /// Expected score at a place in one engine.
-    pub fn mean_in(&self, place: &[f64], engine: f64) -> f64 {
-        self.scale.back(self.standardised_in(place, engine))
+    /// Expected score at a point in one variant.
+    pub fn mean_in(&self, point: &[f64], variant: f64) -> f64 {
+        self.scale.score(self.standardised_in(point, variant))
     }
 
-    /// Whether the runs are of two engines.
-    pub fn has_two_engines(&self) -> bool {
-        self.engines.iter().any(|engine| *engine != 0.0)
+    /// Whether the runs are of two variants.
+    pub fn has_two_variants(&self) -> bool {
+        self.variants.iter().any(|variant| *variant != 0.0)
     }
 
-    /// Expected score at a place.
-    pub fn mean(&self, place: &[f64]) -> f64 {
-        self.scale.back(self.standardised(place))
+    /// Expected score at a point.
+    pub fn mean(&self, point: &[f64]) -> f64 {
+        self.scale.score(self.standardised(point))
     }
 
-    /// Central range of the score at a place that the runs allow, `deviations` standard deviations to each side.
-    pub fn band(&self, place: &[f64], deviations: f64) -> (f64, f64) {
-        let field = self.field(std::slice::from_ref(&place.to_vec()));
+    /// Central range of the score at a point, `deviations` standard deviations to each side of the expected score.
+    pub fn band(&self, point: &[f64], deviations: f64) -> (f64, f64) {
+        let field = self.field(std::slice::from_ref(&point.to_vec()));
         let half = deviations * field.emulator[(0, 0)].max(0.0).sqrt();
-        let at = |side: f64| self.scale.back(field.means[0] + side);
+        let at = |side: f64| self.scale.score(field.means[0] + side);
         (at(-half), at(half))
     }
 
-    /// Which parameters the scores depend on, as far as they tell.
+    /// Which parameters the scores depend on, as far as the runs show it.
     pub fn active(&self) -> Vec<bool> {
-        let lengths = self
-            .members
-            .iter()
-            .flat_map(|member| &member.kernel.lengths);
-        let dimensions = self.at[0].len();
+        let members = self.members.iter();
+        let lengths = members.flat_map(|member| &member.kernel.score.lengths);
+        let dimensions = self.points[0].len();
         lengths
             .take(dimensions)
             .map(|length| length.is_finite())
             .collect()
     }
 
-    /// Everything about some places, on average over the engines.
-    pub fn field(&self, places: &[Vec<f64>]) -> Field {
-        self.field_in(places, 0.0)
+    /// Joint prediction for several points, on average over the variants.
+    pub fn field(&self, points: &[Vec<f64>]) -> ScoreField {
+        self.field_in(points, 0.0)
     }
 
-    /// Everything about some places: in an engine, or, for 0, on average over both.
-    pub fn field_in(&self, places: &[Vec<f64>], engine: f64) -> Field {
-        let (runs, n, recordings) = (self.at.len(), places.len(), self.parts.ncols());
+    /// Joint prediction for several points in a variant, or, for 0, on average over both.
+    pub fn field_in(&self, points: &[Vec<f64>], variant: f64) -> ScoreField {
+        let runs = self.points.len();
+        let (n, observations) = (points.len(), self.observation_deviations.ncols());
         let square = || DMatrix::zeros(n, n);
-        let mut field = Field {
+        let freedom = (runs * (observations - 1).max(1)) as f64;
+        let mut field = ScoreField {
             means: DVector::zeros(n),
             emulator: square(),
             numerics: square(),
-            parts: DMatrix::zeros(n, recordings),
-            alike: square(),
+            observation_deviations: DMatrix::zeros(n, observations),
+            correlation: square(),
             noise: 0.0,
             setting: 0.0,
-            recording: self.parts.norm_squared() / (runs * (recordings - 1).max(1)) as f64,
+            observation: self.observation_deviations.norm_squared() / freedom,
         };
         let share = 1.0 / self.members.len() as f64;
         let mut means = Vec::new();
         for member in &self.members {
             let kernel = &member.kernel;
-            let across = DMatrix::from_fn(runs, n, |run, place| {
-                self.covariance(kernel, run, &places[place], engine)
+            let across = DMatrix::from_fn(runs, n, |run, point| {
+                self.covariance(kernel, run, &points[point], variant)
             });
             let mut between = square();
             for column in 0..n {
                 for row in column..n {
-                    let covariance = kernel.covariance(&places[row], &places[column]);
+                    let covariance = kernel.score.covariance(&points[row], &points[column]);
                     (between[(row, column)], between[(column, row)]) = (covariance, covariance);
                 }
             }
-            let known = member.factor.solve(&across);
-            // What the runs nearby do not explain of a place comes from the mean, and has its doubt.
-            let unexplained = DVector::from_fn(n, |place, _| 1.0 - known.column(place).sum());
-            let here = (across.tr_mul(&member.weights)).add_scalar(member.mean);
-            let own = 1.0 + kernel.between_engines * engine * engine;
-            let doubt = &between * own - known.tr_mul(&across)
-                + &unexplained * unexplained.transpose() * member.mean_variance;
-            let weights = known.transpose() + &unexplained * member.shares.transpose();
-            field.parts += weights * &self.parts * share;
-            field.emulator += doubt * share;
+            let own = 1.0 + kernel.between_variants * variant * variant;
+            let predicted = member.process.predict(&across, &(&between * own));
+            field.observation_deviations +=
+                predicted.weights * &self.observation_deviations * share;
+            field.emulator += predicted.covariance * share;
             field.numerics += &between * (kernel.between_settings * share);
-            if engine == 0.0 && self.has_two_engines() {
-                field.numerics += self.apart(member, &across, &between) * share;
+            if variant == 0.0 && self.has_two_variants() {
+                field.numerics += self.variant_covariance(member, &across, &between) * share;
             }
-            field.alike += between * (share / kernel.variance);
+            field.correlation += between * (share / kernel.score.variance);
             field.noise += kernel.noise * share;
-            field.setting += kernel.between_settings * kernel.variance * share;
-            field.means += &here * share;
-            means.push(here);
+            field.setting += kernel.between_settings * kernel.score.variance * share;
+            field.means += &predicted.means * share;
+            means.push(predicted.means);
         }
-        for here in means {
-            let apart = here - &field.means;
-            field.emulator += &apart * apart.transpose() * share;
+        for mean in means {
+            let deviation = mean - &field.means;
+            field.emulator += &deviation * deviation.transpose() * share;
         }
         field
     }
 
-    /// Covariance of what either engine deviates from their mean, as its square is expected: nobody knows which of them is right.
-    /// `across` are covariances of runs with the mean at the places, `between` those of the places.
-    fn apart(
+    /// Expected product of the deviations of a variant from the mean of both, for every pair of points: reality may be like either
+    /// variant. `across` are covariances of runs with the mean at the points, `between` those of the points.
+    fn variant_covariance(
         &self,
         member: &Member,
         across: &DMatrix<f64>,
         between: &DMatrix<f64>,
     ) -> DMatrix<f64> {
-        let share = member.kernel.between_engines;
-        let across = DMatrix::from_fn(across.nrows(), across.ncols(), |run, place| {
-            share * self.engines[run] * across[(run, place)]
+        let share = member.kernel.between_variants;
+        let across = DMatrix::from_fn(across.nrows(), across.ncols(), |run, point| {
+            share * self.variants[run] * across[(run, point)]
         });
-        let half = across.tr_mul(&member.weights);
-        let doubt = between * share - across.tr_mul(&member.factor.solve(&across));
-        &half * half.transpose() + doubt
+        let half_difference = across.tr_mul(member.process.weights());
+        let remaining = between * share - across.tr_mul(&member.process.solve(&across));
+        &half_difference * half_difference.transpose() + remaining
     }
 }
 
-/// How far each of what might have been recorded is, by the score, from the mean of its engine: as if all were of one engine that
-/// varies as much as either does on average. Reality is like one of them. What might have been is as far from what was as from each
-/// other, so that no slope holds for all of it.
-fn deviations(scale: Scale, engines: &[Vec<f64>]) -> Vec<f64> {
+/// Standardised scores of runs.
+fn values(scale: ScoreScale, runs: &[&ScoredRun]) -> DVector<f64> {
+    let values = runs.iter().map(|run| scale.standardise(run.score()));
+    DVector::from_iterator(runs.len(), values)
+}
+
+/// Standardised deviations of a run's surrogate scores from the mean of their variant, scaled as if all were of one variant whose
+/// variance is the mean variance of both: the observation is like an output of one of the variants. Surrogate outputs differ as much
+/// from the observation as from each other, so that no slope of the scale holds for all of them and each is transformed by itself.
+fn surrogate_deviations(scale: ScoreScale, variants: &[Vec<f64>]) -> Vec<f64> {
     let freedom = |count: usize| count as f64 - 1.0;
-    let all = freedom(engines.iter().map(Vec::len).sum());
+    let all = freedom(variants.iter().map(Vec::len).sum());
     let of = |scores: &Vec<f64>| {
-        let scores: Vec<f64> = scores.iter().map(|score| scale.of(*score)).collect();
+        let scores: Vec<f64> = scores
+            .iter()
+            .map(|score| scale.standardise(*score))
+            .collect();
         let middle = mean(&scores);
-        let share = (all / (engines.len() as f64 * freedom(scores.len()))).sqrt();
+        let share = (all / (variants.len() as f64 * freedom(scores.len()))).sqrt();
         scores
             .into_iter()
             .map(move |score| share * (score - middle))
     };
-    engines.iter().flat_map(of).collect()
+    variants.iter().flat_map(of).collect()
 }
 
-/// At most `most` of the runs, of each engine its share: the better half, the others spread evenly over the rest.
+/// At most `most` of the runs, with each variant's share: the better half of them, and others spread evenly over the rest.
 fn thinned(runs: &[ScoredRun], most: usize) -> Vec<&ScoredRun> {
     let of = |is_second: bool| {
-        let own = runs.iter().filter(|run| (run.engine < 0.0) == is_second);
+        let own = runs.iter().filter(|run| (run.variant < 0.0) == is_second);
         let scored: Vec<(&ScoredRun, f64)> = own.map(|run| (run, run.score())).collect();
         let share = (most * scored.len()).div_ceil(runs.len());
         thin(scored, share)
@@ -349,26 +292,31 @@ fn thinned(runs: &[ScoredRun], most: usize) -> Vec<&ScoredRun> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use realgap_core::statistics::standard_deviation;
 
     #[test]
-    fn what_might_have_been_varies_as_either_engine_does_on_average_however_many_runs_each_has() {
-        let scale = Scale::new(&[1.0, 2.0, 4.0]);
-        let engines = [vec![1.0, 3.0], vec![2.0, 2.1, 2.2, 2.1, 2.0]];
-        let deviations = deviations(scale, &engines);
+    fn surrogates_vary_as_either_variant_does_on_average_however_many_runs_each_has() {
+        let scale = ScoreScale::new(&[1.0, 2.0, 4.0]);
+        let variants = [vec![1.0, 3.0], vec![2.0, 2.1, 2.2, 2.1, 2.0]];
+        let deviations = surrogate_deviations(scale, &variants);
         let squares = deviations.iter().map(|deviation| deviation * deviation);
         let variance = squares.sum::<f64>() / (deviations.len() - 1) as f64;
         let of = |scores: &Vec<f64>| {
-            let scores: Vec<f64> = scores.iter().map(|score| scale.of(*score)).collect();
+            let scores: Vec<f64> = scores
+                .iter()
+                .map(|score| scale.standardise(*score))
+                .collect();
             standard_deviation(&scores).powi(2)
         };
-        let expected = 0.5 * (of(&engines[0]) + of(&engines[1]));
+        let expected = 0.5 * (of(&variants[0]) + of(&variants[1]));
         assert!(
             (variance - expected).abs() < 1e-12,
             "{variance}, {expected}"
         );
-        // One engine alone deviates as it does.
-        let alone = super::deviations(scale, &engines[..1]);
-        let apart = alone[1] - alone[0];
-        assert!((apart - (scale.of(3.0) - scale.of(1.0))).abs() < 1e-12);
+        // One variant alone deviates as it does.
+        let alone = surrogate_deviations(scale, &variants[..1]);
+        let difference = alone[1] - alone[0];
+        let expected = scale.standardise(3.0) - scale.standardise(1.0);
+        assert!((difference - expected).abs() < 1e-12);
     }
 }

@@ -1,118 +1,128 @@
-//! How implausible places are: how much better another one scores, in standard deviations of what is unknown about the two.
+//! How implausible points are: by how much another point scores better, in standard deviations of what is uncertain about the two.
 
-use crate::emulator::Field;
+use nalgebra::DMatrix;
+
+use crate::emulator::ScoreField;
 use realgap_core::statistics::mean;
 
-/// Recordings that the pooled variance of all recordings is worth beside what each pair of points shows itself.
+/// Weight of the pooled covariance of observations, in observations, beside the covariance that each pair of points shows.
 const POOLED: f64 = 4.0;
-/// Variance of a single recording in those of a run: a kernel that is smooth everywhere understates what a deviation moves at the
-/// bottom of a valley, and with 4 the intervals of the worlds of `world.rs` hold what they promise.
-const ALONE: f64 = 4.0;
-/// The same in those of what might have been recorded in its place: nothing says that reality repeats as well as a simulation.
-const AS_MUCH_AGAIN: f64 = 2.0;
+/// Variance of a single observation, in variances of a run. A kernel that is smooth everywhere understates how much a deviation of the
+/// observation moves the bottom of a valley of the score; with 4 the intervals of the worlds in `coverage.rs` have their stated
+/// coverage.
+const SINGLE_OBSERVATION: f64 = 4.0;
+/// Variance of a single observation, in variances of its surrogates: nothing shows that reality repeats as well as the black box.
+const SURROGATE: f64 = 2.0;
 
-/// What keeps scores apart beside the emulator and numerics.
+/// What makes the difference of two scores uncertain beside emulator and settings.
 #[derive(Debug, Clone, Copy)]
-pub struct Doubt {
-    /// Recordings that are fitted.
-    pub recordings: usize,
-    /// Variance of the model's discrepancy, in those of a recording; 0 where the model fits.
+pub struct ObservationUncertainty {
+    /// Number of observations that are fitted.
+    pub observations: usize,
+    /// Variance of the model's discrepancy, in variances of an observation; 0 where the model explains the observations.
     pub discrepancy: f64,
 }
 
-/// Variances between places.
-pub struct Variance {
-    /// Of everything.
-    pub all: nalgebra::DMatrix<f64>,
-    /// Of the recordings with the discrepancy.
-    pub recordings: nalgebra::DMatrix<f64>,
-    /// Degrees of freedom of the second.
+/// Covariance of the uncertain scores of several points.
+pub struct ScoreCovariance {
+    /// Of all sources together.
+    pub all: DMatrix<f64>,
+    /// Of the observations with the model's discrepancy alone.
+    observations: DMatrix<f64>,
+    /// Degrees of freedom of the latter.
     freedom: f64,
 }
 
-impl Variance {
-    /// The covariance of recordings is what they show at each pair of places, drawn towards one that is alike everywhere, as far
-    /// as few recordings cannot tell (as a prior of `POOLED` recordings would; Ledoit & Wolf 2004). A single recording shows
-    /// none: it is taken to vary `ALONE` times as a single run does.
-    pub fn new(field: &Field, doubt: Doubt) -> Self {
+impl ScoreCovariance {
+    /// The covariance of observations is estimated from their scores at each pair of points and shrunk towards one that is the same
+    /// everywhere, more strongly the fewer observations there are (as a prior of `POOLED` observations would; Ledoit & Wolf 2004). A
+    /// single observation shows no variance: it is assumed to vary `SINGLE_OBSERVATION` times as a single run does.
+    pub fn new(field: &ScoreField, uncertainty: ObservationUncertainty) -> Self {
         let n = field.means.len() as f64;
-        let pairs = |matrix: &nalgebra::DMatrix<f64>| n * matrix.trace() - matrix.sum();
-        let recordings = field.parts.ncols();
-        let more = recordings.saturating_sub(1) as f64;
-        let own = &field.parts * field.parts.transpose();
+        let pairs = |matrix: &DMatrix<f64>| n * matrix.trace() - matrix.sum();
+        let observations = field.observation_deviations.ncols();
+        let more = observations.saturating_sub(1) as f64;
+        let own = &field.observation_deviations * field.observation_deviations.transpose();
         let pooled = if more > 0.0 {
-            pairs(&own) / more / pairs(&field.alike).max(1e-9)
+            pairs(&own) / more / pairs(&field.correlation).max(1e-9)
         } else {
-            ALONE * (field.noise + field.setting)
+            SINGLE_OBSERVATION * (field.noise + field.setting)
         };
-        let one = (&field.alike * (POOLED * pooled) + own) / (POOLED + more);
-        // Distances do not tell whether a recording or a simulation deviates, so that reality's own setting, which nobody knows,
-        // moves the score as one recording more would, only as much as settings part runs where recordings part them. What might
-        // have been recorded in place of a single recording has settings of its own.
-        let setting = match doubt.recordings > 1 {
-            true => field.setting / field.recording.max(1e-12),
+        let one = (&field.correlation * (POOLED * pooled) + own) / (POOLED + more);
+        // A distance does not show whether the observation or the run deviates. So the unknown setting of reality changes the score as
+        // one more observation would, in the ratio of the variances of settings and observations. Surrogates of a single observation
+        // have settings of their own already.
+        let setting = match uncertainty.observations > 1 {
+            true => field.setting / field.observation.max(1e-12),
             false => 0.0,
         };
-        let one_over = match (doubt.recordings, recordings) {
-            (..=1, 2..) => AS_MUCH_AGAIN,
+        let one_over = match (uncertainty.observations, observations) {
+            (..=1, 2..) => SURROGATE,
             (fitted, _) => 1.0 / fitted.max(1) as f64,
         };
-        let recordings = one * (one_over + setting + doubt.discrepancy);
+        let from_observations = one * (one_over + setting + uncertainty.discrepancy);
         Self {
-            all: &field.emulator + &field.numerics + &recordings,
-            recordings,
-            // Along a single valley the pooled variance is made of the same few recordings.
-            freedom: if doubt.recordings > 1 { more } else { POOLED },
+            all: &field.emulator + &field.numerics + &from_observations,
+            observations: from_observations,
+            // Along a single valley the pooled covariance is made of the same few observations, so it adds no degrees of freedom.
+            freedom: if uncertainty.observations > 1 {
+                more
+            } else {
+                POOLED
+            },
         }
     }
 
-    /// Variance of the difference of two places.
-    pub fn between(matrix: &nalgebra::DMatrix<f64>, a: usize, b: usize) -> f64 {
-        matrix[(a, a)] + matrix[(b, b)] - 2.0 * matrix[(a, b)]
+    /// Variance of the difference of two points' scores.
+    pub fn of_difference(covariance: &DMatrix<f64>, a: usize, b: usize) -> f64 {
+        covariance[(a, a)] + covariance[(b, b)] - 2.0 * covariance[(a, b)]
     }
 }
 
-/// Rounding: smaller variances between two places are none.
+/// Smaller variances of a difference are rounding errors.
 const ROUNDING: f64 = 1e-8;
 
-/// How much better, for each place, the place scores that is better than it by most standard deviations of what is unknown about
-/// the two: 0 for the best.
-pub fn implausibility(field: &Field, variance: &Variance) -> Vec<f64> {
+/// The implausibility of each point: the largest standardised amount by which any other point scores better; 0 for the best.
+pub fn implausibility(field: &ScoreField, covariance: &ScoreCovariance) -> Vec<f64> {
     let n = field.means.len();
-    let worse_by = |place: usize, other: usize| {
-        let difference = field.means[place] - field.means[other];
+    let worse_by = |point: usize, other: usize| {
+        let difference = field.means[point] - field.means[other];
         if difference <= 0.0 {
             return 0.0;
         }
-        let all = Variance::between(&variance.all, place, other).max(ROUNDING);
-        let recordings = Variance::between(&variance.recordings, place, other);
-        // What is known of the sum when one part of it is estimated (Welch 1947; Satterthwaite 1946).
-        let share = (recordings / all).clamp(1e-3, 1.0);
-        as_normal(difference / all.sqrt(), variance.freedom / (share * share))
+        let all = ScoreCovariance::of_difference(&covariance.all, point, other).max(ROUNDING);
+        let observations = ScoreCovariance::of_difference(&covariance.observations, point, other);
+        // Degrees of freedom of a sum of variances of which one is estimated (Welch 1947; Satterthwaite 1946).
+        let share = (observations / all).clamp(1e-3, 1.0);
+        as_normal(
+            difference / all.sqrt(),
+            covariance.freedom / (share * share),
+        )
     };
     (0..n)
-        .map(|place| (0..n).fold(0.0, |most: f64, other| most.max(worse_by(place, other))))
+        .map(|point| (0..n).fold(0.0, |most: f64, other| most.max(worse_by(point, other))))
         .collect()
 }
 
-/// The normal number as improbable as `t` of Student's distribution (Wallace 1959, section 3).
+/// The normal number that is as improbable as `t` of Student's distribution (Wallace 1959, section 3).
 fn as_normal(t: f64, freedom: f64) -> f64 {
     let correction = (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0);
     correction * (freedom * libm::log1p(t * t / freedom)).sqrt()
 }
 
-/// Share that the emulator has in what is unknown of the best place and another, mean over the places within a limit.
-pub fn emulator_share(
-    field: &Field,
-    variance: &Variance,
+/// Share of the emulator in the variance of the difference between the best point and another, mean over the points up to a limit of
+/// implausibility.
+pub(crate) fn emulator_share(
+    field: &ScoreField,
+    covariance: &ScoreCovariance,
     implausibility: &[f64],
     limit: f64,
 ) -> f64 {
     let best = field.means.imin();
     let inside = (0..implausibility.len()).filter(|i| *i != best && implausibility[*i] <= limit);
-    let shares = inside.map(|place| {
-        let all = Variance::between(&variance.all, place, best).max(ROUNDING);
-        Variance::between(&field.emulator, place, best) / all
+    let shares = inside.map(|point| {
+        let all = ScoreCovariance::of_difference(&covariance.all, point, best).max(ROUNDING);
+        ScoreCovariance::of_difference(&field.emulator, point, best) / all
     });
     let shares: Vec<f64> = shares.collect();
     if shares.is_empty() {

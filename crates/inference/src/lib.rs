@@ -1,11 +1,38 @@
-//! History matching's numbers: what runs say about the points that nobody visited, and how implausible these are (docs/design.md).
+//! Inference about a black box with parameters, settings and outputs: which parameter values explain some observations, and how
+//! sure that is.
 //!
-//! What a point or a setting is, this room need not know: points are coordinates from 0 to 1, settings are numbers.
+//! The crate knows no robot, no simulator and no file. A black box is evaluated elsewhere; here are its runs: a point (coordinates from
+//! 0 to 1, one a parameter), the number of a setting that is as valid as others, and a score, the discrepancy from each observation.
+//!
+//! - An [`Emulator`] is a Gaussian process that predicts the score of points without a run.
+//! - [`HistoryMatching`] finds the points that are not implausible and gives [`PosteriorDraws`], a [`Profile`] and a [`Marginal`] per
+//!   parameter; it also chooses the points of the next runs.
+//! - [`LeastSquaresEstimate`] has the intervals of a fit by least squares, [`added_information`] what each group of errors added to it.
+//! - [`sensitivity`] has the effects of small changes, one parameter at a time.
 
+mod candidate_sampler;
+#[cfg(test)]
+mod coverage;
 mod emulator;
+mod history_matching;
 mod implausibility;
+mod information;
 mod kernel;
+mod kernel_fit;
+mod least_squares;
+mod marginal;
+mod posterior;
+mod profile;
+mod scale;
+mod scored_run;
+pub mod sensitivity;
 
-pub use emulator::{Emulator, Field};
-pub use implausibility::{Doubt, Variance, emulator_share, implausibility};
-pub use kernel::ScoredRun;
+pub use emulator::{Emulator, ScoreField};
+pub use history_matching::{HistoryMatching, LEVEL, Unvisited};
+pub use implausibility::{ObservationUncertainty, ScoreCovariance, implausibility};
+pub use information::{AddedInformation, added_information};
+pub use least_squares::LeastSquaresEstimate;
+pub use marginal::{Determination, Marginal};
+pub use posterior::{INTERVAL_LEVEL, PosteriorDraws};
+pub use profile::Profile;
+pub use scored_run::ScoredRun;

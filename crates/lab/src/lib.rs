@@ -1,4 +1,4 @@
-//! What is found out: calibration, prediction, search, and plans that spread them over machines.
+//! Studies, predictions, searches and plans: what is done with a simulated robot and with recordings of the real one.
 
 pub mod calibration;
 pub mod claim;

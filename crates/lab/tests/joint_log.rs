@@ -173,10 +173,10 @@ fn least_squares_find_what_a_log_was_made_with_in_few_runs() {
     for (known, (_, value)) in tuning.least_squares.iter().zip(truth) {
         // Of delay and mass such a short log has less to say.
         let may_be_vague = known.parameter.contains("mass") || known.parameter.contains("latency");
-        assert!(known.is_told || may_be_vague, "{known}");
+        assert!(known.is_told || may_be_vague, "{known:?}");
         let wide = known.high - known.low;
         let off = (known.value - value).abs();
-        assert!(off < 1.5 * wide, "{known}: {value}");
+        assert!(off < 1.5 * wide, "{known:?}: {value}");
     }
     assert!(answer.report.best.unwrap().score < 1.2e-3);
     let two = RunOptions {

@@ -3,6 +3,7 @@
 //! The caller passes the function to be evaluated as a closure; this crate depends on neither a simulator nor a metric.
 
 mod driver;
+pub mod gaussian_process;
 mod grid;
 mod minimise;
 mod optimizer;

@@ -8,7 +8,6 @@ mod describe;
 mod energy;
 mod forecast;
 mod jackknife;
-mod matern;
 mod normality;
 mod paired;
 mod proportion;
@@ -27,7 +26,6 @@ pub use jackknife::jackknife_variance;
 pub use jackknife::{
     Degree, chi_squared_quantile, fisher_tail, jackknife_interval, student_quantile,
 };
-pub use matern::matern_5_2;
 pub use normality::{LEAST_FOR_NORMALITY, anderson_darling};
 pub use paired::{PairedTest, wilcoxon_signed_rank};
 pub use proportion::{Proportion, normal_quantile};

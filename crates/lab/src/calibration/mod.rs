@@ -1,9 +1,19 @@
-//! A study: recordings + experiment + parameters + metric, and what answers it.
+//! A study: recordings, an experiment, parameters and a metric, and the methods that answer it.
 //!
-//! [`Study::read`] reads one from a file, [`Study::builder`] makes one in Rust. [`Study::sweep`] tries every point of its grid,
-//! [`Study::tune`] lets an optimizer choose; both give an [`Answer`]: the best point, everything that cannot be told from it, an
-//! interval and a [`Verdict`] a parameter. [`Study::evaluate`] checks given values, [`Study::sensitivity`] says which parameters
-//! matter.
+//! [`Study::read`] reads a study from a file, [`Study::builder`] builds one in Rust. [`Study::sweep`] simulates every point of
+//! its grid, [`Study::tune`] lets an optimizer choose the points. Both give an [`Answer`]: the best point, the confidence set,
+//! and an interval and a [`Verdict`] per parameter. [`Study::evaluate`] checks given values, [`Study::sensitivity`] shows which
+//! parameters matter.
+//!
+//! The numbers come from the crate `realgap-inference`, which knows no robot; here are the studies that it is applied to:
+//!
+//! - `study`: the definition of a study, its file, its cases.
+//! - `recording`: recordings of a study, found, read and checked.
+//! - `exploration`: sweep, tuning and the waves after them.
+//! - `numerics`: equally valid settings, the second engine, the numerical audit, the cost of a run.
+//! - `goodness_of_fit`: whether the model explains the recordings at all.
+//! - `answer`: scores, confidence set, verdicts, report, files of parameter values.
+//! - `evaluation`: given values on recordings, held-out recordings, sensitivity, transfer between robots.
 //!
 //! ```
 //! use realgap_optimization::RunOptions;
@@ -24,103 +34,56 @@
 //! ```
 
 mod answer;
-mod audit;
-mod basis;
-mod builder;
-mod case;
-mod command_file;
-mod definition;
-mod doubt;
-mod engines;
-mod estimate;
 mod evaluation;
-mod fingerprint;
-mod fit;
-mod fitted;
-mod fleet;
-mod horizon;
-mod inference;
-mod joint_evaluation;
-mod joints;
-mod keeping;
-mod likeness;
-mod matching;
-mod method;
-mod misfit;
-mod motion;
-mod nearness;
-mod noise;
-mod overrides;
-mod posterior;
-mod profile;
+mod exploration;
+mod goodness_of_fit;
+mod numerics;
 mod recording;
-mod repeat;
-mod report;
-mod reproduction;
-mod rest;
-mod robot_file;
-mod scene_file;
-mod score;
-mod sensitivity;
-mod setting;
-mod sieve;
-mod split;
-mod stand_in;
-mod steering;
 mod study;
-mod study_file;
-mod sweep;
-mod transfer;
-mod tune;
-mod uncertainty;
-mod validation;
-mod values;
-mod verdict;
-mod wave;
-#[cfg(test)]
-mod world;
 
 pub use answer::Answer;
-pub use audit::{Audit, AuditRow};
-pub use basis::BasisRule;
-pub use builder::StudyBuilder;
-pub use case::{Case, Target};
-pub use command_file::{BetweenCommands, CommandColumn, Commands, Off};
-pub use definition::{Definition, ScoreRule, StartRule, StartUsed};
-pub use engines::EngineWish;
+pub use answer::report::{Best, BestPointUncertainty, Correlation, PoseErrors, Report};
+pub use answer::score::{PointScore, Scores};
+pub use answer::uncertainty::{Uncertainty, UncertaintySource};
+pub(crate) use answer::values::by_name;
+pub use answer::values::{BestFile, Fitted, read_best, read_parameters, study_of};
+pub use answer::verdict::{Tables, Verdict};
+pub use evaluation::joints::{JointErrors, JointEvaluation};
+pub use evaluation::reproduction::{Likeness, MetricFloors, Reproduction, RobotReproduction};
+pub use evaluation::resting::{FaceOdds, RestingOdds};
+pub use evaluation::sensitivity::Sensitivity;
+pub use evaluation::transfer::{OwnParameters, RobotMisfit, Transfer};
+pub use evaluation::validation::{Fold, Validation};
 pub use evaluation::{Average, Evaluation, RecordingErrors};
-pub use fit::Fit;
-pub use fitted::recording_id;
-pub use fleet::Member;
-pub use horizon::Horizon;
-pub use inference::LEVEL;
-pub use joint_evaluation::{JointErrors, JointEvaluation};
-pub use joints::Unmatched;
-pub use method::{Estimated, Method, Termination, Tuned};
-pub use misfit::{Change, Misfit};
-pub use motion::InformationGain;
-pub use noise::read_noise;
-pub use overrides::{Overrides, Part};
-pub use posterior::{BestDraws, INTERVAL_LEVEL};
-pub use profile::Profile;
+pub use exploration::information_gain::InformationGain;
+pub use exploration::method::{Method, Termination, Tuned};
+pub use exploration::tune::TuneOptions;
+pub use goodness_of_fit::Fit;
+pub use goodness_of_fit::misfit::{Change, Misfit};
+pub use numerics::audit::{Audit, AuditRow};
+pub use numerics::engines::EngineWish;
+pub use realgap_inference::sensitivity::Effect;
+pub use realgap_inference::{
+    INTERVAL_LEVEL, LEVEL, LeastSquaresEstimate, PosteriorDraws, Profile, Unvisited,
+};
 pub use realgap_store::Mode;
-pub use recording::{few_recordings, recording_paths, recording_warnings};
-pub use repeat::{RepeatCase, Repeatable};
-pub use report::{Best, BestPointUncertainty, Correlation, PoseErrors, Report};
-pub use reproduction::{Likeness, MetricFloors, Reproduction, RobotReproduction};
-pub use rest::{FaceOdds, RestingOdds};
-pub use score::{PointScore, Scores};
-pub use sensitivity::{Effect, Sensitivity};
-pub use split::Split;
-pub use stand_in::{NoiseReport, RecordReport, StandIn};
-pub use steering::Steering;
+pub use recording::identity::recording_id;
+pub use recording::joints::Unmatched;
+pub use recording::noise::read_noise;
+pub use recording::recording_warnings;
+pub use recording::repeat::{RepeatCase, Repeatable};
+pub use recording::stand_in::{NoiseReport, RecordReport, StandIn};
+pub(crate) use recording::{few_recordings, recording_paths};
 pub use study::Study;
+pub use study::basis::BasisRule;
+pub use study::builder::StudyBuilder;
+pub use study::case::{Case, Target};
+pub use study::command_file::{BetweenCommands, CommandColumn, Commands, Off};
+pub use study::definition::{Definition, ScoreRule, StartRule, StartUsed};
 #[cfg(feature = "schema")]
-pub use study_file::StudyFile;
-pub use transfer::{OwnParameters, RobotMisfit, Transfer};
-pub use tune::TuneOptions;
-pub use uncertainty::{Uncertainty, UncertaintySource, Unvisited};
-pub use validation::{Fold, Validation};
-pub(crate) use values::by_name;
-pub use values::{BestFile, Fitted, read_best, read_parameters, study_of};
-pub use verdict::{Tables, Verdict};
+pub use study::file::StudyFile;
+pub use study::fleet::Member;
+pub use study::horizon::Horizon;
+pub use study::overrides::{Overrides, Part};
+pub use study::split::Split;
+pub use study::steering::Steering;

@@ -1,11 +1,11 @@
-//! Do the confidences of an ensemble keep what they promise?
+//! Whether the regions of an ensemble hold as many recordings as they state.
 
 use super::{About, Claim, Conclusion, SIGNIFICANT, called, listed};
 use realgap_core::statistics::{EnergyTest, Proportion};
 use realgap_core::unit::{counted, number};
 use realgap_path::trajectory::Source;
 
-/// How a share of recordings compares with what a region promises: too few are a region too narrow.
+/// How the share of recordings in a region compares with its stated level: a smaller share means that the region is too narrow.
 fn width(level: f64, held: &Proportion) -> Option<&'static str> {
     if held.high < level {
         Some("too narrow")
@@ -16,14 +16,14 @@ fn width(level: f64, held: &Proportion) -> Option<&'static str> {
     }
 }
 
-/// Whether one region holds as many recordings as it promises, at the end and as whole paths.
+/// Whether one region holds as many recordings as it states, at the end and as whole paths.
 pub(crate) fn region(level: f64, at_end: &Proportion, whole_path: Option<&Proportion>) -> Claim {
     let at_the_end = width(level, at_end);
     let as_a_whole = whole_path.and_then(|held| width(level, held));
     let word = match (at_the_end, as_a_whole) {
         (None, None) => "not contradicted".to_owned(),
         (Some(end), Some(whole)) if end != whole => {
-            format!("NO: region {end} at the end, {whole} on the way")
+            format!("NO: region {end} at the end, {whole} along the path")
         }
         (Some(width), _) | (None, Some(width)) => format!("NO: region {width}"),
     };
@@ -57,7 +57,7 @@ pub(crate) fn region(level: f64, at_end: &Proportion, whole_path: Option<&Propor
         .at_level(level)
 }
 
-/// Whether recordings contradict an ensemble: by its regions, at the end and as whole paths, and by the energy test together.
+/// Whether recordings contradict an ensemble: by its regions (at the end and as whole paths) or by the energy test.
 /// `None` without a region.
 pub(crate) fn recorded(
     regions: &[Claim],
@@ -78,21 +78,16 @@ pub(crate) fn recorded(
             )
         })
         .collect();
-    let test = alike.map(|test| {
-        format!(
-            "drawn alike? p = {} (energy test by rms)",
-            number(test.p_value)
-        )
-    });
+    let test = alike.map(|test| format!("energy test by rms: p = {}", number(test.p_value)));
     let reality = called(source);
     if alike.is_some_and(|test| test.p_value < SIGNIFICANT) {
-        against.push(format!("repeats are NOT drawn like {reality}"));
+        against.push(format!("repeats do NOT have the distribution of {reality}"));
     }
     let runs = counted(last.count, "recording");
     let evidence = test.map_or_else(String::new, |test| format!(" ({test})"));
     let (says, word, text) = if against.is_empty() {
         let text =
-            format!("Nothing contradicts these confidences, as far as {runs} can tell{evidence}.");
+            format!("Nothing contradicts these confidences, as far as {runs} can show{evidence}.");
         (Conclusion::Supported, "not contradicted", text)
     } else {
         let text = format!(

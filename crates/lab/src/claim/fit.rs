@@ -1,33 +1,50 @@
-//! Does the model explain the recordings, where is it nearest, and what is as near?
+//! Whether the model explains the recordings, where it is nearest to them, and which points are as near.
 
 use super::parameter::NAMED;
-use super::{About, Claim, Conclusion, listed};
+use super::{About, Claim, Conclusion, SIGNIFICANT, listed};
 use crate::calibration::{Best, BestPointUncertainty, Change, EngineWish, Fit, Misfit};
 use realgap_core::unit::{Unit, counted, number, quantity};
 
 /// Whether any parameters explain the recordings.
 pub(crate) fn model(fit: &Fit, recordings: usize) -> Claim {
-    let alike = fit.p_value.map_or_else(String::new, |p| {
-        format!("; drawn alike? p = {} (energy test)", number(p))
-    });
-    let neighbours = fit.neighbours_p_value.map_or_else(String::new, |p| {
-        format!("; like repeats of runs near them? p = {} (rank)", number(p))
-    });
-    let (says, word, rest) = match fit.explains {
-        true => (Conclusion::Supported, "explained", ""),
-        false => (
+    let (says, word, verdict) = match (fit.explains, fit.p_value, fit.neighbours_p_value) {
+        (false, ..) => (
             Conclusion::Rejected,
             "NOT explained",
-            ": NO PARAMETERS OF THIS MODEL EXPLAIN THESE RECORDINGS; intervals are widened by what is left",
+            "NO. NO PARAMETERS OF THIS MODEL EXPLAIN THESE RECORDINGS; intervals are widened by the remaining discrepancy",
         ),
+        (true, None, None) => (
+            Conclusion::Supported,
+            "explained",
+            "nothing speaks against it, because too few recordings or runs allow no test",
+        ),
+        (true, Some(p), _) if p < SIGNIFICANT => (
+            Conclusion::Supported,
+            "explained",
+            "yes, though not by the best point's own runs: runs near it come as near to the recordings as one more recording would",
+        ),
+        (true, ..) => (Conclusion::Supported, "explained", "yes"),
     };
     let floors = number(fit.noise_floors);
-    let of = fit
-        .engine
-        .map_or_else(String::new, |engine| format!(" (runs of {engine})"));
+    let engine = fit.engine.map(|engine| format!("runs of {engine}"));
+    let energy = fit
+        .p_value
+        .map(|p| format!("energy test: p = {}", number(p)));
+    let rank = fit.neighbours_p_value.map(|p| {
+        format!(
+            "rank test against repeats of runs near them: p = {}",
+            number(p)
+        )
+    });
+    let details: Vec<String> = engine.into_iter().chain(energy).chain(rank).collect();
+    let details = match details.is_empty() {
+        true => String::new(),
+        false => format!(" ({})", details.join("; ")),
+    };
     let worst = fit.misfit.as_ref().map_or_else(String::new, worst);
-    let text =
-        format!("the best is {floors} noise floors away{of}{alike}{neighbours}{rest}{worst}");
+    let text = format!(
+        "fits within repeatability: {verdict}. The best point is {floors} noise floors away from the recordings{details}{worst}"
+    );
     let numbers = [
         ("noise_floors", fit.noise_floors),
         ("p_value", fit.p_value.unwrap_or(f64::NAN)),
@@ -40,10 +57,10 @@ pub(crate) fn model(fit: &Fit, recordings: usize) -> Claim {
     Claim::new(About::Model, says, word, text).resting_on(recordings, &numbers)
 }
 
-/// A change that takes less of the misfit away does not say what is wrong.
+/// A change that removes a smaller share of the misfit does not show its cause.
 const TELLING: f64 = 0.5;
 
-/// Where the run that comes nearest is worst, and what to look at.
+/// Where the nearest run deviates most, and what to check.
 fn worst(misfit: &Misfit) -> String {
     let (from_s, to_s) = (number(misfit.from_s), number(misfit.to_s));
     let deviations = number(misfit.deviations);
@@ -58,18 +75,18 @@ fn worst(misfit: &Misfit) -> String {
         Change::Turning => {
             let deg = number(misfit.size.to_degrees());
             (
-                format!("turned by {deg} degrees more along the way"),
+                format!("turned by {deg} degrees more along the path"),
                 "contacts and servo zeros",
             )
         }
     };
     let share = number(100.0 * misfit.share);
     let hint = match misfit.share >= TELLING {
-        true => format!("{changed} it would lose {share} % of its square distance: look at {look} first"),
-        false => "no mirroring, scaling, pace or turning takes half of its square distance away: look at the robot and its contacts first".to_owned(),
+        true => format!("{changed}, it would lose {share} % of its mean square distance: check {look} first"),
+        false => "neither mirroring, nor other lengths, nor another pace, nor more turning removes half of its mean square distance: check the robot and its contacts first".to_owned(),
     };
     format!(
-        ". The nearest run of all is farthest off from {from_s} to {to_s} s, by {deviations} standard deviations; {hint}"
+        ". The nearest run of all deviates most from {from_s} to {to_s} s, by {deviations} standard deviations; {hint}"
     )
 }
 
@@ -84,7 +101,7 @@ pub(crate) fn nearest(
         .map(|(name, value)| format!("{name} = {}", number(*value)))
         .collect();
     let over = match best.settings {
-        0 | 1 => " in one run each, numerical luck included".to_owned(),
+        0 | 1 => " in a single run, which contains the chance of its numerical settings".to_owned(),
         settings => format!(" on average over {settings} equally valid numerical settings"),
     };
     let score = quantity(best.score, unit);
@@ -100,7 +117,7 @@ pub(crate) fn nearest(
         .resting_on(recordings, &numbers)
 }
 
-/// Whether the best point of two engines is one that each of them allows; `None` for one engine.
+/// Whether neither of two engines rejects their common best point; `None` for one engine.
 pub(crate) fn engines(
     wishes: &[EngineWish],
     (metric, unit): (&str, Unit),
@@ -111,7 +128,10 @@ pub(crate) fn engines(
     }
     let there = wishes.iter().map(|wish| {
         let score = quantity(wish.score, unit);
-        format!("{score} in {} (mean of {})", wish.engine, wish.settings)
+        format!(
+            "{score} in {} (mean of {} runs)",
+            wish.engine, wish.settings
+        )
     });
     let there = listed(&there.collect::<Vec<_>>());
     let wants = |wish: &EngineWish| {
@@ -120,7 +140,7 @@ pub(crate) fn engines(
         let values = values.collect::<Vec<_>>().join(", ");
         let expected = quantity(wish.expected, unit);
         format!(
-            "{} by itself wants {values} ({expected} expected)",
+            "{} alone is best at {values} (expected {expected})",
             wish.engine
         )
     };
@@ -129,14 +149,14 @@ pub(crate) fn engines(
     let (says, word, text) = match against.is_empty() {
         true => (
             Conclusion::Supported,
-            "holds in both engines",
-            format!("both engines allow this point: {metric} {there}"),
+            "the engines agree",
+            format!("the engines agree on this point within the uncertainty: {metric} {there}"),
         ),
         false => (
             Conclusion::Rejected,
             "the engines differ",
             format!(
-                "THE ENGINES DIFFER by more than what is unknown: {metric} {there}; {}",
+                "THE ENGINES DIFFER by more than the uncertainty: {metric} {there}; {}",
                 listed(&against)
             ),
         ),
@@ -159,7 +179,7 @@ pub(crate) fn engines(
     Some(claim.of(metric).resting_on(recordings, &[]))
 }
 
-/// What cannot be told from the best.
+/// The confidence set.
 pub(crate) fn set(sure: &BestPointUncertainty, recordings: usize) -> Claim {
     let BestPointUncertainty {
         indistinguishable,
@@ -167,9 +187,9 @@ pub(crate) fn set(sure: &BestPointUncertainty, recordings: usize) -> Claim {
         ..
     } = *sure;
     let text = format!(
-        "{indistinguishable} of {} cannot be told apart from the best at {:.0} % ({})",
-        counted(points, "simulated point"),
+        "the {:.0} % confidence set holds {indistinguishable} of {} (uncertainty of {})",
         100.0 * sure.level,
+        counted(points, "simulated point"),
         sure.source.label()
     );
     let word = format!("{indistinguishable} of {points}");

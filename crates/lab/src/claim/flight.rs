@@ -1,4 +1,4 @@
-//! What flights say about a robot's parameter.
+//! The sentence about a parameter that was identified from free flights.
 
 use super::{About, Claim, Conclusion};
 use realgap_identification::{Interval, JointVerdict};

@@ -1,4 +1,4 @@
-//! What repeats of a simulated run do, in a sentence.
+//! Sentences about the repeats of a simulated run.
 
 use super::{About, Claim, Conclusion};
 use crate::prediction::ensemble::Forecast;
@@ -24,7 +24,7 @@ fn likely(p: &Proportion) -> String {
     )
 }
 
-/// How far the robot gets, and by which behaviour; `None` where every repeat diverged.
+/// How far the robot moves, and by which behaviour; `None` where every repeat diverged.
 pub(crate) fn reach(forecast: &Forecast) -> Option<Claim> {
     let far = forecast.displacement_m.as_ref()?;
     let behaviours = &forecast.behaviours.list;
@@ -32,17 +32,17 @@ pub(crate) fn reach(forecast: &Forecast) -> Option<Claim> {
         (behaviours.iter()).max_by(|a, b| a.probability.share.total_cmp(&b.probability.share));
     let most = most.map_or_else(String::new, |behaviour| {
         let which = match behaviours.len() {
-            1 => "its one behaviour".to_owned(),
-            many => format!("the most likely of {many} behaviours"),
+            1 => "all repeats show one behaviour".to_owned(),
+            many => format!("the most likely of {many} behaviours is"),
         };
         format!(
-            "; {which} is “{}” with {}",
+            "; {which} “{}” with a probability of {}",
             behaviour.name,
             likely(&behaviour.probability)
         )
     });
     let text = format!(
-        "In {} s it goes {} to {} in nine of ten repeats, {} in the middle one{most}.",
+        "In {} s the robot moves {} to {} in nine of ten repeats, with a median of {}{most}.",
         decimals(forecast.duration_s, 1),
         metres(far.q05),
         metres(far.q95),
@@ -53,7 +53,7 @@ pub(crate) fn reach(forecast: &Forecast) -> Option<Claim> {
     Some(claim.resting_on(forecast.repeats, &numbers).at_level(0.9))
 }
 
-/// How likely the robot gets far enough.
+/// How likely the robot moves far enough.
 pub(crate) fn success(success: &Success) -> Claim {
     let p = &success.probability;
     let models = success
@@ -69,7 +69,7 @@ pub(crate) fn success(success: &Success) -> Claim {
             )
         });
     let text = format!(
-        "It gets at least {} far with a probability of {} ({} to {} by sampling alone{models}).",
+        "The robot moves at least {} with a probability of {} ({} to {} by sampling alone{models}).",
         metres(success.least_displacement_m),
         whole(p.share),
         whole(p.low),

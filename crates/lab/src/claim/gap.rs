@@ -1,4 +1,4 @@
-//! How far a simulation is from its recordings, whether it is one more of them, and until when.
+//! How far a simulation is from its recordings, whether its repeats have their distribution, and until which time.
 
 use super::{About, Claim, Conclusion, SIGNIFICANT};
 use crate::prediction::gap::{Confidence, MetricGap, SetFloor};
@@ -6,7 +6,7 @@ use realgap_core::statistics::EnergyTest;
 use realgap_core::unit::{Unit, counted, number, quantity};
 use realgap_path::trajectory::Source;
 
-/// What recordings are called.
+/// What the recordings stand for, in words.
 pub(crate) fn called(source: Source) -> &'static str {
     match source {
         Source::StandIn => "the stand-in for reality",
@@ -14,7 +14,7 @@ pub(crate) fn called(source: Source) -> &'static str {
     }
 }
 
-/// Whether simulated repeats are drawn as the recordings are, by a metric.
+/// Whether simulated repeats have the distribution of the recordings, by a metric.
 pub(crate) fn likeness(
     metric: &str,
     alike: &EnergyTest,
@@ -27,19 +27,20 @@ pub(crate) fn likeness(
         counted(recordings, "recording")
     );
     let (says, word, text) = if alike.p_value < SIGNIFICANT {
-        let text = format!("Simulated repeats are NOT drawn like {reality} {test}.");
-        (Conclusion::Rejected, "NOT drawn alike", text)
+        let text = format!("Simulated repeats do NOT have the distribution of {reality} {test}.");
+        (Conclusion::Rejected, "distributions differ", text)
     } else {
-        let text = format!("Nothing tells simulated repeats from {reality} {test}.");
-        (Conclusion::Supported, "not told apart", text)
+        let text =
+            format!("No difference is found between simulated repeats and {reality} {test}.");
+        (Conclusion::Supported, "no difference found", text)
     };
     Claim::new(About::Likeness, says, word, text)
         .of(metric)
         .resting_on(recordings, &[("p_value", alike.p_value)])
 }
 
-/// How many noise floors the simulation is away by a metric: its repeats, where there are some, else the run without noise.
-/// `None` where nothing was compared.
+/// How many noise floors the simulation is away from the recordings by a metric: its repeats, or the run without noise where there
+/// are none. `None` where nothing was compared.
 pub(crate) fn distance(row: &MetricGap, (source, recordings): (Source, usize)) -> Option<Claim> {
     let found = row.repeats.or(row.ideal)?;
     let (reality, metric) = (called(source), row.metric);
@@ -61,7 +62,7 @@ pub(crate) fn distance(row: &MetricGap, (source, recordings): (Source, usize)) -
     };
     let value = number(ratio.value);
     let text = format!(
-        "The simulation is {value} noise floors away from {reality} ({sure}; at 1 as far on average as repeats are from each other, which does not say that they are alike): {metric} {gap} where repeats of the recorded run are {} apart.",
+        "The simulation is {value} noise floors away from {reality} ({sure}; 1 means as far on average as repeats are from each other, which does not mean that the distributions are equal): {metric} {gap} where repeats of the recorded run are {} apart.",
         quantity(floor.value, row.unit)
     );
     let ends = [("low", ratio.low), ("high", ratio.high)];
@@ -76,7 +77,7 @@ pub(crate) fn distance(row: &MetricGap, (source, recordings): (Source, usize)) -
     Some(claim.at_level(0.95))
 }
 
-/// How long recordings stay where repeats are.
+/// For how long the recordings stay in the regions of the repeats.
 pub(crate) fn over_time(confidence: &Confidence) -> Claim {
     let recordings = confidence.inside.first().map_or(0, |inside| inside.trials);
     let drop = confidence.drop_in_words();
@@ -110,10 +111,10 @@ pub(crate) fn over_time(confidence: &Confidence) -> Claim {
         .at_level(confidence.level)
 }
 
-/// More sets of recordings than this are not named one by one.
+/// Most sets of recordings that are named one by one.
 const SETS: usize = 6;
 
-/// How far repeats are apart, set by set; `None` where no set has any.
+/// The noise floor of each set of recordings; `None` where no set has repeats.
 pub(crate) fn floor(sets: &[SetFloor], (metric, unit): (&str, Unit)) -> Option<Claim> {
     let floors = sets.iter().filter_map(|set| {
         let floor = set.floor.metrics.first()?.floor.value;
@@ -128,7 +129,7 @@ pub(crate) fn floor(sets: &[SetFloor], (metric, unit): (&str, Unit)) -> Option<C
         .collect();
     let word = said.join(", ");
     let text = format!(
-        "Repeats of one recorded run are {word} apart in {metric}. No simulation can be told to be nearer than that."
+        "Repeats of one recorded run are {word} apart in {metric}. A simulation cannot be shown to be nearer than that."
     );
     let recordings = floors.iter().map(|(set, ..)| set.floor.recordings).sum();
     let mut claim = Claim::new(About::Floor, Conclusion::Supported, word, text).of(metric);

@@ -1,4 +1,5 @@
-//! Every sentence that states something about reality, made in this room, with what it rests on; all others only show it.
+//! Claims: every sentence that states something about reality is made in this module, together with the numbers that it rests on.
+//! Other modules only show claims.
 //!
 //! A report holds its claims: terminal, pages, JSON and Python show their texts, tables their words. So no two places can say
 //! different things, and no sentence is stronger than the numbers beside it (crates/page/src/report/contradiction.rs looks for
@@ -23,7 +24,7 @@ pub(crate) use forecast::{reach, success};
 pub(crate) use gap::{called, distance, floor, likeness, over_time};
 pub(crate) use parameter::{Found, NAMED, least_squares, parameter, summary};
 
-/// Below this probability two samples are said not to be drawn alike.
+/// Significance level: below this p-value two samples are said to have different distributions.
 pub(crate) const SIGNIFICANT: f64 = 0.05;
 
 /// What a claim is about.
@@ -35,33 +36,33 @@ pub enum About {
     Model,
     /// Where the simulation is nearest to reality.
     Best,
-    /// Whether both engines allow that.
+    /// Whether neither of two engines rejects that point.
     Engines,
-    /// Which points cannot be told from the best.
+    /// The confidence set of points.
     Set,
     /// One parameter.
     Parameter,
     /// All parameters, in short.
     Parameters,
-    /// Whether simulated repeats are drawn as recordings are.
+    /// Whether simulated repeats have the distribution of the recordings.
     Likeness,
-    /// How many noise floors the simulation is away.
+    /// How many noise floors the simulation is away from the recordings.
     Distance,
-    /// How long recordings stay where repeats are.
+    /// For how long the recordings stay in the regions of the repeats.
     OverTime,
-    /// How far repeats of a recorded run are apart.
+    /// The noise floor: the distance between repeats of a recorded run.
     Floor,
     /// One region of an ensemble.
     Region,
     /// All regions of an ensemble, and the energy test.
     Ensemble,
-    /// How far the robot gets, and by which behaviour.
+    /// How far the robot moves, and by which behaviour.
     Reach,
-    /// How likely it gets far enough.
+    /// How likely the robot moves far enough.
     Success,
 }
 
-/// What a claim says of it.
+/// What the evidence of a claim says about its statement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Conclusion {
@@ -80,7 +81,7 @@ pub enum Conclusion {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Claim {
-    /// What it is about.
+    /// The subject of the claim.
     pub about: About,
     /// Which of several, e.g. a parameter or a level; empty where there is only one.
     pub name: String,

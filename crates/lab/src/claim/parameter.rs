@@ -1,34 +1,28 @@
-//! What recordings say about a parameter.
-
-use std::fmt;
+//! Sentences about parameters that recordings determine or leave open.
 
 use super::{About, Claim, Conclusion};
-use crate::calibration::Estimated;
 use realgap_core::unit::{counted, number};
+use realgap_inference::{Determination, LeastSquaresEstimate, Marginal};
 use realgap_optimization::Range;
 
 /// What was found about one parameter.
 #[derive(Debug, Clone)]
 pub(crate) struct Found {
+    /// The value at the best point.
     pub best: f64,
-    /// What cannot be told from the best reaches from here to there.
-    pub low: f64,
-    pub high: f64,
-    /// The parts of the interval, at its level.
-    pub intervals: Vec<(f64, f64)>,
+    /// The values that are compatible with the recordings.
+    pub marginal: Marginal,
+    /// Confidence level of the marginal's intervals.
     pub level: f64,
-    /// False where other numerics change the score more than the parameter does over its whole range.
+    /// False where other numerical settings change the score more than the parameter does over its whole range.
     pub is_resolved: bool,
-    /// What changes the score more than the values that fit do.
+    /// The numerical setting that changes the score more than the compatible values do, in words.
     pub shaken_by: Option<String>,
     /// Recordings that were fitted.
     pub recordings: usize,
 }
 
-/// A set that comes this near to an end of the searched range, as a share of it, reaches it.
-const AT_THE_END: f64 = 0.05;
-
-/// Values of a parameter as people read them.
+/// Prints values of a parameter with its unit and a suitable number of digits.
 struct Shown {
     name: &'static str,
     unit: &'static str,
@@ -57,31 +51,31 @@ impl Shown {
     }
 }
 
-/// What the recordings say about a parameter.
+/// Whether, and how far, the recordings determine a parameter.
 pub(crate) fn parameter(range: &Range, found: &Found) -> Claim {
     let shown = Shown::new(range);
     let (name, best) = (shown.name, shown.value(found.best));
-    let low_end = range.coordinate(found.low) <= AT_THE_END;
-    let high_end = range.coordinate(found.high) >= 1.0 - AT_THE_END;
-    // At a bound of the parameter itself (restitution 0) there is nothing to widen.
-    let (lowest, highest) = range.parameter.bounds;
-    let widen = (low_end && range.from > lowest) || (high_end && range.to < highest);
-    let (fits_from, fits_to) = (shown.value(found.low), shown.value(found.high));
+    let Marginal {
+        low,
+        high,
+        intervals,
+    } = &found.marginal;
+    let (fits_from, fits_to) = (shown.value(*low), shown.value(*high));
     let level = format!("{:.0} %", 100.0 * found.level);
-    let spans = found.intervals.iter().map(|span| shown.span(*span));
+    let spans = intervals.iter().map(|span| shown.span(*span));
     let interval = spans.collect::<Vec<_>>().join(" or ");
-    let fit = match found.intervals.len() {
+    let fit = match intervals.len() {
         0 | 1 => "fit as well",
         _ => "fit as well, except for a part between the intervals",
     };
     let holds_best = |(low, high): &(f64, f64)| (*low..=*high).contains(&found.best);
-    // A best point beside its own interval is luck, and no value to be named.
-    let is_beside = !interval.is_empty() && !found.intervals.iter().any(holds_best);
+    // A best point outside of its own interval is due to chance, so its value is not named as the estimate.
+    let is_beside = !interval.is_empty() && !intervals.iter().any(holds_best);
     let is = match (interval.as_str(), is_beside) {
         ("", _) => format!("{name} = {best}"),
         (_, false) => format!("{name} = {best} ({level} interval {interval})"),
         (_, true) => format!(
-            "{name} lies in {interval} ({level}); the best point, {best}, lies beside that by luck"
+            "{name} lies in {interval} ({level}); the point with the lowest score, {best}, lies outside of it by chance"
         ),
     };
     let within = match interval.as_str() {
@@ -89,63 +83,67 @@ pub(crate) fn parameter(range: &Range, found: &Found) -> Claim {
         _ => format!("narrowed down to {interval} ({level})"),
     };
     let bound = |side: &str, value: &str| {
-        let sure = match (interval.as_str(), is_beside) {
-            ("", _) => String::new(),
-            (_, false) => format!(" ({level} interval {interval})"),
-            (_, true) => format!(" (beside the {level} interval {interval}, by luck)"),
+        let known = match (interval.as_str(), is_beside) {
+            ("", _) => format!("best {best}"),
+            (_, false) => format!("best {best} ({level} interval {interval})"),
+            (_, true) => format!(
+                "{level} interval {interval}; the point with the lowest score, {best}, lies outside of it by chance"
+            ),
         };
         (
             format!("{side} {value}"),
-            format!("{name} is {side} {value}; best {best}{sure}"),
+            format!("{name} is {side} {value}; {known}"),
         )
     };
-    let mut says = Conclusion::Supported;
-    let (word, text) = if !found.is_resolved {
-        says = Conclusion::Inconclusive;
-        (
+    let determination = found.marginal.determination(range);
+    let says = match (found.is_resolved, determination) {
+        (false, _) | (_, Determination::Open) => Conclusion::Inconclusive,
+        _ => Conclusion::Supported,
+    };
+    let (word, text) = match determination {
+        _ if !found.is_resolved => (
             "not determined: other numerical settings change the score more".to_owned(),
             format!(
                 "{name} is not determined: other numerical settings change the score more than its whole range does; \
                  use finer settings, another metric, or recordings of a motion that {name} changes more"
             ),
-        )
-    } else if low_end && high_end {
-        says = Conclusion::Inconclusive;
-        (
+        ),
+        Determination::Open => (
             "not determined".to_owned(),
             format!(
                 "{name} is not determined by these recordings: values from {fits_from} to {fits_to} {fit}; the best is {best}"
             ),
-        )
-    } else if widen {
-        let edge = "up to the edge of the searched range";
-        let widen = "widen it before you believe it";
-        (
-            format!("{within}, {edge}: {widen}"),
-            format!("{is}, but values {edge} {fit} ({fits_from} to {fits_to}): {widen}"),
-        )
-    } else if low_end {
-        bound("at most", &fits_to)
-    } else if high_end {
-        bound("at least", &fits_from)
-    } else if let (Some(shaken_by), false) = (&found.shaken_by, interval.is_empty()) {
-        let where_best = if is_beside {
-            "beside it, by luck: "
-        } else {
-            ""
-        };
-        (
-            format!("{within}, no nearer: numerics change more"),
-            format!(
-                "{name} lies in {interval} ({level}; best {where_best}{best}), no nearer: {shaken_by}, more than these values do; \
-                 finer settings, another metric or gait would tell more"
+        ),
+        Determination::EdgeOfSearch => {
+            let edge = "up to the edge of the searched range";
+            let widen = "widen the range before you rely on this";
+            (
+                format!("{within}, {edge}: {widen}"),
+                format!("{is}, but values {edge} {fit} ({fits_from} to {fits_to}): {widen}"),
+            )
+        }
+        Determination::AtMost => bound("at most", &fits_to),
+        Determination::AtLeast => bound("at least", &fits_from),
+        Determination::Inside => match &found.shaken_by {
+            Some(shaken_by) if !interval.is_empty() => {
+                let where_best = if is_beside {
+                    "outside of it by chance: "
+                } else {
+                    ""
+                };
+                (
+                    format!("{within}, no closer: numerical settings change the score more"),
+                    format!(
+                        "{name} lies in {interval} ({level}; best {where_best}{best}) and cannot be narrowed further: {shaken_by}, more than these values do; \
+                         finer numerical settings, another metric or another motion would narrow it"
+                    ),
+                )
+            }
+            _ => (
+                within,
+                format!("{is}; values from {fits_from} to {fits_to} {fit}"),
             ),
-        )
-    } else {
-        (
-            within,
-            format!("{is}; values from {fits_from} to {fits_to} {fit}"),
-        )
+        },
     };
     with_numbers(
         Claim::new(About::Parameter, says, word, text).of(name),
@@ -153,9 +151,9 @@ pub(crate) fn parameter(range: &Range, found: &Found) -> Claim {
     )
 }
 
-/// The claim with what it rests on.
+/// The claim with the numbers that it rests on.
 fn with_numbers(mut claim: Claim, found: &Found) -> Claim {
-    for (index, (low, high)) in found.intervals.iter().enumerate() {
+    for (index, (low, high)) in found.marginal.intervals.iter().enumerate() {
         let part = index + 1;
         let ends = [
             (format!("interval_{part}_low"), *low),
@@ -165,16 +163,16 @@ fn with_numbers(mut claim: Claim, found: &Found) -> Claim {
     }
     let numbers = [
         ("best", found.best),
-        ("fits_from", found.low),
-        ("fits_to", found.high),
+        ("fits_from", found.marginal.low),
+        ("fits_to", found.marginal.high),
     ];
     claim
         .resting_on(found.recordings, &numbers)
         .at_level(found.level)
 }
 
-/// What least squares know of a parameter: the ends of the interval stand for what fits as well.
-pub(crate) fn least_squares(known: &Estimated, recordings: usize) -> Claim {
+/// Whether least squares determine a parameter; the ends of the interval are given as the compatible values.
+pub(crate) fn least_squares(known: &LeastSquaresEstimate, recordings: usize) -> Claim {
     let (low, high) = (number(known.low), number(known.high));
     let (says, word) = match known.is_told {
         true => (
@@ -188,33 +186,33 @@ pub(crate) fn least_squares(known: &Estimated, recordings: usize) -> Claim {
         ("interval_1_low", known.low),
         ("interval_1_high", known.high),
     ];
-    Claim::new(About::Parameter, says, word, known.to_string())
+    Claim::new(About::Parameter, says, word, least_squares_sentence(known))
         .of(known.parameter)
         .resting_on(recordings, &numbers)
         .at_level(0.9)
 }
 
-impl fmt::Display for Estimated {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (name, value) = (self.parameter, number(self.value));
-        let (low, high) = (number(self.low), number(self.high));
-        write!(f, "{name} = {value}, 90 % {low} to {high}")?;
-        if !self.is_told {
-            write!(f, ": not determined by these recordings")?;
+/// The sentence about a parameter that least squares estimated.
+fn least_squares_sentence(known: &LeastSquaresEstimate) -> String {
+    let (name, value) = (known.parameter, number(known.value));
+    let (low, high) = (number(known.low), number(known.high));
+    let determined = match known.is_told {
+        true => "",
+        false => ": not determined by these recordings",
+    };
+    let partner = match known.partner {
+        Some((other, correlation)) if correlation.abs() > 0.9 => {
+            format!("; correlated with {other} ({correlation:.2})")
         }
-        match self.partner {
-            Some((other, correlation)) if correlation.abs() > 0.9 => {
-                write!(f, "; exchanged with {other} ({correlation:.2})")
-            }
-            _ => Ok(()),
-        }
-    }
+        _ => String::new(),
+    };
+    format!("{name} = {value}, 90 % {low} to {high}{determined}{partner}")
 }
 
-/// So many parameters are named in a sentence; more are counted, since nobody reads a page of them.
+/// Most parameters that are named in a sentence; more are counted, because a list of them would be too long to read.
 pub(crate) const NAMED: usize = 6;
 
-/// All parameters in one sentence, caveats kept where they are named; `None` for none.
+/// All parameters in one sentence, with the caveat of each that is named; `None` for none.
 pub(crate) fn summary(parameters: &[Claim]) -> Option<Claim> {
     let first = parameters.first()?;
     let said = parameters
@@ -254,9 +252,11 @@ mod tests {
     fn found(best: f64, low: f64, high: f64) -> Found {
         Found {
             best,
-            low,
-            high,
-            intervals: vec![(low, high)],
+            marginal: Marginal {
+                low,
+                high,
+                intervals: vec![(low, high)],
+            },
             level: 0.9,
             is_resolved: true,
             shaken_by: None,
@@ -319,7 +319,7 @@ mod tests {
         let text = parameter(&friction(), &shaken).text;
         assert!(
             text.starts_with(
-                "floor.friction lies in 0.400 to 0.500 (90 %; best 0.450), no nearer: 6 substeps"
+                "floor.friction lies in 0.400 to 0.500 (90 %; best 0.450) and cannot be narrowed further: 6 substeps"
             ),
             "{text}"
         );
@@ -338,7 +338,11 @@ mod tests {
     #[test]
     fn no_interval_bridges_a_part_that_is_rejected() {
         let parted = Found {
-            intervals: vec![(0.2, 0.3), (0.6, 0.7)],
+            marginal: Marginal {
+                low: 0.2,
+                high: 0.7,
+                intervals: vec![(0.2, 0.3), (0.6, 0.7)],
+            },
             ..found(0.25, 0.2, 0.7)
         };
         let verdict = parameter(&friction(), &parted);
@@ -349,12 +353,15 @@ mod tests {
     #[test]
     fn no_value_is_named_that_lies_beside_its_own_interval() {
         let beside = Found {
-            intervals: vec![(0.5, 0.6)],
+            marginal: Marginal {
+                low: 0.4,
+                high: 0.6,
+                intervals: vec![(0.5, 0.6)],
+            },
             ..found(0.4, 0.4, 0.6)
         };
         let text = parameter(&friction(), &beside).text;
-        let said =
-            "floor.friction lies in 0.500 to 0.600 (90 %); the best point, 0.400, lies beside that";
+        let said = "floor.friction lies in 0.500 to 0.600 (90 %); the point with the lowest score, 0.400, lies outside";
         assert!(text.starts_with(said), "{text}");
     }
 
@@ -366,7 +373,7 @@ mod tests {
         assert_eq!(
             text,
             "From 3 recordings: floor.friction is narrowed down to 0.050 to 0.200 (90 %), up to the edge of the searched range: \
-             widen it before you believe it; floor.friction is not determined."
+             widen the range before you rely on this; floor.friction is not determined."
         );
     }
 }

@@ -1,4 +1,4 @@
-//! What a plan will cost: a few of its runs, measured.
+//! The cost of a plan, estimated from a few of its runs.
 
 use std::fmt;
 
@@ -15,7 +15,7 @@ pub struct Cost {
     pub run_cpu_s: f64,
     /// Bytes a run in the store, their mean.
     pub run_bytes: f64,
-    /// Runs of the whole plan: of a tuning or search the most there may be.
+    /// Runs of the whole plan; of a tuning or search the largest possible number.
     pub runs: usize,
 }
 
@@ -25,12 +25,12 @@ impl Cost {
         self.run_cpu_s * self.runs as f64
     }
 
-    /// Bytes on the disk at the end: the shards' stores, and the merged one.
+    /// Bytes on the disk at the end: of the shards' stores, and of the merged one.
     pub fn disk_bytes(&self) -> f64 {
         2.0 * self.run_bytes * self.runs as f64
     }
 
-    /// Shards of about so many CPU seconds each.
+    /// Number of shards of about so many CPU seconds each.
     pub fn shards_of(&self, shard_cpu_s: f64) -> usize {
         ((self.cpu_s() / shard_cpu_s).ceil() as usize).max(1)
     }
@@ -50,7 +50,7 @@ impl fmt::Display for Cost {
     }
 }
 
-/// A duration with two digits, in the unit that people would choose.
+/// A duration with two digits, in a suitable unit.
 pub fn time(seconds: f64) -> String {
     let (value, unit) = match seconds {
         s if s < 1.0 => (1e3 * s, "ms"),

@@ -1,4 +1,4 @@
-//! The shards of a round become part of the results.
+//! Merging: the rows of a round's shards are added to the results.
 
 use serde::Serialize;
 
@@ -6,35 +6,35 @@ use super::{Plan, Round};
 use realgap_core::{Error, Result};
 use realgap_store::{FolderLock, Merger, STORE_FILE, Table};
 
-/// A shard whose rows were not taken over.
+/// A shard whose rows were not added.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Refused {
     /// Name of its folder.
     pub shard: String,
-    /// Why.
+    /// Reason of the refusal.
     pub why: String,
 }
 
-/// What came of merging the shards of a round.
+/// The result of merging the shards of a round.
 #[derive(Debug, Clone, PartialEq, Serialize, Default)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Merged {
-    /// Rows that were new.
+    /// Rows that were added.
     pub new: usize,
-    /// Rows that were there already, to the bit: of merges before, or of shards that were run twice.
+    /// Rows that were there already with the same bits: from earlier merges, or from shards that were run twice.
     pub known: usize,
-    /// Shards at which somebody is at work: they were left alone.
+    /// Shards that a worker is simulating at the moment; they were left alone.
     pub running: Vec<usize>,
-    /// Shards whose rows cannot be taken: damaged, of another plan or program, or with other bits.
+    /// Shards whose rows cannot be added: damaged, of another plan or program, or with other bits.
     pub refused: Vec<Refused>,
 }
 
 impl Plan {
-    /// Takes over what the shards of the round have made. What cannot be taken is named, and the others are.
+    /// Adds the rows of the round's shards. A shard that cannot be added is named, and all others are added.
     ///
     /// # Errors
-    /// Results that cannot be written, or that are not this plan's.
+    /// Results that cannot be written, or that are not results of this plan.
     pub(super) fn absorb<R: Table>(&self, round: &Round) -> Result<Merged> {
         let lock = FolderLock::make(&self.store())?;
         let mut merger: Merger<R> = Merger::open(&lock, &self.fingerprint())?;
@@ -56,7 +56,7 @@ impl Plan {
                     merged.new += absorbed.new;
                     merged.known += absorbed.known;
                 }
-                // What cannot be written concerns all of them.
+                // An error in writing concerns all shards.
                 Err(error)
                     if error
                         .file()
@@ -73,7 +73,7 @@ impl Plan {
         Ok(merged)
     }
 
-    /// Names of the folders of a round, in order; a copy of a shard under another name is one, too.
+    /// Names of the folders of a round, in order; a copy of a shard under another name counts as one, too.
     fn shards_there(&self, round: &Round) -> Result<Vec<String>> {
         let folder = self.round_folder(round.number);
         if !folder.exists() {
@@ -90,7 +90,7 @@ impl Plan {
         Ok(names)
     }
 
-    /// The last round that a shard was begun in; 0 where none was.
+    /// The last round in which a shard was begun; 0 where there is none.
     pub(super) fn last_round(&self) -> usize {
         let shards = self.folder().join("shards");
         let entries = std::fs::read_dir(shards).into_iter().flatten().flatten();
@@ -103,7 +103,7 @@ impl Plan {
             .unwrap_or(0)
     }
 
-    /// Removes the stores of the rounds before this one, whose rows are merged.
+    /// Removes the stores of earlier rounds, whose rows are merged.
     ///
     /// # Errors
     /// A folder that cannot be removed.

@@ -1,12 +1,13 @@
-//! A run cut into shards: many machines simulate, one merges, and the folder has the bytes of one machine's.
+//! A run that is cut into shards: many machines simulate, one merges, and the results folder has the same bytes as that of one
+//! machine.
 //!
-//! A [`Plan`] is a folder. Its `plan.json` says which command is run and how many shards there are; `round.json` which rows are
-//! being made; `shards/ROUND/SHARD/` are the stores of the workers; `results/` is the results folder that everything is
-//! merged into. A run is a sequence of rounds: a sweep has its grid and three waves of what may be the best, a tuning and a search
-//! have one a batch, since what is proposed next depends on everything before. In a round, every shard makes
-//! its [`Share`](realgap_store::Share) of the rows. Rows depend on their index alone, never on who made them.
+//! A [`Plan`] is a folder. Its `plan.json` has the command and the number of shards; `round.json` has the rows that are simulated
+//! at the moment; `shards/ROUND/SHARD/` are the stores of the workers; `results/` is the results folder into which everything is
+//! merged. A run is a sequence of rounds: a sweep has its grid and three waves after it; a tuning and a search have one round per
+//! batch, because each proposal depends on everything before. In a round, every shard simulates its
+//! [`Share`](realgap_store::Share) of the rows. Rows depend on their index alone, never on the worker.
 //!
-//! Nothing here starts a program: engines that people have (Slurm, `HyperQueue`, Ray) call [`Work::run_shard`] and [`Work::merge`]
+//! Nothing here starts a program: the schedulers of users (Slurm, `HyperQueue`, Ray) call [`Work::run_shard`] and [`Work::merge`]
 //! through the same two commands.
 
 mod cost;

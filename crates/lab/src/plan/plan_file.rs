@@ -1,4 +1,4 @@
-//! `plan.json`: what is run, from where, in how many shards.
+//! The file `plan.json`: the command, its folder, and the number of shards.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ pub const PLAN_FILE: &str = "plan.json";
 /// Version of the file's form.
 const SCHEMA_VERSION: u32 = 1;
 
-/// What a plan is made of.
+/// The contents of a plan.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -25,15 +25,15 @@ pub struct PlanDraft {
     pub directory: PathBuf,
     /// Name of the study or search.
     pub name: String,
-    /// In how many shards every round is cut.
+    /// Number of shards of every round.
     pub shards: usize,
     /// Everything that decides the results, by name.
     pub fingerprint: Vec<(String, String)>,
-    /// What it costs, where it was measured.
+    /// Estimated cost, where runs were measured.
     pub cost: Option<Cost>,
 }
 
-/// The file's outermost form: the checksum is of the plan's own JSON.
+/// The outermost form of the file: the checksum is that of the plan's own JSON.
 #[derive(Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -51,10 +51,10 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Writes a new plan into a folder, which is made where it is absent.
+    /// Writes a new plan into a folder, which is made where it does not exist.
     ///
     /// # Errors
-    /// A plan that is there already, shards that cannot be, a folder that cannot be written.
+    /// A plan that exists already, an invalid number of shards, a folder that cannot be written.
     pub fn create(folder: &Path, draft: PlanDraft) -> Result<Self> {
         Share::new(0, draft.shards)?;
         let file = folder.join(PLAN_FILE);
@@ -75,10 +75,10 @@ impl Plan {
         Self::read(folder)
     }
 
-    /// The plan in a folder.
+    /// Reads the plan in a folder.
     ///
     /// # Errors
-    /// No plan there, one of another version, or one that somebody has changed.
+    /// No plan there, a plan of another version, or a plan that was changed.
     pub fn read(folder: &Path) -> Result<Self> {
         let file = folder.join(PLAN_FILE);
         if folder.is_dir() && !file.exists() {
@@ -119,7 +119,7 @@ impl Plan {
         })
     }
 
-    /// What it is made of.
+    /// The contents of the plan.
     pub fn draft(&self) -> &PlanDraft {
         &self.draft
     }
@@ -129,12 +129,12 @@ impl Plan {
         &self.folder
     }
 
-    /// The folder that everything is merged into.
+    /// The folder into which everything is merged.
     pub fn results(&self) -> PathBuf {
         self.folder.join("results")
     }
 
-    /// The folder of the store that the shards are merged into: that of the results where those have one.
+    /// The folder of the store into which the shards are merged: that of the results, where these have a store.
     pub fn store(&self) -> PathBuf {
         match self.answer_file() {
             None => self.results(),
@@ -142,7 +142,7 @@ impl Plan {
         }
     }
 
-    /// The file that is there once the answer is written, of a command whose results hold no store.
+    /// The file that exists once the answer is written, of a command whose results hold no store.
     pub(super) fn answer_file(&self) -> Option<&'static str> {
         match self.draft.command.first().map(String::as_str) {
             Some("ensemble") => Some("ensemble.json"),
@@ -152,7 +152,7 @@ impl Plan {
     }
 
     /// The folder of the shards of a round, counted from 0.
-    pub fn round_folder(&self, round: usize) -> PathBuf {
+    pub(crate) fn round_folder(&self, round: usize) -> PathBuf {
         self.folder.join("shards").join(format!("round_{round:04}"))
     }
 
@@ -166,10 +166,10 @@ impl Plan {
         self.draft.fingerprint.iter().cloned().collect()
     }
 
-    /// Checks that what is to be run now is what was planned.
+    /// Checks that the current inputs are those of the plan.
     ///
     /// # Errors
-    /// What differs: another version of this program, a study or a recording that has changed.
+    /// The inputs that differ: another version of this program, a study or a recording that has changed.
     pub fn must_be_of(&self, fingerprint: &Fingerprint) -> Result<()> {
         fingerprint.must_equal(&self.fingerprint()).map_err(|error| {
             error

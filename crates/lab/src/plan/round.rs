@@ -1,4 +1,4 @@
-//! `round.json`: which rows are being made.
+//! The file `round.json`: the rows that are simulated at the moment.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +11,7 @@ use realgap_store::Share;
 /// Name of the file.
 const FILE: &str = "round.json";
 
-/// The rows that are being made: those from number `from` to below `to` that are not merged yet.
+/// The rows that are simulated at the moment: those from number `from` to below `to` that are not merged yet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -22,14 +22,14 @@ pub struct Round {
     pub from: usize,
     /// Row after the last.
     pub to: usize,
-    /// Rows of it that are merged.
+    /// Number of its rows that are merged.
     pub merged: usize,
-    /// Whether nothing more is to be made: all that is left is to write the answer.
+    /// Whether no further rows are needed, so that only the answer has to be written.
     pub complete: bool,
 }
 
 impl Round {
-    /// The first: so many rows, and nothing done.
+    /// The first round: so many rows, of which none is done.
     pub fn first(rows: usize) -> Self {
         Self {
             number: 0,
@@ -40,7 +40,7 @@ impl Round {
         }
     }
 
-    /// What follows once `asked` rows are asked for and those of `missing` are not there.
+    /// The round that follows once `asked` rows are requested and the rows in `missing` do not exist.
     #[must_use]
     pub fn after(self, asked: usize, missing: &[usize]) -> Self {
         let Some(&first) = missing.first() else {
@@ -65,7 +65,7 @@ impl Round {
         }
     }
 
-    /// The round under way where its note is lost: the last that has shards.
+    /// The current round where its file is lost: the last one that has shards.
     pub(super) fn found_again(number: usize, asked: usize, missing: &[usize]) -> Self {
         let from = missing.first().copied().unwrap_or(asked);
         Self {
@@ -77,13 +77,13 @@ impl Round {
         }
     }
 
-    /// Rows of it that a shard makes, merged ones included.
+    /// Rows of the round that a shard simulates, merged ones included.
     pub fn rows_of(&self, share: Share) -> usize {
         (self.from..self.to).filter(|row| share.has(*row)).count()
     }
 
     /// As [`Round::rows_of`], for each of so many shards.
-    pub fn rows_of_each(&self, shards: usize) -> Vec<usize> {
+    pub(crate) fn rows_of_each(&self, shards: usize) -> Vec<usize> {
         let mut rows = vec![0; shards];
         for row in self.from..self.to {
             rows[Share::owner(row, shards)] += 1;
@@ -93,7 +93,7 @@ impl Round {
 }
 
 impl Plan {
-    /// The round that is under way.
+    /// The current round.
     ///
     /// # Errors
     /// No readable `round.json` beside the plan.
@@ -117,16 +117,16 @@ impl Plan {
         Ok(round)
     }
 
-    /// Notes the round that is under way.
+    /// Writes the current round.
     ///
     /// # Errors
-    /// A full disk or an unwritable folder.
-    pub fn write_round(&self, round: &Round) -> Result<()> {
+    /// A full disk or a folder that cannot be written.
+    pub(crate) fn write_round(&self, round: &Round) -> Result<()> {
         write_json(&self.folder().join(FILE), round)
     }
 
-    /// Whether nobody has noted a round, or somebody has removed the note.
-    pub fn has_round(&self) -> bool {
+    /// Whether there is no file of the current round.
+    pub(crate) fn has_round(&self) -> bool {
         self.folder().join(FILE).exists()
     }
 }
@@ -149,7 +149,7 @@ mod tests {
         let rows = [0, 1, 2].map(|n| second.rows_of(Share::new(n, 3).unwrap()));
         assert_eq!(second.rows_of_each(3), rows);
         assert_eq!(rows.iter().sum::<usize>(), 4);
-        // Two blocks of rows are begun: no shard has more than one row of each.
+        // Two blocks of rows are begun, so no shard has more than one row of each.
         assert!(rows.iter().all(|count| *count <= 2), "{rows:?}");
         let end = second.after(14, &[]);
         assert!(end.complete && end.merged == 4, "{end:?}");

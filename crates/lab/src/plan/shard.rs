@@ -1,4 +1,4 @@
-//! How far the shards of a round are.
+//! The progress of a round's shards.
 
 use std::path::Path;
 
@@ -9,30 +9,30 @@ use realgap_core::Result;
 use realgap_store::{FolderLock, RobotRow, RunRow, STORE_FILE, Store, Table, Trial};
 
 realgap_core::labelled_enum! {
-    /// How far a shard is.
+    /// State of a shard.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
     #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
     #[serde(rename_all = "snake_case")]
     ShardState.name;
-    /// Nothing of this round is its.
+    /// The round has no rows for it.
     Idle "idle";
     /// Its rows are merged.
     Merged "merged";
-    /// All of its rows are made, and not merged yet.
+    /// All of its rows are simulated, but not merged yet.
     Done "done";
-    /// Somebody is making its rows.
+    /// A worker is simulating its rows.
     Running "running";
-    /// Begun, and nobody is at work.
+    /// It was begun, but no worker is simulating its rows.
     Stopped "stopped";
     /// Not begun.
     Waiting "waiting";
-    /// What it has made cannot be read.
+    /// Its store cannot be read.
     Damaged "DAMAGED";
 }
 
 impl ShardState {
-    /// Whether its rows are still to be made.
-    pub fn is_pending(self) -> bool {
+    /// Whether its rows still have to be simulated.
+    pub(crate) fn is_pending(self) -> bool {
         matches!(
             self,
             Self::Running | Self::Stopped | Self::Waiting | Self::Damaged
@@ -46,43 +46,43 @@ impl ShardState {
 pub struct Shard {
     /// Its number, from 0.
     pub shard: usize,
-    /// How far the shard is.
+    /// State of the shard.
     pub state: ShardState,
-    /// Rows that it has made.
+    /// Rows that are simulated.
     pub done: usize,
-    /// Rows of this round that are its.
+    /// Rows of this round that belong to it.
     pub rows: usize,
 }
 
-/// How far a plan is.
+/// Progress of a plan.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Status {
     /// Name of the study or search.
     pub name: String,
-    /// What is run.
+    /// The command.
     pub command: String,
-    /// The round that is under way.
+    /// The current round.
     pub round: Round,
     /// Rows that are merged, of all rounds.
     pub merged: usize,
     /// Whether the answer is written, too.
     pub answered: bool,
-    /// What it costs, where that was measured.
+    /// Estimated cost, where runs were measured.
     pub cost: Option<Cost>,
     /// The shards.
     pub shards: Vec<Shard>,
 }
 
 impl Status {
-    /// Numbers of the shards that have to be run, as Slurm writes arrays: `0-3,7`. Nothing where all have done their part.
+    /// Numbers of the shards that have to be run, in the form of Slurm's arrays: `0-3,7`. Empty where all shards are done.
     pub fn pending(&self) -> String {
         let pending = self.shards.iter().filter(|shard| shard.state.is_pending());
         ranges(&pending.map(|shard| shard.shard).collect::<Vec<_>>())
     }
 }
 
-/// Numbers in order, runs of them as `FIRST-LAST`.
+/// Numbers in order; consecutive ones are written as `FIRST-LAST`.
 pub(super) fn ranges(numbers: &[usize]) -> String {
     let mut parts: Vec<(usize, usize)> = Vec::new();
     for &number in numbers {
@@ -101,14 +101,14 @@ pub(super) fn ranges(numbers: &[usize]) -> String {
     parts.join(",")
 }
 
-/// Rows of a store, and whether its run came to its end.
+/// Number of rows in a store, and whether its run was completed.
 fn rows_in<R: Table>(folder: &Path) -> Result<(usize, bool)> {
     let store = Store::<R>::look(folder)?;
     Ok((store.finished()?.len(), store.is_complete()?))
 }
 
 impl Plan {
-    /// How far the shards of the round under way are; nothing is verified, so it is quick.
+    /// The progress of the current round's shards. Nothing is verified, so this is quick.
     ///
     /// # Errors
     /// A plan whose round cannot be read.
@@ -144,7 +144,7 @@ impl Plan {
                 let counted = is_begun.then(|| count(&folder));
                 let (done, is_complete, is_damaged) = match counted {
                     Some(Ok((done, is_complete))) => (done, is_complete, false),
-                    // Killed before it had a table.
+                    // The worker was killed before the store had a table.
                     Some(Err(_)) if FolderLock::is_held(&folder) => (0, false, false),
                     Some(Err(_)) => (0, false, true),
                     None => (0, false, false),

@@ -1,4 +1,4 @@
-//! What can be shared among shards.
+//! Work that can be shared among shards.
 
 use std::time::Instant;
 
@@ -11,13 +11,13 @@ use realgap_core::{Error, Result};
 use realgap_optimization::{Ending, RunOptions};
 use realgap_store::{Fingerprint, FolderLock, Part, RobotRow, RunRow, Share, Table, Trial};
 
-/// Something long whose rows can be made by several workers.
+/// A long computation whose rows can be simulated by several workers.
 pub enum Work {
-    /// All points of a study's grid, and what may be the best of them again.
+    /// A sweep: all points of a study's grid, and the waves after it.
     Sweep(Box<Study>),
-    /// The points that an optimizer asks for.
+    /// A tuning: the points that an optimizer asks for.
     Tune(Box<Study>, TuneOptions),
-    /// The robots that a strategy proposes.
+    /// A search: the robots that a strategy proposes.
     Search(Box<Search>),
     /// Repeats of a study under its noise.
     Ensemble(Box<Repeatable>, EnsembleOptions),
@@ -25,13 +25,13 @@ pub enum Work {
     Gap(Box<Study>, GapOptions),
 }
 
-/// Runs are measured until they have taken so long together.
+/// Runs are measured until they have taken so many seconds together.
 const MEASURED_S: f64 = 2.0;
-/// No more runs than this are measured.
+/// Most runs that are measured.
 const MOST_MEASURED: usize = 12;
 
-/// Does the same with every kind of work, whatever its rows are; `follow` makes what a worker's part takes of the batch under
-/// way.
+/// Does the same with every kind of work, whatever its rows are; `follow` simulates the share of the current batch that belongs
+/// to a worker's part.
 macro_rules! with_rows {
     ($work:expr, $follow:ident => $done:expr) => {
         match $work {
@@ -84,7 +84,7 @@ impl Work {
         }
     }
 
-    /// Rows of the whole run: of a tuning or search the most there may be.
+    /// Rows of the whole run; of a tuning or search the largest possible number.
     pub fn rows(&self) -> usize {
         match self {
             Self::Sweep(study) => study.sweep_runs(),
@@ -95,10 +95,11 @@ impl Work {
         }
     }
 
-    /// Makes the rows of one shard in the round under way. How many of them are left: none, unless it was stopped.
+    /// Simulates the rows of one shard in the current round. Returns how many of them are left: none, unless the run was stopped.
     ///
     /// # Errors
-    /// A shard that somebody else is at work at, that is damaged or of another plan; a full disk; whatever a simulation refuses.
+    /// A shard that another worker is simulating, that is damaged or belongs to another plan; a full disk; the errors of a
+    /// simulation.
     pub fn run_shard(&self, plan: &Plan, share: Share, run: &RunOptions<'_>) -> Result<usize> {
         let round = plan.round()?;
         plan.must_be_of(&self.fingerprint())?;
@@ -110,8 +111,8 @@ impl Work {
         with_rows!(self, follow => one_shard(plan, round, &lock, share, |part| follow(part, run)))
     }
 
-    /// Takes over what the shards have made, and finds out what is to be made next: what was merged, the round that was under
-    /// way, and the one that is now.
+    /// Merges the rows of the shards and finds the rows that are needed next. Returns the result of merging, the round before it,
+    /// and the current one.
     ///
     /// # Errors
     /// As [`Work::run_shard`]; results that cannot be written.
@@ -148,7 +149,7 @@ impl Work {
         Ok(round)
     }
 
-    /// How many rows are asked for in the round under way and those before it, and which are not merged.
+    /// How many rows are requested in the current round and the earlier ones, and which of them are not merged.
     fn missing(&self, plan: &Plan, run: &RunOptions<'_>) -> Result<(usize, Vec<usize>)> {
         with_rows!(self, follow => look(plan, |part| follow(part, run)))
     }
@@ -183,13 +184,13 @@ impl Work {
         })?
     }
 
-    /// The mean over some of so many rows, spread over all of them; `make` makes one and says how large it is.
+    /// The mean cost of some of so many rows, spread over all of them; `make` simulates one and returns its size.
     fn cost(&self, rows: usize, make: impl Fn(usize) -> Result<usize>) -> Result<Cost> {
         let count = MOST_MEASURED.min(rows.max(1));
         let begun = Instant::now();
         let (mut measured, mut bytes) = (0, 0);
         for step in 0..count {
-            // The middle of each of so many equal parts, the outermost of them in turn.
+            // The middle of each of so many equal parts; the outermost ones come first, from both ends in turn.
             let place = if step % 2 == 0 {
                 step / 2
             } else {
@@ -210,7 +211,7 @@ impl Work {
     }
 }
 
-/// Makes a shard's rows, and says how many are left.
+/// Simulates the rows of a shard, and returns how many are left.
 fn one_shard<R: Table>(
     plan: &Plan,
     round: Round,
@@ -219,7 +220,7 @@ fn one_shard<R: Table>(
     follow: impl Fn(&mut Part<R>) -> Result<Ending>,
 ) -> Result<usize> {
     let mut part = Part::<R>::open(&plan.store(), lock, share, &plan.fingerprint())?;
-    // Rows of this round are wanted, whatever happened since the plan was looked at.
+    // The rows of this round are wanted only while it is still the current one.
     if plan.round()? != round {
         return Err(Error::conflict("the round was merged meanwhile")
             .at_file(plan.folder())
@@ -229,7 +230,7 @@ fn one_shard<R: Table>(
     part.close()
 }
 
-/// How many rows are asked for, and which are not merged.
+/// How many rows are requested, and which are not merged.
 fn look<R: Table>(
     plan: &Plan,
     follow: impl Fn(&mut Part<R>) -> Result<Ending>,

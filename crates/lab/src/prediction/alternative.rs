@@ -1,20 +1,20 @@
-//! Models that are as valid as the one that was asked for: other numerics, joints, engines, and values that fit as well.
+//! Models that are as valid as the requested one: other numerics, joints, engines, and other values from the confidence set.
 
 use super::Source;
 use realgap_simulation::parameter::ParameterSet;
 use realgap_simulation::{EngineChoice, Experiment};
 
-/// Numbers of the equally valid numerics that are tried: twice the substeps, half the step, and less of either.
+/// Numbers of the equally valid numerical settings that are tried: twice the substeps, half the timestep, and less of either.
 const NUMERICS: u64 = 4;
-/// Points of the indistinguishable set that are tried, at most.
+/// Most points of the confidence set that are tried.
 const POINTS: usize = 8;
 /// Name of the model at the limit of rigid contact, with the experiment's own kind of joint.
 pub(super) const LIMIT: &str = "limit of hard contact";
 
-/// What a model makes of an experiment.
+/// The change by which a model differs from an experiment.
 pub(super) type Change = Box<dyn Fn(&Experiment) -> Experiment + Sync + Send>;
 
-/// Other models of an experiment: name, what they vary, and how. No engine simulates a vehicle, so that only values vary there.
+/// Other models of an experiment: name, what they vary, and the change. No engine simulates a vehicle, so only values vary there.
 pub(super) fn alternatives(
     experiment: &Experiment,
     points: &[ParameterSet],
@@ -25,7 +25,7 @@ pub(super) fn alternatives(
     };
     let taken = points.len().min(POINTS);
     for index in 0..taken {
-        // Spread over the set, both ends included.
+        // The points are spread over the set, and both ends are included.
         let point = points[index * (points.len() - 1) / taken.saturating_sub(1).max(1)].clone();
         models.push((
             point.to_string(),

@@ -1,4 +1,4 @@
-//! The prediction card: what one robot will do before anybody builds it, how likely, and what that rests on.
+//! The prediction card: what one robot will do before it is built, with probabilities and what they rest on.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -15,10 +15,10 @@ use realgap_core::unit::{Unit, quantity};
 use realgap_core::{Code, Error, Result, Warning};
 use realgap_simulation::parameter::ParameterSet;
 
-/// A robot that gets less far than this share of its body length without noise goes nowhere.
+/// A robot that moves less far than this share of its body length without noise goes nowhere.
 const NOWHERE_BODY_LENGTHS: f64 = 0.1;
 
-/// What no number of a card knows of.
+/// Sources of error that no number of a card contains.
 const NOT_COVERED: [&str; 4] = [
     "a robot that differs from its description",
     "a floor that is uneven or wears",
@@ -29,14 +29,14 @@ const NOT_COVERED: [&str; 4] = [
 /// Which net displacement counts as success.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SuccessRule {
-    /// Half of what the run without noise does.
+    /// Half of the displacement of the run without noise.
     HalfOfNoiseFree,
-    /// At least so much, metres.
+    /// At least this displacement, metres.
     AtLeast(f64),
 }
 
 impl SuccessRule {
-    /// For people.
+    /// A short description for readers.
     pub fn label(self) -> &'static str {
         match self {
             Self::HalfOfNoiseFree => "half of the run without noise",
@@ -51,23 +51,23 @@ impl Serialize for SuccessRule {
     }
 }
 
-/// How likely a robot gets far enough.
+/// The probability that a robot moves far enough.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Success {
-    /// Far enough, metres.
+    /// The displacement that counts as success, metres.
     pub least_displacement_m: f64,
-    /// Who said what success is.
+    /// The rule by which that displacement was chosen.
     pub rule: SuccessRule,
-    /// How likely, with its sampling error; diverged repeats are failures.
+    /// The probability, with its sampling error; diverged repeats are failures.
     pub probability: Proportion,
-    /// What other models say; `None` where nobody looked.
+    /// The range over other models; `None` where no other models were simulated.
     pub range: Option<SuccessRange>,
 }
 
 impl Success {
-    /// The success of an ensemble; `None` where the rule is half of a run without noise that diverged or got
-    /// less than a tenth of a body length far.
+    /// The success probability of an ensemble; `None` where the rule is half of a run without noise that diverged or moved less
+    /// than a tenth of a body length.
     ///
     /// # Errors
     /// A distance that is not above 0.
@@ -97,7 +97,7 @@ impl Success {
     }
 }
 
-/// A robot under other solver settings, with the draws that chose it.
+/// A robot under other solver settings, with the random draws by which it was chosen.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Rerun {
@@ -113,7 +113,7 @@ pub struct Rerun {
     pub survives: bool,
 }
 
-/// How a robot did among the finalists of a search.
+/// The result of a robot among the finalists of a search.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Finals {
@@ -121,15 +121,15 @@ pub struct Finals {
     pub rank: usize,
     /// Whether every rerun is within the tolerance.
     pub survives: bool,
-    /// What was searched for.
+    /// The objective of the search.
     pub objective: String,
     /// Unit of both fitnesses.
     pub unit: Unit,
-    /// With the draws of the search: that of a winner, which flatters.
+    /// Fitness with the draws of the search: it is the fitness of a winner and therefore too high.
     pub search_fitness: Option<f64>,
-    /// With new draws; `None` where a repeat diverged.
+    /// Fitness with new draws; `None` where a repeat diverged.
     pub fitness: Option<f64>,
-    /// What going costs, with new draws; `None` where it goes nowhere or no servo gives energy.
+    /// Cost of transport with new draws; `None` where the robot goes nowhere or no servo gives energy.
     pub economy: Option<CostOfTransport>,
     /// The robot under other solver settings.
     pub reruns: Vec<Rerun>,
@@ -159,30 +159,30 @@ pub struct Finals {
 pub struct Card {
     /// The robot's name.
     pub robot: String,
-    /// How it did among the finalists of a search; `None` where nobody searched.
+    /// Its result among the finalists of a search; `None` for a robot that is not from a search.
     #[serde(flatten)]
     pub finals: Option<Finals>,
-    /// How likely it gets far enough; `None` where nothing says what that is.
+    /// The probability that it moves far enough; `None` where no displacement counts as success.
     pub success: Option<Success>,
     /// Fixed values of parameters.
     pub parameters: BTreeMap<String, f64>,
-    /// Who stated the noise, e.g. a file; `None` where the card's maker does not say.
+    /// The source of the noise, e.g. a file; `None` where it is not stated.
     pub noise_from: Option<String>,
     /// The engine and its precision.
     pub engine: &'static str,
     /// Version of this crate.
     pub version: &'static str,
-    /// How fast a small difference grows; `None` where nobody looked.
+    /// How fast a small difference grows; `None` where it was not computed.
     pub growth: Option<DivergenceRate>,
-    /// What the repeats say.
+    /// The forecast of the repeats.
     pub prediction: Forecast,
-    /// How far models that are as valid part; `None` where nobody looked.
+    /// How far models that are as valid differ; `None` where they were not simulated.
     pub model: Option<ModelError>,
-    /// Everything that is stated here about reality, as far as the model goes.
+    /// Every claim of the card about reality, as far as the model is right.
     pub claims: Vec<Claim>,
-    /// What no number here knows of.
+    /// Sources of error that no number here contains.
     pub not_covered: [&'static str; 4],
-    /// What the reader should know, what the prediction itself warns of included.
+    /// Warnings for the reader, those of the prediction included.
     pub warnings: Vec<Warning>,
 }
 
@@ -218,7 +218,7 @@ impl Card {
         Ok(card.with_claims())
     }
 
-    /// The card with what its own numbers say.
+    /// The card with the claims that follow from its numbers.
     fn with_claims(mut self) -> Self {
         let reach = claim::reach(&self.prediction);
         let success = self.success.as_ref().map(claim::success);
@@ -233,14 +233,14 @@ impl Card {
         self
     }
 
-    /// The card with who stated the noise.
+    /// The card with the source of the noise.
     #[must_use]
     pub fn with_noise_from(mut self, source: impl Into<String>) -> Self {
         self.noise_from = Some(source.into());
         self
     }
 
-    /// The card with how fast a small difference grows, and the warning that goes with it.
+    /// The card with the growth of small differences, and the warning that belongs to it.
     #[must_use]
     pub fn with_growth(mut self, growth: Option<DivergenceRate>) -> Self {
         self.warnings.extend(growth.and_then(|g| g.warning()));
@@ -248,7 +248,7 @@ impl Card {
         self
     }
 
-    /// The card with how far other models part about this ensemble.
+    /// The card with the differences of other models from this ensemble.
     #[must_use]
     pub fn with_model(mut self, ensemble: &Ensemble, model: Option<ModelError>) -> Self {
         if let (Some(success), Some(model)) = (&mut self.success, &model) {
@@ -258,7 +258,7 @@ impl Card {
         self.with_claims()
     }
 
-    /// The card with more that the reader should know, before its own warnings.
+    /// The card with more warnings for the reader, before its own.
     #[must_use]
     pub fn with_warnings(mut self, mut warnings: Vec<Warning>) -> Self {
         warnings.append(&mut self.warnings);
@@ -268,7 +268,7 @@ impl Card {
 }
 
 impl fmt::Display for Card {
-    /// For people: a line for each thing that it says.
+    /// Writes a line for each statement of the card.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let metres = |m: f64| quantity(m, Unit::Metre);
         let prediction = &self.prediction;
@@ -330,7 +330,7 @@ impl fmt::Display for Card {
 }
 
 impl fmt::Display for Finals {
-    /// For people: rank, fitness and what other settings change.
+    /// Writes rank, fitness and the effect of other settings.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let fitness = |value: Option<f64>| {
             value.map_or("none".to_owned(), |value| quantity(value, self.unit))

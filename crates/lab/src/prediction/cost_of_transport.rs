@@ -1,4 +1,4 @@
-//! What going costs: energy per distance.
+//! Cost of transport: energy per distance.
 
 use std::fmt;
 
@@ -6,11 +6,12 @@ use serde::Serialize;
 
 use realgap_core::statistics::mean;
 
-/// What going costs a robot, mechanically: what its servos gave, what they took counted as lost. No heat, no electronics.
+/// The mechanical energy that locomotion costs: the energy that the servos give; energy that they absorb counts as lost. Heat and
+/// electronics are not part of it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CostOfTransport {
-    /// Mean over the repeats of what the servos gave, joules.
+    /// Mean energy that the servos give in a repeat, joules.
     pub servo_j: f64,
     /// All energy over all distance of the repeats, J/m.
     pub joules_per_metre: f64,
@@ -21,8 +22,8 @@ pub struct CostOfTransport {
 }
 
 impl CostOfTransport {
-    /// Of repeats in which servos gave so much energy, over net displacements, by a robot of this weight. `None` where that is no
-    /// number: nothing given, nowhere got, no weight.
+    /// Of repeats in which servos gave these energies, over these net displacements, by a robot of this weight. `None` where the
+    /// cost is undefined: no energy, no displacement, or no weight.
     ///
     /// ```
     /// use realgap_lab::prediction::CostOfTransport;

@@ -1,4 +1,4 @@
-//! How fast two runs part that differ by almost nothing: whether single runs can be compared at all.
+//! Divergence rate: how fast two runs diverge that differ by almost nothing, and so whether single runs can be compared at all.
 
 use serde::Serialize;
 
@@ -7,17 +7,17 @@ use realgap_simulation::{Experiment, run};
 
 /// Difference of the first servo's zero between the two runs, radians.
 const NUDGE_RAD: f64 = 1e-6;
-/// Once apart by this much, differences grow no more as they did, metres.
+/// Above this distance two runs no longer diverge exponentially, metres.
 const GROWN_M: f64 = 0.01;
-/// Nobody puts a robot down more exactly than this, metres.
+/// The precision with which a robot is placed at its start, metres.
 const START_M: f64 = 1e-3;
 
 /// How fast a small difference grows.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DivergenceRate {
-    /// DivergenceRate rate of the distance between two runs whose servo zeros differ by a microradian, 1/s: slope of the logarithm of their
-    /// distance over time, least squares, until they are 1 cm apart.
+    /// Divergence rate of two runs whose servo zeros differ by a microradian, 1/s: the slope of the logarithm of their distance
+    /// over time, fitted by least squares until they are 1 cm apart.
     pub rate_1_s: f64,
     /// Length of the run, seconds.
     pub duration_s: f64,
@@ -26,7 +26,7 @@ pub struct DivergenceRate {
 }
 
 impl DivergenceRate {
-    /// Two runs of `experiment` without noise; `None` for a robot without servos, or where a run diverges.
+    /// The rate of two runs of `experiment` without noise; `None` for a robot without servos, or where a run diverges.
     ///
     /// # Errors
     /// Settings that cannot be simulated.
@@ -54,18 +54,18 @@ impl DivergenceRate {
         }))
     }
 
-    /// By what factor a small difference grows in a second.
-    pub fn factor_per_s(&self) -> f64 {
+    /// The factor by which a small difference grows in a second.
+    pub(crate) fn factor_per_s(&self) -> f64 {
         self.rate_1_s.exp()
     }
 
-    /// Whether a millimetre at the start becomes a body length within the run: then only distributions compare, between settings,
-    /// engines and reality alike.
-    pub fn only_distributions_compare(&self) -> bool {
+    /// Whether a millimetre at the start becomes a body length within the run. Then only distributions can be compared, between
+    /// settings, between engines, and with reality.
+    pub(crate) fn only_distributions_compare(&self) -> bool {
         self.rate_1_s * self.duration_s > (self.body_length_m / START_M).ln()
     }
 
-    /// The warning that goes with it.
+    /// The warning that belongs to the rate.
     pub fn warning(&self) -> Option<Warning> {
         self.only_distributions_compare().then(|| {
             Code::OnlyDistributions.warning(format!(

@@ -1,4 +1,4 @@
-//! Runs as rows of a store, to the bit, so that the repeats of an ensemble can be made by several workers.
+//! Runs as rows of a store, with all of their bits, so that several workers can simulate the repeats of an ensemble.
 
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
@@ -12,12 +12,12 @@ use realgap_path::trajectory::{JointTrack, Trajectory};
 use realgap_simulation::{Divergence, EnergyBalance, Outcome, Run};
 use realgap_store::{Fingerprint, RunRow, Store};
 
-/// What of a run cannot be said in numbers.
+/// The parts of a run that are not numbers.
 #[derive(Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct Words {
-    /// Why it was given up.
+    /// Why the run was stopped as diverged.
     diverged: Option<String>,
     /// Names of the joints, and whether their speeds are known.
     joints: Vec<(String, bool)>,
@@ -27,10 +27,10 @@ struct Words {
     has_energy: bool,
 }
 
-/// The row of a run; its CPU time and warnings are not kept.
+/// The row of a run, without its CPU time and its warnings.
 ///
 /// # Errors
-/// None of this crate's runs.
+/// None for runs of this workspace.
 pub(super) fn row_of(index: usize, run: &Run) -> Result<RunRow> {
     let mut numbers = vec![run.steps as f64, run.settle_steps as f64, run.servo_rms_rad];
     if let Some(mut energy) = run.energy {
@@ -90,7 +90,7 @@ pub(super) fn row_of(index: usize, run: &Run) -> Result<RunRow> {
 /// The run of a row.
 ///
 /// # Errors
-/// A row that is none of a run.
+/// A row that is not a row of a run.
 pub(super) fn run_of(row: &RunRow) -> Result<Run> {
     let words: Words = serde_json::from_str(&row.words).map_err(|e| no_run(row, &e))?;
     let mut numbers = Numbers { row, from: 0 };
@@ -155,10 +155,10 @@ pub(super) fn run_of(row: &RunRow) -> Result<Run> {
     })
 }
 
-/// The runs of a store, which must be those of this fingerprint.
+/// The runs of a store, which must have this fingerprint.
 ///
 /// # Errors
-/// No store there, a damaged one, one of other runs.
+/// No store there, a damaged store, or a store of other runs.
 pub(super) fn runs_in(
     folder: &Path,
     fingerprint: &Fingerprint,
@@ -175,7 +175,7 @@ pub(super) fn runs_in(
     })
 }
 
-/// The numbers of a row, one after the other.
+/// Reads the numbers of a row, one after the other.
 struct Numbers<'a> {
     row: &'a RunRow,
     from: usize,
@@ -208,7 +208,7 @@ fn no_run(row: &RunRow, why: &dyn std::fmt::Display) -> Error {
         .hint("remove the store, and make the runs again")
 }
 
-/// The numbers of a balance, in the order of rows.
+/// The numbers of an energy balance, in the order of rows.
 const ENERGIES: [fn(&mut EnergyBalance) -> &mut f64; 9] = [
     |energy| &mut energy.servo_j,
     |energy| &mut energy.servo_positive_j,

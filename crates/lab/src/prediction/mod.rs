@@ -1,8 +1,8 @@
-//! What the simulation says about reality, and how far it can be trusted.
+//! Predictions about reality, and how far they can be trusted.
 //!
-//! [`ensemble`] repeats one robot under noise; a [`Card`] says what the repeats mean for somebody who wants to build the
-//! robot; an [`EnsembleReport`] holds the repeats of a study against its recordings, and [`gap`] says how many of reality's own
-//! noise floors lie between the two.
+//! [`ensemble`] repeats one robot under noise; a [`Card`] summarises the repeats for a person who wants to build the robot; an
+//! [`EnsembleReport`] compares the repeats of a study with its recordings, and [`gap`] measures their distance in noise floors of
+//! the recordings.
 //!
 //! ```
 //! use realgap_optimization::RunOptions;

@@ -1,9 +1,9 @@
-//! How much of a prediction belongs to the model: numerics, joints, what tuning left open, and the engine itself.
+//! Model error of a prediction: how much it depends on numerics, joints, the values that tuning left open, and the engine.
 //!
-//! Repeats under noise say how sure a prediction is if the model is right. Other models are as right: other steps, other
-//! joints, other values that fit the recordings as well. They are simulated with the same draws as the first repeats
-//! (common random numbers), and what they change is laid on all repeats. What an engine that was not asked may do is learned
-//! ([`super::other_engine`]) and holds all of that once.
+//! Repeats under noise show how uncertain a prediction is if the model is right. Other models are as right: other timesteps,
+//! other joints, other values that fit the recordings as well. They are simulated with the same random draws as the first repeats
+//! (common random numbers), and their changes are applied to all repeats. What an engine outside of the program would do is
+//! learned ([`super::other_engine`]) and contains all of these changes once.
 
 use std::fmt;
 
@@ -21,17 +21,18 @@ use realgap_path::trajectory::{Prepared, prepare};
 use realgap_simulation::parameter::ParameterSet;
 use realgap_simulation::{Experiment, Noise, Outcome};
 
-/// One repeat of a model stands for so many of the ensemble.
+/// One repeat of a model stands for so many repeats of the ensemble.
 const REPEATS_A_REPEAT: usize = 25;
-/// A model has no fewer and no more repeats than this.
+/// Least and most repeats of a model.
 const REPEATS: std::ops::RangeInclusive<usize> = 4..=40;
-/// Repeats that say how much a robot feels of what nobody can measure, as many as of those that were learned from.
+/// Repeats from which the sensitivity of a robot to unmeasured noise is estimated, as many as for the robots from which was
+/// learned.
 const SENSITIVITY_REPEATS: u64 = 32;
 /// Interquartile range of a standard normal distribution.
 const NORMAL_QUARTILES: f64 = 1.349;
-/// A robot that gets less far than this share of its body length goes nowhere.
+/// A robot that moves less far than this share of its body length goes nowhere.
 const NOWHERE_BODY_LENGTHS: f64 = 0.1;
-/// Level of the ranges that another engine is part of.
+/// Level of the ranges that contain another engine.
 pub const LEVEL: f64 = 0.9;
 
 realgap_core::labelled_enum! {
@@ -46,34 +47,34 @@ realgap_core::labelled_enum! {
     Joints "joint kind";
     /// The engine: the second one of the program.
     Engine "second engine";
-    /// The cone of friction: relaxed, as other engines have it.
+    /// The friction cone: relaxed, as in other engines.
     Contact "relaxed contact";
     /// Parameter values that recordings cannot tell apart.
     Indistinguishable "indistinguishable set";
 }
 
 impl Source {
-    /// What is part of what another engine may do, once, and not multiplied on the rest.
+    /// Sources that are part of the expected difference to another engine; they are not combined with the other sources again.
     const OTHERS: [Self; 2] = [Self::Engine, Self::Contact];
 }
 
-/// A model that is as valid as the one that was asked for.
+/// A model that is as valid as the requested one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Model {
-    /// What it is.
+    /// Name of the model.
     pub name: String,
     /// What it varies.
     pub source: Source,
-    /// Mean net displacement over that of the same repeats in the model that was asked for; for the other joint kind over that
-    /// at the limit of hard contact, where it is tried, so that a combination does not count the limit twice. `None` where a
-    /// repeat diverged.
+    /// Mean net displacement over that of the same repeats in the requested model. For the other joint kind it is relative to the
+    /// limit of hard contact, where that is tried, so that a combination does not contain the limit twice. `None` where a repeat
+    /// diverged.
     pub ratio: Option<f64>,
     /// Shares of its repeats that show each behaviour, in the forecast's order.
     pub behaviours: Vec<f64>,
 }
 
-/// From here to there.
+/// A range of values.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Range {
@@ -94,55 +95,55 @@ impl Range {
         })
     }
 
-    /// Whether a value lies in it.
+    /// Whether a value lies in the range.
     pub fn contains(&self, value: f64) -> bool {
         (self.low..=self.high).contains(&value)
     }
 }
 
-/// How far models that are as valid part.
+/// How far models that are as valid differ from each other.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ModelError {
-    /// The models, beside the one that was asked for.
+    /// The models beside the requested one.
     pub models: Vec<Model>,
     /// Repeats of each.
     pub repeats: usize,
-    /// By which factors displacements differ: every combination of one model (or the one asked for) a source. The second engine
-    /// and relaxed contacts are none of them: they are part of what another engine may do, once.
+    /// Factors on the displacement: one for every combination of one model per source (the requested model included). The second
+    /// engine and relaxed contacts are left out, because the range for another engine contains them already.
     #[serde(skip)]
     factors: Vec<f64>,
-    /// Where runs in another engine end; `None` for a vehicle, which no engine simulates.
+    /// Expected displacements in another engine; `None` for a vehicle, which no engine simulates.
     #[serde(skip)]
     other_engine: Option<OtherEngine>,
     /// 5 %, 50 % and 95 % quantile of the net displacement over the models, metres.
     pub quantiles_m: [Range; 3],
-    /// Probability of each behaviour over the models, in the forecast's order; a share of few repeats.
+    /// Range of the probability of each behaviour over the models, in the forecast's order; each is a share of few repeats.
     pub behaviours: Vec<Range>,
-    /// Net displacement of half of the further runs in another engine, metres, as learned from MuJoCo on random robots; `None`, as
-    /// the two below, where no engine simulates the robot.
+    /// Range that holds half of further runs in another engine, net displacement in metres, as learned from MuJoCo on random
+    /// robots; `None`, as for the two fields below, where no engine simulates the robot.
     pub half_of_runs_m: Option<Range>,
-    /// This is the range that holds 90 % of them, metres.
+    /// Range that holds 90 % of them, metres.
     pub further_run_m: Option<Range>,
-    /// By how much farther than the mean of the repeats these 90 % get, metres; below 0 less far.
+    /// By how much these 90 % move farther than the mean of the repeats, metres; negative where they move less far.
     pub other_engine_adds_m: Option<Range>,
 }
 
-/// A probability of success, and how far the models part over it.
+/// A probability of success, and how far the models differ about it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SuccessRange {
-    /// This is the range over the models.
+    /// Range over the models.
     pub models: Range,
-    /// Probability in an engine that was not asked: one number, for where repeats hardly differ an engine says 0 or 1, and a
-    /// range over engines would hold both.
+    /// Probability in an engine outside of the program. It is one number: where repeats hardly differ, an engine gives 0 or 1,
+    /// and a range over engines would hold both.
     pub other_engine: f64,
 }
 
 impl ModelError {
-    /// Simulates the models of an ensemble's experiment. `points` are sets of values that cannot be told apart; the first of them, some of the
-    /// others and the last take part. `None` where the run is stopped, one of the first repeats diverged, or the robot gets less far than a
-    /// tenth of its body length: a share of nothing says nothing.
+    /// Simulates the models of an ensemble's experiment. `points` are the parameter values of the confidence set; the first of
+    /// them, some of the others and the last take part. `None` where the run is stopped, where one of the first repeats diverged,
+    /// or where the robot moves less than a tenth of its body length, because a share of almost no displacement means nothing.
     ///
     /// # Errors
     /// Settings that cannot be simulated.
@@ -156,7 +157,7 @@ impl ModelError {
         let repeats = (ensemble.asked / REPEATS_A_REPEAT)
             .clamp(*REPEATS.start(), *REPEATS.end())
             .min(ensemble.asked);
-        // What repeats draw is in all of them, and would count twice as models.
+        // Values that the repeats draw are part of all models already, and would count twice as models of their own.
         let points = if ensemble.uncertain.is_empty() {
             points
         } else {
@@ -287,7 +288,7 @@ impl ModelError {
         self.behaviours.iter().map(|r| (r.low, r.high)).collect()
     }
 
-    /// Said where the program's second engine did not run the robot.
+    /// The remark for a robot that the program's second engine did not run.
     fn without_second_engine(&self) -> &'static str {
         let has_run = |model: &Model| model.source == Source::Engine && model.ratio.is_some();
         match self.models.iter().any(has_run) {
@@ -296,7 +297,7 @@ impl ModelError {
         }
     }
 
-    /// How the models part over the probability to get at least `least_m` far; `None` where no engine simulates the robot.
+    /// How far the models differ about the probability of moving at least `least_m`; `None` where no engine simulates the robot.
     pub fn success(&self, ensemble: &Ensemble, least_m: f64) -> Option<SuccessRange> {
         let other_engine = self.other_engine.as_ref()?;
         let far_m = displacements_m(ensemble);
@@ -317,8 +318,8 @@ impl ModelError {
     }
 }
 
-/// What the repeats and the models say about the robot. Values that fit as well were open for no robot that was learned from, so
-/// that what they change adds to what it feels.
+/// What the repeats and the models show about the robot. No robot from which was learned had open parameter values, so the effect
+/// of such values is added to the sensitivity.
 fn own_engines(ensemble: &Ensemble, models: &[Model], sensitivity_m: f64) -> OwnEngines {
     let far_m = displacements_m(ensemble);
     let own_m = mean(&far_m);
@@ -327,7 +328,7 @@ fn own_engines(ensemble: &Ensemble, models: &[Model], sensitivity_m: f64) -> Own
         of_source.filter_map(|model| model.ratio)
     };
     let spread_m = standard_deviation(&far_m);
-    // They are drawn with the repeats, or models of their own.
+    // The open values are drawn with the repeats, or they are models of their own.
     let of_values_m = if ensemble.uncertain.is_empty() {
         let of_points: Vec<f64> = ratios(Source::Indistinguishable).collect();
         own_m * standard_deviation(&of_points)
@@ -344,9 +345,9 @@ fn own_engines(ensemble: &Ensemble, models: &[Model], sensitivity_m: f64) -> Own
     }
 }
 
-/// How much the robot feels of what nobody can measure: how its net displacement spreads (by its quartiles) under the noise of a robot
-/// that nobody has measured, metres, in the second engine, which is cheap, or else in its own. `None` where the run is stopped or no
-/// repeat comes to its end.
+/// Sensitivity of the robot to unmeasured noise: the spread of its net displacement (from the quartiles) under the noise of an
+/// unmeasured robot, metres. It is simulated in the second engine, which is cheap, or else in the robot's own. `None` where the
+/// run is stopped or no repeat is completed.
 fn sensitivity_m(experiment: &Experiment, seed: u64, run: &RunOptions<'_>) -> Result<Option<f64>> {
     let mut own = experiment.clone();
     own.solver.engine = experiment.second_engine().unwrap_or(own.solver.engine);
@@ -373,7 +374,7 @@ fn displacements_m(ensemble: &Ensemble) -> Vec<f64> {
     motions.map(|(_, m)| m.net_displacement_m()).collect()
 }
 
-/// Share of a model's repeats that are nearest to each behaviour's and no further off than behaviours are from each other.
+/// Share of a model's repeats that are nearest to each behaviour and not farther from it than behaviours are from each other.
 fn shares(
     ensemble: &Ensemble,
     forecast: &Forecast,
@@ -410,7 +411,7 @@ pub(super) fn percent(range: &Range) -> String {
 }
 
 impl fmt::Display for ModelError {
-    /// What the models change, source by source, each line begun with a line feed.
+    /// Writes the effects of the models by source, each line after a line feed.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [low, middle, high] = self.quantiles_m.each_ref().map(metres);
         write!(

@@ -1,7 +1,8 @@
-//! Which pose a toss ends in, and where: a probability for each, and whether they keep what they promise.
+//! Odds of resting poses: the probability of each pose in which a toss can end and of the place where it ends, and whether these
+//! probabilities are calibrated.
 //!
-//! Every recording that ends at rest is simulated many times: starts and frictions as the noise draws them, timesteps and substeps
-//! as valid as the study's own. The share of the runs that end in a pose is its probability.
+//! Every recording that ends at rest is simulated many times: starts and frictions are drawn from the noise, timesteps and
+//! substeps are as valid as the study's own. The share of the runs that end in a pose is its probability.
 
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
@@ -24,18 +25,18 @@ use realgap_path::trajectory::Trajectory;
 use realgap_simulation::parameter::ParameterSet;
 use realgap_simulation::{Experiment, Noise};
 
-/// Faces that may be down.
+/// Faces of a cube that may be down.
 const FACES: usize = 6;
-/// Places of a hinge: quarter turns.
+/// Positions of a hinge: quarter turns.
 const QUARTERS: usize = 4;
-/// Resamples of an interval.
+/// Bootstrap resamples of an interval.
 const RESAMPLES: usize = 2000;
 const INTERVAL_LEVEL: f64 = 0.95;
 
-/// How the odds are found.
+/// Options of the computation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OddsOptions {
-    /// How runs of one recording differ, numerics apart.
+    /// Noise of the runs of one recording, beside their numerical settings.
     pub noise: Noise,
     /// Runs of every recording.
     pub runs: usize,
@@ -67,13 +68,13 @@ pub struct RecordingOdds {
     pub one_run: Option<String>,
     /// Probability of every pose that a run ended in, and of the real one.
     pub probabilities: BTreeMap<String, f64>,
-    /// Brier's score of these, summed over poses.
+    /// Brier score of these probabilities, summed over poses.
     pub brier: f64,
     /// Whether the real end lies in the regions of 50, 80 and 90 % of the runs' ends.
     pub end_inside: [bool; LEVELS.len()],
 }
 
-/// How far the runs are off from their recordings: means over the runs of a recording, then over recordings.
+/// Errors of the runs against their recordings: means over the runs of a recording, then over recordings.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RunErrors {
@@ -86,17 +87,17 @@ pub struct RunErrors {
     pub hinge_deg: Option<Scored>,
 }
 
-/// How often the real end lies in a region of the runs' ends.
+/// How often the real end lies in a region of the ends of the runs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EndCoverage {
-    /// What the region promises.
+    /// Stated probability of the region.
     pub level: f64,
-    /// Share of the real ends that it held.
+    /// Share of the real ends that the region holds.
     pub observed: Proportion,
 }
 
-/// The odds of all recordings that end at rest, and what they were worth.
+/// The odds of all recordings that end at rest, with their scores.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Odds {
@@ -106,17 +107,17 @@ pub struct Odds {
     pub runs: usize,
     /// Runs that diverged; they have no end.
     pub diverged: usize,
-    /// Brier's score, summed over poses (0 to 2), mean over recordings.
+    /// Brier score, summed over poses (0 to 2), mean over recordings.
     pub brier: Scored,
     /// Brier score of one run without noise, which is certain of its end.
     pub brier_one_run: Scored,
-    /// Mean logarithm of the probability of what happened; 0 would be certain and right.
+    /// Mean logarithm of the probability of what happened; it would be 0 for certain and right predictions.
     pub log_score: f64,
-    /// How far the runs are off on average: one run may be lucky.
+    /// Mean errors of the runs; a single run may be near by chance.
     pub run_errors: Option<RunErrors>,
     /// How often regions of the ends' places in the plane hold the real end.
     pub end_coverage: [EndCoverage; LEVELS.len()],
-    /// Given probabilities and how often it happened.
+    /// Predicted probabilities, and how often the predicted pose occurred.
     pub reliability: Vec<ReliabilityBin>,
     /// How the runs differ: fields of the noise that are not zero.
     pub noise: Noise,
@@ -133,7 +134,7 @@ struct End {
 }
 
 impl End {
-    /// `None` without orientations.
+    /// The end of a motion; `None` without orientations.
     fn of(motion: &Trajectory, experiment: &Experiment) -> Option<Self> {
         let turned = motion.orientations_world_from_body()?.last()?;
         let place_m = motion.positions_world_m().last()?;
@@ -151,8 +152,8 @@ impl End {
     }
 }
 
-/// Probabilities of `poses` poses from how often each came out of `runs`: one more run is thought to have been spread evenly, so
-/// that what was never seen is unlikely and not impossible.
+/// Probability of a pose that occurred `count` times in `runs` runs, of `poses` possible poses. One run is added and spread
+/// evenly over the poses, so that a pose that never occurred is unlikely but not impossible.
 fn probability(count: usize, runs: usize, poses: usize) -> f64 {
     (count as f64 + 1.0 / poses as f64) / (runs as f64 + 1.0)
 }
@@ -235,7 +236,7 @@ impl Odds {
 }
 
 impl RunErrors {
-    /// `None` where no run has an end.
+    /// The mean errors; `None` where no run has an end.
     fn over(found: &[Found], scored: &impl Fn(Vec<f64>) -> Scored) -> Option<Self> {
         let over_runs = |of: &dyn Fn(&PoseErrors) -> Option<f64>| {
             let each = found.iter();
@@ -251,13 +252,13 @@ impl RunErrors {
     }
 }
 
-/// The odds of one recording, and what is only needed to judge them.
+/// The odds of one recording, with the data that are needed to score them.
 struct Found {
     row: RecordingOdds,
     diverged: usize,
-    /// How far off each run is.
+    /// Errors of each run.
     errors: Vec<PoseErrors>,
-    /// Poses that there are.
+    /// Number of possible poses.
     poses: usize,
     /// Probability of each pose that has no entry in the row.
     rest: f64,
@@ -296,7 +297,7 @@ fn odds_of(study: &Study, case: usize, set: &ParameterSet, options: &OddsOptions
     let (mut ends, mut errors) = (Vec::with_capacity(options.runs), Vec::new());
     let uncertain = UncertainParameters::of_draws(&study.definition().draws);
     for number in 0..options.runs as u64 {
-        // Draws of their own for every recording, or else all would err alike.
+        // Every recording has random draws of its own, because otherwise the deviations of all recordings would be the same.
         let draw = number + case as u64 * (1 << 32);
         let own = uncertain.apply(&experiment, options.seed, number)?;
         let other = options.noise.perturb(&own, options.seed, draw);

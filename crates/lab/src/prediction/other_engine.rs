@@ -1,49 +1,52 @@
-//! How far a robot gets in an engine that nobody has asked: learned from MuJoCo on random robots.
+//! Displacement of a robot in an engine outside of the program: a conformal prediction that is learned from MuJoCo's runs of
+//! random robots.
 //!
-//! What the own engines do says where another one's runs are to be expected, and how far off they may be: what they do with contacts
-//! like its own, how far the two part, how the repeats spread, and how much the robot feels of what nobody can measure. By how many such distances MuJoCo's runs
-//! were off, robot by robot, is the distribution of further ones (split conformal prediction with a normalised score: Lei et al.
-//! 2018). Doubt about numerics is part of that distance, and is not multiplied on it again.
+//! The own engines give the expected displacement in another engine and its typical error. The error depends on what the own
+//! engines do with relaxed contacts, on the difference between them, on the spread of the repeats, and on the sensitivity of the
+//! robot to unmeasured noise. The distribution of MuJoCo's errors in these units, robot by robot, is taken as that of further
+//! robots (split conformal prediction with a normalised score: Lei et al. 2018). The uncertainty of numerics is part of the error
+//! already, and is not multiplied on it again.
 
 use super::Range;
 
-/// What MuJoCo made of random robots: tools/engine_spread.py, docs/validation/ensembles.md.
+/// MuJoCo's displacements of random robots: tools/engine_spread.py, docs/validation/ensembles.md.
 const LEARNED: &str = include_str!("engines.csv");
-/// Expected displacement as a share of that with relaxed contacts; where nothing has run it with these, as a share of the geometric
-/// mean of both own engines.
+/// Expected displacement as a share of that with relaxed contacts; for a robot that was not run with these, as a share of the
+/// geometric mean of both own engines.
 const SHARE: f64 = 0.95;
 const SHARE_OF_EXACT: f64 = 0.9;
-/// The distance is, squared and summed: half of the repeats' spread, what the robot feels, a tenth of the expected displacement and a
-/// fifth of what the own engines part by and of what relaxed contacts change. All of these numbers were chosen on the learned
-/// robots, one of them left out at a time.
+/// Weights of the expected error, which is a root of a sum of squares: half of the repeats' spread, the sensitivity, a tenth of
+/// the expected displacement, and a fifth of the difference between the own engines and of the change by relaxed contacts. All of
+/// these weights were chosen on the learned robots by leaving out one at a time.
 const TENTH: f64 = 0.1;
 const FIFTH: f64 = 0.2;
 
-/// What the own engines say about a robot; all in metres.
+/// The results of the own engines for a robot; all in metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OwnEngines {
     /// Mean net displacement of the repeats.
     pub own_m: f64,
     /// The same in the second engine; `None` where it cannot run the robot.
     pub second_m: Option<f64>,
-    /// The same there with contacts that are relaxed, as other engines have them; `None` likewise.
+    /// Mean net displacement in the second engine with relaxed contacts, as in other engines; `None` where it cannot run the
+    /// robot.
     pub relaxed_m: Option<f64>,
     /// Standard deviation of the repeats' net displacements.
     pub spread_m: f64,
-    /// How repeats in the second engine spread under the noise of a robot that nobody has measured: their interquartile range over
-    /// that of a standard normal distribution, for a repeat that falls over is none of what the others feel.
+    /// Spread of the repeats in the second engine under the noise of an unmeasured robot: their interquartile range over that of
+    /// a standard normal distribution, so that a single repeat that falls over does not change it.
     pub sensitivity_m: f64,
     /// Edge length of the tracked module.
     pub body_length_m: f64,
 }
 
 impl OwnEngines {
-    /// Whether the robot gets at least a body length far. One that does not is judged by robots that do not, either.
+    /// Whether the robot moves at least a body length. A robot that does not is compared with robots that do not either.
     fn walks(&self) -> bool {
         self.own_m >= self.body_length_m
     }
 
-    /// Displacement that is expected in another engine, and the distance by which it may be off, metres.
+    /// Expected displacement in another engine, and its typical error, metres.
     fn expected(&self) -> (f64, f64) {
         let second_m = self.second_m.unwrap_or(self.own_m);
         let middle_m = (self.own_m * second_m).sqrt();
@@ -61,17 +64,17 @@ impl OwnEngines {
     }
 }
 
-/// A robot that another engine has run, and its net displacements there, metres.
+/// A robot that was run in another engine, with its net displacements there, metres.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Judged {
-    /// What the own engines say.
+    /// The results of the own engines.
     pub known: OwnEngines,
-    /// What the other one did.
+    /// The net displacements in the other engine.
     pub theirs_m: Vec<f64>,
 }
 
 impl Judged {
-    /// The robots of a table by tools/engine_spread.py. What is no row of numbers is left out, as its header is.
+    /// The robots of a table by tools/engine_spread.py. Rows that are not numbers, such as the header, are left out.
     pub fn table(text: &str) -> impl Iterator<Item = Self> {
         text.lines().filter_map(Self::row)
     }
@@ -109,7 +112,7 @@ impl Judged {
     }
 }
 
-/// Where the runs of a robot end in another engine.
+/// Expected displacements of a robot in another engine.
 ///
 /// ```
 /// use realgap_lab::prediction::{OtherEngine, OwnEngines};
@@ -131,12 +134,12 @@ impl Judged {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct OtherEngine {
-    /// Net displacements, each as likely, metres, in increasing order.
+    /// Net displacements, equally likely, metres, in increasing order.
     ends_m: Vec<f64>,
 }
 
 impl OtherEngine {
-    /// As learned from MuJoCo.
+    /// The displacements as learned from MuJoCo.
     pub fn new(known: &OwnEngines) -> Self {
         let (expected_m, distance_m) = known.expected();
         let mut ends_m = Vec::new();
@@ -144,7 +147,7 @@ impl OtherEngine {
             if robot.known.walks() != known.walks() {
                 continue;
             }
-            // What no second engine has run is judged by what was known without it.
+            // A robot without a run in the second engine is compared with what was known of the others without that run.
             robot.known.second_m = robot.known.second_m.filter(|_| known.second_m.is_some());
             robot.known.relaxed_m = robot.known.relaxed_m.filter(|_| known.relaxed_m.is_some());
             let (their_expected_m, their_distance_m) = robot.known.expected();
@@ -156,8 +159,8 @@ impl OtherEngine {
         Self { ends_m }
     }
 
-    /// The range that holds this share of runs, metres: between ends of rank `level (n + 1)`, so that a further one is as often
-    /// inside as stated, however few there are.
+    /// The range that holds this share of runs, metres: between displacements of rank `level (n + 1)`, so that a further one is
+    /// inside as often as stated, whatever their number is.
     pub fn central(&self, level: f64) -> Range {
         let last = self.ends_m.len().saturating_sub(1);
         let end = |share: f64| {
@@ -171,7 +174,7 @@ impl OtherEngine {
         }
     }
 
-    /// Probability that a run gets at least so far: never 0 or 1, which so few robots cannot show.
+    /// Probability that a run moves at least so far: never 0 or 1, which so few robots cannot show.
     pub fn reaches(&self, least_m: f64) -> f64 {
         let far = self.ends_m.iter().filter(|m| **m >= least_m).count();
         (far as f64 + 0.5) / (self.ends_m.len() + 1) as f64

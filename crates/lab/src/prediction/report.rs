@@ -1,4 +1,4 @@
-//! What repeats of a study under noise say, and whether its recordings agree.
+//! The report of an ensemble: the forecast of a study's repeats under noise, and whether its recordings agree with it.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -20,23 +20,23 @@ use realgap_simulation::parameter::ParameterSet;
 use realgap_simulation::{Noise, Run};
 use realgap_store::{Fingerprint, RunRow, Storage};
 
-/// More cases than this are not printed one by one.
+/// Most cases that are printed one by one.
 const CASES_PRINTED: usize = 3;
 /// Level of the interval of a share of recordings.
 const INTERVAL: f64 = 0.95;
 
-/// How a study is repeated.
+/// Options of an ensemble.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnsembleOptions {
-    /// How repeats differ.
+    /// Noise of the repeats.
     pub noise: Noise,
-    /// Who says so, e.g. a file.
+    /// Source of the noise, e.g. a file.
     pub noise_from: String,
     /// Repeats of each start.
     pub repeats: usize,
     /// Seed of all draws.
     pub seed: u64,
-    /// Points that recordings cannot tell apart, to take part in the model error (there may be none); `None`: no model error.
+    /// Points of the confidence set that take part in the model error (there may be none); `None` for no model error.
     pub model: Option<Vec<ParameterSet>>,
 }
 
@@ -52,18 +52,18 @@ pub struct EnsembleCase {
     /// Prepared paths of its recordings, true lengths, metres; not written with the report.
     #[serde(skip)]
     pub real_paths_m: Vec<Vec<[f64; 2]>>,
-    /// What the repeats have in common.
+    /// Summary of the repeats.
     #[serde(rename = "summary")]
     pub forecast: Forecast,
-    /// How recordings compare with them; `None` where there are none.
+    /// Comparison with the recordings; `None` where there are none.
     pub reality: Option<Reality>,
-    /// How far models that are as valid part; `None` where nobody looked.
+    /// How far models that are as valid differ; `None` where they were not simulated.
     pub model: Option<ModelError>,
-    /// Recordings whose net displacement lies where 90 % of further runs in another engine end.
+    /// Recordings whose net displacement lies in the range that holds 90 % of further runs in another engine.
     pub in_further_runs: Option<Proportion>,
 }
 
-/// What repeats of a study under noise say; its `Display` is for people.
+/// The forecast of a study's repeats under noise; its `Display` is a text for readers.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EnsembleReport {
@@ -71,11 +71,11 @@ pub struct EnsembleReport {
     pub study: String,
     /// Name of the robot.
     pub morphology: String,
-    /// Whether every repeat of every start is here.
+    /// Whether all repeats of all starts were simulated.
     pub complete: bool,
     /// Fixed values of the simulation.
     pub parameters: BTreeMap<String, f64>,
-    /// Who says how repeats differ.
+    /// Source of the noise.
     pub noise_from: String,
     /// Engine and its version.
     pub engine: &'static str,
@@ -87,14 +87,16 @@ pub struct EnsembleReport {
     pub reality: Option<Reality>,
     /// One ensemble a start.
     pub cases: Vec<EnsembleCase>,
-    /// Everything that is stated here about reality, the most important first; how far the robot gets is that of the first start.
+    /// Every claim of the report about reality, the most important first; the claim about the displacement is that of the first
+    /// start.
     pub claims: Vec<Claim>,
     /// What the reader should know.
     pub warnings: Vec<Warning>,
 }
 
 impl EnsembleReport {
-    /// Repeats every start of a study. Once the run is stopped no repeat is begun; what is done is reported as incomplete.
+    /// Repeats every start of a study. After a request to stop, no further repeat begins; finished repeats are reported as
+    /// incomplete.
     ///
     /// # Errors
     /// Noise or settings that cannot be simulated, no repeats at all.
@@ -106,11 +108,11 @@ impl EnsembleReport {
         Self::recalling(study, options, &|_| Ok(None), run)
     }
 
-    /// As [`EnsembleReport::new`], of repeats that several workers have made ([`EnsembleReport::part`]); what the store does not
-    /// have is simulated.
+    /// As [`EnsembleReport::new`], from repeats that several workers have simulated ([`EnsembleReport::part`]); repeats that the
+    /// store does not have are simulated.
     ///
     /// # Errors
-    /// As [`EnsembleReport::new`]; a store that cannot be read, or of other repeats.
+    /// As [`EnsembleReport::new`]; a store that cannot be read, or that holds other repeats.
     pub fn of_store(
         study: &Repeatable,
         options: &EnsembleOptions,
@@ -187,7 +189,7 @@ impl EnsembleReport {
         let uncertain = UncertainParameters::of_draws(&study.definition.draws);
         let mut ensembles: Vec<(&RepeatCase, Ensemble)> = Vec::new();
         for case in &study.cases {
-            // A case that is not begun says nothing; the first at least says so itself.
+            // A case without a finished repeat is left out, except for the first.
             if run.is_stopped() && !ensembles.is_empty() {
                 break;
             }
@@ -208,7 +210,7 @@ impl EnsembleReport {
             ensembles.push((case, repeats));
         }
         let mut report = run.install(|| Self::of(study, ensembles, &options.noise_from))??;
-        // Where every recording has a start of its own it would cost as much again for each of them.
+        // Where every recording has a start of its own, the model error would cost as much again for each of them.
         if let ([only], [case], Some(points)) =
             (&mut report.cases[..], &study.cases[..], &options.model)
         {
@@ -255,7 +257,7 @@ impl EnsembleReport {
         Ok(report.with_claims())
     }
 
-    /// The report with what its own numbers say.
+    /// The report with the claims that follow from its numbers.
     #[must_use]
     pub fn with_claims(mut self) -> Self {
         let first = self.cases.first();
@@ -268,12 +270,12 @@ impl EnsembleReport {
         self
     }
 
-    /// Repeats that were simulated, of all starts together.
+    /// Number of repeats that were simulated, of all starts together.
     pub fn repeats(&self) -> usize {
         self.cases.iter().map(|case| case.forecast.repeats).sum()
     }
 
-    /// Whether not a single repeat came to its end.
+    /// Whether no repeat at all was completed.
     pub fn is_lost(&self) -> bool {
         let lost = |case: &EnsembleCase| case.forecast.displacement_m.is_none();
         self.cases.iter().all(lost)
@@ -319,7 +321,7 @@ impl EnsembleCase {
 }
 
 impl fmt::Display for EnsembleReport {
-    /// Each start where there are few, then all recordings against the ensembles.
+    /// Writes each start where there are few, then all recordings against the ensembles.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.cases.len() <= CASES_PRINTED {
             for (index, case) in self.cases.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! What tuning left open: other values of parameters for every repeat.
+//! Parameters whose values tuning left open: every repeat draws other values.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use realgap_simulation::Experiment;
 use realgap_simulation::parameter::{Assignment, ParameterSet, by_name};
 use realgap_store::FolderLock;
 
-/// A parameter that is only known to be in a range.
+/// A parameter of which only a range is known.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Uncertain")]
@@ -25,7 +25,7 @@ pub struct UncertainRange {
     pub high: f64,
 }
 
-/// Parameters whose values differ from repeat to repeat, because nobody knows them better.
+/// Parameters whose values differ from repeat to repeat because they are not known exactly.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct UncertainParameters {
     ranges: Vec<UncertainRange>,
@@ -33,7 +33,8 @@ pub struct UncertainParameters {
 }
 
 impl UncertainParameters {
-    /// Ranges, drawn evenly, and groups of points, of each of which every repeat gets one. Ranges overrule points.
+    /// From ranges, in which values are drawn evenly, and from groups of points; every repeat gets one point of each group.
+    /// Ranges take precedence over points.
     ///
     /// # Errors
     /// Unknown parameters, ends out of bounds or in the wrong order.
@@ -70,7 +71,7 @@ impl UncertainParameters {
         Ok(self.draw(seed, repeat)?.apply(experiment))
     }
 
-    /// Conclusion so where repeats differ in parameters.
+    /// A warning where repeats differ in parameters.
     pub fn warning(&self) -> Option<Warning> {
         (!self.is_empty()).then(|| {
             Code::UncertainParameters.warning(
@@ -79,12 +80,12 @@ impl UncertainParameters {
         })
     }
 
-    /// True where every repeat has the same values.
+    /// Whether every repeat has the same values.
     pub fn is_empty(&self) -> bool {
         self.ranges.is_empty() && self.groups.is_empty()
     }
 
-    /// Values of one repeat: depends on seed and repeat alone.
+    /// Values of one repeat; they depend on the seed and the repeat alone.
     ///
     /// # Errors
     /// None for what [`UncertainParameters::new`] has checked.
@@ -103,19 +104,19 @@ impl UncertainParameters {
     }
 }
 
-/// File of a results folder with the points that cannot be told apart from its best one.
+/// File of a results folder with the points of the confidence set.
 const INDISTINGUISHABLE_FILE: &str = "indistinguishable.csv";
 
-/// The points of a results folder that cannot be told apart from its best one.
+/// The points of the confidence set in a results folder.
 ///
 /// # Errors
-/// No such file, unknown parameters, values that are no numbers or out of bounds, no point at all.
+/// No such file, unknown parameters, values that are not numbers or out of bounds, no point at all.
 pub fn read_posterior(folder: &Path) -> Result<Vec<ParameterSet>> {
     let path = folder.join(INDISTINGUISHABLE_FILE);
     let limit = 1 << 30;
     let bytes = read_limited(&path, limit, "indistinguishable points")
         .map_err(|e| e.or_hint("name a folder that a sweep or tuning has written"))?;
-    // Whoever has put points together by hand has no check sums.
+    // A folder of points that was put together by hand has no checksums.
     let is_sealed = Seal::read(folder)?.is_some_and(|seal| seal.has(INDISTINGUISHABLE_FILE));
     if !is_sealed && FolderLock::was_used(folder) {
         return Err(

@@ -1,4 +1,4 @@
-//! What the search starts from, looked at as its best robots are.
+//! The baseline of a search: the robot that it starts from, judged as its best robots are.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,13 +8,13 @@ use crate::prediction::ensemble::Forecast;
 use realgap_core::Result;
 use realgap_optimization::{RunOptions, pool};
 
-/// The robot that a search starts from, with the draws that rank the finalists: what searching has to beat.
+/// The robot that a search starts from, with the random draws that rank the finalists: the search has to find a better one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Baseline {
     /// Its name.
     pub robot: String,
-    /// With new draws; `None` where it failed.
+    /// Fitness with new draws; `None` where the robot failed.
     pub fitness: Option<f64>,
     /// Median net displacement with new draws, metres; `None` where every repeat diverged.
     pub median_displacement_m: Option<f64>,
@@ -25,7 +25,8 @@ pub struct Baseline {
 }
 
 impl Baseline {
-    /// By which factor a finalist's fitness with new draws is larger; `None` where either has none, or this one's is 0.
+    /// The factor by which a finalist's fitness with new draws is larger; `None` where either has none, or where the baseline's
+    /// is 0.
     pub fn gain(&self, finalist: &Finalist) -> Option<f64> {
         let before = self.fitness.filter(|fitness| *fitness > 0.0)?;
         Some(finalist.finals.fitness? / before)
@@ -33,7 +34,7 @@ impl Baseline {
 }
 
 impl Search {
-    /// The robot that the search starts from; `None` where it draws its own.
+    /// The baseline; `None` where the search starts from random robots.
     ///
     /// # Errors
     /// Interrupted; settings that cannot be simulated.

@@ -1,4 +1,4 @@
-//! From a genome to a robot: developed, or a given robot with the genome's gait.
+//! From a genome to a robot: by development, or as a given robot with the genome's gait.
 
 use realgap_core::{Error, Result};
 use realgap_robot::genome::{Development, DevelopmentError, Gene, Genome, Locus};
@@ -9,7 +9,8 @@ use realgap_robot::morphology::{Gait, Morphology};
 pub enum Body {
     /// By development: body and gait.
     Developed(Development),
-    /// A given robot; gene k gives the gait of module k (or of the joint that moves it), the numbers of the body mean nothing.
+    /// A given robot: gene k gives the gait of module k (or of the joint that moves it), and the genes' numbers of the body are
+    /// not used.
     Fixed(Box<Morphology>, Development),
 }
 
@@ -22,10 +23,10 @@ pub(super) const GAIT: [Locus; 4] = [
 ];
 
 impl Body {
-    /// The robot of a genome, or why there is none.
+    /// The robot of a genome, or the reason why there is none.
     ///
     /// # Errors
-    /// As [`Development::develop`]; of a given robot a genome with another number of modules.
+    /// As [`Development::develop`]; for a given robot, a genome with another number of modules.
     pub fn build(
         &self,
         name: &str,
@@ -66,7 +67,7 @@ impl Body {
         }
     }
 
-    /// The settings of development; of a given robot its ranges of the gait count alone.
+    /// The settings of development; for a given robot only its ranges of the gait are used.
     pub fn development(&self) -> &Development {
         match self {
             Self::Developed(development) | Self::Fixed(_, development) => development,
@@ -74,7 +75,8 @@ impl Body {
     }
 }
 
-/// The genome whose gait is the robot's own. `searched` numbers may lie outside their range: they are looked for anyway.
+/// The genome whose gait is the robot's own. Numbers in `searched` may lie outside of their range, because they are searched
+/// anyway.
 pub(super) fn genome_of(
     robot: &Morphology,
     ranges: &Development,

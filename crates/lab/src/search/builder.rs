@@ -1,4 +1,4 @@
-//! Building a search, from Rust or from a file: every setting is checked in one place.
+//! Builds a search, from Rust or from a file; every setting is checked in one place.
 
 use std::sync::Arc;
 
@@ -18,10 +18,10 @@ use realgap_simulation::parameter::{Assignment, ParameterSet};
 
 /// Most repeats of one robot.
 const REPEATS_AT_MOST: usize = 5000;
-/// Most robots: they are held in memory, and every proposal looks at all of them.
+/// Most robots of a search: they are held in memory, and every proposal looks at all of them.
 const MOST_ROBOTS: usize = 1_000_000;
 
-/// A search under construction. Whatever is not said has the default of a search file.
+/// A search that is being built. A setting that is not given has the default of a search file.
 #[derive(Debug)]
 #[must_use = "nothing is a search before `build`"]
 pub struct SearchBuilder {
@@ -78,27 +78,27 @@ impl Search {
 
 impl SearchBuilder {
     realgap_core::setters! {
-        /// Its name, for pictures and messages: `search` where nobody says.
+        /// Name of the search, for pictures and messages; `search` by default.
         name: impl Into<String>;
-        /// How genomes become robots; of a given robot the ranges of its gait.
+        /// How genomes become robots; for a given robot, the ranges of its gait.
         development: Development;
-        /// Starts from this robot: its body stays, its gait may be searched.
+        /// Starts from this robot: its body stays, and its gait may be searched.
         robot: Morphology;
         /// Starts from this genome.
         genome: Genome;
         /// Length of each run, seconds.
         duration_s: f64;
-        /// What is to be made large.
+        /// The objective.
         objective: Objective;
         /// Runs of every robot.
         repeats: usize;
-        /// What counts as a failure.
+        /// Rules for failures.
         failures: FailureRules;
-        /// In which settings of engine and steps repeats run.
+        /// The settings of engine and steps of the repeats.
         settings: SettingsChoice;
         /// Tunes the gait of every body by short runs before the body is judged.
         gait: GaitTuning;
-        /// How the best are looked at again.
+        /// How the best robots are judged again.
         finals: FinalsSettings;
         /// Seed of everything random, the strategy's choices included.
         seed: u64;
@@ -110,14 +110,14 @@ impl SearchBuilder {
         self
     }
 
-    /// A parameter that is only known to lie in this range: every repeat draws its value.
+    /// A parameter of which only a range is known: every repeat draws its value.
     pub fn uncertain(mut self, name: impl Into<String>, low: f64, high: f64) -> Self {
         let name = name.into();
         self.ranges.push(UncertainRange { name, low, high });
         self
     }
 
-    /// How else repeats differ, and who says so; an estimate for a robot that nobody has measured where nobody says.
+    /// Noise of the repeats, and its source; by default an estimate for a robot that was not measured.
     pub fn noise(mut self, noise: Noise, from: impl Into<String>) -> Self {
         self.noise = Some((noise, from.into()));
         self
@@ -126,7 +126,7 @@ impl SearchBuilder {
     /// The search.
     ///
     /// # Errors
-    /// The first setting that cannot be used; `field` is its name in a search file.
+    /// The first setting that is not allowed; `field` is its name in a search file.
     pub fn build(self) -> Result<Search> {
         check_name(&self.name, "a search")?;
         self.check_numbers()?;

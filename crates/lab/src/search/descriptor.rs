@@ -1,4 +1,4 @@
-//! What tells robots apart in an archive: one line in [`DESCRIPTORS`] adds another.
+//! Behaviour descriptors, which separate robots in an archive; one line in [`DESCRIPTORS`] adds another.
 
 use realgap_core::Result;
 use realgap_core::file::look_up;
@@ -25,9 +25,9 @@ pub struct Descriptor {
     pub name: &'static str,
     /// Unit of the number.
     pub unit: Unit,
-    /// Whether it is a whole number of things.
+    /// Whether it counts things.
     pub is_count: bool,
-    /// What it is, in one line.
+    /// Description in one line.
     pub doc: &'static str,
     value: fn(&Behaviour<'_>) -> f64,
 }
@@ -45,7 +45,7 @@ impl std::fmt::Debug for Descriptor {
     }
 }
 
-/// One row a descriptor: its name, its unit, whether it counts things, what it is, and how it is told.
+/// One row per descriptor: name, unit, whether it counts things, description, and computation.
 macro_rules! descriptors {
     ($($name:ident $unit:ident, $is_count:literal, $doc:literal, $value:expr;)*) => {
         /// Every descriptor.

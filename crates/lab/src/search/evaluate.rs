@@ -1,4 +1,4 @@
-//! One robot: built, put down, repeated under noise; and what that is worth.
+//! Evaluation of one robot: it is built, settled and repeated under noise, and its fitness is computed.
 
 use rayon::prelude::*;
 
@@ -13,7 +13,7 @@ use realgap_robot::genome::Genome;
 use realgap_robot::morphology::Morphology;
 use realgap_simulation::{Experiment, Floor, Posture, settle, watch};
 
-/// The body is looked at this often, in steps: flight and overlap last longer than that.
+/// Steps between two looks at the body: flight and overlap last longer than that.
 const LOOK_EVERY_STEPS: usize = 4;
 
 /// Every repeat of a robot, or the first failure.
@@ -29,9 +29,9 @@ impl Search {
         Ok(self.noise.perturb(&drawn, seed, number))
     }
 
-    /// Simulates one robot, with the gait that was tuned for it where the search does that. Repeat 0 goes first: a robot that fails there is not repeated, and one that fails in any
-    /// repeat has failed, so that this saves time without changing any result. Uses the current rayon pool; the result does not depend
-    /// on it.
+    /// Simulates one robot, with the gait that was tuned for it where the search tunes gaits. Repeat 0 goes first: a robot that
+    /// fails there is not repeated. A robot that fails in any repeat has failed, so this saves time without changing any result.
+    /// Uses the current rayon pool; the result does not depend on it.
     ///
     /// # Errors
     /// Settings that cannot be simulated.
@@ -39,7 +39,7 @@ impl Search {
         self.evaluate_until_stopped(index, genome, &RunOptions::default())
     }
 
-    /// As [`Search::evaluate`]; once somebody asks to stop, what there is of the robot is dropped.
+    /// As [`Search::evaluate`]; after a request to stop, the repeats of the unfinished robot are dropped.
     ///
     /// # Errors
     /// As [`Search::evaluate`]; interrupted.
@@ -99,7 +99,7 @@ impl Search {
         })
     }
 
-    /// The robot of a genome if it is worth simulating.
+    /// The robot of a genome, if it is worth simulating.
     pub(super) fn build(
         &self,
         index: usize,
@@ -123,7 +123,7 @@ impl Search {
         Ok(Ok(robot))
     }
 
-    /// The robot of a genome if nothing of it is in its own way.
+    /// The robot of a genome, if none of its parts blocks another.
     pub(super) fn unblocked(
         &self,
         index: usize,
@@ -140,7 +140,7 @@ impl Search {
         Ok(robot)
     }
 
-    /// Repeats of one robot as the search explores, or judged in these settings; the failure of the first that fails.
+    /// Repeats of one robot, with the settings of exploring or judging; the failure of the first repeat that fails.
     ///
     /// # Errors
     /// Settings that cannot be simulated; interrupted.
@@ -178,8 +178,8 @@ impl Search {
         Ok(std::iter::once(Ok(first)).chain(rest?).collect())
     }
 
-    /// The repeat of this number in its own of the settings that nobody can choose between by reason: the engines in turn, and in
-    /// each of them other steps.
+    /// The repeat with this number in its own one of the equally valid settings: the engines take turns, and each has other steps
+    /// in turn.
     fn equally_valid(&self, repeat: &Experiment, number: u64) -> Experiment {
         let mut repeat = repeat.clone();
         let engines = if self.explorer().is_some() { 2 } else { 1 };
@@ -189,7 +189,7 @@ impl Search {
         repeat.with_numerics(number / engines)
     }
 
-    /// What counts of one run by this objective, watched for what no robot can do.
+    /// The part of one run that this objective uses. The run is watched for motions that no real robot can make.
     pub(super) fn observe(
         &self,
         experiment: &Experiment,

@@ -1,11 +1,11 @@
-//! Why a robot has no fitness.
+//! Failures: why a robot has no fitness.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
 realgap_core::labelled_enum! {
-    /// What went wrong, by kind.
+    /// Kind of a failure.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
     #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
     #[serde(rename_all = "kebab-case")]
@@ -18,19 +18,19 @@ realgap_core::labelled_enum! {
     NotSettled "not-settled";
     /// The robot falls onto another side when it is put down.
     Toppled "toppled";
-    /// The simulation's state became absurd.
+    /// The state of the simulation became unphysical.
     Diverged "diverged";
     /// The robot left the floor by more than the rules allow.
     Flying "flying";
     /// Parts of the robot went into each other by more than the rules allow.
     SelfPenetrating "self-penetrating";
-    /// The best gait that was found for the body promises too little to be judged.
+    /// The expected fitness of the best gait that was found for the body is too low for the body to be judged.
     GoesNowhere "goes-nowhere";
 }
 
 impl Reason {
     /// The reason of this short name; `None` for any other text.
-    pub fn by_code(code: &str) -> Option<Self> {
+    pub(crate) fn by_code(code: &str) -> Option<Self> {
         Self::ALL
             .iter()
             .copied()
@@ -38,13 +38,13 @@ impl Reason {
     }
 }
 
-/// A failure: the kind and what was seen.
+/// A failure: its kind, and what was observed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Failure {
     /// The kind.
     pub reason: Reason,
-    /// What was seen.
+    /// The observation.
     pub seen: String,
 }
 
@@ -64,14 +64,14 @@ impl fmt::Display for Failure {
     }
 }
 
-/// What counts as a failure.
+/// Rules for failures.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct FailureRules {
-    /// Whether a robot fails whose plate would hit itself.
+    /// Whether a robot fails if its plate would hit the robot itself.
     pub plate_blocked: bool,
-    /// Whether a robot fails that does not stand as it was put down (still moving, or toppled).
+    /// Whether a robot fails if it does not stand as it was placed (it keeps moving, or topples).
     pub unstable: bool,
     /// A robot flies when its lowest point is higher above the floor than this, in body lengths.
     pub flight_body_lengths: f64,
@@ -80,7 +80,7 @@ pub struct FailureRules {
 }
 
 impl Default for FailureRules {
-    /// Assumed: a walking cube hops by millimetres, and the contact model lets boxes sink into each other by less than one.
+    /// The limits are assumptions: a walking cube hops by millimetres, and the contact model lets boxes overlap by less than one.
     fn default() -> Self {
         Self {
             plate_blocked: true,

@@ -1,4 +1,4 @@
-//! The best robots, looked at again: other solver settings, and draws that the search has not seen.
+//! Finals: the best robots are judged again, with other solver settings and with random draws that the search has not used.
 
 use super::evaluate::Repeats;
 use super::robot::mean_displacement_m;
@@ -12,16 +12,16 @@ use realgap_optimization::{RunOptions, pool};
 use realgap_robot::morphology::Morphology;
 use realgap_simulation::{EnergyBalance, Experiment};
 
-/// The engine that judges, where another explored.
+/// Name of the engine that judges, where another one explored.
 const JUDGE: &str = "judging engine";
 
-/// The limits, which cost more than all else together: who does not walk the same before is not run there.
+/// The limits cost more than all other reruns together, so only robots that survive these are run there.
 const LIMITS: [&str; 2] = ["limit of hard contact", "other joint kind at its limit"];
 
 /// A change of the settings.
 type Change = fn(&mut Experiment);
 
-/// Other settings under which a robot must walk the same, with a name each; all in the engine that judges.
+/// Other settings under which a robot must walk the same, each with a name; all are in the engine that judges.
 const RERUNS: [(&str, Change); 7] = [
     (JUDGE, |_| ()),
     ("half timestep", |e| e.solver.timestep_s *= 0.5),
@@ -30,7 +30,8 @@ const RERUNS: [(&str, Change); 7] = [
         e.solver.substeps = (e.solver.substeps / 2).max(1);
     }),
     ("double substeps", |e| e.solver.substeps *= 2),
-    // Convergence in the timestep alone is not correctness: too soft a contact converges, too, to something else.
+    // Convergence in the timestep alone does not prove a result correct: a contact that is too soft converges as well, to
+    // something else.
     (LIMITS[0], |e| *e = e.at_limit(e.joint_kind())),
     (LIMITS[1], |e| {
         *e = e.at_limit(e.joint_kind().other());
@@ -48,22 +49,22 @@ pub struct Finalist {
     pub ensemble: Ensemble,
     /// Its rank, and how it did under other settings.
     pub finals: Finals,
-    /// What the repeats say.
+    /// The prediction card of the repeats.
     prediction: Card,
 }
 
 impl Finalist {
-    /// What the repeats say.
+    /// The forecast of the repeats.
     pub fn prediction(&self) -> &Forecast {
         &self.prediction.prediction
     }
 
-    /// How likely it gets far enough; `None` where the run without noise goes nowhere.
+    /// The probability that it moves far enough; `None` where the run without noise goes nowhere.
     pub fn success(&self) -> Option<&Success> {
         self.prediction.success.as_ref()
     }
 
-    /// The same with how it did elsewhere, e.g. in another simulator, which decides over its survival, too.
+    /// The finalist with a result from elsewhere, e.g. from another simulator, which also decides whether it survives.
     #[must_use]
     pub fn with_rerun(mut self, rerun: Rerun) -> Self {
         self.finals.survives &= rerun.survives;
@@ -86,8 +87,8 @@ impl Search {
         self.seed().wrapping_add(1 << 32)
     }
 
-    /// The best different robots, best first; of different cells where the strategy keeps an archive, so that what is wrong with one kind of
-    /// robot is not wrong with all of them.
+    /// The best different robots, best first. Where the strategy keeps an archive they are of different cells, so that a flaw of
+    /// one kind of robot does not affect all of them.
     fn best(&self, robots: &[EvaluatedRobot]) -> Result<Vec<(EvaluatedRobot, Morphology)>> {
         let history: Vec<Evaluated> = robots.iter().map(EvaluatedRobot::evaluated).collect();
         let mut order: Vec<&EvaluatedRobot> = match self.strategy.archive(&history)? {
@@ -97,7 +98,7 @@ impl Search {
             }
             None => robots.iter().filter(|r| r.fitness().is_some()).collect(),
         };
-        // Stable: of equals the earlier.
+        // The sort is stable: of equals, the earlier one comes first.
         order.sort_by(|a, b| {
             let [a, b] = [a, b].map(|r| r.fitness().unwrap_or(f64::NEG_INFINITY));
             b.total_cmp(&a)
@@ -109,7 +110,7 @@ impl Search {
             }
             let name = self.robot_name(evaluated.index);
             let robot = self.body().build(&name, &evaluated.genome)?;
-            // Other genomes may mean the same robot, or one that differs in nothing that acts.
+            // Other genomes may give the same robot, or one that does not differ in any part that acts.
             let is_new = best.iter().all(|(before, known)| {
                 let is_built_alike = known.modules() == robot.modules()
                     && known.attachments() == robot.attachments();
@@ -122,8 +123,8 @@ impl Search {
         Ok(best)
     }
 
-    /// Looks at the best robots again and ranks them: survivors of the reruns first, by the fitness with new draws.
-    /// The progress is that of the finalists.
+    /// Judges the best robots again and ranks them: survivors of the reruns first, by the fitness with new draws. The progress is
+    /// that of the finalists.
     ///
     /// # Errors
     /// Interrupted; settings that cannot be simulated.
@@ -199,7 +200,7 @@ impl Search {
     ) -> Result<Finalist> {
         let ensemble = self.repeat_again(&robot, options)?;
         let finals = Finals {
-            // Known once all finalists are.
+            // The rank is known once all finalists are judged.
             rank: 0,
             survives: reruns.iter().all(|rerun| rerun.survives),
             objective: self.objective.label(),
@@ -222,7 +223,7 @@ impl Search {
         })
     }
 
-    /// Repeats of a robot with draws that the search has not seen.
+    /// Repeats of a robot with draws that the search has not used.
     pub(super) fn repeat_again(
         &self,
         robot: &Morphology,
@@ -232,7 +233,7 @@ impl Search {
         base.energy_from_s = Some(self.objective.from_s);
         let seed = self.finals_seed();
         let draws = Draws {
-            // What the robot does counts here, not what somebody sees of it.
+            // Camera noise is left out, because the motion of the robot counts and not its recording.
             noise: &self.noise.without_camera(),
             uncertain: &self.uncertain,
             seed,
@@ -246,7 +247,7 @@ impl Search {
         ensemble::run_each(&base, &draws, &quiet)
     }
 
-    /// What counts of every repeat that ended.
+    /// The part of every completed repeat that the objective uses.
     fn travels<'a>(&'a self, ensemble: &'a Ensemble) -> impl Iterator<Item = Travel> + 'a {
         ensemble.motions().map(|(_, motion)| {
             let energy = motion.energy.as_ref();
@@ -255,7 +256,7 @@ impl Search {
         })
     }
 
-    /// What going costs; `None` where a servo gave nothing or the robot got nowhere.
+    /// Cost of transport; `None` where the servos gave no energy or the robot moved nowhere.
     fn economy_of(&self, robot: &Morphology, ensemble: &Ensemble) -> Option<CostOfTransport> {
         let weight_n = robot.summary().mass_kg * self.experiment(robot).gravity_m_s2;
         let travels: Vec<Travel> = self.travels(ensemble).collect();
@@ -281,7 +282,8 @@ impl Search {
     }
 }
 
-/// Survivors of every rerun first, by the fitness with new draws; the draws that chose a robot have no say.
+/// Ranks finalists: survivors of every rerun first, by the fitness with new draws. The draws by which a robot was chosen do not
+/// count.
 pub fn rank(mut finalists: Vec<Finalist>) -> Vec<Finalist> {
     finalists.sort_by(|a, b| {
         let key = |f: &Finalist| f.finals.fitness.unwrap_or(f64::NEG_INFINITY);

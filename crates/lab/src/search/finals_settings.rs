@@ -1,8 +1,8 @@
-//! How the best robots of a search are looked at again.
+//! Settings of the finals.
 
 use serde::{Deserialize, Serialize};
 
-/// How the best are looked at again.
+/// How the best robots of a search are judged again.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
@@ -11,7 +11,7 @@ pub struct FinalsSettings {
     pub count: usize,
     /// Repeats of each with draws that the search has not seen, for its prediction card and its rank.
     pub repeats: usize,
-    /// Largest change of the mean displacement under other solver settings that it survives, as a share.
+    /// Largest change of the mean displacement under other solver settings with which a robot survives, as a share.
     pub tolerance: f64,
 }
 

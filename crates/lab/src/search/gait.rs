@@ -1,8 +1,9 @@
-//! The gait inside: every body's own is tuned by short runs before the body is judged.
+//! Gait tuning: the gait of every body is tuned by short runs before the body is judged.
 //!
-//! A body drawn at random has a gait drawn at random, and a good body under a bad gait is lost. So the two are searched on two
-//! levels (Sims 1994 searched them as one; Cheney et al. 2018, "Scalable co-optimization of morphology and control in embodied
-//! machines", J. R. Soc. Interface 15, say why that fails). What was tuned stands in the genome, so that children inherit it.
+//! A random body has a random gait, and a good body with a bad gait is lost. So bodies and gaits are searched on two levels.
+//! (Sims 1994 searched them on one level; Cheney et al. 2018, "Scalable co-optimization of morphology and control in embodied
+//! machines", J. R. Soc. Interface 15, explain why that fails.) The tuned gait is part of the genome, so that children inherit
+//! it.
 
 use serde::{Deserialize, Serialize};
 
@@ -26,7 +27,7 @@ pub struct GaitTuning {
     pub duration_s: f64,
     /// Seconds of each that do not count.
     pub from_s: f64,
-    /// A body whose best gait promises less than this, in the unit of the objective's measure, is not judged.
+    /// A body whose best gait has an expected fitness below this, in the unit of the objective's measure, is not judged.
     pub least: f64,
 }
 
@@ -60,11 +61,11 @@ impl GaitTuning {
     }
 }
 
-/// What each module with a servo has of its own; all share one frequency, so that a gait repeats itself.
+/// Numbers that each module with a servo has of its own. All modules share one frequency, so that a gait is periodic.
 const OWN: [Locus; 3] = [Locus::Amplitude, Locus::Phase, Locus::Offset];
 
 impl Search {
-    /// The genome with the best gait that short runs find for its body, or why the body is not worth judging.
+    /// The genome with the best gait that short runs find for its body, or the reason why the body is not worth judging.
     pub(super) fn tuned(
         &self,
         tuning: &GaitTuning,
@@ -86,7 +87,7 @@ impl Search {
             run.go_on()?;
             let genome = with_gait(genome, &driven, point)?;
             let mut promised = self.promise(tuning, index, &genome)?;
-            // Whether it stands is asked of those only that may be judged: it costs as much as half a short run.
+            // Stability is checked only for gaits that may be the best, because the check costs as much as half of a short run.
             if promised.as_ref().is_ok_and(|p| -p < best_score)
                 && let Err(failure) = self.build(index, &genome)?
             {
@@ -148,7 +149,7 @@ impl Search {
         })
     }
 
-    /// What one short run promises of a whole one, in the unit of the objective's measure.
+    /// The expected fitness of a whole run from one short run, in the unit of the objective's measure.
     fn promise(
         &self,
         tuning: &GaitTuning,
@@ -166,10 +167,10 @@ impl Search {
         };
         let mut base = self.exploring(&robot);
         base.duration_s = tuning.duration_s;
-        // Coarse steps rank gaits as well; who lives of them is found out when judged.
+        // Coarse steps rank gaits as well as fine ones; a robot that depends on them is found out when it is judged.
         base.solver.timestep_s *= 2.0;
-        // A draw that neither the judging nor the finals see; another for every robot, so that whoever is tuned again is not
-        // fitted to one draw.
+        // The draws are used neither for judging nor in the finals. Every robot has others, so that a robot that is tuned again
+        // is not fitted to one draw.
         let seed = self.seed().wrapping_add(1 << 33);
         let travel = match self.observe(&self.repeat(&base, seed, index as u64)?, &short)? {
             Ok(travel) => travel,
@@ -187,7 +188,7 @@ impl Search {
     }
 }
 
-/// Where one who has walked an arc with this chord and this turn is after so many times the arc: who turns comes back.
+/// Displacement after so many times an arc with this chord and this turn: a robot that turns comes back.
 fn chord_m(chord_m: f64, turned_rad: f64, times: f64) -> f64 {
     use std::f64::consts::FRAC_PI_2;
     let half_rad = 0.5 * turned_rad.abs();
@@ -200,7 +201,7 @@ fn chord_m(chord_m: f64, turned_rad: f64, times: f64) -> f64 {
     chord_m * (half_rad * times).min(FRAC_PI_2).sin() / half_rad.sin()
 }
 
-/// The frequency of the first module with a servo, and what every one has of its own.
+/// The frequency of the first module with a servo, and the numbers that every module has of its own.
 fn gait_of(genome: &Genome, driven: &[usize]) -> UnitPoint {
     let genes = genome.genes();
     let first = genes[driven[0]].get(Locus::Frequency);
@@ -236,7 +237,7 @@ mod tests {
                 "{times}"
             );
         }
-        // Straight on, and round and round: never farther than across the circle.
+        // Straight on, and in a circle: never farther than the diameter of the circle.
         assert!((chord_m(0.3, 0.0, 5.0) - 1.5).abs() < 1e-12);
         assert!((chord_m(chord(turned_rad), turned_rad, 50.0) - 2.0 * radius_m).abs() < 1e-12);
     }

@@ -1,9 +1,9 @@
 //! The search for the best robot: genomes, strategies, an objective under noise, finalists.
 //!
-//! [`Search::builder`] states a search, [`Search::read`] reads one from a file. [`Search::run`] lets its [`Strategy`] propose
-//! robots and evaluates them under noise, in memory; [`Search::run_in`] does the same into the store of a results folder. The best
-//! are looked at again by [`Search::finalists`]. Strategies see genomes and fitness only; what is
-//! made large is an [`Objective`] over repeats that differ by noise and by what tuning left open ([`UncertainParameters`]).
+//! [`Search::builder`] builds a search, [`Search::read`] reads one from a file. [`Search::run`] lets its [`Strategy`] propose robots and
+//! evaluates them under noise, in memory; [`Search::run_in`] does the same into the store of a results folder.
+//! [`Search::finalists`] judges the best robots again. Strategies see genomes and fitness only. The search maximises an
+//! [`Objective`] over repeats, which differ by noise and by the values that tuning left open ([`UncertainParameters`]).
 //!
 //! ```
 //! use realgap_optimization::RunOptions;
@@ -44,17 +44,17 @@
 //! | field | meaning | default |
 //! |---|---|---|
 //! | `strategy` | `Evolution(population, generations, elites, selection, variation)`, `MapElites(axes, initial, batch, evaluations, variation)`, `Grid(genes)` or `CmaEs(evaluations, genes)` | |
-//! | `start` | of `Grid` and `CmaEs`: `Genome("file.ron")`, or `Morphology("file.ron")` for its gait alone | |
+//! | `start` | for `Grid` and `CmaEs`: `Genome("file.ron")`, or `Morphology("file.ron")` for its gait alone | |
 //! | `duration_s` | length of each run | |
-//! | `development` | settings of [`Development`](realgap_robot::genome::Development); of a genome file its own | |
+//! | `development` | settings of [`Development`](realgap_robot::genome::Development); a genome file has its own | |
 //! | `set` | fixed parameters, `{"floor.friction": 0.4}` | |
-//! | `parameters` | what is only known to a range, `[(name, low, high)]`: every repeat draws | |
-//! | `indistinguishable` | a folder of `sweep` or `tune`: every repeat gets one of the points that cannot be told from its best | |
+//! | `parameters` | parameters of which only a range is known, `[(name, low, high)]`: every repeat draws values | |
+//! | `indistinguishable` | a folder of `sweep` or `tune`: every repeat gets one of the points of its confidence set | |
 //! | `noise` | as in a study | an estimate |
-//! | `objective` | `(measure: Displacement, Straightness, Speed or SpeedPerEnergy; aggregate: Mean, LowerQuantile(level) or MeanMinusSd(k); from_s: what comes before does not count; last_quarters: a run counts for at most so many times its last quarter)` | displacement, 20 % quantile |
+//! | `objective` | `(measure: Displacement, Straightness, Speed or SpeedPerEnergy; aggregate: Mean, LowerQuantile(level) or MeanMinusSd(k); from_s: the time before it does not count; last_quarters: a run counts for at most so many times its last quarter)` | displacement, 20 % quantile |
 //! | `repeats` | runs of every robot; all robots get the same draws | 8 |
 //! | `failures` | [`FailureRules`] | |
-//! | `settings` | `One`, or `EquallyValid`: every repeat in its own of engine and steps | `One` |
+//! | `settings` | `One`, or `EquallyValid`: every repeat has its own engine and steps | `One` |
 //! | `gait` | [`GaitTuning`]: every body's gait is tuned by short runs before the body is judged | bodies have the gait of their genome |
 //! | `finalists` | [`FinalsSettings`] | |
 //! | `seed` | of everything random | 1 |
@@ -62,7 +62,7 @@
 //! # Strategies alone
 //!
 //! [`OPERATORS`] vary genomes, [`SELECTIONS`] pick their parents, and a [`Strategy`] proposes what to try next. None of these
-//! knows a simulator: who searches evaluates the proposals and hands the history back.
+//! knows a simulator: the caller evaluates the proposals and passes the history back.
 //!
 //! ```
 //! use realgap_robot::genome::Genome;

@@ -1,4 +1,4 @@
-//! What is wanted of a robot: a measure of each repeat, and one number of all of them.
+//! The objective of a search: a measure of each repeat, and an aggregate of all repeats.
 
 use serde::{Deserialize, Serialize};
 
@@ -17,41 +17,42 @@ realgap_core::labelled_enum! {
     Measure.label;
     /// Distance from start to end in the plane, metres: the papers' fitness.
     Displacement "displacement";
-    /// Displacement per length of the path, 0 to 1; 0 for a robot that gets less than one body length far.
+    /// Displacement per length of the path, 0 to 1; 0 for a robot that moves less than one body length.
     Straightness "straightness";
     /// Displacement per time, m/s.
     Speed "speed";
-    /// Displacement per joule that the servos gave, m/J: speed per power is distance per energy. What they took counts as lost
-    /// ([`realgap_simulation::EnergyBalance::servo_positive_j`]). 0 for a robot that gets less than one body length far: who
-    /// hardly moves hardly spends.
+    /// Displacement per joule that the servos gave, m/J, because speed per power is distance per energy. Energy that the servos
+    /// absorb counts as lost ([`realgap_simulation::EnergyBalance::servo_positive_j`]). 0 for a robot that moves less than one
+    /// body length, because a robot that hardly moves hardly needs energy.
     SpeedPerEnergy "speed per energy";
 }
 
-/// One number for all repeats.
+/// How the measures of all repeats become one number.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Aggregate {
-    /// The mean of the repeats counts.
+    /// The mean of the repeats.
     Mean,
-    /// A quantile, level from 0 to 1; low ones prefer robots that rarely fail.
+    /// A quantile, level from 0 to 1; low levels prefer robots that rarely fail.
     LowerQuantile(f64),
-    /// Mean minus so many standard deviations.
+    /// The mean minus so many standard deviations.
     MeanMinusSd(f64),
 }
 
-/// What is to be made large.
+/// The quantity that a search maximises.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Objective {
-    /// This is measured of each repeat.
+    /// The measure of each repeat.
     pub measure: Measure,
-    /// This is what becomes of the measures of all repeats.
+    /// The aggregate of the measures of all repeats.
     pub aggregate: Aggregate,
-    /// Seconds of each run that do not count: whoever falls over does so at once, and gets somewhere by that.
+    /// Seconds at the beginning of each run that do not count: a robot that falls over does so at once, and its fall would count
+    /// as displacement.
     pub from_s: f64,
-    /// A run counts for at most so many times what the last quarter of the counted time brings, 4 to a steady walker: who falls over and
-    /// lies gets nothing for it. Nothing: the whole counts as it is.
+    /// A run counts for at most so many times the displacement in the last quarter of the counted time, which is 4 for a steady
+    /// walker. A robot that falls over and then lies still gets nothing. `None` counts the whole displacement.
     pub last_quarters: Option<f64>,
 }
 
@@ -101,7 +102,7 @@ impl Aggregate {
 }
 
 impl Objective {
-    /// What counts of one run of this length; `energy` as counted from [`Objective::from_s`] on.
+    /// The part of one run of this length that counts; `energy` is counted from [`Objective::from_s`] on.
     pub fn travel(
         &self,
         path: &Prepared,
@@ -150,7 +151,7 @@ impl Objective {
     pub fn check(&self) -> Result<()> {
         Range::within(0.0, 3600.0, "s").check(self.from_s, "from_s")?;
         if let Some(times) = self.last_quarters {
-            // Fewer than four would take from who walks steadily.
+            // A factor below four would reduce the measure of a steady walker.
             Range::within(4.0, 1e6, "").check(times, "last_quarters")?;
         }
         let (value, highest) = match self.aggregate {
@@ -161,7 +162,7 @@ impl Objective {
         Range::within(0.0, highest, "").check(value, "aggregate")
     }
 
-    /// For people, e.g. `displacement, 20 % quantile`.
+    /// A short description for readers, e.g. `displacement, 20 % quantile`.
     pub fn label(&self) -> String {
         let aggregate = match self.aggregate {
             Aggregate::Mean => "mean".to_owned(),
@@ -186,7 +187,7 @@ mod tests {
     use nalgebra::Vector3;
     use realgap_path::trajectory::{Trajectory, prepare};
 
-    /// What counts of a run of 20 s with this place along x over time.
+    /// The counted displacement of a run of 20 s with this position along x over time.
     fn counted_m(x_m: impl Fn(f64) -> f64, last_quarters: Option<f64>) -> f64 {
         let times_s: Vec<f64> = (0..=1200).map(|k| f64::from(k) / 60.0).collect();
         let places = times_s.iter().map(|t| Vector3::new(x_m(*t), 0.0, 0.0));
@@ -202,7 +203,7 @@ mod tests {
 
     #[test]
     fn a_fall_is_no_walk_where_the_last_quarter_counts() {
-        // Falls over in the eighth second, and lies.
+        // The robot falls over in the eighth second and then lies still.
         let fall = |t: f64| if t < 8.0 { 0.0 } else { 0.4 };
         let walk = |t: f64| 0.04 * t;
         let last = Some(8.0);

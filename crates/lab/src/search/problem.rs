@@ -1,4 +1,4 @@
-//! A search: what is searched, by whom, and what is to be made large.
+//! A search: its space, its strategy and its objective.
 
 use std::sync::Arc;
 
@@ -38,12 +38,12 @@ impl Search {
         &self.name
     }
 
-    /// What it is for.
+    /// Purpose of the search.
     pub fn description(&self) -> &str {
         &self.description
     }
 
-    /// What chooses the robots.
+    /// The strategy that chooses the robots.
     pub fn strategy(&self) -> &dyn Strategy {
         self.strategy.as_ref()
     }
@@ -63,12 +63,12 @@ impl Search {
         &self.uncertain
     }
 
-    /// How else repeats differ.
+    /// Noise of the repeats.
     pub fn noise(&self) -> &Noise {
         &self.noise
     }
 
-    /// What is made large.
+    /// The objective.
     pub fn objective(&self) -> &Objective {
         &self.objective
     }
@@ -78,7 +78,7 @@ impl Search {
         self.repeats
     }
 
-    /// How the best are looked at again.
+    /// How the best robots are judged again.
     pub fn finals(&self) -> &FinalsSettings {
         &self.finals
     }
@@ -101,9 +101,9 @@ impl Search {
         self.set.apply(&experiment)
     }
 
-    /// The experiment of a robot as the search explores: in the second engine, which is cheap, unless the search fixes `solver.engine`
-    /// or what only Rapier knows. Its finalists are judged in both.
-    pub fn exploring(&self, robot: &Morphology) -> Experiment {
+    /// The experiment of a robot with which the search explores: in the second engine, which is cheap, unless the search fixes
+    /// `solver.engine` or a parameter that only Rapier has. Its finalists are judged in both.
+    pub(crate) fn exploring(&self, robot: &Morphology) -> Experiment {
         let mut experiment = self.experiment(robot);
         if let Some(second) = self.explorer() {
             experiment.solver.engine = second;
@@ -111,13 +111,13 @@ impl Search {
         experiment
     }
 
-    /// The engine that explores, where that is not the one that judges.
+    /// The engine that explores, where another one judges.
     pub(super) fn explorer(&self) -> Option<EngineChoice> {
         let is_free = self.set.value("solver.engine").is_none();
         self.judge().second_engine().filter(|_| is_free)
     }
 
-    /// Engines with their versions: that which judges, and that which explores.
+    /// Engines with their versions: the one that judges, and the one that explores.
     pub fn engines(&self) -> String {
         let judge = self.judge().engine_version();
         match self.explorer() {

@@ -1,4 +1,4 @@
-//! A robot that has been simulated: what it did, or why it failed.
+//! A simulated robot: its motion and fitness, or why it failed.
 
 use super::{Evaluated, Failure, Reason, Travel};
 use realgap_core::statistics::mean_of;
@@ -6,18 +6,18 @@ use realgap_core::{Error, Result};
 use realgap_robot::genome::{Gene, Genome, Locus};
 use realgap_store::{RobotOutcome, RobotRow};
 
-/// A robot of a search with what it is worth.
+/// A robot of a search with its result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EvaluatedRobot {
     /// Position in the search's order, from 0.
     pub index: usize,
     /// The genome.
     pub genome: Genome,
-    /// What came of it.
+    /// The result.
     pub outcome: Outcome,
 }
 
-/// What came of a robot.
+/// The result of a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
     /// It was simulated to the end in every repeat.
@@ -26,10 +26,10 @@ pub enum Outcome {
     Failed(Failure),
 }
 
-/// What a robot did in its repeats.
+/// The motion of a robot in its repeats, and its fitness.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Performance {
-    /// In the unit of the objective's measure, larger is better.
+    /// Fitness in the unit of the objective's measure; larger is better.
     pub fitness: f64,
     /// Every repeat, in order.
     pub repeats: Vec<Travel>,
@@ -38,7 +38,7 @@ pub struct Performance {
 }
 
 impl EvaluatedRobot {
-    /// What it did; `None` for a failure.
+    /// The performance; `None` for a failure.
     pub fn performance(&self) -> Option<&Performance> {
         match &self.outcome {
             Outcome::Walked(performance) => Some(performance),
@@ -57,8 +57,8 @@ impl EvaluatedRobot {
             .map(|performance| mean_displacement_m(&performance.repeats))
     }
 
-    /// Whether both walked, and did the very same in every repeat.
-    pub fn walked_as(&self, other: &Self) -> bool {
+    /// Whether both walked, and moved exactly alike in every repeat.
+    pub(crate) fn walked_as(&self, other: &Self) -> bool {
         let repeats = |robot: &Self| robot.performance().map(|p| p.repeats.clone());
         repeats(self).is_some() && repeats(self) == repeats(other)
     }
@@ -73,7 +73,7 @@ impl EvaluatedRobot {
         bodies.eq(self.genome.genes().iter().map(body))
     }
 
-    /// Why there is no fitness; `None` where there is one.
+    /// The failure; `None` where there is a fitness.
     pub fn failure(&self) -> Option<&Failure> {
         match &self.outcome {
             Outcome::Walked(_) => None,
@@ -81,7 +81,7 @@ impl EvaluatedRobot {
         }
     }
 
-    /// As a strategy sees it.
+    /// The robot in the form that strategies get.
     pub fn evaluated(&self) -> Evaluated {
         Evaluated {
             genome: self.genome.clone(),

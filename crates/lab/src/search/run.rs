@@ -1,4 +1,4 @@
-//! The search itself: proposals evaluated in parallel, in the strategy's order.
+//! The search itself: proposals are evaluated in parallel, in the strategy's order.
 
 use super::{Evaluated, EvaluatedRobot, Outcome, Performance, Search, Strategy};
 use realgap_core::{Error, Result};
@@ -11,17 +11,16 @@ use realgap_store::{Memory, Mode, Part, Place, RobotRow, Storage, Store};
 pub struct SearchResults {
     /// The robots stand in the strategy's order.
     pub robots: Vec<EvaluatedRobot>,
-    /// Of each robot the indices of its parents: none where it was drawn.
+    /// For each robot the indices of its parents; empty for a random robot.
     pub parents: Vec<Vec<usize>>,
-    /// How many robots the strategy proposed at once: sizes of its batches, in order. Of an interrupted search the last may not
-    /// be complete.
+    /// Sizes of the strategy's batches, in order. In an interrupted search the last one may not be complete.
     pub batches: Vec<usize>,
     /// Whether the search is complete.
     pub ending: Ending,
 }
 
 impl SearchResults {
-    /// The robot with the largest fitness, of equals the earlier; `None` where every robot failed.
+    /// The robot with the largest fitness, the earlier one of equals; `None` where every robot failed.
     pub fn best(&self) -> Option<&EvaluatedRobot> {
         let mut best: Option<(&EvaluatedRobot, f64)> = None;
         for robot in &self.robots {
@@ -44,13 +43,14 @@ impl SearchResults {
         ended.count()
     }
 
-    /// The robot with this index and its ancestors, youngest first: of two parents always the first, whose body and gait a child begins as.
+    /// The robot with this index and its ancestors, youngest first: of two parents always the first, from whose body and gait a
+    /// child is made.
     pub fn lineage(&self, index: usize) -> Vec<usize> {
         let first_parent = |robot: &usize| self.parents.get(*robot)?.first().copied();
         std::iter::successors(Some(index), first_parent).collect()
     }
 
-    /// As strategies see the robots.
+    /// The robots in the form that strategies get.
     pub fn history(&self) -> Vec<Evaluated> {
         self.robots.iter().map(EvaluatedRobot::evaluated).collect()
     }
@@ -67,10 +67,10 @@ impl Search {
         })
     }
 
-    /// As [`Search::run`], with a fitness of somebody else, larger is better, of what a robot did in its repeats.
+    /// As [`Search::run`], with a fitness function of the caller (larger is better) of a robot's repeats.
     ///
     /// # Errors
-    /// As [`Search::run`]; those of `fitness`, and one that is not a finite number.
+    /// As [`Search::run`]; those of `fitness`, and a fitness that is not a finite number.
     pub fn run_for(
         &self,
         fitness: impl Fn(&Performance) -> Result<f64> + Sync,
@@ -89,8 +89,8 @@ impl Search {
         })
     }
 
-    /// Searches into the store of a results folder, from where an interrupted search goes on: the robots have the same bits
-    /// as those of [`Search::run`], however often it was interrupted.
+    /// Searches into the store of a results folder, from which an interrupted search continues: the robots have the same bits as
+    /// those of [`Search::run`], however often it was interrupted.
     ///
     /// # Errors
     /// As [`Search::run`]; a folder that cannot be used.
@@ -115,12 +115,16 @@ impl Search {
         Ok(results)
     }
 
-    /// Simulates one worker's share of the batch of robots that is under way, and ends there: interrupted, unless everything is
-    /// merged.
+    /// Simulates one worker's share of the current batch of robots and stops there. The ending is "interrupted" unless all shares
+    /// are merged already.
     ///
     /// # Errors
     /// As [`Search::run_in`].
-    pub fn run_part(&self, part: &mut Part<RobotRow>, options: &RunOptions<'_>) -> Result<Ending> {
+    pub(crate) fn run_part(
+        &self,
+        part: &mut Part<RobotRow>,
+        options: &RunOptions<'_>,
+    ) -> Result<Ending> {
         let results = follow(self.strategy(), part, options, |i, g| {
             self.evaluate_until_stopped(i, g, options)
         })?;
@@ -195,7 +199,7 @@ fn follow(
             results.robots.push(robot);
         }
         if results.ending == Ending::Interrupted {
-            // What is there of the batch is no history: the strategy sees whole batches only.
+            // An unfinished batch is not part of the history, because the strategy sees whole batches only.
             return Ok(results);
         }
         options.tell(history.len(), total, best);
@@ -217,7 +221,7 @@ mod tests {
             evaluations: 600,
             seed: 1,
         };
-        // Smooth and soon found, so that the optimizer starts again with twice as many.
+        // The function is smooth and its maximum is soon found, so the optimizer restarts with twice as many points.
         let evaluate = |index, genome: &Genome| {
             let fitness = -(genome.genes()[0].get(Locus::Amplitude) - 0.3).powi(2);
             Ok(EvaluatedRobot {

@@ -32,10 +32,10 @@ enum StartFile {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Search")]
 pub struct SearchFile {
-    /// What is looked for, for people.
+    /// What the search is for, for readers.
     #[serde(default)]
     description: String,
-    /// How it is looked for.
+    /// The strategy.
     strategy: StrategyFile,
     /// The body or gait from which the search starts; some strategies need none.
     start: Option<StartFile>,
@@ -47,28 +47,29 @@ pub struct SearchFile {
     /// Parameters with a fixed value, by name; `realgap study parameters` lists all.
     #[serde(default, deserialize_with = "unique_keys")]
     set: BTreeMap<String, f64>,
-    /// What is not known exactly: every repeat draws from these ranges.
+    /// Parameters that are not known exactly: every repeat draws values from these ranges.
     #[serde(default)]
     parameters: Vec<UncertainRange>,
-    /// Results folder of a sweep, relative to this file: repeats draw from the points that cannot be told apart.
+    /// Results folder of a sweep, relative to this file: repeats draw from the points of its confidence set.
     indistinguishable: Option<PathBuf>,
     /// How repeats differ.
     noise: Option<Noise>,
-    /// What is made large.
+    /// The objective, which the search maximises.
     #[serde(default)]
     objective: Objective,
     /// Runs of each robot.
     #[serde(default = "eight")]
     repeats: usize,
-    /// What counts as a failure.
+    /// Rules for failures.
     #[serde(default)]
     failures: FailureRules,
-    /// In which settings of engine and steps the repeats run.
+    /// The settings of engine and steps of the repeats.
     #[serde(default)]
     settings: SettingsChoice,
-    /// How the gait of every body is tuned before the body is judged; left out: bodies are judged with the gait of their genome.
+    /// How the gait of every body is tuned before the body is judged; without it, bodies are judged with the gait of their
+    /// genome.
     gait: Option<GaitTuning>,
-    /// How the best are looked at again.
+    /// How the best robots are judged again.
     #[serde(default)]
     finalists: FinalsSettings,
     /// Seed of everything random.
@@ -84,14 +85,14 @@ fn one() -> u64 {
     1
 }
 
-/// What the caller wants different from the file.
+/// Settings of a caller that take the place of those in the file.
 #[derive(Debug, Clone, Default)]
 pub struct Overrides {
     /// Fixed values, after the file's own.
     pub set: ParameterSet,
-    /// Folder with indistinguishable points in place of the file's.
+    /// Folder with a confidence set, in place of the file's.
     pub indistinguishable: Option<PathBuf>,
-    /// Values that files of parameters carry: every repeat takes one of each group where there are no such points.
+    /// Draws that files of parameters carry: every repeat takes one of each group, where there is no such folder.
     pub draws: Vec<Vec<ParameterSet>>,
     /// Seed in place of the file's.
     pub seed: Option<u64>,
@@ -106,7 +107,7 @@ impl Search {
         Self::parse(&Source::read(path, "search")?, overrides)
     }
 
-    /// As [`Search::read`], of a text.
+    /// As [`Search::read`], from a text.
     ///
     /// # Errors
     /// As [`Search::read`].
@@ -149,7 +150,7 @@ fn builder(source: &Source, file: SearchFile, overrides: &Overrides) -> Result<S
         set: file.set.into_iter().collect(),
         overruling: overrides.set.clone(),
         ranges: file.parameters,
-        // A folder's points were named for this; what a file of values carries is left out then.
+        // A folder of points is named for this purpose, so the draws in files of values are left out then.
         points: match points.is_empty() {
             true => overrides.draws.clone(),
             false => vec![points],

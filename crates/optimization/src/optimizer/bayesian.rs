@@ -1,9 +1,10 @@
 //! Efficient global optimisation (Jones, Schonlau & Welch 1998): a model of what is known says where a better score may be.
 
-use super::gaussian_process::{GaussianProcess, log_expected_improvement};
+use super::expected_improvement::log_expected_improvement;
 use super::{
     EvaluatedPoint, History, OptimizationProblem, Optimizer, Proposal, UnitPoint, space_filling,
 };
+use crate::gaussian_process::GaussianProcess;
 use realgap_core::error::Result;
 
 /// Gaussian process with expected improvement.
@@ -178,13 +179,15 @@ impl Optimizer for Bayesian {
         let mut values = standardised(&scores);
         let pairs = known.iter().cloned().zip(values.iter().copied()).collect();
         let (points, heights): (Vec<UnitPoint>, Vec<f64>) = thin(pairs, FITTED).into_iter().unzip();
-        let Some(kernel) = GaussianProcess::fit(&points, &heights).map(|p| p.kernel().clone())
+        let Some(hyperparameters) =
+            GaussianProcess::fit(&points, &heights).map(|p| p.hyperparameters().clone())
         else {
             return Ok(Proposal::Evaluate(further()));
         };
         let mut batch = Vec::new();
         for place in 0..BATCH {
-            let Some(process) = GaussianProcess::new(&known, &values, kernel.clone()) else {
+            let Some(process) = GaussianProcess::new(&known, &values, hyperparameters.clone())
+            else {
                 break;
             };
             let Some(point) = most_promising(&process, &known, seed) else {

@@ -8,8 +8,8 @@
 
 mod bayesian;
 mod cma_es;
+mod expected_improvement;
 mod gauss_newton;
-mod gaussian_process;
 mod grid;
 mod nelder_mead;
 mod particle_swarm;

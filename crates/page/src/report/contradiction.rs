@@ -159,7 +159,7 @@ fn a_sweep_says_one_thing_in_every_place() {
             told.answer.clone()
         });
         let (inside, points) = drawn.counted();
-        let count = format!("{inside} of {points} simulated points cannot be told apart");
+        let count = format!("confidence set holds {inside} of {points} simulated points");
         let score = quantity(report.best.as_ref().unwrap().score, report.unit);
         for (place, text) in [("terminal", &told.text), ("page", &told.page)] {
             found.hold(&told, text.contains(&count), || {
@@ -269,13 +269,15 @@ fn likeness(
     });
     let text = of_gap.text.as_str();
     for (place, text) in [("terminal", text), ("page", &of_gap.answer)] {
-        let other = text.contains("NOT drawn like");
+        let other = text.contains("NOT have the distribution");
         found.hold(of_gap, other == (p < 0.05), || {
             format!("{place}, p = {p}: {text}")
         });
-        found.hold(of_gap, other != text.contains("Nothing tells"), || {
-            text.to_owned()
-        });
+        found.hold(
+            of_gap,
+            other != text.contains("No difference is found"),
+            || text.to_owned(),
+        );
         let confidence = gap.confidence.as_ref().unwrap();
         let surely = confidence.surely_below_half_s.is_some();
         let below = confidence.below_half_s.is_some();

@@ -1,4 +1,4 @@
-//! Behaviours: groups of repeats that do the same.
+//! Behaviours: clusters of repeats with similar paths.
 
 use kodama::{Method, linkage};
 use serde::{Deserialize, Serialize};
@@ -7,29 +7,29 @@ use super::{Ensemble, Motion};
 use realgap_core::statistics::{Proportion, least_by, mean_of_any, median};
 use realgap_path::trajectory::{Prepared, rms_m};
 
-/// At most so many behaviours: more are no description any more.
+/// Most behaviours: a longer list would not describe the ensemble any more.
 pub const BEHAVIOURS: usize = 5;
 /// Confidence level of the probabilities' intervals.
 const LEVEL: f64 = 0.95;
-/// Two paths are two behaviours where they are further apart than this share of the body length, and than
-/// [`CUT_DISPLACEMENTS`] says.
+/// Two clusters of paths are two behaviours where their distance is larger than this share of the body length and than
+/// [`CUT_DISPLACEMENTS`] of the displacement.
 const CUT_BODY_LENGTHS: f64 = 0.5;
 /// The same as a share of the median path's net displacement.
 const CUT_DISPLACEMENTS: f64 = 0.25;
-/// A robot that gets less far than this share of its body length may turn in place.
+/// A robot that moves less than this share of its body length may turn in place.
 const IN_PLACE_BODY_LENGTHS: f64 = 0.5;
-/// So may one that gets less far than this share of its path.
+/// So may a robot whose displacement is less than this share of the length of its path.
 const IN_PLACE_PATHS: f64 = 0.1;
-/// It does where it turns at least this much, radians.
+/// It does where its heading changes by at least this much, radians.
 const IN_PLACE_TURN_RAD: f64 = std::f64::consts::FRAC_PI_4;
 
 realgap_core::labelled_enum! {
-    /// What a behaviour is.
+    /// Kind of a behaviour.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
     #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
     #[serde(rename_all = "snake_case")]
     Kind.label;
-    /// What the simulation without noise does.
+    /// The behaviour of the simulation without noise.
     AsPredicted "as predicted";
     /// Goes nowhere while its heading changes.
     TurnsInPlace "turns in place";
@@ -37,18 +37,18 @@ realgap_core::labelled_enum! {
     OtherPath "other path";
 }
 
-/// A group of repeats that do the same.
+/// A cluster of repeats with similar paths.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Behaviour {
     /// Name, numbered where several are of one kind.
     pub name: String,
-    /// What it is.
+    /// Kind of the behaviour.
     pub kind: Kind,
-    /// How likely, with its 95 % Wilson interval; of all repeats, diverged ones included.
+    /// Share of all repeats (diverged ones included) with its 95 % Wilson interval.
     pub probability: Proportion,
-    /// Number of the repeat in the middle of the group (least mean distance to the others); `None` for the
-    /// prediction where no repeat follows it.
+    /// Number of the repeat in the middle of the cluster (least mean distance to the others); `None` for the behaviour without
+    /// noise where no repeat shows it.
     pub representative: Option<u64>,
     /// Numbers of its repeats.
     pub repeats: Vec<u64>,
@@ -58,11 +58,11 @@ pub struct Behaviour {
     pub path_xy_m: Vec<[f64; 2]>,
 }
 
-/// The behaviours of an ensemble, the prediction first, then the most likely first.
+/// The behaviours of an ensemble: the one without noise first, then the others by decreasing probability.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Behaviours {
-    /// Distance at which two behaviours are two, metres.
+    /// Distance above which two clusters are two behaviours, metres.
     pub cut_m: f64,
     /// The behaviours.
     pub list: Vec<Behaviour>,
@@ -137,8 +137,8 @@ pub fn behaviours(ensemble: &Ensemble) -> Behaviours {
 }
 
 impl Behaviours {
-    /// The behaviour whose repeats are nearest on average, and how far they are, metres. Of every repeat its number and how far
-    /// it is.
+    /// The behaviour whose repeats are nearest on average, and their mean distance, metres. `repeats` gives the number of every
+    /// repeat and its distance.
     pub(in crate::prediction) fn nearest(
         &self,
         distances_m: &[(u64, f64)],

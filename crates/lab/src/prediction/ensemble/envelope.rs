@@ -1,4 +1,4 @@
-//! Where the robot is, in the prepared frame: central regions of the repeats, at each time and for whole paths.
+//! Central regions of the repeats' positions in the prepared frame, at each time and for whole paths.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,30 +7,30 @@ use realgap_path::trajectory::{POINTS, Prepared};
 
 /// Levels of the central regions.
 pub const LEVELS: [f64; 3] = [0.5, 0.8, 0.9];
-/// Fewer paths than this have no band of 90 % for whole paths.
+/// Least paths for a band that holds 90 % of whole paths.
 pub const LEAST_PATHS: usize = 18;
-/// Standard deviation added to that of the repeats, as a share of the body length: at the start all repeats are at
-/// the origin and at the end all are on +x, and no real run is known better than this.
+/// Standard deviation that is added to that of the repeats, as a share of the body length. At the start all repeats are at the
+/// origin and at the end all are on the x axis, but the position of no real run is known better than this.
 const FLOOR: f64 = 1e-3;
 
-/// Which of `n` sorted values bounds a further one with probability `level`, from 1.
+/// The rank, from 1, of the sorted value that bounds a further one with probability `level`.
 fn rank(n: usize, level: f64) -> usize {
-    // 0.9 times 30 is a little more than 27 in binary.
+    // In binary, 0.9 times 30 is a little more than 27, so a rounding error is subtracted.
     let rank = ((n as f64 + 1.0) * level - 1e-9).ceil() as usize;
     rank.clamp(1, n)
 }
 
-/// How many of `paths` are scored, about half: one less than a multiple of ten.
+/// How many of `paths` calibrate the band, about half: one less than a multiple of ten.
 fn scored(paths: usize) -> usize {
     (10 * ((paths / 2 + 6) / 10)).max(10) - 1
 }
 
-/// Central regions of position at one time: concentric ellipses, centre and axes those of the repeats' covariance.
+/// Central regions of position at one time: concentric ellipses whose centre and axes are those of the repeats' covariance.
 ///
-/// The region of level p holds the points whose Mahalanobis distance is at most the ⌈(n + 1) p⌉-th smallest of
-/// the n repeats' own: as in conformal prediction (Vovk et al. 2005), it covers a new draw of the same
-/// distribution with about probability p whatever that distribution is. The shape is only a shape: for
-/// two separate groups of paths the ellipse includes what lies between them.
+/// The region of level p holds the points whose Mahalanobis distance is at most the ⌈(n + 1) p⌉-th smallest of the n repeats' own
+/// distances. As in conformal prediction (Vovk et al. 2005), it holds a new draw from the same distribution with a probability of
+/// about p, whatever the distribution is. The ellipse only gives the shape: for two separate groups of paths it includes the
+/// space between them.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Region {
@@ -43,8 +43,8 @@ pub struct Region {
 }
 
 impl Region {
-    /// Regions of some places of a body of this length; at least one.
-    pub fn of_places(places_m: &[[f64; 2]], body_length_m: f64) -> Self {
+    /// Regions of the positions of a body of this length; at least one position.
+    pub(crate) fn of_places(places_m: &[[f64; 2]], body_length_m: f64) -> Self {
         Self::of(places_m, FLOOR * body_length_m)
     }
 
@@ -83,7 +83,7 @@ impl Region {
 
     /// Whether a point lies in the region of `LEVELS[level]`.
     pub fn contains(&self, level: usize, point_m: [f64; 2]) -> bool {
-        // A point on the edge belongs to it, rounding included.
+        // A point on the edge belongs to the region, rounding errors included.
         self.distance(point_m) <= self.radii[level] * (1.0 + 1e-12) + 1e-12
     }
 
@@ -115,8 +115,8 @@ impl Region {
     }
 }
 
-/// Central regions over time, one a prepared point: each holds its share at its own time ([`Envelope::new`]), or all together
-/// hold it for whole paths ([`Envelope::of_whole_paths`]).
+/// Central regions over time, one for each prepared point. Each holds its share at its own time ([`Envelope::new`]), or all
+/// together hold their share of whole paths ([`Envelope::of_whole_paths`]).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Envelope {
@@ -152,13 +152,13 @@ impl Envelope {
         Ok(Self { times_s, regions })
     }
 
-    /// The band that a further path stays in from start to end: as often as each of [`LEVELS`] says, for any distribution and
-    /// number of repeats. `None` for fewer than [`LEAST_PATHS`].
+    /// The band in which a further path stays from start to end, with the probability of each of [`LEVELS`], for any distribution
+    /// and number of repeats. `None` for fewer than [`LEAST_PATHS`].
     ///
-    /// Split conformal prediction (Lei et al. 2018; for curves Diquigiovanni, Fontana & Vantini 2022): some paths give the
-    /// centre and covariance at each time, the score of a path is its largest Mahalanobis distance from these, and the band of
-    /// level p is as wide as the ⌈(n + 1) p⌉-th smallest score of the n others. So many are these that (n + 1) p is whole:
-    /// exactly p, not a little more.
+    /// Split conformal prediction (Lei et al. 2018; for curves Diquigiovanni, Fontana & Vantini 2022): some paths give the centre
+    /// and the covariance at each time, the score of a path is its largest Mahalanobis distance from these, and the band of level
+    /// p is as wide as the ⌈(n + 1) p⌉-th smallest score of the n others. Their number is chosen so that (n + 1) p is whole, and
+    /// the probability is exactly p.
     ///
     /// # Errors
     /// As [`Envelope::new`].

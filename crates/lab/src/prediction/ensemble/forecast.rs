@@ -1,4 +1,4 @@
-//! Everything that an ensemble says, ready to be written.
+//! The forecast of an ensemble: all of its summaries.
 
 use serde::Serialize;
 
@@ -10,7 +10,7 @@ use realgap_simulation::Noise;
 /// Confidence level of the intervals.
 const LEVEL: f64 = 0.95;
 
-/// What an ensemble says.
+/// The summaries of an ensemble.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Forecast {
@@ -38,15 +38,15 @@ pub struct Forecast {
     pub noise_free_displacement_m: Option<f64>,
     /// Repeats that diverged.
     pub diverged: Proportion,
-    /// Groups of repeats that do the same.
+    /// Clusters of repeats with similar paths.
     pub behaviours: Behaviours,
     /// Central regions, each for its own time; `None` where every repeat diverged.
     pub envelope: Option<Envelope>,
-    /// The band that whole paths stay in; `None` for too few repeats.
+    /// The band in which whole paths stay; `None` for too few repeats.
     pub band: Option<Envelope>,
     /// How the repeats differ.
     pub noise: Noise,
-    /// CPU seconds of all runs; not written with the rest, which is the same for equal runs.
+    /// CPU seconds of all runs; not written, so that equal runs give equal files.
     #[serde(skip)]
     pub cpu_s: f64,
     /// What the reader should know.
@@ -108,7 +108,7 @@ impl Forecast {
 }
 
 impl Ensemble {
-    /// How often a repeat gets at least `least_m` far; diverged repeats do not.
+    /// The share of repeats that move at least `least_m`; diverged repeats do not count as such.
     pub fn success(&self, least_m: f64) -> Proportion {
         let far = self
             .motions()

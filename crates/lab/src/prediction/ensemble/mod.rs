@@ -1,8 +1,8 @@
-//! Many repeats of one experiment under noise: what will really happen, and how sure may we be?
+//! Many repeats of one experiment under noise: what will happen in reality, and with which probability.
 //!
-//! [`run`] simulates the repeats; [`Quantiles`], [`Envelope`] and [`behaviours`] say what they have in common and
-//! [`Forecast`] holds all of it. [`Reality`] holds an ensemble against recorded paths. Paper 003 (section 4) predicted one path and saw it
-//! in 15 % of the trials; this is the prediction it asks for instead.
+//! [`run`] simulates the repeats; [`Quantiles`], [`Envelope`] and [`behaviours`] summarise them, and [`Forecast`] holds all
+//! summaries. [`Reality`] compares an ensemble with recorded paths. Paper 003 (section 4) predicted one path and saw it in 15 %
+//! of the trials; this is the prediction that it asks for instead.
 //!
 //! ```
 //! use realgap_optimization::RunOptions;
@@ -18,8 +18,8 @@
 //! # Ok::<(), realgap_core::Error>(())
 //! ```
 //!
-//! Needs no recordings. Same experiment, noise and seed → same bits, whatever the threads; repeat k alone is the
-//! same as repeat k of the ensemble ([`Noise::perturb`](realgap_simulation::Noise::perturb)).
+//! No recordings are needed. The same experiment, noise and seed give the same bits, whatever the number of threads; repeat k
+//! alone is the same as repeat k of the ensemble ([`Noise::perturb`](realgap_simulation::Noise::perturb)).
 
 mod behaviour;
 mod envelope;
@@ -38,5 +38,6 @@ pub use realgap_path::trajectory::rms_m;
 pub(super) use reality::REPEATS_TESTED;
 pub use reality::{Coverage, RealRun, Reality};
 pub(super) use run::must_repeat;
-pub use run::{Draws, Recall, no_camera, run_each};
+pub(crate) use run::no_camera;
+pub use run::{Draws, Recall, run_each};
 pub use run::{Ensemble, Motion, Repeat, repeat, run};

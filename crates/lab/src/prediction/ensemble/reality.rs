@@ -1,4 +1,4 @@
-//! An ensemble held against recorded paths: do its confidences keep what they promise?
+//! Comparison of an ensemble with recorded paths: whether its regions hold as many recordings as they state.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -20,8 +20,8 @@ pub struct RealRun {
     pub recording: String,
     /// Net displacement, metres.
     pub net_displacement_m: f64,
-    /// Name of the behaviour it shows: the one whose repeats are nearest on average; `None` where even these are
-    /// further off than behaviours are from each other: nothing like it was predicted.
+    /// Name of the behaviour that it shows: the one whose repeats are nearest on average. `None` where even these are farther
+    /// away than behaviours are from each other, so that no such behaviour was predicted.
     pub behaviour: Option<String>,
     /// Mean RMS distance to the repeats of the nearest behaviour, metres.
     pub distance_m: f64,
@@ -39,13 +39,13 @@ pub struct RealRun {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Coverage {
-    /// What the region promises.
+    /// Stated probability of the region.
     pub level: f64,
     /// Share of the time, mean over the runs.
     pub over_time: f64,
     /// Runs that end in it, with the 95 % Wilson interval.
     pub at_end: Proportion,
-    /// Whether `level` lies in that interval and in that of whole paths: the runs contradict neither promise.
+    /// Whether `level` lies in that interval and in that of whole paths, so that the runs contradict neither statement.
     pub is_honest: bool,
     /// Runs that stay in the band for whole paths, with the 95 % Wilson interval; `None` without one.
     pub whole_path: Option<Proportion>,
@@ -62,24 +62,26 @@ pub struct Reality {
     pub energy_score_m: f64,
     /// The score that reality would get on average if it were one more repeat: ½ E‖X − X′‖, metres.
     pub expected_energy_score_m: f64,
-    /// Whether recordings and repeats are drawn alike, by their RMS distances; `None` without several recordings of one start.
+    /// Energy test of the RMS distances: whether recordings and repeats have the same distribution; `None` without several
+    /// recordings of one start.
     pub alike: Option<EnergyTest>,
     /// The runs.
     pub runs: Vec<RealRun>,
 }
 
-/// At most so many repeats take part in the test of likeness: it needs the distances of all pairs.
+/// Most repeats that take part in the energy test, which needs the distances of all pairs.
 pub(in crate::prediction) const REPEATS_TESTED: usize = 400;
 
 impl Coverage {
-    /// What it says of its region.
+    /// The claim about the region.
     pub fn claim(&self) -> Claim {
         claim::region(self.level, &self.at_end, self.whole_path.as_ref())
     }
 }
 
 impl Reality {
-    /// Compares an ensemble and what is said about it with named prepared recordings, in true lengths; `None` without recordings or repeats.
+    /// Compares an ensemble and its forecast with named prepared recordings, in true lengths; `None` without recordings or
+    /// repeats.
     ///
     /// # Errors
     /// Distances that are not finite.
@@ -135,7 +137,7 @@ impl Reality {
         Ok(Some(Self::of_runs(runs, half_spread_m, alike)))
     }
 
-    /// Recorded runs that each had an ensemble of their own, together; `None` for none.
+    /// The comparisons of recorded runs with their own ensembles, put together; `None` for none.
     pub fn pooled(parts: &[&Self]) -> Option<Self> {
         if parts.is_empty() {
             return None;

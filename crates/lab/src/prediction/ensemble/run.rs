@@ -1,4 +1,4 @@
-//! Simulating the repeats.
+//! Simulation of the repeats.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
@@ -13,13 +13,13 @@ use realgap_simulation::{
     EnergyBalance, Experiment, Noise, Outcome, Perturbation, Run, RunHooks, run_with,
 };
 
-/// A run that is known already, by its number.
+/// Gives the run with a number where it is known already, so that it is not simulated again.
 pub type Recall<'a> = &'a (dyn Fn(usize) -> Result<Option<Run>> + Sync);
 
-/// Below this many repeats, tails and rare behaviours are guesses.
+/// With fewer repeats than this, tails and rare behaviours are not estimated reliably.
 const FEW_REPEATS: usize = 20;
 
-/// What a repeat that ended did.
+/// The result of a repeat that was completed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
     /// The prepared path.
@@ -28,7 +28,7 @@ pub struct Motion {
     pub turned_rad: f64,
     /// Root mean square servo error, radians.
     pub servo_rms_rad: f64,
-    /// Where its energy came from and went, where the experiment asks for it.
+    /// Its energy balance, where the experiment asks for it.
     pub energy: Option<EnergyBalance>,
 }
 
@@ -44,9 +44,9 @@ impl Motion {
 pub struct Repeat {
     /// Its number, from 0: with the ensemble's seed it can be replayed.
     pub number: u64,
-    /// What was drawn.
+    /// The random draws.
     pub perturbation: Perturbation,
-    /// What came of it.
+    /// The motion, or why the repeat diverged.
     pub outcome: Outcome<Motion>,
 }
 
@@ -59,11 +59,11 @@ pub struct Ensemble {
     pub uncertain: UncertainParameters,
     /// Seed of all draws.
     pub seed: u64,
-    /// How many repeats were asked for; fewer are here where the run was stopped.
+    /// Requested number of repeats; fewer were simulated where the run was stopped.
     pub asked: usize,
     /// The repeats that were simulated, in order of their numbers.
     pub repeats: Vec<Repeat>,
-    /// The experiment without noise: the one prediction a single simulation gives.
+    /// The run without noise: the prediction that a single simulation gives.
     pub noise_free: Outcome<Motion>,
     /// Length of each run, seconds.
     pub duration_s: f64,
@@ -78,12 +78,12 @@ pub struct Ensemble {
 }
 
 impl Ensemble {
-    /// Whether all repeats that were asked for are here.
+    /// Whether all requested repeats were simulated.
     pub fn is_complete(&self) -> bool {
         self.repeats.len() == self.asked
     }
 
-    /// The repeats that ended, with their motions.
+    /// The completed repeats, with their motions.
     pub fn motions(&self) -> impl Iterator<Item = (&Repeat, &Motion)> {
         self.repeats
             .iter()
@@ -91,11 +91,10 @@ impl Ensemble {
     }
 }
 
-/// Simulates `repeats` repeats of `experiment` under `noise`, with its own parameters in all of them.
+/// Simulates `repeats` repeats of `experiment` under `noise`; all have the experiment's parameters.
 ///
-/// The result does not depend on the threads. Once the run is stopped no repeat is begun; those that are done are returned
-/// ([`Ensemble::is_complete`]).
-/// A perturbation that the experiment already has is replaced by each draw.
+/// The result does not depend on the number of threads. After a request to stop, no further repeat begins, and the finished ones
+/// are returned ([`Ensemble::is_complete`]). A perturbation that the experiment already has is replaced by each draw.
 ///
 /// # Errors
 /// Noise or settings that cannot be simulated, no repeats at all. Diverged repeats are outcomes, not errors.
@@ -121,13 +120,13 @@ pub fn run(
 pub struct Draws<'a> {
     /// How they differ.
     pub noise: &'a Noise,
-    /// Parameters that differ, too.
+    /// Parameters that also differ.
     pub uncertain: &'a UncertainParameters,
     /// Seed of all draws.
     pub seed: u64,
     /// How many there are.
     pub repeats: usize,
-    /// What is known already is not simulated again.
+    /// Gives the runs that are known already.
     pub recall: Recall<'a>,
 }
 
@@ -153,7 +152,7 @@ pub fn run_each(
         perturbation: Perturbation::default(),
         ..experiment.clone()
     };
-    // Whoever stops at once gets this run at least.
+    // This run is always simulated, even after a request to stop.
     let intended = realgap_simulation::run(&intended)?;
     let run_warnings = intended.warnings.clone();
     let (noise_free, first_cpu) = outcome(intended)?;
@@ -220,7 +219,7 @@ fn unless_stopped(experiment: &Experiment, run: &RunOptions<'_>) -> Result<Optio
     }
 }
 
-/// Refuses an ensemble of nothing.
+/// Refuses an ensemble without repeats.
 pub(in crate::prediction) fn must_repeat(repeats: usize) -> Result<()> {
     if repeats > 0 {
         return Ok(());
@@ -241,7 +240,7 @@ pub fn repeat(experiment: &Experiment, noise: &Noise, seed: u64, number: u64) ->
     recorded(run, noise, seed, number)
 }
 
-/// The run as the noise's camera sees it.
+/// The run as the camera of the noise records it.
 fn recorded(run: Run, noise: &Noise, seed: u64, number: u64) -> Result<Run> {
     let outcome = run
         .outcome
@@ -249,8 +248,8 @@ fn recorded(run: Run, noise: &Noise, seed: u64, number: u64) -> Result<Run> {
     Ok(Run { outcome, ..run })
 }
 
-/// Repeats without a camera are nearer to each other than recordings can be.
-pub fn no_camera(noise: &Noise) -> Option<Warning> {
+/// A warning where the noise has no camera: repeats without camera noise are nearer to each other than recordings can be.
+pub(crate) fn no_camera(noise: &Noise) -> Option<Warning> {
     (noise.camera.is_zero() && !noise.is_zero()).then(|| {
         Code::NoCamera.warning(
             "the noise has no camera, but recordings were seen by one: where repeats differ by less than it does (at first),              regions are too narrow; add e.g. camera: (position_m: Normal(0.001))",

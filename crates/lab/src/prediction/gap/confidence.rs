@@ -1,4 +1,4 @@
-//! Simulation confidence over time.
+//! Simulation confidence over time: the share of recordings inside of a region of the repeats.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,21 +9,21 @@ use realgap_core::Result;
 use realgap_core::statistics::{Proportion, mean_of};
 use realgap_path::trajectory::{POINTS, Prepared};
 
-/// Which of the ensemble's [`LEVELS`] the region has: 90 %.
-pub const LEVEL_INDEX: usize = 2;
-/// Below this share of real runs a simulation predicts less than it misses.
+/// Index of the region's level in the ensemble's [`LEVELS`]: 90 %.
+pub(crate) const LEVEL_INDEX: usize = 2;
+/// Below this share of real runs more recordings lie outside of the region than inside.
 const HALF: f64 = 0.5;
 /// Level of the intervals.
 const INTERVAL: f64 = 0.95;
 
-/// Simulation confidence C(t): the probability that a real run lies, at time t, inside the region that should hold 90 % of further
-/// repeats of the simulated ensemble.
+/// Simulation confidence C(t): the probability that a real run lies, at time t, inside the region that should hold 90 % of
+/// further repeats of the simulated ensemble.
 ///
-/// An ensemble that tells the truth has C(t) near 0.9 at all times; one that is off, or too sure of itself, drops.
+/// For a calibrated ensemble, C(t) is near 0.9 at all times; C(t) drops where the ensemble is biased or too narrow.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Confidence {
-    /// What the region promises.
+    /// Stated probability of the region.
     pub level: f64,
     /// Times, seconds from the start.
     pub times_s: Vec<f64>,
@@ -31,12 +31,12 @@ pub struct Confidence {
     pub inside: Vec<Proportion>,
     /// Mean of C(t) over time.
     pub over_time: f64,
-    /// Its 95 % interval, with each recording as one trial: its samples say nearly the same.
+    /// Its 95 % interval, with each recording as one trial, because the samples of one recording are strongly correlated.
     pub over_time_interval: (f64, f64),
-    /// First time at which fewer than half of the recordings lie inside; `None`: never. With few recordings one instant may
-    /// dip by chance.
+    /// First time at which fewer than half of the recordings lie inside; `None` for never. With few recordings C(t) may be low at
+    /// one time by chance.
     pub below_half_s: Option<f64>,
-    /// First time at which the whole interval lies under one half; `None`: never.
+    /// First time at which the whole interval lies below one half; `None` for never.
     pub surely_below_half_s: Option<f64>,
 }
 
@@ -47,7 +47,7 @@ impl Confidence {
         [of(|p| p.low), of(|p| p.share), of(|p| p.high)]
     }
 
-    /// When it drops, in words.
+    /// The time at which it drops, in words.
     pub fn drop_in_words(&self) -> String {
         match (self.below_half_s, self.surely_below_half_s) {
             (None, _) => "never under 50 %".to_owned(),

@@ -1,4 +1,4 @@
-//! The gap, simulation against reality, and the gap ratio.
+//! The gap between simulation and reality, and the gap ratio.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -11,13 +11,13 @@ use realgap_core::statistics::{Degree, EnergyTest, energy_test, mean};
 use realgap_core::unit::Unit;
 use realgap_core::{Code, Error, Result, Warning};
 
-/// A gap and how many noise floors it is.
+/// A gap, and its ratio to the noise floor.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct GapAndRatio {
     /// Mean distance over the recordings.
     pub gap: Estimate,
-    /// Gap over noise floor, both without the same recordings; 1: as near to a recording as another recording is. `None`
+    /// Gap over noise floor, both without the same recordings; 1 means as near to a recording as another recording is. `None`
     /// without a noise floor.
     pub ratio: Option<Estimate>,
 }
@@ -36,8 +36,8 @@ pub struct MetricGap {
     pub ideal: Option<GapAndRatio>,
     /// Repeats under noise against reality, mean over the repeats.
     pub repeats: Option<GapAndRatio>,
-    /// Whether recordings and repeats are drawn alike: a gap ratio of 1 does not say so, because repeats that are nearer to
-    /// each other may lie as far off. `None` without several of both of the same start.
+    /// Energy test: whether recordings and repeats have the same distribution. A gap ratio of 1 does not show this, because
+    /// repeats that are nearer to each other may be biased. `None` unless there are several of both from the same start.
     pub alike: Option<EnergyTest>,
 }
 
@@ -55,8 +55,8 @@ pub struct Distances {
 
 /// Noise floor, gap and gap ratio of recordings and the simulations of their starts.
 ///
-/// There is a noise floor where all recordings share one start. The basis of the metric `pca` is fitted on what is compared:
-/// recordings alone for the floor, recordings and the runs concerned for a gap.
+/// There is a noise floor where all recordings share one start. The basis of the metric `pca` is fitted on the compared paths: on
+/// recordings alone for the floor, on recordings and the respective runs for a gap.
 ///
 /// # Errors
 /// No recordings, a metric that cannot compare them.
@@ -122,7 +122,7 @@ pub fn distances(real: &[Sample], cases: &[CaseRuns], scoring: &Scoring) -> Resu
     })
 }
 
-/// The energy test of recordings and repeats by each metric; none where either are fewer than two.
+/// The energy test of recordings and repeats by each metric; empty where there are fewer than two of either.
 fn alike(real: &[Sample], case: &CaseRuns, scoring: &Scoring) -> Result<Vec<EnergyTest>> {
     if real.len() < 2 || case.repeats.len() < 2 {
         return Ok(Vec::new());

@@ -1,4 +1,4 @@
-//! A number with its interval over recordings.
+//! An estimate with its interval over recordings.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,8 +7,8 @@ use realgap_core::statistics::{Degree, jackknife_interval};
 /// Level of the intervals.
 pub const INTERVAL_LEVEL: f64 = 0.95;
 
-/// A number with its 95 % interval over recordings: Student's t with the jackknife of its logarithm
-/// ([`jackknife_interval`]), how often it holds: docs/validation/gap.md.
+/// A number with its 95 % interval over recordings: Student's t with the jackknife of its logarithm ([`jackknife_interval`]).
+/// docs/validation/gap.md has its coverage.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Estimate {
@@ -21,7 +21,8 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// `value` with the interval that follows from its values without each recording; `None` in `without`: unknown then.
+    /// `value` with the interval that follows from its values without each recording; `None` in `without` where such a value is
+    /// unknown.
     pub(super) fn new(
         value: f64,
         without: impl Iterator<Item = Option<f64>>,

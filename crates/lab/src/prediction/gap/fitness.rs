@@ -1,4 +1,4 @@
-//! Fitness, as the papers measure it: how far the robot gets, in reality and in the simulated repeats.
+//! Fitness as in the papers: the net displacement of the robot, in reality and in the simulated repeats.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,9 +14,9 @@ pub struct Fitness {
     pub real_mean_m: f64,
     /// Mean of the repeats, metres.
     pub simulated_mean_m: f64,
-    /// Is one larger than the other? (Recordings first.)
+    /// Mann–Whitney test: whether one displacement tends to be larger. (Recordings first.)
     pub mann_whitney: SampleTest,
-    /// Are they distributed differently?
+    /// Kolmogorov–Smirnov test: whether the distributions differ.
     pub kolmogorov_smirnov: SampleTest,
 }
 

@@ -1,4 +1,4 @@
-//! The noise floor: how far repeats of the same real run are from each other.
+//! The noise floor: the distance between repeats of the same real run.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -41,7 +41,7 @@ pub struct NoiseFloor {
 #[derive(Debug)]
 pub(super) struct Pairs {
     recordings: usize,
-    /// Of (0, 1), (0, 2), …, (1, 2), …
+    /// Of the pairs (0, 1), (0, 2), …, (1, 2), …
     pub(super) values: Vec<f64>,
 }
 
@@ -88,7 +88,7 @@ impl Pairs {
         (standard_deviation(&self.values) / self.mean()).powi(2)
     }
 
-    /// The mean over the pairs without one recording; `None` where it leaves no pair.
+    /// The mean over the pairs without one recording; `None` where no pair is left.
     pub(super) fn mean_without(&self, left_out: usize) -> Option<f64> {
         let (mut sum, mut count) = (0.0, 0);
         for ((i, j), value) in pairs_of(self.recordings).zip(&self.values) {
@@ -105,9 +105,9 @@ fn pairs_of(recordings: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..recordings).flat_map(move |i| (i + 1..recordings).map(move |j| (i, j)))
 }
 
-/// The noise floor of repeats of one real run: real against real, all pairs, by each metric.
+/// The noise floor of repeats of one real run: the mean distance of all pairs of recordings, by each metric.
 ///
-/// The interval leaves out recordings, not pairs: pairs that share a recording go up and down together. The basis of the metric
+/// The interval leaves out recordings, not pairs, because pairs that share a recording are correlated. The basis of the metric
 /// `pca` is that of the recordings alone, so that the floor does not depend on any simulation.
 ///
 /// # Errors

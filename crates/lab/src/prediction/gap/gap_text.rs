@@ -6,7 +6,7 @@ use super::{Estimate, FloorReport, GapAndRatio, StudyGap};
 use realgap_core::table::{Side, TextTable};
 use realgap_core::unit::{DisplayUnit, Unit, counted, number, quantity};
 
-/// `3.10 cm (2.02 to 4.41)`: one unit for all, so that the range is read at a glance.
+/// Writes for example `3.10 cm (2.02 to 4.41)`: all three numbers have the same unit, so that they are easy to compare.
 fn in_unit(estimate: &Estimate, unit: Unit) -> String {
     let shown = DisplayUnit::for_size(unit, estimate.value);
     let value = shown.format(estimate.value);
@@ -19,7 +19,7 @@ fn in_unit(estimate: &Estimate, unit: Unit) -> String {
 }
 
 impl fmt::Display for FloorReport {
-    /// A row a set and metric.
+    /// Writes a row for each set and metric.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut table = TextTable::new([
             ("set", Side::Left),
@@ -47,7 +47,7 @@ impl fmt::Display for FloorReport {
 }
 
 impl fmt::Display for StudyGap {
-    /// Noise floor, gap and ratio by metric, then displacement and confidence.
+    /// Writes noise floor, gap and ratio by metric, then displacement and confidence.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut table = TextTable::new([
             ("metric", Side::Left),

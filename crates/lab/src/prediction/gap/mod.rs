@@ -1,8 +1,9 @@
-//! How large is the gap, measured in reality's own spread, and until when may the simulation be trusted?
+//! The gap between simulation and reality, in units of reality's own spread, and the time until which the simulation may be
+//! trusted.
 //!
-//! [`noise_floor`] is the distance between repeats of the same real run; [`distances`] adds the gap, simulation against reality, and
-//! the gap ratio; [`OverTime`] and [`Confidence`] say the same over time. All of them work on any [`Sample`]s; [`StudyGap::new`]
-//! simulates what a study needs, [`read_sets`] and [`FloorReport`] are for repeats that have no study.
+//! [`noise_floor`] is the distance between repeats of the same real run; [`distances`] adds the gap between simulation and
+//! reality, and the gap ratio; [`OverTime`] and [`Confidence`] have the same over time. All of them work on any [`Sample`]s;
+//! [`StudyGap::new`] simulates what a study needs, [`read_sets`] and [`FloorReport`] are for repeats that have no study.
 //!
 //! ```
 //! use realgap_optimization::RunOptions;
@@ -29,7 +30,7 @@ mod sample;
 mod set;
 mod study;
 
-pub use confidence::{Confidence, LEVEL_INDEX};
+pub use confidence::Confidence;
 pub use distance::{Distances, GapAndRatio, MetricGap, distances};
 pub use estimate::{Estimate, INTERVAL_LEVEL};
 pub use fitness::Fitness;

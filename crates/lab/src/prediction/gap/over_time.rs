@@ -5,25 +5,25 @@ use serde::{Deserialize, Serialize};
 use super::{CaseRuns, Sample};
 use realgap_path::trajectory::{POINTS, Prepared};
 
-/// Where a recording should be: its case, its index, and which of the prepared times.
+/// Gives the predicted position of a recording, from its case, its index and the number of a prepared time.
 type Predicted<'a> = dyn Fn(&CaseRuns, usize, usize) -> Option<[f64; 2]> + 'a;
 
 /// Root mean square distance from the recordings at each of the 182 prepared times (paper 000, section on the two-wheel robot,
 /// figure 7 b: the error of ideal and simulated coordinates over time).
 ///
-/// The distance is in the plane and the mean over the recordings. All paths are in the prepared frame, so that nothing but the
-/// shape of the path over time counts.
+/// The distance is in the plane, and it is a mean over the recordings. All paths are in the prepared frame, so that only the
+/// shape of a path over time matters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OverTime {
-    /// Times, seconds from the start; the mean recording's where they differ in length.
+    /// Times, seconds from the start; those of a recording of mean duration where the durations differ.
     pub times_s: Vec<f64>,
     /// The run without noise, metres.
     pub ideal_m: Option<Vec<f64>>,
     /// The mean position of the repeats under noise, metres.
     pub simulated_mean_m: Option<Vec<f64>>,
-    /// The mean position of the OTHER recordings, metres: what a perfect prediction, made from these recordings, would be off.
-    /// `None` for one recording, or where each has its own start.
+    /// The mean position of the OTHER recordings, metres: the error of the best prediction that can be made from these
+    /// recordings. `None` for one recording, or where each has its own start.
     pub real_mean_m: Option<Vec<f64>>,
 }
 
@@ -63,7 +63,7 @@ impl OverTime {
     }
 }
 
-/// The prepared times, seconds; of the mean duration where recordings differ.
+/// The prepared times, seconds; of the mean duration where the recordings' durations differ.
 pub(super) fn times_s(real: &[Sample]) -> Vec<f64> {
     let durations = real.iter().map(|run| run.motion.duration_s());
     let duration_s = durations.sum::<f64>() / real.len() as f64;

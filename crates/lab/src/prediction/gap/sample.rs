@@ -1,4 +1,4 @@
-//! What is compared with what, and how.
+//! Samples that are compared, and how they are compared.
 
 use realgap_core::{Result, Warning};
 use realgap_path::comparison::{Basis, Components, Context, Metric, Pair};
@@ -55,7 +55,7 @@ pub struct Scoring {
 }
 
 impl Scoring {
-    /// A basis of these runs where a metric needs one.
+    /// A basis of these runs, where a metric needs one.
     pub(super) fn basis<'a>(
         &self,
         runs: impl Iterator<Item = &'a Sample>,
@@ -91,7 +91,7 @@ pub(super) fn distance(
     Ok(score.value)
 }
 
-/// Warnings of many pairs: the first of each kind, and how often it was said.
+/// Warnings of many pairs: the first of each kind, and their number.
 #[derive(Debug, Default)]
 pub(super) struct Heard(Vec<(Warning, usize)>);
 
@@ -115,7 +115,7 @@ impl Heard {
         }
     }
 
-    /// `what` names where they were said, e.g. `noise floor`.
+    /// `what` names the computation that gave the warnings, e.g. `noise floor`.
     pub(super) fn into_warnings(self, what: &str) -> Vec<Warning> {
         let said = self.0.into_iter().map(|(warning, times)| {
             let more = match times {

@@ -1,4 +1,4 @@
-//! Repeats that have no study: the recordings of one condition, of any robot.
+//! Sets of repeats that have no study: the recordings of one condition, of any robot.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use realgap_core::{Advice, Error, Result, Warning};
 use realgap_optimization::RunOptions;
 use realgap_path::trajectory::{self, Recording};
 
-/// Name of the set of recordings that no column puts into another.
+/// Name of the set where no column groups the recordings.
 const UNNAMED: &str = "all recordings";
 
 /// Recordings that repeat the same experiment.
@@ -29,11 +29,11 @@ pub struct SetOfRuns {
 /// Reads the recordings that `overrides` names (globs relative to the current folder), in sets: one for each value of
 /// `group_column`, in order of first appearance.
 ///
-/// Without a column named, long-format files with a column `condition` are grouped by it; all others are one set.
-/// [`read_sets`](trajectory::read_sets) says which rows belong together.
+/// Where no column is named, long-format files with a column `condition` are grouped by it; all others are one set.
+/// [`read_sets`](trajectory::read_sets) documents which rows belong together.
 ///
 /// # Errors
-/// No recordings, unreadable ones, a column that a file does not have.
+/// No recordings, recordings that cannot be read, a column that a file does not have.
 pub fn read_sets(overrides: &Overrides, group_column: Option<&str>) -> Result<Vec<SetOfRuns>> {
     if overrides.recordings.is_empty() {
         return Err(
@@ -88,7 +88,7 @@ pub fn read_sets(overrides: &Overrides, group_column: Option<&str>) -> Result<Ve
         .collect()
 }
 
-/// Noise floors of sets of recordings; its `Display` is for people.
+/// Noise floors of sets of recordings; its `Display` is a text for readers.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FloorReport {
@@ -99,7 +99,7 @@ pub struct FloorReport {
     pub metrics: Vec<(&'static str, Unit)>,
     /// One floor a set.
     pub sets: Vec<SetFloor>,
-    /// Everything that is stated here about reality.
+    /// Every claim about reality.
     pub claims: Vec<Claim>,
 }
 

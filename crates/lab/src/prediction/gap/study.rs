@@ -22,12 +22,12 @@ use realgap_simulation::parameter::ParameterSet;
 use realgap_simulation::{Experiment, Noise, Run};
 use realgap_store::{Fingerprint, RunRow, Storage};
 
-/// What to simulate and how to compare.
+/// Options of a gap: metrics, noise and repeats.
 #[derive(Debug, Clone)]
 pub struct GapOptions {
     /// The metrics.
     pub metrics: Vec<&'static dyn Metric>,
-    /// How repeats differ; `None` or zero: no ensemble, so no confidence.
+    /// Noise of the repeats; with `None` or zero noise there is no ensemble and so no confidence.
     pub noise: Option<Noise>,
     /// Repeats under noise of each start.
     pub repeats: usize,
@@ -35,7 +35,7 @@ pub struct GapOptions {
     pub seed: u64,
 }
 
-/// How far a study's simulation is from its recordings.
+/// The distance of a study's simulation to its recordings.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StudyGap {
@@ -45,7 +45,7 @@ pub struct StudyGap {
     pub morphology: String,
     /// Fixed values of the simulation.
     pub parameters: BTreeMap<String, f64>,
-    /// Whether every run that was asked for is in these numbers.
+    /// Whether all requested runs are part of these numbers.
     pub complete: bool,
     /// Number of recordings.
     pub recordings: usize,
@@ -59,13 +59,13 @@ pub struct StudyGap {
     pub seed: u64,
     /// Noise floor, gap and ratio by metric.
     pub metrics: Vec<MetricGap>,
-    /// How far the robot gets, real against simulated.
+    /// Net displacement of the robot, real and simulated.
     pub displacement: Option<Fitness>,
     /// Errors over time.
     pub over_time: OverTime,
     /// Simulation confidence over time; `None` without an ensemble.
     pub confidence: Option<Confidence>,
-    /// Everything that is stated here about reality, the most important first.
+    /// Every claim about reality, the most important first.
     pub claims: Vec<Claim>,
     /// How repeats differ.
     pub noise: Option<Noise>,
@@ -77,11 +77,11 @@ pub struct StudyGap {
     pub warnings: Vec<Warning>,
 }
 
-/// The metric by which repeats and recordings are said to be alike.
+/// The metric of the claim whether repeats and recordings have the same distribution.
 const LIKENESS: &str = "rms";
 
 impl GapOptions {
-    /// The study's own metric, and two that everybody understands; its noise and seed; 200 repeats.
+    /// The study's own metric, and two that are easy to understand; the study's noise and seed; 200 repeats.
     ///
     /// # Errors
     /// None: the metrics are known.
@@ -104,21 +104,21 @@ impl GapOptions {
 }
 
 impl StudyGap {
-    /// Simulates a study's starts, without noise and under it, and compares them with its recordings. Repeat k is repeat k of an
-    /// [ensemble](crate::prediction::ensemble::run()). Once the run is stopped no repeat is begun; what is done is reported as
-    /// incomplete.
+    /// Simulates a study's starts, without noise and under it, and compares the runs with its recordings. Repeat k is repeat k of
+    /// an [ensemble](crate::prediction::ensemble::run()). After a request to stop, no further repeat begins; finished ones are
+    /// reported as incomplete.
     ///
     /// # Errors
-    /// Every run diverged, a metric that cannot compare, or no repeats asked for.
+    /// Every run diverged, a metric that cannot compare the runs, or no requested repeats.
     pub fn new(study: &Study, options: &GapOptions, run: &RunOptions<'_>) -> Result<Self> {
         run.install(|| study_gap(study, options, &|_| Ok(None), run))?
     }
 
-    /// As [`StudyGap::new`], of runs that several workers have made ([`StudyGap::part`]); what the store does not have is
-    /// simulated.
+    /// As [`StudyGap::new`], from runs that several workers have simulated ([`StudyGap::part`]); runs that the store does not
+    /// have are simulated.
     ///
     /// # Errors
-    /// As [`StudyGap::new`]; a store that cannot be read, or of other runs.
+    /// As [`StudyGap::new`]; a store that cannot be read, or that holds other runs.
     pub fn of_store(
         study: &Study,
         options: &GapOptions,
@@ -129,7 +129,8 @@ impl StudyGap {
         run.install(|| study_gap(study, options, &known, run))?
     }
 
-    /// The gap with what its own numbers say: likeness by the metric `rms` where it is one of them, as an ensemble says it.
+    /// The gap with the claims that follow from its numbers. The claim about the distribution is by the metric `rms`, where that
+    /// is among the metrics, as for an ensemble.
     #[must_use]
     pub fn with_claims(mut self) -> Self {
         let seen = (self.source, self.recordings);
@@ -152,7 +153,7 @@ impl StudyGap {
             .with("seed of the noise", options.seed)
     }
 
-    /// Runs that are asked for: without noise and under it, of every start.
+    /// Number of requested runs: without noise and under it, of every start.
     pub fn runs(study: &Study, options: &GapOptions) -> usize {
         study.cases().len() * runs_a_start(options)
     }
@@ -186,7 +187,7 @@ impl StudyGap {
     }
 }
 
-/// Runs of every start: number 0 is the one without noise.
+/// Runs of every start; number 0 is the run without noise.
 fn runs_a_start(options: &GapOptions) -> usize {
     match options.noise {
         Some(noise) if !noise.is_zero() => options.repeats + 1,
@@ -280,7 +281,7 @@ fn study_gap(
     Ok(found.with_claims())
 }
 
-/// The runs that a study was asked for, as far as they were begun.
+/// The runs of a study that were begun.
 struct Simulated {
     real: Vec<Sample>,
     cases: Vec<CaseRuns>,
@@ -311,7 +312,8 @@ fn simulated(
                 prepared: there.prepared.clone(),
             });
         }
-        // Number 0 is the run without noise. Once the run is stopped nothing is begun, but the first says something at least.
+        // Number 0 is the run without noise. After a request to stop no further run begins, but the first one is always
+        // simulated, because it alone has a result.
         let runs: Vec<Option<Option<Sample>>> = (0..=repeats as u64)
             .into_par_iter()
             .map(|number| {
@@ -379,7 +381,7 @@ fn completed(run: Run, number: u64) -> Result<Option<Sample>> {
     motion.map(|motion| Sample::new(name, motion)).transpose()
 }
 
-/// A time axis of seconds means little where runs differ in length.
+/// A warning for runs of different lengths, for which an axis of seconds means little.
 fn different_durations(real: &[Sample]) -> Option<Warning> {
     let (shortest_s, longest_s) = ends_of(real.iter().map(|run| run.motion.duration_s()));
     (longest_s > 1.01 * shortest_s).then(|| {

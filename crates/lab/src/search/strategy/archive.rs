@@ -9,7 +9,7 @@ use super::Evaluated;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Axis {
-    /// What is described, with its unit, e.g. `height_m`.
+    /// Name of the descriptor, with its unit, e.g. `height_m`.
     pub name: String,
     /// Lower end.
     pub from: f64,
@@ -39,8 +39,8 @@ pub struct Archive {
 }
 
 impl Archive {
-    /// The archive after a history. Failures, and robots without a number for every axis, are in no cell; of equals the
-    /// earlier stays.
+    /// The archive after a history. Failures, and robots without a number for every axis, belong to no cell; of equals the
+    /// earlier one stays.
     pub fn new(axes: &[Axis], history: &[Evaluated]) -> Self {
         let count = axes.iter().map(|axis| axis.cells).product();
         let mut cells: Vec<Option<usize>> = vec![None; count];

@@ -96,7 +96,7 @@ impl Strategy for CmaEs {
                     .iter()
                     .map(|&(module, locus)| evaluated.genome.genes()[module].get(locus))
                     .collect(),
-                // Optimizers make small what is to be large here.
+                // Optimizers minimise, and the fitness is maximised.
                 score: evaluated.fitness.filter(|f| f.is_finite()).map(|f| -f),
                 errors: Vec::new(),
             })

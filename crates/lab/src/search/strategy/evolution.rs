@@ -18,7 +18,7 @@ pub struct Evolution {
     pub population: usize,
     /// Generations, the first (random) one included.
     pub generations: usize,
-    /// How many of the best stay as they are; they are not evaluated again.
+    /// Number of the best robots that stay; they are not evaluated again.
     pub elites: usize,
     /// Name of the selection, one of the [`SELECTIONS`](crate::search::SELECTIONS).
     pub selection: String,
@@ -30,7 +30,7 @@ pub struct Evolution {
 }
 
 impl Default for Evolution {
-    /// Ten generations of ten robots, as published; the rest is assumed.
+    /// Ten generations of ten robots, as published; the other numbers are assumptions.
     fn default() -> Self {
         Self {
             population: 10,
@@ -61,8 +61,8 @@ impl Evolution {
         self.variation.check()
     }
 
-    /// Indices into the history of the population after so many complete generations, the fittest first; of
-    /// equals the earlier.
+    /// Indices into the history of the population after so many complete generations, the fittest first; of equals the earlier
+    /// one first.
     fn population_after(&self, generations: usize, history: &[Evaluated]) -> Vec<usize> {
         let children = self.population - self.elites;
         let mut population: Vec<usize> = (0..self.population).collect();
@@ -129,7 +129,7 @@ impl Evolution {
             Some(later) => (1 + later / children, later % children),
         };
         let mut rng = generator(self.seed, generation as u64);
-        // The whole generation is drawn again, so that the rest of it is what it would have been.
+        // The whole generation is drawn again, so that the rest of it is the same as without an interruption.
         let mut batch = Vec::with_capacity(self.population);
         if generation == 0 {
             for _ in 0..self.population {

@@ -2,8 +2,8 @@
 
 use realgap_core::random::{Generator, Numbered};
 
-/// The generator of step number `step` of the search with this seed. Steps are independent, so that any one can be
-/// replayed without those before it.
+/// The generator of step number `step` of the search with this seed. Steps are independent, so that any step can be repeated
+/// without those before it.
 pub fn generator(seed: u64, step: u64) -> Generator {
     Numbered::SearchStep.generator(seed, step)
 }

@@ -6,7 +6,7 @@ use super::{Evaluated, Space, Strategy, StrategySettings, within};
 use realgap_core::{Error, Result};
 use realgap_robot::genome::{Gene, Genome, Locus};
 
-/// Values of one number of a gene, of one module or of all alike.
+/// Values of one number of a gene, in one module or in all modules alike.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -25,7 +25,7 @@ pub struct GeneValues {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct GridSettings {
-    /// What varies; the first runs slowest.
+    /// The varied numbers; the first one changes slowest.
     pub genes: Vec<GeneValues>,
 }
 
@@ -47,7 +47,7 @@ impl StrategySettings for GridSettings {
 pub struct Grid {
     /// The genome in the middle.
     pub base: Genome,
-    /// What varies; the first runs slowest.
+    /// The varied numbers; the first one changes slowest.
     pub axes: Vec<GeneValues>,
 }
 
@@ -58,7 +58,7 @@ impl Grid {
     /// Checks every axis.
     ///
     /// # Errors
-    /// No axis, an unknown gene or module, values that are none or out of bounds, too many combinations.
+    /// No axis, an unknown gene or module, no values or values out of bounds, too many combinations.
     pub fn check(&self) -> Result<()> {
         if self.axes.is_empty() {
             return Err(Error::invalid("a grid without genes")

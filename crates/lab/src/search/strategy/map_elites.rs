@@ -27,9 +27,11 @@ pub struct MapElites {
     pub batch: usize,
     /// Robots of the whole search.
     pub evaluations: usize,
-    /// Name of the selection of parents among the elites, one of the [`SELECTIONS`](crate::search::SELECTIONS); nothing: all alike.
+    /// Name of the selection of parents among the elites, one of the [`SELECTIONS`](crate::search::SELECTIONS); without it all
+    /// elites have the same probability.
     pub selection: Option<String>,
-    /// Share of children that are an elite once more, body and gait: where the search tunes gaits, it goes on with that one's.
+    /// Share of children that are a copy of an elite, body and gait; where the search tunes gaits, the tuning continues from that
+    /// gait.
     pub again: f64,
     /// How the other children are made.
     pub variation: Variation,
@@ -39,7 +41,7 @@ pub struct MapElites {
 }
 
 impl Default for MapElites {
-    /// A hundred robots, ten at a time; without an axis, which only the user knows.
+    /// A hundred robots, ten at a time; without an axis, because only the user knows which descriptors matter.
     fn default() -> Self {
         Self {
             axes: Vec::new(),
@@ -152,7 +154,7 @@ impl MapElites {
             Some(later) => (1 + later / self.batch, later % self.batch, self.batch),
         };
         let mut rng = generator(self.seed, step as u64);
-        // What the batch knew when it began, however much of it is done.
+        // Only robots before the current batch count, however much of the batch is done.
         let known = &history[..history.len() - done];
         let archive = Archive::new(&self.axes, known);
         let elites: Vec<usize> = archive.cells().iter().filter_map(|cell| *cell).collect();
@@ -164,13 +166,13 @@ impl MapElites {
         };
         let mut batch = Vec::with_capacity(size);
         for _ in 0..size {
-            // As long as everything fails, keep on drawing.
+            // As long as every robot fails, random robots are proposed.
             batch.push(if elites.is_empty() {
                 (self.variation.random(&mut rng)?, Vec::new())
             } else {
                 let (first, second) = (parent(&mut rng), parent(&mut rng));
                 let (one, other) = (&known[first].genome, &known[second].genome);
-                // No number is drawn where nothing is to be done again, so that older searches stay what they were.
+                // No random number is drawn where the share is 0, so that the results of older searches stay the same.
                 if self.again > 0.0 && rng.random_bool(self.again) {
                     (one.clone(), vec![first])
                 } else {

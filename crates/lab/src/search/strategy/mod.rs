@@ -1,8 +1,8 @@
-//! Strategies: what to try next, as a pure function of what was tried.
+//! Strategies: the next robots to try, as a pure function of the history.
 //!
-//! A [`Strategy`] sees genomes, fitness and descriptors, never a simulator: who searches evaluates what it proposes and
-//! hands the history back. Adding one is one file and one line in `registry.rs`; `tests/strategy_contract.rs` holds every
-//! one to the same contract.
+//! A [`Strategy`] sees genomes, fitness and descriptors, never a simulator: the caller evaluates its proposals and passes the
+//! history back. Adding one is one file and one line in `registry.rs`; `tests/strategy_contract.rs` checks the same contract for
+//! all of them.
 
 mod archive;
 mod cma_es;
@@ -37,7 +37,7 @@ pub use space::Space;
 pub(super) use space::within;
 pub use variation::Variation;
 
-/// A genome and how it did.
+/// A genome with its result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Evaluated {
@@ -69,7 +69,7 @@ fn parents(born: Vec<Born>) -> Vec<Vec<usize>> {
     born.into_iter().map(|(_, parents)| parents).collect()
 }
 
-/// Refuses a number of things that is none.
+/// Refuses a number of things that is 0.
 fn must_not_be_0(field: &str, value: usize) -> Result<()> {
     if value > 0 {
         return Ok(());
@@ -88,18 +88,18 @@ pub trait Strategy: fmt::Debug + Send + Sync {
     /// Robots of the whole search.
     fn budget(&self) -> usize;
 
-    /// What people call the robots that are proposed at once.
+    /// The name of a batch of robots, for readers.
     fn batch_name(&self) -> &'static str {
         "batch"
     }
 
-    /// Names of the descriptors that it wants of every robot, in the order of [`Evaluated::descriptors`].
+    /// Names of the descriptors that it needs of every robot, in the order of [`Evaluated::descriptors`].
     fn descriptors(&self) -> Vec<&str> {
         Vec::new()
     }
 
-    /// Indices into the history of the parents of each robot that [`Strategy::propose`] proposes: two, one, or none of a robot that
-    /// was drawn.
+    /// Indices into the history of the parents of each robot that [`Strategy::propose`] proposes: two, one, or none for a random
+    /// robot.
     ///
     /// # Errors
     /// As [`Strategy::propose`].
@@ -107,7 +107,7 @@ pub trait Strategy: fmt::Debug + Send + Sync {
         Ok(vec![Vec::new(); self.propose(history)?.len()])
     }
 
-    /// What it keeps of a history, where that is an archive.
+    /// The archive of a history, for a strategy that keeps one.
     ///
     /// # Errors
     /// Settings that cannot be used.
@@ -116,15 +116,15 @@ pub trait Strategy: fmt::Debug + Send + Sync {
         Ok(None)
     }
 
-    /// The rest of the batch under way: what is to be evaluated and added to the history, in this order, before the next
-    /// call. Nothing when the search is complete.
+    /// The rest of the current batch: the robots that are evaluated and added to the history, in this order, before the next
+    /// call. Empty when the search is complete.
     ///
     /// # Errors
     /// Settings that cannot be used.
     fn propose(&self, history: &[Evaluated]) -> Result<Vec<Genome>>;
 }
 
-/// What makes a strategy: its settings, as a file has them, become one once they know what is searched.
+/// Settings of a strategy, as a file has them; together with the space of a search they make a strategy.
 pub trait StrategySettings: fmt::Debug + Send + Sync {
     /// The strategy.
     ///

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{StrategySettings, cma_es, evolution, grid, map_elites};
 
-/// Writes what a file may name as its strategy.
+/// Writes the type of the strategies that a file may name.
 macro_rules! strategies {
     ($($name:ident $settings:ty;)*) => {
         /// Names of all strategies in files, each followed by its settings in brackets.
@@ -66,7 +66,7 @@ strategies! {
     CmaEs cma_es::CmaEsSettings;
 }
 
-/// The settings of whichever strategy a file names.
+/// The settings of the strategy that a file names.
 #[derive(Debug)]
 pub struct StrategyFile(pub Box<dyn StrategySettings>);
 
@@ -93,7 +93,7 @@ impl<'de> Visitor<'de> for AnyStrategy {
     }
 }
 
-/// The fields of one struct, wherever they stand.
+/// The fields of one struct, wherever they are in the file.
 struct Fields<T>(PhantomData<T>);
 
 impl<'de, T: DeserializeOwned> Visitor<'de> for Fields<T> {

@@ -1,4 +1,4 @@
-//! What a strategy may know of the robots that it searches.
+//! The space of a search: what a strategy may know about robots.
 
 use super::Variation;
 use crate::search::Body;
@@ -6,7 +6,7 @@ use crate::search::body::{GAIT, driven, genome_of};
 use realgap_core::{Error, Result};
 use realgap_robot::genome::{Genome, Locus};
 
-/// The space of a search: how genomes become robots, where they start, and the seed. No simulator.
+/// The space of a search: how genomes become robots, where they start, and the seed. It has no simulator.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Space {
     body: Body,
@@ -30,7 +30,7 @@ impl Space {
         self.seed
     }
 
-    /// The genome to start from. `searched` numbers of a given robot may lie outside of their range, the others may not.
+    /// The genome to start from. Numbers in `searched` of a given robot may lie outside of their range, the others may not.
     ///
     /// # Errors
     /// Neither a genome nor a robot to start from.
@@ -59,7 +59,7 @@ impl Space {
         Ok(driven(&self.body.build("robot", genome)?))
     }
 
-    /// Refuses anything to start from: for strategies that draw their own robots.
+    /// Refuses a genome or a robot to start from: for strategies that start from random robots.
     ///
     /// # Errors
     /// A genome or a robot to start from.
@@ -116,7 +116,7 @@ impl Space {
     }
 }
 
-/// Conclusion where in the file: what stands in a group knows its own fields only.
+/// The error with its place in the file, because a group of fields knows only its own names.
 pub fn within(group: &str, error: Error) -> Error {
     let field = match error.field_name() {
         Some(field) => format!("{group}.{field}"),

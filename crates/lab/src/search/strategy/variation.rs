@@ -27,7 +27,7 @@ pub struct Variation {
 }
 
 impl Default for Variation {
-    /// Assumed; the papers do not publish rates.
+    /// The rates are assumptions, because the papers do not publish theirs.
     fn default() -> Self {
         Self {
             crossover: "one-point".to_owned(),
@@ -87,7 +87,7 @@ impl Variation {
         Ok(child)
     }
 
-    /// A random genome of 1 to `max_modules` modules, every number as likely.
+    /// A random genome of 1 to `max_modules` modules, with evenly distributed numbers.
     ///
     /// # Errors
     /// As [`Variation::check`].

@@ -8,8 +8,8 @@ use nalgebra::Vector3;
 
 use realgap_core::unit::Unit;
 use realgap_lab::calibration::{
-    Audit, AuditRow, Best, BestDraws, BestPointUncertainty, EngineWish, Fit, PointScore, Report,
-    Scores, Tables, Uncertainty, UncertaintySource, Unvisited, Verdict,
+    Audit, AuditRow, Best, BestPointUncertainty, EngineWish, Fit, PointScore, PosteriorDraws,
+    Report, Scores, Tables, Uncertainty, UncertaintySource, Unvisited, Verdict,
 };
 use realgap_lab::prediction::ensemble::{Ensemble, Forecast, Motion, Reality, Repeat};
 use realgap_lab::prediction::gap::{
@@ -238,7 +238,7 @@ fn point(index: usize, values: Vec<f64>, score: Option<f64>) -> PointScore {
 }
 
 /// Draws in one cluster or two, near the best point or not.
-fn draws(draw: &mut Draw, ranges: &[Range], best: &[f64]) -> BestDraws {
+fn draws(draw: &mut Draw, ranges: &[Range], best: &[f64]) -> PosteriorDraws {
     let (is_parted, is_near) = (draw.is(0.3), draw.is(0.8));
     let spread = draw.within(0.01, 0.4);
     let (mut rows, mut gaps) = (vec![Vec::new(); 200], vec![Vec::new(); ranges.len()]);
@@ -264,7 +264,7 @@ fn draws(draw: &mut Draw, ranges: &[Range], best: &[f64]) -> BestDraws {
             row.push((middle + spread * size * draw.normal()).clamp(range.from, range.to));
         }
     }
-    BestDraws::new(rows, gaps)
+    PosteriorDraws::new(rows, gaps)
 }
 
 fn engines(draw: &mut Draw) -> Vec<EngineWish> {

@@ -6,7 +6,7 @@ use rand_distr::{Distribution, StandardNormal};
 use super::{Operator, VariationParams, child_or};
 use realgap_robot::genome::{Gene, Genome, Locus};
 
-/// Adds a normal change to each number with the rate's probability.
+/// Adds a normal random number to each number, with the probability of the rate.
 pub(super) struct Gaussian;
 
 impl Operator for Gaussian {
@@ -42,7 +42,7 @@ impl Operator for Gaussian {
     }
 }
 
-/// Back into 0 to 1 as from a mirror at either end: clamping would heap numbers up there.
+/// Reflects a value into 0 to 1 at either end; clamping would accumulate numbers at the ends.
 fn reflect(value: f64) -> f64 {
     let folded = value.rem_euclid(2.0);
     if folded > 1.0 { 2.0 - folded } else { folded }

@@ -7,11 +7,11 @@ use realgap_robot::genome::{Gene, Genome};
 
 /// One module more or fewer.
 pub(super) enum Length {
-    /// A random gene anywhere.
+    /// Inserts a random gene at a random place.
     Add,
-    /// Any gene goes.
+    /// Removes a random gene.
     Remove,
-    /// A copy of any gene behind it.
+    /// Inserts a copy of a random gene behind it.
     Duplicate,
 }
 

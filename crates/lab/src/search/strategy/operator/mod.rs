@@ -1,6 +1,6 @@
-//! Operators: from parents to one child.
+//! Operators: they make one child from parents.
 //!
-//! One file and one line in [`OPERATORS`] add another; `tests/strategy_contract.rs` holds every one to the same contract.
+//! One file and one line in [`OPERATORS`] add another; `tests/strategy_contract.rs` checks the same contract for all of them.
 
 mod gaussian;
 mod length;
@@ -17,8 +17,8 @@ use realgap_robot::genome::{Gene, Genome};
 /// How much an operator may change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VariationParams {
-    /// Probability that it acts: on each number (`gaussian`), on the genome (all others). At 0 the first parent
-    /// comes back as it is.
+    /// Probability that it acts: on each number (`gaussian`), or on the genome (all others). At 0 the child equals the first
+    /// parent.
     pub rate: f64,
     /// Standard deviation of a change of a number, as a share of its range (`gaussian` only).
     pub standard_deviation: f64,
@@ -40,8 +40,8 @@ impl VariationParams {
     }
 }
 
-/// Makes one child. The child's numbers are from 0 to 1, and it has no more modules than the params allows where its parents
-/// have not. Same parents, params and generator state: same child.
+/// Makes one child. The child's numbers are from 0 to 1, and it has at most `max_modules` modules unless its parents have more.
+/// The same parents, parameters and generator state give the same child.
 pub trait Operator: Sync {
     /// Name in files and on the command line.
     fn name(&self) -> &'static str;
@@ -49,7 +49,7 @@ pub trait Operator: Sync {
     /// What it does, in one line.
     fn doc(&self) -> &'static str;
 
-    /// True if it needs two different parents; the second is not looked at otherwise.
+    /// Whether it needs two different parents; otherwise the second is not used.
     fn is_crossover(&self) -> bool {
         false
     }
@@ -84,7 +84,7 @@ pub fn operator_named(name: &str) -> Result<&'static dyn Operator> {
     })
 }
 
-/// The child of these genes, or the parent where they are no genome.
+/// The child with these genes, or the parent where they do not form a genome.
 fn child_or(parent: &Genome, genes: Vec<Gene>) -> Genome {
     Genome::new(genes).unwrap_or_else(|_| parent.clone())
 }

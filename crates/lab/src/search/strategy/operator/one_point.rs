@@ -1,4 +1,4 @@
-//! The first modules of one parent, the rest of the other.
+//! One-point crossover: the first modules of one parent, the rest of the other.
 
 use rand::{Rng, RngExt};
 

@@ -1,11 +1,11 @@
-//! Every number from either parent.
+//! Uniform crossover: every number is from either parent.
 
 use rand::{Rng, RngExt};
 
 use super::{Operator, VariationParams, child_or};
 use realgap_robot::genome::{Gene, Genome};
 
-/// Tosses a coin for the length and for every number that both parents have.
+/// Chooses the length, and every number that both parents have, from either parent with equal probability.
 pub(super) struct Uniform;
 
 impl Operator for Uniform {

@@ -1,4 +1,4 @@
-//! Selection: who becomes a parent.
+//! Selection of parents.
 
 mod rank;
 mod tournament;
@@ -8,7 +8,7 @@ use rand::Rng;
 use realgap_core::Result;
 use realgap_core::file::look_up;
 
-/// Picks a parent by its fitness; larger is better, negative infinity is a failure, NaN worse than that.
+/// Picks a parent by its fitness; larger is better, negative infinity is a failure, and NaN is worse than that.
 pub trait Selection: Sync {
     /// Name in files and on the command line.
     fn name(&self) -> &'static str;
@@ -16,7 +16,7 @@ pub trait Selection: Sync {
     /// What it does, in one line.
     fn doc(&self) -> &'static str;
 
-    /// Index of the one picked. `fitness` must not be empty; of an empty one, 0.
+    /// Index of the selected parent. `fitness` must not be empty; for an empty one the index is 0.
     fn pick(&self, fitness: &[f64], rng: &mut dyn Rng) -> usize;
 }
 

@@ -1,4 +1,4 @@
-//! By rank, whatever the distances between the fitnesses.
+//! Rank selection: only the order of the fitnesses matters.
 
 use rand::{Rng, RngExt};
 
@@ -19,7 +19,7 @@ impl Selection for Rank {
             return 0;
         }
         let mut order: Vec<usize> = (0..count).collect();
-        // Stable: of equals the earlier ranks higher.
+        // The sort is stable: of equals, the earlier one ranks higher.
         order.sort_by(|&a, &b| comparable(fitness[b]).total_cmp(&comparable(fitness[a])));
         let mut ticket = rng.random_range(0..count * (count + 1) / 2);
         for (rank, &index) in order.iter().enumerate() {

@@ -1,13 +1,13 @@
-//! The best of a few.
+//! Tournament selection: the best of a few.
 
 use rand::{Rng, RngExt};
 
 use super::{Selection, comparable};
 
-/// How many are drawn, with replacement.
+/// Number of entrants, drawn with replacement.
 const ENTRANTS: usize = 2;
 
-/// Draws two evenly and keeps the fitter; of equals the one drawn first.
+/// Draws two evenly and keeps the fitter one; of equals the one that was drawn first.
 pub(super) struct Tournament;
 
 impl Selection for Tournament {

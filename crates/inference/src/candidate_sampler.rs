@@ -1,0 +1,110 @@
+//! Samples points that the emulator has not ruled out, also where these are a narrow part of the search space.
+
+use crate::emulator::Emulator;
+use realgap_core::statistics::ends_of;
+use realgap_optimization::{Grid, space_filling};
+
+/// A gap between two points that are not ruled out is searched, too, where it is shorter than so many of their mean spacings.
+const SPACINGS: f64 = 3.0;
+/// Points that are drawn per point that is wanted; those that are ruled out are dropped.
+const OVERSAMPLING: usize = 20;
+
+/// Parts of an axis of the search space, as increasing intervals of the coordinate.
+pub(crate) type Intervals = Vec<(f64, f64)>;
+
+/// Samples points of the search space by the score that the emulator expects there.
+pub(crate) struct CandidateSampler<'a> {
+    pub emulator: &'a Emulator,
+    pub grid: &'a Grid,
+    pub seed: u64,
+}
+
+impl CandidateSampler<'_> {
+    /// Points at which parameters have allowed values, spread evenly over the given parts of each axis: `OVERSAMPLING` times `count`.
+    fn points(&self, axes: &[Intervals], count: usize) -> Vec<Vec<f64>> {
+        let seed = self.seed.wrapping_add(1);
+        let even = space_filling(axes.len(), 0, OVERSAMPLING * count, seed);
+        let point = |shares: &Vec<f64>| {
+            let axes = shares.iter().zip(axes);
+            let point: Vec<f64> = axes
+                .map(|(share, intervals)| within(intervals, *share))
+                .collect();
+            self.grid.place_of(&self.grid.values_at(&point))
+        };
+        even.iter().map(point).collect()
+    }
+
+    /// At most `count` evenly spread points where the emulator expects a standardised score of at most `level`.
+    pub fn spread(&self, axes: &[Intervals], level: f64, count: usize) -> Vec<Vec<f64>> {
+        let low =
+            |point: &Vec<f64>| level.is_infinite() || self.emulator.standardised(point) <= level;
+        let kept: Vec<Vec<f64>> = self
+            .points(axes, count)
+            .into_iter()
+            .filter(low)
+            .take(count)
+            .collect();
+        match kept.is_empty() {
+            true => vec![
+                axes.iter()
+                    .map(|intervals| within(intervals, 0.5))
+                    .collect(),
+            ],
+            false => kept,
+        }
+    }
+
+    /// The parts of each axis around these points, with a margin on both sides that is as wide as the mean spacing of `count` points in
+    /// the given parts and of these points. An axis that the scores do not depend on is not narrowed.
+    pub fn around(&self, kept: &[&Vec<f64>], axes: &[Intervals], count: usize) -> Vec<Intervals> {
+        let spacing = libm::pow(count as f64, -1.0 / axes.len() as f64);
+        let active = self.emulator.active();
+        let axes = axes.iter().zip(&active).enumerate();
+        axes.map(|(axis, (intervals, active))| {
+            let mut all: Vec<f64> = kept.iter().map(|point| point[axis]).collect();
+            if !active || all.is_empty() {
+                return intervals.clone();
+            }
+            let (least, most) = ends_of(all.iter().copied());
+            let margin = spacing * length(intervals) + SPACINGS * (most - least) / all.len() as f64;
+            all.sort_by(f64::total_cmp);
+            let mut around: Intervals = Vec::new();
+            for at in all {
+                let (low, high) = ((at - margin).max(0.0), (at + margin).min(1.0));
+                match around.last_mut() {
+                    Some((_, last)) if low <= *last => *last = high,
+                    _ => around.push((low, high)),
+                }
+            }
+            around
+        })
+        .collect()
+    }
+
+    /// The `count` points at which the emulator expects the lowest scores.
+    pub fn lowest(&self, axes: &[Intervals], count: usize) -> Vec<Vec<f64>> {
+        let points = self.points(axes, count).into_iter();
+        let mut all: Vec<(f64, Vec<f64>)> = points
+            .map(|point| (self.emulator.standardised(&point), point))
+            .collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        all.truncate(count);
+        all.into_iter().map(|(_, point)| point).collect()
+    }
+}
+
+/// The coordinate at a share of the length of all intervals together.
+fn within(intervals: &Intervals, share: f64) -> f64 {
+    let mut left = share * length(intervals);
+    for (from, to) in intervals {
+        if left <= to - from {
+            return from + left;
+        }
+        left -= to - from;
+    }
+    intervals.last().map_or(share, |(_, to)| *to)
+}
+
+fn length(intervals: &Intervals) -> f64 {
+    intervals.iter().map(|(from, to)| to - from).sum()
+}

@@ -1,0 +1,70 @@
+//! What points and draws tell about one parameter, and whether they determine it.
+
+use crate::posterior::{INTERVAL_LEVEL, PosteriorDraws};
+use realgap_core::statistics::ends_of;
+use realgap_optimization::Range;
+
+/// A range of values that comes this near to an end of the searched range, as a share of the latter, reaches the end.
+const AT_THE_END: f64 = 0.05;
+
+/// The values of one parameter that are compatible with the observations.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Marginal {
+    /// Smallest value in the confidence set and in the intervals.
+    pub low: f64,
+    /// Largest value in the confidence set and in the intervals.
+    pub high: f64,
+    /// Central intervals at [`INTERVAL_LEVEL`], one for each part of the range between rejected parts; empty where there are no draws.
+    pub intervals: Vec<(f64, f64)>,
+}
+
+/// How far the observations determine a parameter within the searched range.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Determination {
+    /// Compatible values reach both ends of the searched range: the parameter is not determined.
+    Open,
+    /// Compatible values reach an end of the searched range where the parameter itself could go farther.
+    EdgeOfSearch,
+    /// Compatible values reach only the lower bound of the parameter: there is an upper limit.
+    AtMost,
+    /// Compatible values reach only the upper bound of the parameter: there is a lower limit.
+    AtLeast,
+    /// Compatible values lie inside of the searched range.
+    Inside,
+}
+
+impl Marginal {
+    /// Of parameter number `axis`, from its values in the confidence set and from the posterior draws.
+    pub fn new(
+        axis: usize,
+        confidence_set: impl Iterator<Item = f64>,
+        draws: Option<&PosteriorDraws>,
+    ) -> Self {
+        let intervals = draws.map(|draws| draws.intervals(axis, INTERVAL_LEVEL));
+        let intervals = intervals.unwrap_or_default();
+        // Values in an interval are compatible, too: many points that each have a low density are likely together.
+        let ends = intervals.iter().flat_map(|(low, high)| [*low, *high]);
+        let (low, high) = ends_of(confidence_set.chain(ends));
+        Self {
+            low,
+            high,
+            intervals,
+        }
+    }
+
+    /// How far the compatible values are determined within the searched range.
+    pub fn determination(&self, range: &Range) -> Determination {
+        let low_end = range.coordinate(self.low) <= AT_THE_END;
+        let high_end = range.coordinate(self.high) >= 1.0 - AT_THE_END;
+        // At a bound of the parameter itself (a restitution of 0) the search cannot be widened.
+        let (lowest, highest) = range.parameter.bounds;
+        let can_widen = (low_end && range.from > lowest) || (high_end && range.to < highest);
+        match (low_end, high_end) {
+            (true, true) => Determination::Open,
+            _ if can_widen => Determination::EdgeOfSearch,
+            (true, false) => Determination::AtMost,
+            (false, true) => Determination::AtLeast,
+            (false, false) => Determination::Inside,
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! The answer of a study: the best point, and its uncertainty.
+
+pub(super) mod report;
+pub(super) mod score;
+pub(super) mod uncertainty;
+pub(super) mod values;
+pub(super) mod verdict;
+
+use std::collections::BTreeSet;
+use std::fmt;
+
+use crate::calibration::answer::report::Evidence;
+use crate::calibration::exploration::wave::{leading, scored_runs, settled};
+use crate::calibration::{
+    Audit, Fit, Method, PointScore, Report, Reproduction, Scores, Study, Uncertainty, Validation,
+};
+use realgap_core::Result;
+use realgap_inference::{
+    Emulator, HistoryMatching, ObservationUncertainty, PosteriorDraws, Profile,
+};
+use realgap_optimization::{Ending, Grid, space_filling};
+
+/// Result of a sweep or of tuning; its `Display` is the report.
+#[derive(Debug, Clone)]
+pub struct Answer {
+    /// How the points were chosen.
+    pub method: Method,
+    /// Whether the run is complete or was stopped early.
+    pub ending: Ending,
+    /// Scores of the points evaluated so far.
+    pub scores: Scores,
+    /// The confidence set; `None` where no point has a score.
+    pub uncertainty: Option<Uncertainty>,
+    /// Posterior draws of the parameters; `None` where no point has a score.
+    pub draws: Option<PosteriorDraws>,
+    /// The lowest expected score along each parameter.
+    pub profiles: Vec<Profile>,
+    /// The report: the best point, verdicts, the effect of numerics, the check by held-out recordings.
+    pub report: Report,
+    /// The emulator of the score, and the grid of its parameters.
+    emulator: Option<(Emulator, Grid)>,
+}
+
+impl fmt::Display for Answer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.report.fmt(f)
+    }
+}
+
+/// Points from which an answer is drawn, and simulated points whose implausibility is computed.
+const PLACES: usize = 500;
+const VISITED: usize = 200;
+
+impl Answer {
+    /// Computes the uncertainty of the best of these scores; simulations run on the current rayon pool. `refits`: as
+    /// [`Validation::new`] takes them.
+    pub(in crate::calibration) fn new(
+        study: &Study,
+        method: Method,
+        ending: Ending,
+        scores: Scores,
+        refits: Option<Vec<PointScore>>,
+    ) -> Result<Self> {
+        let (mut scores, emulator) = match ending {
+            Ending::Complete => {
+                let emulator = Emulator::new(&scored_runs(study, &scores))?;
+                settled(study, scores, emulator)?
+            }
+            // An interrupted run is not continued here, and a part of a grid allows no conclusion about the whole.
+            Ending::Interrupted => (scores, None),
+        };
+        if let Some(fitted) = method.fitted() {
+            // Least squares choose the point with the smallest robust loss, even where another point has a lower score.
+            let chosen = scores.points.iter().position(|p| p.values == fitted);
+            scores.best = chosen.or(scores.best);
+        }
+        let emulator = match study.fitted_recordings() {
+            // The surrogates of a single recording are runs of the best point, which is known only now.
+            1 => emulator.map(|known| known.conditioned_on(&scored_runs(study, &scores))),
+            _ => emulator,
+        };
+        let fit = Fit::new(study, &scores, &method)?;
+        let definition = study.definition();
+        let uncertainty_of_observations = ObservationUncertainty {
+            observations: study.fitted_recordings(),
+            discrepancy: fit.as_ref().map_or(0.0, |fit| fit.discrepancy),
+        };
+        let (positions, visited) = leading(study, &scores, emulator.as_ref(), VISITED);
+        let grid = &definition.grid;
+        let matching = emulator.as_ref().map(|emulator| {
+            let uncertainty = uncertainty_of_observations;
+            HistoryMatching::new(
+                emulator,
+                grid,
+                &visited,
+                uncertainty,
+                PLACES,
+                definition.seed,
+            )
+        });
+        let judged = matching.as_ref().zip(scores.best);
+        let uncertainty = judged
+            .map(|(matching, best)| Uncertainty::new(study, &scores, best, (matching, &positions)));
+        let draws = judged.map(|(matching, _)| matching.draws(grid, definition.seed));
+        let engines = match (judged, emulator.as_ref()) {
+            (Some((matching, best)), Some(emulator)) => {
+                let known = (uncertainty_of_observations, matching.limit());
+                study.wishes(&scores, best, emulator, known)
+            }
+            _ => Vec::new(),
+        };
+        let profiles = profiles(study, &scores, emulator.as_ref(), uncertainty.as_ref());
+        // No more simulations are made after an interruption.
+        let (audit, reproduction) = match ending {
+            Ending::Complete => (
+                Audit::new(study, &scores, &profiles)?,
+                Reproduction::new(study, &scores)?,
+            ),
+            Ending::Interrupted => (None, None),
+        };
+        let evidence = Evidence {
+            method: &method,
+            ending,
+            scores: &scores,
+            uncertainty: uncertainty.as_ref(),
+            draws: draws.as_ref(),
+            engines,
+            audit,
+            fit,
+            validation: Validation::new(study, &scores, refits)?,
+            reproduction,
+        };
+        let report = Report::new(study, &evidence)?;
+        Ok(Self {
+            method,
+            ending,
+            scores,
+            uncertainty,
+            draws,
+            profiles,
+            report,
+            emulator: emulator.map(|emulator| (emulator, grid.clone())),
+        })
+    }
+
+    /// The expected score at these parameter values, whether they were simulated or not; `None` where there are too few runs.
+    pub fn expected_score(&self, values: &[f64]) -> Option<f64> {
+        let (emulator, grid) = self.emulator.as_ref()?;
+        Some(emulator.mean(&grid.place_of(values)))
+    }
+}
+
+/// Points of each kind from which a profile takes the values of the other parameters.
+const PROFILED: usize = 150;
+
+/// The profile of every parameter.
+fn profiles(
+    study: &Study,
+    scores: &Scores,
+    emulator: Option<&Emulator>,
+    uncertainty: Option<&Uncertainty>,
+) -> Vec<Profile> {
+    let (Some(emulator), Some(uncertainty)) = (emulator, uncertainty) else {
+        return Vec::new();
+    };
+    let grid = &study.definition().grid;
+    let unvisited = uncertainty.unvisited.iter();
+    let likely = unvisited.clone().filter(|point| point.indistinguishable);
+    let likely: Vec<Vec<f64>> = likely
+        .take(PROFILED)
+        .map(|p| grid.place_of(&p.values))
+        .collect();
+    let even = space_filling(grid.ranges().len(), 0, PROFILED, study.definition().seed);
+    let others: Vec<Vec<f64>> = even.into_iter().chain(likely).collect();
+    let ranges = grid.ranges().iter().enumerate();
+    ranges
+        .map(|(axis, range)| {
+            let inside = uncertainty.values_in_set(scores, axis);
+            let inside: BTreeSet<usize> = inside.map(|value| range.nearest(value)).collect();
+            Profile::new(emulator, (axis, range), &others, |cell| {
+                inside.contains(&cell)
+            })
+        })
+        .collect()
+}

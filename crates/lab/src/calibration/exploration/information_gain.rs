@@ -1,0 +1,159 @@
+//! How much information each recording adds to the others (D-optimality; Atkinson & Donev 1992), from the finite differences that
+//! least squares took.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::Path;
+
+use nalgebra::DMatrix;
+use serde::Serialize;
+
+use crate::calibration::{Horizon, Study};
+use realgap_inference::added_information;
+use realgap_optimization::{Quadratic, UnitPoint, slopes};
+use realgap_store::Trial;
+
+/// Information that one recording adds to all others that are fitted, as if errors were independent noise and linear in the
+/// parameters.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct InformationGain {
+    /// Name of the recording.
+    pub recording: String,
+    /// Whether the recording was fitted. If so, this is what the fit would lose without it, otherwise what the fit would gain
+    /// with it.
+    pub is_fitted: bool,
+    /// Half of the increase of log2 of the information matrix's determinant: one bit more halves the volume of the confidence
+    /// region of the parameters.
+    pub bits: f64,
+    /// The same for each parameter by itself: one bit more halves the length of its interval.
+    pub parameters: BTreeMap<&'static str, f64>,
+}
+
+/// The errors of one recording at a point.
+struct LogErrors<'a> {
+    path: &'a Path,
+    name: &'a str,
+    is_fitted: bool,
+    errors: Vec<f64>,
+}
+
+impl Study {
+    /// Single errors by recording; windows of one recording are not independent and are put together. `None` where a case has no
+    /// errors.
+    fn logs_of(&self, trial: &Trial) -> Option<Vec<LogErrors<'_>>> {
+        let definition = self.definition();
+        let mut logs: Vec<LogErrors<'_>> = Vec::new();
+        for (case, row) in self.cases().iter().zip(&trial.cases) {
+            let own = row.completed()?.scores.get(case.targets.len()..)?;
+            let is_fitted = case.targets.iter().any(|t| !self.is_held_out(t.recording));
+            let recording = &definition.recordings[case.targets[0].recording];
+            let path = recording.path.as_path();
+            let name = match definition.horizon {
+                Some(_) => Horizon::log_of(&recording.name),
+                None => &recording.name,
+            };
+            let key = (path, name, is_fitted);
+            let known = logs.iter_mut().rev();
+            let mut known = known.filter(|log| (log.path, log.name, log.is_fitted) == key);
+            match known.next() {
+                Some(log) => log.errors.extend_from_slice(own),
+                None => logs.push(LogErrors {
+                    path,
+                    name,
+                    is_fitted,
+                    errors: own.to_vec(),
+                }),
+            }
+        }
+        Some(logs)
+    }
+
+    /// Single errors of the fitted recordings in one list, and their number in each recording; `None` where a case has none.
+    pub(in crate::calibration) fn errors_of(
+        &self,
+        trial: &Trial,
+    ) -> Option<(Vec<f64>, Vec<usize>)> {
+        let fitted = self.logs_of(trial)?.into_iter().filter(|log| log.is_fitted);
+        let fitted: Vec<Vec<f64>> = fitted.map(|log| log.errors).collect();
+        let errors = fitted.concat();
+        (!errors.is_empty()).then(|| (errors, fitted.iter().map(Vec::len).collect()))
+    }
+
+    /// The information gain of each recording, largest first. `around` is the point where least squares ended, followed by the
+    /// points that differ from it in one coordinate each, as they were simulated.
+    pub(in crate::calibration) fn motions(
+        &self,
+        known: &Quadratic,
+        around: &[(&UnitPoint, &Trial)],
+    ) -> Vec<InformationGain> {
+        let Some(((at, trial), moved)) = around.split_first() else {
+            return Vec::new();
+        };
+        let Some(here) = self.logs_of(trial) else {
+            return Vec::new();
+        };
+        let there: Vec<_> = moved.iter().map(|(_, trial)| self.logs_of(trial)).collect();
+        let informations = here.iter().enumerate().map(|(number, log)| {
+            let points = moved.iter().map(|(point, _)| *point);
+            let errors = there
+                .iter()
+                .map(|logs| Some(&*logs.as_ref()?[number].errors));
+            let jacobian = slopes(at, &log.errors, points.zip(errors));
+            (jacobian.tr_mul(&jacobian) / known.noise, log.is_fitted)
+        });
+        let informations: Vec<(DMatrix<f64>, bool)> = informations.collect();
+        let prior = DMatrix::from_diagonal(&known.prior_information());
+        let added = added_information(&informations, &prior);
+        let ranges = self.definition().grid.ranges();
+        let gains = here.iter().zip(added).filter_map(|(log, added)| {
+            let added = added?;
+            let names = ranges.iter().map(|range| range.parameter.name);
+            Some(InformationGain {
+                recording: log.name.to_owned(),
+                is_fitted: log.is_fitted,
+                bits: added.bits,
+                parameters: names.zip(added.parameters).collect(),
+            })
+        });
+        let mut motions: Vec<InformationGain> = gains.collect();
+        motions.sort_by(|a, b| b.bits.total_cmp(&a.bits));
+        motions
+    }
+}
+
+/// Most recordings that are listed.
+const SAID: usize = 5;
+
+/// Writes a line for each of the recordings with the largest gains, and for the one with the smallest.
+pub(in crate::calibration) fn say(
+    motions: &[InformationGain],
+    f: &mut fmt::Formatter<'_>,
+) -> fmt::Result {
+    if motions.len() < 2 {
+        return Ok(());
+    }
+    write!(f, "\n  what each recording tells that the others do not:")?;
+    for (place, motion) in motions.iter().enumerate() {
+        match place {
+            place if place < SAID || place + 1 == motions.len() => write!(f, "\n    {motion}")?,
+            SAID => write!(f, "\n    ...")?,
+            _ => (),
+        }
+    }
+    Ok(())
+}
+
+impl fmt::Display for InformationGain {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {:.1} bits", self.recording, self.bits)?;
+        let most = self.parameters.iter().max_by(|a, b| a.1.total_cmp(b.1));
+        if let Some((name, bits)) = most {
+            write!(f, ", {bits:.1} of {name}")?;
+        }
+        match self.is_fitted {
+            true => Ok(()),
+            false => write!(f, " (not fitted)"),
+        }
+    }
+}

@@ -1,0 +1,259 @@
+//! The runs after the first ones: waves of points that are not implausible yet, then all settings of candidates for the best
+//! point.
+
+use rayon::prelude::*;
+
+use crate::calibration::numerics::setting::{Setting, is_large_map};
+use crate::calibration::{PointScore, Scores, Study};
+use crate::prediction::ensemble::rms_m;
+use realgap_core::Result;
+use realgap_core::random::Numbered;
+use realgap_core::statistics::least_by;
+use realgap_inference::{Emulator, HistoryMatching, ObservationUncertainty, ScoredRun};
+use realgap_path::trajectory::Prepared;
+
+/// Number of waves after the first runs; every wave uses all runs before it.
+pub(in crate::calibration) const WAVES: usize = 3;
+/// Number of runs of one wave: one in so many of the first runs, fewer for a large grid, within bounds.
+const SHARE: usize = 6;
+const SHARE_OF_A_LARGE_MAP: usize = 8;
+const LEAST: usize = 16;
+const MOST: usize = 500;
+/// Sampled points and simulated points among which the points of a wave are chosen.
+const PLACES: usize = 200;
+const VISITED: usize = 60;
+/// No further wave is made where the emulator has less than this share in the variance of the difference between points and the
+/// best point.
+const SETTLED: f64 = 0.1;
+/// Most candidates for the best point whose settings are completed.
+const CHAMPIONS: usize = 5;
+/// Points of a grid that were not simulated are candidates only where the grid has at most so many points.
+const NODES: usize = 2000;
+
+/// Runs of one wave after so many first runs; 0 where there is one setting only.
+pub(in crate::calibration) fn runs_a_wave(study: &Study, first: usize) -> usize {
+    let share = match is_large_map(first) {
+        true => SHARE_OF_A_LARGE_MAP,
+        false => SHARE,
+    };
+    match study.settings().count {
+        1 => 0,
+        _ => (first / share).clamp(LEAST.min(first), MOST),
+    }
+}
+
+impl Study {
+    /// Most simulations of a sweep, each of all cases: the grid, the waves after it, and the settings of the best point;
+    /// `usize::MAX` where the number is too large to count.
+    pub fn sweep_runs(&self) -> usize {
+        let grid = self.definition().grid.len();
+        let again = WAVES * runs_a_wave(self, grid) + self.settings().count - 1;
+        grid.saturating_add(again)
+    }
+}
+
+/// The runs with a score, in the form that the emulator needs.
+pub(in crate::calibration) fn scored_runs(study: &Study, scores: &Scores) -> Vec<ScoredRun> {
+    let (settings, grid) = (study.settings(), &study.definition().grid);
+    let scored = scores.runs.iter().filter(|run| run.score.is_some());
+    let surrogate_recordings = surrogate_recordings(study, scores);
+    scored
+        .map(|run| ScoredRun {
+            point: grid.place_of(&run.values),
+            setting: settings.of_trial(run.index).number(),
+            variant: settings.engine_of_trial(run.index),
+            scores: study.part_of(&run.recordings, false),
+            surrogate_scores: surrogate_recordings
+                .iter()
+                .map(|engine| engine.iter().map(|real| distance(study, scores, real, run)))
+                .map(Iterator::collect)
+                .collect(),
+        })
+        .collect()
+}
+
+/// Least runs of the best point, and of one engine there, from which the variability of a single recording is estimated.
+const TELLING: usize = 8;
+const TELLING_OF_AN_ENGINE: usize = 4;
+
+/// Surrogates of a single recording: paths of the best point's runs, by engine; empty where there are more recordings, or where
+/// the metric needs more than paths.
+fn surrogate_recordings(study: &Study, scores: &Scores) -> Vec<Vec<Prepared>> {
+    let is_of_paths = scores.basis.is_some() || study.definition().metric.name() == "rms";
+    let best = scores
+        .best
+        .filter(|_| is_of_paths && study.fitted_recordings() == 1);
+    let Some(best) = best.filter(|_| study.cases().len() == 1) else {
+        return Vec::new();
+    };
+    let path = |run: &PointScore| Prepared::from_xy_m(run.path_xy_m.clone()).ok();
+    let engines = scores.runs_by_engine(&study.settings(), best);
+    let engines = engines.map(|runs| runs.into_iter().filter_map(path).collect());
+    let telling = |runs: &Vec<Prepared>| runs.len() >= TELLING_OF_AN_ENGINE;
+    let engines: Vec<Vec<Prepared>> = engines.into_iter().filter(telling).collect();
+    match engines.iter().map(Vec::len).sum::<usize>() {
+        TELLING.. => engines,
+        _ => Vec::new(),
+    }
+}
+
+/// Distance of a run to a surrogate recording, by the study's metric.
+fn distance(study: &Study, scores: &Scores, real: &Prepared, run: &PointScore) -> f64 {
+    let Ok(path) = Prepared::from_xy_m(run.path_xy_m.clone()) else {
+        return 0.0;
+    };
+    let scale = study.recording_length_scale(&run.values);
+    match &scores.basis {
+        Some(basis) => basis.discrepancy_m(real, &path) / scale,
+        None => rms_m(real, &path) / scale,
+    }
+}
+
+/// Coordinates of the best points, and their positions.
+pub(in crate::calibration) fn leading(
+    study: &Study,
+    scores: &Scores,
+    emulator: Option<&Emulator>,
+    most: usize,
+) -> (Vec<usize>, Vec<Vec<f64>>) {
+    let mut positions = scores.ranked();
+    let grid = &study.definition().grid;
+    if let Some(emulator) = emulator.filter(|emulator| emulator.has_two_variants()) {
+        // The score of a single run depends on its engine more than on its point, so points are ranked by their expected scores.
+        let expected = |position: &usize| {
+            emulator.standardised(&grid.place_of(&scores.points[*position].values))
+        };
+        let mut all: Vec<(f64, usize)> = positions.iter().map(|p| (expected(p), *p)).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        positions = all.into_iter().map(|(_, position)| position).collect();
+    }
+    positions.truncate(most);
+    let place = |position: &usize| grid.place_of(&scores.points[*position].values);
+    let places = positions.iter().map(place).collect();
+    (positions, places)
+}
+
+/// Values of the points of the wave whose first trial has the number `from`; empty where more runs would hardly change the
+/// answer.
+///
+/// # Errors
+/// As [`Emulator::new`].
+pub(in crate::calibration) fn next_wave(
+    study: &Study,
+    scores: &Scores,
+    from: usize,
+    count: usize,
+) -> Result<Vec<Vec<f64>>> {
+    let definition = study.definition();
+    let Some(emulator) = Emulator::new(&scored_runs(study, scores))? else {
+        return Ok(Vec::new());
+    };
+    let uncertainty = ObservationUncertainty {
+        observations: study.fitted_recordings(),
+        discrepancy: 0.0,
+    };
+    let (_, visited) = leading(study, scores, Some(&emulator), VISITED);
+    let places = PLACES.max(2 * count);
+    let seed = definition.seed.wrapping_add(from as u64);
+    let grid = &definition.grid;
+    let matching = HistoryMatching::new(&emulator, grid, &visited, uncertainty, places, seed);
+    if matching.emulator_share() < SETTLED {
+        return Ok(Vec::new());
+    }
+    let mut rng = Numbered::Refinement.generator(definition.seed, from as u64);
+    let chosen = matching.wave(count, &mut rng).into_iter();
+    Ok(chosen.map(|place| grid.values_at(place)).collect())
+}
+
+/// The scores with the waves after so many first runs, in memory.
+///
+/// # Errors
+/// As [`Study::simulate`].
+pub(in crate::calibration) fn widened(study: &Study, mut scores: Scores) -> Result<Scores> {
+    let count = runs_a_wave(study, scores.runs.len());
+    for _ in 0..WAVES {
+        let from = next_trial(study, &scores);
+        let chosen = match count {
+            0 => Vec::new(),
+            count => next_wave(study, &scores, from, count)?,
+        };
+        if chosen.is_empty() {
+            break;
+        }
+        let chosen = (from..).zip(chosen).collect();
+        scores = scores.with_more(study, &simulated(study, chosen)?)?;
+    }
+    Ok(scores)
+}
+
+fn simulated(study: &Study, chosen: Vec<(usize, Vec<f64>)>) -> Result<Vec<realgap_store::Trial>> {
+    let trials = chosen.into_par_iter();
+    trials
+        .map(|(index, values)| study.simulate_trial(index, values, false))
+        .collect()
+}
+
+/// A number after those of all trials and of the grid, with the study's own setting.
+fn next_trial(study: &Study, scores: &Scores) -> usize {
+    let settings = study.settings();
+    let last = scores.runs.iter().map(|run| run.index).max().unwrap_or(0);
+    (last + 1)
+        .max(settings.of_map)
+        .next_multiple_of(settings.count)
+}
+
+/// Points of the grid that were not simulated. With these, the candidates after an optimizer, which converges to one valley, are
+/// those after a sweep.
+fn unvisited(study: &Study, scores: &Scores) -> impl Iterator<Item = Vec<f64>> {
+    let grid = &study.definition().grid;
+    let nodes = if grid.len() > NODES { 0 } else { grid.len() };
+    let nodes = (0..nodes).map(|index| grid.values(index));
+    nodes.filter(|values| scores.points.iter().all(|point| point.values != *values))
+}
+
+/// Finds the best point: the one with the lowest mean over all of its settings. Whenever the emulator expects a lower score at
+/// another point, all settings of that point are simulated.
+///
+/// # Errors
+/// As [`Study::simulate`].
+pub(in crate::calibration) fn settled(
+    study: &Study,
+    mut scores: Scores,
+    mut emulator: Option<Emulator>,
+) -> Result<(Scores, Option<Emulator>)> {
+    let settings = study.settings();
+    if settings.count == 1 {
+        // A study of single runs takes the lowest one, with its chance.
+        return Ok((scores, emulator));
+    }
+    let grid = &study.definition().grid;
+    for champion in 0..=CHAMPIONS {
+        let Some(known) = &emulator else { break };
+        let is_whole = |position: &usize| scores.points[*position].runs >= settings.count;
+        let (whole, open): (Vec<usize>, Vec<usize>) =
+            scores.ranked().into_iter().partition(is_whole);
+        let best = whole.first().copied();
+        let lowest = best.and_then(|best| scores.points[best].score);
+        let visited = open.iter().map(|at| scores.points[*at].values.clone());
+        let candidates = visited.chain(unvisited(study, &scores));
+        let expected = candidates.map(|values| (known.mean(&grid.place_of(&values)), values));
+        let promising = least_by(expected, |(score, _)| *score);
+        let promising = promising.filter(|(score, _)| lowest.is_none_or(|lowest| *score < lowest));
+        scores.best = best.or(scores.best);
+        let Some((_, values)) = promising.filter(|_| champion < CHAMPIONS) else {
+            break;
+        };
+        let runs = scores.runs.iter().filter(|run| run.values == values);
+        let seen: Vec<Setting> = runs.map(|run| settings.of_trial(run.index)).collect();
+        let from = next_trial(study, &scores);
+        let missing = (0..settings.count).filter(|number| !seen.contains(&Setting::new(*number)));
+        let missing = missing.map(|number| (from + number, values.clone()));
+        let trials = simulated(study, missing.collect())?;
+        if trials.is_empty() {
+            break;
+        }
+        scores = scores.with_more(study, &trials)?;
+        emulator = emulator.map(|known| known.conditioned_on(&scored_runs(study, &scores)));
+    }
+    Ok((scores, emulator))
+}

@@ -1,0 +1,141 @@
+//! The joints of recordings, and of the robot that is simulated in their place.
+
+use crate::calibration::Commands;
+use crate::calibration::recording::file_pattern::name_matches;
+use crate::calibration::study::command_file::ON;
+use realgap_core::{Code, Error, Result, Warning};
+use realgap_path::trajectory::{Recording, Trajectory, may_be_attitude};
+use realgap_robot::morphology::Hinge;
+use realgap_simulation::{Experiment, JointState};
+
+/// Starts the robot's joints at the recorded angles, has the run record the joints, and gives the servos the recorded commands,
+/// where the recording has any of the robot's joints.
+///
+/// # Errors
+/// Joints of the robot without a column, and columns without a joint, that `left_out` does not name; the errors of
+/// [`Commands::set_up`].
+pub(in crate::calibration) fn set_up(
+    experiment: &mut Experiment,
+    recording: &Recording,
+    commands: Option<&Commands>,
+    left_out: &[String],
+    warnings: &mut Vec<Warning>,
+) -> Result<()> {
+    let motion = &recording.trajectory;
+    warnings.extend(check_names(experiment, recording, commands, left_out)?);
+    let hinges = &experiment.assembly.hinges;
+    if hinges.iter().any(|h| motion.joint(&h.name).is_some()) {
+        let dt_s = motion.times_s()[1] - motion.times_s()[0];
+        experiment.start_joints = hinges
+            .iter()
+            .map(|hinge| match motion.joint(&hinge.name) {
+                Some(joint) => JointState {
+                    angle_rad: joint.angles_rad[0],
+                    speed_rad_s: match &joint.speeds_rad_s {
+                        Some(speeds) => speeds[0],
+                        None => (joint.angles_rad[1] - joint.angles_rad[0]) / dt_s,
+                    },
+                },
+                None => JointState {
+                    angle_rad: hinge.actuator.map_or(0.0, |a| a.gait.angle_rad(0.0)),
+                    speed_rad_s: 0.0,
+                },
+            })
+            .collect();
+        experiment.records_joints = true;
+    }
+    match commands {
+        Some(commands) => commands.set_up(experiment, recording),
+        None => Ok(()),
+    }
+}
+
+/// Joints of a robot and columns of a recording that do not match each other, by name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Unmatched<'a> {
+    /// Joints without a recorded angle.
+    pub joints: Vec<&'a str>,
+    /// Columns of joints, commands and switches that match no joint.
+    pub columns: Vec<&'a str>,
+}
+
+impl<'a> Unmatched<'a> {
+    /// Those of this robot and recording. Columns that command servos are matched where there are `commands`.
+    pub fn of(hinges: &'a [Hinge], motion: &'a Trajectory, commands: Option<&Commands>) -> Self {
+        let is_hinge = |name: &str| hinges.iter().any(|hinge| hinge.name == name);
+        let taken = commands.map_or_else(Vec::new, |c| c.columns_of(hinges, motion));
+        let is_taken = |name: &str| {
+            let switches = || commands.is_some() && name.strip_suffix(ON).is_some_and(is_hinge);
+            taken.iter().any(|command| command.column == name) || switches()
+        };
+        let joints = motion.joints().iter().map(|joint| joint.name.as_str());
+        let signals = motion.signals().iter().map(|signal| signal.name.as_str());
+        let columns = joints.filter(|name| !is_hinge(name)).chain(signals);
+        let names = hinges.iter().map(|hinge| hinge.name.as_str());
+        Self {
+            joints: names.filter(|name| motion.joint(name).is_none()).collect(),
+            columns: columns.filter(|name| !is_taken(name)).collect(),
+        }
+    }
+}
+
+/// Checks that every joint has its column and every column its joint.
+fn check_names(
+    experiment: &Experiment,
+    recording: &Recording,
+    commands: Option<&Commands>,
+    left_out: &[String],
+) -> Result<Option<Warning>> {
+    let motion = &recording.trajectory;
+    let hinges = &experiment.assembly.hinges;
+    if motion.joints().is_empty() && motion.signals().is_empty() {
+        return Ok(None);
+    }
+    let is_left_out = |name: &&str| left_out.iter().any(|form| name_matches(form, name));
+    let Unmatched {
+        joints: mut missing,
+        columns: mut others,
+    } = Unmatched::of(hinges, motion, commands);
+    missing.retain(|name| !is_left_out(name));
+    others.retain(|name| !is_left_out(name));
+    // Beside a recorded pose, a column with an angle's name belongs to the attitude of the body.
+    let (attitude, others): (Vec<&str>, Vec<&str>) = others
+        .into_iter()
+        .partition(|name| may_be_attitude(name) && !motion.is_of_joints());
+    if hinges.is_empty() || (missing.len() == hinges.len() && !motion.is_of_joints()) {
+        // The recording has poses, so its other columns need not match joints.
+        let all: Vec<&str> = attitude.into_iter().chain(others).collect();
+        return Ok((!all.is_empty()).then(|| unused(&all)));
+    }
+    if missing.is_empty() && others.is_empty() {
+        return Ok((!attitude.is_empty()).then(|| unused(&attitude)));
+    }
+    let list = |names: &[&str]| match names.is_empty() {
+        true => "none".to_owned(),
+        false => names.join(", "),
+    };
+    let mut error = Error::invalid("joints of the robot and columns of the recording do not match")
+        .at_file(&recording.path)
+        .found(format!(
+            "joints without a column: {}; columns without a joint: {}",
+            list(&missing),
+            list(&others)
+        ))
+        .allowed("a column NAME_rad for every joint NAME");
+    error = if commands.is_none() && others.iter().any(|name| name.contains("command")) {
+        error.hint(
+            "add `commands: Commands()` to the study: servos then do what NAME_command_rad says",
+        )
+    } else {
+        error.hint("name columns in the study, `reading: (names: {\"theirs\": \"NAME_rad\"})`, or what is meant to be left out, `left_out: [\"NAME\"]`")
+    };
+    Err(error)
+}
+
+fn unused(names: &[&str]) -> Warning {
+    let message = format!(
+        "recorded joints that the robot does not have: {}",
+        names.join(", ")
+    );
+    Code::ColumnsIgnored.warning(message)
+}

@@ -1,0 +1,234 @@
+//! Checks of recordings that are probably not as they are read: lengths, angles and heights that do not fit the robot, and a run
+//! that occurs twice.
+
+use nalgebra::{Isometry3, Translation3};
+
+use realgap_core::unit::{LengthUnit, number};
+use realgap_core::{Code, Warning};
+use realgap_path::trajectory::{COMMAND, Recording, odd_axes};
+use realgap_robot::morphology::Morphology;
+use realgap_simulation::{Experiment, Posture};
+
+/// A robot that seems to move farther than this, in body lengths, may have been measured in another unit.
+const FAR: f64 = 100.0;
+/// No robot is faster than this, in body lengths per second.
+const FAST_1_S: f64 = 5.0;
+/// A robot that seems to move less far than this, in body lengths, may have been measured in another unit.
+const NEAR: f64 = 0.05;
+
+/// Warnings about recordings whose lengths would fit the robot better in another unit.
+pub(in crate::calibration) fn lengths(
+    robot: &Morphology,
+    recordings: &[Recording],
+) -> Vec<Warning> {
+    let body_m = robot.summary().body_length_m;
+    let unlikely = recordings.iter().filter_map(|recording| {
+        let motion = &recording.trajectory;
+        let far = motion.extent_m() / body_m;
+        let is_far = far > FAR && far > FAST_1_S * motion.duration_s();
+        let is_near = recording.reading.scales_lengths() && far < NEAR;
+        if !is_far && !is_near {
+            return None;
+        }
+        let others = LengthUnit::ALL
+            .iter()
+            .filter(|_| is_far)
+            .filter_map(|unit| {
+                let there = far * unit.metres();
+                let fits = *unit != LengthUnit::Metre && (NEAR..FAR).contains(&there);
+                fits.then(|| format!("`length: \"{}\"` makes it {}", unit.symbol(), number(there)))
+            });
+        let others: Vec<String> = others.collect();
+        let remedy = if others.is_empty() {
+            "is the unit of length right?".to_owned()
+        } else {
+            others.join(", ")
+        };
+        Some(Code::UnlikelyLength.warning(format!(
+            "{}: the robot goes {} body lengths from where it starts; {remedy}",
+            recording.name,
+            number(far)
+        )))
+    });
+    unlikely.collect()
+}
+
+/// A warning about axes that are probably not x forward, y to the left, z up.
+pub(in crate::calibration) fn axes(
+    robot: &Morphology,
+    recordings: &[Recording],
+) -> Option<Warning> {
+    let body_m = robot.summary().body_length_m;
+    Some(Code::UnknownAxes.warning(odd_axes(recordings, body_m)?))
+}
+
+/// A recorded angle is doubtful where it lies beyond its joint's limits by more than this share of the limits' range.
+const BEYOND: f64 = 0.25;
+
+/// Warnings about angles and commands far beyond the limits of their joint: most of them are degrees that are read as radians.
+pub(in crate::calibration) fn angles(robot: &Morphology, recordings: &[Recording]) -> Vec<Warning> {
+    let assembly = robot.assemble();
+    let limited = |name: &str| {
+        let whose = name.strip_suffix(COMMAND).unwrap_or(name);
+        let hinge = assembly.hinges.iter().find(|hinge| hinge.name == whose)?;
+        hinge.bearing.limits_rad
+    };
+    let of = |recording: &Recording| {
+        let found = recording.trajectory.joints().iter().find_map(|joint| {
+            let (low_rad, high_rad) = limited(&joint.name)?;
+            let slack_rad = BEYOND * (high_rad - low_rad);
+            let is_beyond =
+                |angle_rad: &&f64| **angle_rad < low_rad - slack_rad || **angle_rad > high_rad + slack_rad;
+            let angle_rad = joint.angles_rad.iter().find(is_beyond)?;
+            Some(format!(
+                "{}: `{}` is recorded at {}, its limits are {} and {}: are the angles in degrees (a column NAME_deg), or counted from elsewhere (joint.NAME.zero_rad)?",
+                recording.name,
+                joint.name,
+                number(*angle_rad),
+                number(low_rad),
+                number(high_rad)
+            ))
+        })?;
+        Some(Code::UnlikelyAngle.warning(found))
+    };
+    recordings.iter().filter_map(of).collect()
+}
+
+/// Warnings about recordings in which the body moves, of a robot that is held at its root.
+pub(in crate::calibration) fn held(robot: &Morphology, recordings: &[Recording]) -> Vec<Warning> {
+    if robot.assemble().world_from_mount.is_none() {
+        return Vec::new();
+    }
+    let of = |recording: &Recording| {
+        let motion = &recording.trajectory;
+        if motion.is_of_joints() || motion.extent_m() <= NEAR * robot.summary().body_length_m {
+            return None;
+        }
+        let message = format!(
+            "{}: goes {} m from where it starts, and \"{}\" is held at its root: is this the robot that was recorded?",
+            recording.name,
+            number(motion.extent_m()),
+            robot.name()
+        );
+        Some(Code::OtherRobot.warning(message))
+    };
+    recordings.iter().filter_map(of).collect()
+}
+
+/// Warnings about a run that occurs twice, which makes reality look more repeatable than it is.
+pub(in crate::calibration) fn duplicate_recordings(recordings: &[Recording]) -> Vec<Warning> {
+    let twin_of = |(index, recording): (usize, &Recording)| {
+        let earlier = recordings[..index].iter();
+        let mut alike = earlier.filter(|other| other.trajectory == recording.trajectory);
+        let message = format!(
+            "{}: is the same run as {}",
+            recording.name,
+            alike.next()?.name
+        );
+        Some(Code::SameRun.warning(message))
+    };
+    recordings.iter().enumerate().filter_map(twin_of).collect()
+}
+
+/// Poses are doubtful where the robot's lowest point is always above the floor, or ever below it, by more than this share of the
+/// body length.
+const OFF: f64 = 0.1;
+
+/// A warning about a rigid robot whose recorded poses reach into the floor, or stay above it for the whole run.
+pub(in crate::calibration) fn floor(
+    experiment: &Experiment,
+    recording: &Recording,
+) -> Option<Warning> {
+    let (assembly, motion) = (&experiment.assembly, &recording.trajectory);
+    let orientations = motion.orientations_world_from_body()?;
+    if motion.is_planar() || !assembly.hinges.is_empty() {
+        return None;
+    }
+    let posture = Posture::new(assembly);
+    let places = motion.positions_world_m().iter().zip(orientations);
+    let clearances_m: Vec<f64> = places
+        .map(|(place_m, turn)| {
+            let pose = Isometry3::from_parts(Translation3::from(*place_m), *turn);
+            posture.rigid_clearance_m(&pose, &experiment.floor)
+        })
+        .collect();
+    let (index, lowest_m) = clearances_m
+        .iter()
+        .copied()
+        .enumerate()
+        .min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let off_m = OFF * assembly.body_length_m;
+    let found = if lowest_m < -off_m {
+        format!(
+            "reaches {} m into the floor at {} s",
+            number(-lowest_m),
+            number(motion.times_s()[index])
+        )
+    } else if lowest_m > off_m && experiment.scene.is_empty() {
+        format!(
+            "never comes nearer to the floor than {} m",
+            number(lowest_m)
+        )
+    } else {
+        return None;
+    };
+    Some(Code::OffFloor.warning(format!(
+        "{}: by its recorded poses the robot {found}: are its size, the unit of lengths, the axes, the order of the quaternion and the floor's height as recorded?",
+        recording.name
+    )))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+    use realgap_path::trajectory::{JointTrack, Reading, Trajectory};
+
+    fn recorded(angles_rad: Vec<f64>) -> Recording {
+        let times_s: Vec<f64> = (0..angles_rad.len()).map(|k| 0.1 * k as f64).collect();
+        let joint = JointTrack {
+            name: "elbow_flex".to_owned(),
+            angles_rad,
+            speeds_rad_s: None,
+        };
+        let still = vec![Vector3::zeros(); times_s.len()];
+        let trajectory =
+            Trajectory::new(times_s, still).and_then(|motion| motion.with_joints(vec![joint]));
+        Recording {
+            name: "a".to_owned(),
+            path: "a.csv".into(),
+            trajectory: trajectory.unwrap(),
+            bodies: Vec::new(),
+            meta: None,
+            reading: Reading::default(),
+            warnings: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn degrees_in_a_column_of_radians_are_doubted_and_radians_are_not() {
+        let file = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../morphologies/so101_arm.ron"
+        );
+        let robot = Morphology::read(file).unwrap();
+        let rad = vec![0.0, 0.4, 0.8, 1.2];
+        let deg: Vec<f64> = rad.iter().map(|angle: &f64| angle.to_degrees()).collect();
+        assert!(angles(&robot, &[recorded(rad.clone())]).is_empty());
+        let mut told = recorded(rad.clone());
+        let mut joints = recorded(rad.clone()).trajectory.joints().to_vec();
+        joints[0].name += "_command";
+        joints[0].angles_rad.clone_from(&deg);
+        joints.extend_from_slice(told.trajectory.joints());
+        told.trajectory = told.trajectory.with_joints(joints).unwrap();
+        for (odd, name) in [(recorded(deg), "elbow_flex"), (told, "elbow_flex_command")] {
+            let [doubt] = &angles(&robot, &[odd])[..] else {
+                panic!("one doubt of {name}");
+            };
+            assert_eq!(doubt.code, Code::UnlikelyAngle);
+            assert!(doubt.message.contains(&format!("`{name}`")), "{doubt}");
+        }
+        let all = [recorded(rad.clone()), recorded(vec![0.0; 4]), recorded(rad)];
+        assert_eq!(duplicate_recordings(&all).len(), 1);
+    }
+}

@@ -1,0 +1,217 @@
+//! The RON form of recorded commands: which columns command the servos, their gain, and when they are switched off.
+
+use std::sync::Arc;
+
+use serde::Deserialize;
+
+use crate::calibration::recording::file_pattern::name_matches;
+use realgap_core::file::unknown_name;
+use realgap_core::{Error, Result};
+use realgap_path::trajectory::{COMMAND, Recording, Trajectory};
+use realgap_robot::morphology::{Hinge, ServoLaw};
+use realgap_simulation::{Between, CommandTrack, Experiment, Quantity};
+
+/// What the recordings of a study say of its servos: `Commands()` where columns are called after the joints, `NAME_command_rad`
+/// (angles), `NAME_command_rad_s` (speeds) or `NAME_command_nm` (torques), and `NAME_on` where servos are switched.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "Commands")]
+pub struct Commands {
+    /// Recorded columns that hold the commands of a hinge, where they are not named after the hinge.
+    #[serde(default)]
+    pub columns: Vec<CommandColumn>,
+    /// What is in force between two recorded commands.
+    #[serde(default)]
+    pub between: BetweenCommands,
+    /// What stands before the position gain in a recording's name, e.g. `kp` in `kp200_lift`; the gain is what the robot's file or
+    /// a parameter says where a name does not have it.
+    #[serde(default)]
+    pub gain_after: Option<String>,
+    /// When servos are switched off.
+    #[serde(default)]
+    pub off: Vec<Off>,
+}
+
+/// What is in force between two recorded commands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum BetweenCommands {
+    /// The earlier one, as real servos do.
+    #[default]
+    Held,
+    /// A straight line from one to the other.
+    Interpolated,
+}
+
+/// The commands of one hinge.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct CommandColumn {
+    /// Name of the hinge.
+    pub hinge: String,
+    /// Name of the column, without `_rad` where it holds angles.
+    pub column: String,
+}
+
+/// Endings of a command column after the name of the joint, and the quantity that is commanded.
+const ENDINGS: [(&str, Quantity); 3] = [
+    (COMMAND, Quantity::Position),
+    ("_command_rad_s", Quantity::Velocity),
+    ("_command_nm", Quantity::Torque),
+];
+
+/// Ending of a switch column after the name of the joint.
+pub(in crate::calibration) const ON: &str = "_on";
+
+/// The recorded numbers and the quantity of a column of commands.
+fn recorded<'a>(motion: &'a Trajectory, column: &str) -> Option<(&'a [f64], Quantity)> {
+    if let Some(joint) = motion.joint(column) {
+        return Some((&joint.angles_rad, Quantity::Position));
+    }
+    let ending = ENDINGS[1..].iter().find(|(e, _)| column.ends_with(e));
+    let signal = motion.signal(column)?;
+    Some((&signal.values, ending.map_or(Quantity::Torque, |e| e.1)))
+}
+
+/// Recordings in which all servos are switched off from some time on.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Off {
+    /// A pattern with `*` for names of recordings.
+    pub recordings: String,
+    /// From when on, seconds of the recording's own clock.
+    pub from_s: f64,
+}
+
+impl Commands {
+    /// The columns of a recording that command hinges of a robot.
+    pub fn columns_of(&self, hinges: &[Hinge], motion: &Trajectory) -> Vec<CommandColumn> {
+        if !self.columns.is_empty() {
+            return self.columns.clone();
+        }
+        let servos = hinges.iter().filter(|hinge| hinge.actuator.is_some());
+        let column = |hinge: &Hinge| {
+            let names = ENDINGS.iter().map(|(e, _)| format!("{}{e}", hinge.name));
+            let mut names = names.filter(|name| recorded(motion, name).is_some());
+            Some(CommandColumn {
+                hinge: hinge.name.clone(),
+                column: names.next()?,
+            })
+        };
+        servos.filter_map(column).collect()
+    }
+
+    /// Sets the commands of the experiment's servos to the recorded commands.
+    ///
+    /// # Errors
+    /// A hinge or column that does not exist, or a gain in a recording's name that is not a number.
+    pub(in crate::calibration) fn set_up(
+        &self,
+        experiment: &mut Experiment,
+        recording: &Recording,
+    ) -> Result<()> {
+        let motion = &recording.trajectory;
+        let start_s = motion.times_s()[0];
+        let mut off = self.off.iter();
+        let off = off.find(|off| name_matches(&off.recordings, &recording.name));
+        let columns = self.columns_of(&experiment.assembly.hinges, motion);
+        for CommandColumn { hinge, column } in &columns {
+            let hinges = experiment.assembly.hinges.iter();
+            let servos = hinges.filter_map(|known| Some((known, known.actuator?)));
+            let Some((_, actuator)) = servos.clone().find(|(known, _)| known.name == *hinge) else {
+                let names = servos.map(|(known, _)| known.name.as_str());
+                return Err(unknown_name("hinge with a servo", hinge, names).field("commands"));
+            };
+            let Some((values, quantity)) = recorded(motion, column) else {
+                let joints = motion.joints().iter().map(|joint| joint.name.as_str());
+                let signals = motion.signals().iter().map(|signal| signal.name.as_str());
+                return Err(unknown_name("recorded command", column, joints.chain(signals))
+                    .at_file(&recording.path)
+                    .or_hint("a command stands in a column NAME_rad, NAME_command_rad_s or NAME_command_nm"));
+            };
+            let law = &actuator.servo.law;
+            let is_followed = match law {
+                ServoLaw::Motor(_) => quantity == Quantity::Position,
+                ServoLaw::Direct => quantity == Quantity::Torque,
+                ServoLaw::Velocity { .. } | ServoLaw::Torque { .. } => true,
+            };
+            if !is_followed {
+                return Err(Error::invalid("a servo cannot do what is commanded")
+                    .at_file(&recording.path)
+                    .field(column)
+                    .found(format!("{quantity:?} for the servo of `{hinge}`"))
+                    .allowed("Motor: Position; Direct: Torque; Velocity and Torque: all three")
+                    .hint("give the joint a servo with another law in the robot's file"));
+            }
+            let mut track = CommandTrack::new(
+                motion.times_s().iter().map(|t| t - start_s).collect(),
+                values.to_vec(),
+                off.map(|off| off.from_s - start_s),
+            )
+            .map_err(|e| e.at_file(&recording.path))?
+            .of(quantity)
+            .with(match self.between {
+                BetweenCommands::Held => Between::Held,
+                BetweenCommands::Interpolated => Between::Interpolated,
+            });
+            if let Some(on) = motion.signal(&format!("{hinge}{ON}")) {
+                track = track.switched(&on.values);
+            }
+            experiment.commands.insert(hinge.clone(), Arc::new(track));
+        }
+        if let Some(gain) = self.gain(&recording.name)? {
+            let hinges = &mut Arc::make_mut(&mut experiment.assembly).hinges;
+            for actuator in hinges.iter_mut().filter_map(|h| h.actuator.as_mut()) {
+                if let Some(motor) = actuator.servo.law.motor_mut() {
+                    motor.position_gain = gain;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The position gain that a recording's name states.
+    fn gain(&self, name: &str) -> Result<Option<f64>> {
+        let Some(before) = &self.gain_after else {
+            return Ok(None);
+        };
+        let Some((_, rest)) = name.split_once(before.as_str()) else {
+            return Ok(None);
+        };
+        let digits: String = rest
+            .chars()
+            .take_while(|c| c.is_ascii_digit() || *c == '.')
+            .collect();
+        match digits.trim_end_matches('.').parse::<f64>() {
+            Ok(gain) => Ok(Some(gain)),
+            Err(_) => Err(Error::invalid("no position gain in a recording's name")
+                .field("commands.gain_after")
+                .found(format!("{name:?}"))
+                .allowed(format!("a number after {before:?}"))),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn commands() -> Commands {
+        Commands {
+            columns: Vec::new(),
+            between: BetweenCommands::default(),
+            gain_after: Some("kp".to_owned()),
+            off: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_gain_is_read_from_a_name_and_nothing_else_is() {
+        assert_eq!(commands().gain("kp400_lift_and_drop").unwrap(), Some(400.0));
+        assert_eq!(commands().gain("run_kp12.5").unwrap(), Some(12.5));
+        assert_eq!(commands().gain("lift").unwrap(), None);
+        assert!(commands().gain("kpfast").is_err());
+    }
+}

@@ -1,0 +1,460 @@
+//! The RON form of a study, and how it is read.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use serde::Deserialize;
+
+use crate::calibration::answer::values::assignments;
+use crate::calibration::recording::identity::in_sample;
+use crate::calibration::study::robot_file::{RobotFile, members, morphology_source};
+use crate::calibration::study::scene_file::BodyFile;
+use crate::calibration::{
+    BasisRule, Commands, Definition, Horizon, Overrides, ScoreRule, StartRule, recording,
+};
+use realgap_core::file::{Source, name_of_file, parse_ron, sha256, unique_keys};
+use realgap_core::{Error, Result};
+use realgap_identification::StartState;
+use realgap_optimization::{Grid, MAX_POINTS, Range};
+use realgap_path::comparison::{self, Components};
+use realgap_path::trajectory::Reading;
+use realgap_robot::morphology::Morphology;
+use realgap_simulation::parameter::{Assignment, Parameter, ParameterSet, by_name};
+use realgap_simulation::{Noise, SceneBody, Vehicle};
+
+/// A study file as written.
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "Study")]
+pub struct StudyFile {
+    /// The question that the study answers, for readers.
+    #[serde(default)]
+    description: String,
+    /// The robot's file, relative to this one; either this or `vehicle`.
+    morphology: Option<PathBuf>,
+    /// A two-wheel robot in place of a morphology.
+    vehicle: Option<VehicleFile>,
+    /// Many robots in place of one: they share what is varied.
+    #[serde(default)]
+    robots: Vec<RobotFile>,
+    /// Only recordings of this condition, where a file holds several.
+    condition: Option<String>,
+    /// Paths and patterns (`*`, `?`) of the recordings, relative to this file.
+    #[serde(default)]
+    recordings: Vec<String>,
+    /// How the recordings are to be read: units, columns, crop.
+    #[serde(default)]
+    reading: Reading,
+    /// Where simulated robots start.
+    start: StartRule,
+    /// How the first velocities are found, where runs start from a recording.
+    start_state: Option<StartState>,
+    /// Leave out recordings in which something still moves at the end.
+    #[serde(default)]
+    only_at_rest: bool,
+    /// Bodies beside the robot.
+    #[serde(default)]
+    scene: Vec<BodyFile>,
+    /// Walls around the robot: of a settled start, where the arena says that robots start; else in the recording's coordinates.
+    arena: Option<PathBuf>,
+    /// A controller's file, relative to this one: what is simulated reads its sensors and follows its rules, in its arena.
+    controller: Option<PathBuf>,
+    /// Recorded commands that the servos follow in place of their gaits.
+    commands: Option<Commands>,
+    /// Joints of the robot that no column gives, and columns that no joint takes, which else are an error; `*` for any letters.
+    #[serde(default)]
+    left_out: Vec<String>,
+    /// `(length_s, every_s)`: runs start again and again from what was recorded, every so often, and last so long.
+    horizon: Option<Horizon>,
+    /// Time of each run, seconds; else as long as the recordings.
+    duration_s: Option<f64>,
+    /// Timestep, seconds; the same as `set: { "timestep_s": ... }`.
+    timestep_s: Option<f64>,
+    /// Solver substeps of each timestep; the same as `set: { "solver.substeps": ... }`.
+    substeps: Option<usize>,
+    /// Kind of joint; the same as `set: { "solver.joint": ... }`.
+    joint: Option<Joint>,
+    /// Parameters with a fixed value, by name; `realgap study parameters` lists all.
+    #[serde(default, deserialize_with = "unique_keys")]
+    set: BTreeMap<String, f64>,
+    /// What is varied.
+    parameters: Vec<RangeFile>,
+    /// How two trajectories are compared; `realgap compare --help` lists the metrics.
+    #[serde(default = "default_metric")]
+    metric: String,
+    /// What the principal components of the metric `pca` are fitted on.
+    basis: Option<BasisFile>,
+    /// How many principal components are kept.
+    #[serde(default)]
+    components: Components,
+    /// Over what the score of a point is the mean.
+    #[serde(default)]
+    score: ScoreRule,
+    /// Seed of everything random.
+    #[serde(default = "default_seed")]
+    seed: u64,
+    /// Known truth of a stand-in, by parameter, for marking it in pictures; never used by the fit.
+    #[serde(default, deserialize_with = "unique_keys")]
+    truth: BTreeMap<String, f64>,
+    /// How repeats of the real experiment differ.
+    noise: Option<Noise>,
+}
+
+/// A two-wheel robot in place of a morphology.
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "Vehicle")]
+struct VehicleFile {
+    /// The vehicle's file, relative to this one.
+    file: PathBuf,
+    /// Its range sensor in place of the one in the vehicle's file: a file or the name of one that comes with the program.
+    sensor: Option<String>,
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+enum Joint {
+    /// Reduced coordinates: hinges cannot come apart.
+    Multibody,
+    /// A constraint between two bodies.
+    Impulse,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+enum BasisFile {
+    /// Recordings and simulations together.
+    Everything,
+    /// The recordings alone.
+    Recordings,
+    /// The `basis.json` of another results folder, so that scores can be compared.
+    File(PathBuf),
+}
+
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "Range")]
+struct RangeFile {
+    /// Name of the parameter; `realgap study parameters` lists all.
+    name: String,
+    /// Lowest value, in the parameter's unit.
+    from: f64,
+    /// Highest value.
+    to: f64,
+    /// Points of the grid from the lowest to the highest.
+    #[serde(default = "default_points")]
+    points: usize,
+    /// What is known beforehand, e.g. from a data sheet: median and standard deviation, in the parameter's unit. For least squares
+    /// (`--optimizer gauss-newton`).
+    prior: Option<(f64, f64)>,
+}
+
+impl RangeFile {
+    /// The prior in coordinates from 0 to 1 along the range: median and variance.
+    fn prior_of(&self, range: &Range) -> Result<Option<(f64, f64)>> {
+        let Some((median, sd)) = self.prior else {
+            return Ok(None);
+        };
+        let is_within = (range.from..=range.to).contains(&median);
+        let is_spread = sd > 0.0 && sd.is_finite();
+        if !is_within || !is_spread {
+            return Err(Error::invalid("no prior knowledge of this parameter")
+                .field("prior")
+                .found(format!("({median}, {sd})"))
+                .allowed("(median, spread): a median within the range, a spread above 0"));
+        }
+        let at = range.coordinate(median);
+        // Along a logarithmic range a standard deviation is a share of the median.
+        let near = 1e-3 * (range.to - range.from);
+        let there = if median + near <= range.to {
+            median + near
+        } else {
+            median - near
+        };
+        let slope = (range.coordinate(there) - at).abs() / near;
+        Ok(Some((at, (slope * sd).powi(2))))
+    }
+}
+
+fn default_metric() -> String {
+    comparison::DEFAULT_METRIC.to_owned()
+}
+
+fn default_seed() -> u64 {
+    1
+}
+
+/// 21 × 21 = 441, as in paper 003, section 2.3.
+fn default_points() -> usize {
+    21
+}
+
+impl Definition {
+    /// Reads a study, its morphology and its recordings.
+    ///
+    /// # Errors
+    /// Any of the files missing or malformed, unknown parameters or metrics, empty ranges, no recordings.
+    pub fn read(path: impl AsRef<Path>, overrides: &Overrides) -> Result<Self> {
+        Self::parse(&Source::read(path, "study")?, overrides)
+    }
+
+    /// As [`Definition::read`], from a text. Paths in the text are relative to the folder of the source's path.
+    ///
+    /// # Errors
+    /// As [`Definition::read`].
+    pub fn parse(source: &Source, overrides: &Overrides) -> Result<Self> {
+        let path = source.path();
+        let definition = Self::parse_without_recordings(source, overrides)?;
+        if definition.robots.is_empty() {
+            return definition.with_found(path, overrides);
+        }
+        if !overrides.recordings.is_empty() {
+            return Err(
+                Error::usage("every robot of this study has its own recordings")
+                    .field("recordings")
+                    .hint("change them in the study, or name a study of one robot")
+                    .at_file(path),
+            );
+        }
+        let mut whole = definition.clone();
+        for (index, member) in definition.robots.iter().enumerate() {
+            let own = definition.of_member(member).with_found(path, overrides)?;
+            let from = whole.recordings.len();
+            whole.recordings.extend(own.recordings);
+            whole.recordings_sha256.extend(own.recordings_sha256);
+            whole.warnings.extend(own.warnings);
+            whole.robots[index].recordings = from..whole.recordings.len();
+        }
+        Ok(whole)
+    }
+
+    /// The definition with the recordings that its globs name.
+    fn with_found(self, path: &Path, overrides: &Overrides) -> Result<Self> {
+        let definition = self;
+        let mut found = recording::find(&definition, path, overrides)?;
+        let moving = if definition.only_at_rest {
+            found.keep_those_at_rest().map_err(|e| e.at_file(path))?
+        } else {
+            None
+        };
+        if let Some(horizon) = definition.horizon {
+            found.cut_into(horizon)?;
+        }
+        let mut warnings = recording::warnings_for(&definition.morphology, &found.recordings);
+        warnings.extend(moving);
+        warnings.extend(in_sample(&found.recordings, &overrides.fitted_on));
+        Ok(Self {
+            warnings,
+            recordings: found.recordings,
+            recordings_sha256: found.sha256,
+            ..definition
+        })
+    }
+
+    /// Reads a study and its morphology but not its recordings, to check the file itself.
+    ///
+    /// # Errors
+    /// As [`Definition::read`], except for those about recordings.
+    pub fn read_without_recordings(path: impl AsRef<Path>, overrides: &Overrides) -> Result<Self> {
+        Self::parse_without_recordings(&Source::read(path, "study")?, overrides)
+    }
+
+    /// As [`Definition::read_without_recordings`], from a text.
+    ///
+    /// # Errors
+    /// As [`Definition::read_without_recordings`].
+    pub(crate) fn parse_without_recordings(source: &Source, overrides: &Overrides) -> Result<Self> {
+        let path = source.path();
+        let file: StudyFile = parse_ron(source)?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let members = members(&file.robots, source, folder, file.start)?;
+        let robot = match members.first() {
+            Some(first) if file.is_of_many() => Robot {
+                morphology: first.morphology.clone(),
+                sha256: first.sha256.clone(),
+                vehicle: None,
+            },
+            _ => file.robot(source, folder)?,
+        };
+        let set = file.fixed(source)?.with_all(&overrides.set);
+        let (grid, parameters) = file.varied(source, overrides)?;
+        let priors = file.parameters.iter().zip(grid.ranges()).enumerate();
+        let priors = priors
+            .map(|(index, (range, on_grid))| {
+                let prior = range.prior_of(on_grid);
+                prior.map_err(|e| source.at(&format!("parameters[{index}]"), e))
+            })
+            .collect::<Result<Vec<_>>>()?;
+        let metric = match overrides.metric {
+            Some(metric) => metric,
+            None => comparison::by_name(&file.metric).map_err(|e| source.at("metric", e))?,
+        };
+        let basis = match (&overrides.basis, &file.basis) {
+            (Some(basis), _) => basis.clone(),
+            (None, None | Some(BasisFile::Everything)) => BasisRule::Everything,
+            (None, Some(BasisFile::Recordings)) => BasisRule::Recordings,
+            (None, Some(BasisFile::File(saved))) => BasisRule::read(folder.join(saved))?,
+        };
+        let start_state = overrides.start_state.or(file.start_state);
+        let start_state = start_state.unwrap_or_default();
+        if file.start == StartRule::Settled && start_state != StartState::FirstSample {
+            let error = Error::invalid("a settled start has no start state to refine")
+                .field("start_state")
+                .hint("use `start: FromRecording`");
+            return Err(source.at("start", error));
+        }
+        let truth = assignments(&file.truth).map_err(|e| source.at("truth", e))?;
+        let mut definition = Self {
+            path: Some(path.to_path_buf()),
+            text: source.text().to_owned(),
+            description: file.description,
+            morphology_sha256: robot.sha256,
+            vehicle: robot.vehicle,
+            robots: members,
+            condition: file.condition,
+            start: file.start,
+            start_state,
+            only_at_rest: file.only_at_rest,
+            commands: file.commands,
+            left_out: file.left_out,
+            horizon: file.horizon.filter(|_| !overrides.whole_runs),
+            duration_s: overrides.duration_s.or(file.duration_s),
+            reading: overrides.reading.clone().or(&file.reading),
+            set,
+            draws: overrides.draws.clone(),
+            grid,
+            parameters,
+            priors,
+            metric,
+            score: overrides.score.unwrap_or(file.score),
+            basis,
+            components: file.components,
+            seed: overrides.seed.unwrap_or(file.seed),
+            split: overrides.split,
+            truth,
+            noise: file.noise,
+            recording_globs: file.recordings,
+            ..Self::of(name_of_file(path, "a study")?, robot.morphology)
+        };
+        if let Some((field, error)) = definition.fault().or_else(|| {
+            file.reading
+                .fault()
+                .map(|(field, error)| (format!("reading.{field}"), error))
+        }) {
+            return Err(source.at(&field, error));
+        }
+        for (index, body) in file.scene.into_iter().enumerate() {
+            let body = body.into_body();
+            definition
+                .scene
+                .push(body.map_err(|e| source.at(&format!("scene[{index}]"), e))?);
+        }
+        if let Some(named) = &file.arena {
+            let plan = Source::read(folder.join(named), "arena")?;
+            let settled = file.start == StartRule::Settled;
+            definition
+                .scene
+                .push(SceneBody::read_arena(&plan, settled)?);
+            let both = format!("{}\n{}", definition.morphology_sha256, plan.text());
+            definition.morphology_sha256 = sha256(both.as_bytes());
+        }
+        let own = file.robots.iter().map(|robot| robot.controller.as_deref());
+        definition
+            .steer(source, file.controller.as_deref(), &own.collect::<Vec<_>>())
+            .map(|()| definition)
+    }
+}
+
+/// The robot that a study names.
+struct Robot {
+    morphology: Morphology,
+    sha256: String,
+    vehicle: Option<Arc<Vehicle>>,
+}
+
+impl StudyFile {
+    /// Whether the file names several robots and nothing that belongs to a study of one robot.
+    fn is_of_many(&self) -> bool {
+        let one = self.morphology.is_some() || self.vehicle.is_some();
+        !one && self.recordings.is_empty() && !self.robots.is_empty()
+    }
+
+    fn robot(&self, source: &Source, folder: &Path) -> Result<Robot> {
+        match (&self.morphology, &self.vehicle) {
+            (Some(named), None) if self.robots.is_empty() => {
+                let robot = morphology_source(source, &folder.join(named))?;
+                Ok(Robot {
+                    morphology: Morphology::parse(&robot)?,
+                    sha256: robot.sha256(),
+                    vehicle: None,
+                })
+            }
+            (None, Some(named)) if self.robots.is_empty() => {
+                let vehicle = Vehicle::read(folder.join(&named.file), named.sensor.as_deref())?;
+                Ok(Robot {
+                    morphology: outside_of(&vehicle)?,
+                    sha256: sha256(vehicle.text.as_bytes()),
+                    vehicle: Some(Arc::new(vehicle)),
+                })
+            }
+            _ => Err(Error::invalid("a study is of one robot, or of many with their own recordings each")
+                .at_file(source.path())
+                .allowed("`morphology: \"...\"`, `vehicle: (file: \"...\")`, or `robots: [(morphology: ..., recordings: [...])]` alone")
+                .hint("add `morphology: ...`")),
+        }
+    }
+
+    /// The values that the file fixes.
+    fn fixed(&self, source: &Source) -> Result<ParameterSet> {
+        let multibody = self.joint.map(|joint| matches!(joint, Joint::Multibody));
+        let named = [
+            ("timestep_s", self.timestep_s),
+            ("solver.substeps", self.substeps.map(|n| n as f64)),
+            ("solver.joint", multibody.map(|is| f64::from(u8::from(is)))),
+        ];
+        let mut set = ParameterSet::new();
+        for (name, value) in named {
+            if let Some(value) = value {
+                let field = name.trim_start_matches("solver.");
+                set = set.with(Assignment::new(name, value).map_err(|e| source.at(field, e))?);
+            }
+        }
+        let more = assignments(&self.set).map_err(|e| source.at("set", e))?;
+        Ok(set.with_all(&more))
+    }
+
+    /// The varied parameters, as a grid and as a list.
+    fn varied(
+        &self,
+        source: &Source,
+        overrides: &Overrides,
+    ) -> Result<(Grid, Vec<&'static Parameter>)> {
+        let (mut ranges, mut parameters) = (Vec::new(), Vec::new());
+        for (index, range) in self.parameters.iter().enumerate() {
+            let points = overrides.points.unwrap_or(range.points);
+            let checked = by_name(&range.name)
+                .and_then(|p| Ok((p, Range::new(p, range.from, range.to, points)?)))
+                .map_err(|e| match overrides.points {
+                    Some(points) if !(2..=MAX_POINTS).contains(&points) => {
+                        e.field("points").into_usage()
+                    }
+                    _ => source.at(&format!("parameters[{index}]"), e),
+                })?;
+            parameters.push(checked.0);
+            ranges.push(checked.1);
+        }
+        let grid = Grid::new(ranges).map_err(|e| source.at("parameters", e))?;
+        Ok((grid, parameters))
+    }
+}
+
+/// A cube with the size and the name of a vehicle: the morphology from which body lengths are computed.
+fn outside_of(vehicle: &Vehicle) -> Result<Morphology> {
+    let text = format!(
+        "(name: {:?}, defaults: (side_m: {}, mass_kg: 0.3), modules: [(name: \"body\", kind: Passive())], glue: [])",
+        vehicle.name,
+        2.0 * vehicle.radius_m
+    );
+    Morphology::parse(&Source::new("vehicle", text))
+}
