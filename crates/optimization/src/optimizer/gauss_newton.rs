@@ -47,7 +47,7 @@ enum End {
 /// The state of a search: how each finished descent ended, and the best point that has finite differences around it.
 struct SearchState {
     ends: Vec<End>,
-    best: Option<Linear>,
+    best: Option<Linearisation>,
 }
 
 /// A linearised problem, and the indices of its points in the history.
