@@ -32,17 +32,18 @@ pub struct Form {
     pub schema: fn() -> schemars::Schema,
 }
 
-/// Declares types as answers, and lists their forms and schemas. The folder of the schemas is given as seen from the file that calls this.
+/// Marks types as answers, and lists their forms and schemas. The path of the schemas' folder is relative to the file that calls this
+/// macro.
 macro_rules! forms {
     (in $folder:literal: $($name:literal $kind:ident $type:ty, $doc:literal;)*) => {
         $(impl $crate::cli::terminal::Answer for $type {})*
 
-        /// The name of each with the text of its schema.
+        /// The name of every answer with the text of its schema.
         pub const SCHEMAS: &[(&str, &str)] = &[
             $(($name, include_str!(concat!($folder, $name, ".json"))),)*
         ];
 
-        /// The forms.
+        /// Every form.
         #[cfg(all(test, feature = "schema"))]
         pub const FORMS: &[$crate::cli::form::Form] = &[$($crate::cli::form::Form {
             name: $name,
@@ -53,10 +54,10 @@ macro_rules! forms {
     };
 }
 
-// One line adds an answer: its name, whether it is one or rows, its type, what it is.
+// Each line adds an answer: its name, whether it is one value or rows, its type, its description.
 forms! {
     in "../../schemas/answers/":
-    "check" rows FileReport, "what files hold: `realgap check`";
+    "check" rows FileReport, "the contents of files: `realgap check`";
     "compare" rows Compared, "distances of trajectories in every metric: `realgap compare`";
     "compare-metric" rows Scored, "distances of trajectories in one metric: `realgap compare --metric NAME`";
     "develop" one DevelopReport, "the robot of a genome: `realgap robot develop`";
@@ -75,8 +76,8 @@ forms! {
     "results" rows TrialRow, "the trials of a folder: `realgap study results`";
     "search" one SearchSummary, "the best robots, and summary.json: `realgap search`";
     "sensitivity" one Sensitivity, "which parameters matter: `realgap study sensitivity`";
-    "simulate" one SimulateReport, "one run: `realgap simulate`";
-    "status" one Status, "how far a plan is: `realgap cluster status` and `realgap cluster plan`";
+    "simulate" one SimulateReport, "one simulated run: `realgap simulate`";
+    "status" one Status, "the progress of a plan: `realgap cluster status` and `realgap cluster plan`";
     "sweep" one Calibration, "the best values and how sure that is, and summary.json: `realgap sweep` and `realgap tune`";
-    "verify" one VerifyReport<'_>, "closed forms: `realgap verify`";
+    "verify" one VerifyReport<'_>, "checks of the simulator against closed forms: `realgap verify`";
 }

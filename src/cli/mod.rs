@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand, each one library call plus printing.
 
-/// Declares commands: the type that clap reads them into, and what runs them. `if "FEATURE"` behind a command: only with that feature.
+/// Declares commands: the type that clap parses them into, and the method that runs them. With `if "FEATURE"` after a command, the
+/// command is compiled with that feature only.
 macro_rules! commands {
     ($(#[$about:meta])* $name:ident: $($(#[$meta:meta])* $variant:ident($options:ty) $(if $feature:literal)?,)*) => {
         $(#[$about])*
@@ -227,7 +228,7 @@ commands! {
 }
 
 commands! {
-    /// One run on many machines: plan, run, merge, status, submit
+    /// Distribute one run over many machines: plan, run, merge, status, submit
     ClusterCommand:
     Plan(plan::PlanCommand),
     Run(run::Run),

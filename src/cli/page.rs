@@ -22,7 +22,7 @@ use realgap::warning::Code;
 use super::option::Print;
 use super::{output, shell, terminal};
 
-/// Most recorded robots in a replay; more would hide the simulated one.
+/// Largest number of recorded robots in a replay; more would hide the simulated one.
 const GHOSTS: usize = 3;
 /// Options that do not change the results of a command, with the number of their values.
 const WITHOUT_EFFECT: [(&str, usize); 8] = [
@@ -45,8 +45,8 @@ pub struct PageOption {
 }
 
 impl PageOption {
-    /// Writes `report.html` into a finished results folder and returns the words about it. An error is only a warning, because the
-    /// results are complete.
+    /// Writes `report.html` into a finished results folder and returns a note about it for the terminal. An error is only a warning,
+    /// because the results are complete.
     pub fn write(self, folder: &Path, keep: impl FnOnce() -> Kept) -> &'static str {
         if self.no_report {
             for name in [PAGE_FILE, Kept::FILE] {
@@ -234,7 +234,7 @@ fn is_seen(motion: &Trajectory, experiment: &Experiment) -> bool {
     !motion.is_of_joints() || experiment.assembly.world_from_mount.is_some()
 }
 
-/// Recordings of a case for its replay, in true lengths.
+/// Recordings of a case for its replay, without the length scale that the study applies to recordings.
 pub fn recordings_of(study: &Repeatable, case: &RepeatCase) -> Vec<Recording> {
     let scale = case.experiment.recording_length_scale;
     let is_of_case = |r: &&Recording| case.real.iter().any(|(name, _)| *name == r.name);

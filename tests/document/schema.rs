@@ -223,7 +223,7 @@ fn answers_about_robots_and_paths_are_valid_by_their_schemas() {
         &json(&["sense", "belief", "infrared", "--trials", "3"]),
     );
     let log = path("sensed.csv");
-    run(&["sense", "infrared", "--readings", "20", "-o", &log]);
+    run(&["sense", "draw", "infrared", "--readings", "20", "-o", &log]);
     let model = path("model.ron");
     answer("sensor-fit", &json(&["sense", "fit", &log, "-o", &model]));
     file_held("sensor", &std::fs::read_to_string(&model).unwrap()).unwrap();

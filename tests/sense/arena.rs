@@ -1,10 +1,10 @@
-//! Arenas in the commands: shipped ones are sound, and simulations and studies take them.
+//! Arenas on the command line: the shipped arenas are valid, and simulations and studies can use them.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
 
 #[test]
-fn shipped_arenas_and_vehicles_are_sound() {
+fn shipped_arenas_and_vehicles_are_valid() {
     for name in [
         "arenas/paper000.ron",
         "arenas/cartons.ron",
@@ -22,7 +22,7 @@ fn shipped_arenas_and_vehicles_are_sound() {
 }
 
 #[test]
-fn simulate_and_studies_take_an_arena() {
+fn simulations_and_studies_use_an_arena() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let box_at = |x: f64| {
@@ -115,7 +115,7 @@ fn check_reads_a_controller_alone_and_for_a_robot() {
         assert!(code == 1 && error.contains(words), "{start}: {error}");
         assert!(error.contains("start.ron:1:"), "{start}: {error}");
     }
-    // Its middle stands beside the box, its body in it.
+    // The middle of the robot is beside the box, but its body overlaps the box.
     write("(x_m: 0.84, y_m: 0.5)");
     assert_eq!(said(&[&path("start.ron")]).0, 0);
     let robot = ["--robot", "morphologies/tripod.ron"];

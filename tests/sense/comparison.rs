@@ -1,4 +1,4 @@
-//! Folders of pictures compared by the command.
+//! `realgap sense vision compare` on folders of pictures.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::album::folders;
@@ -6,7 +6,7 @@ use crate::common;
 use realgap::vision::Grey;
 
 #[test]
-fn the_command_prints_a_table_json_and_pictures() {
+fn the_command_prints_a_table_and_json_and_draws_pictures() {
     let root = tempfile::tempdir().unwrap();
     let [simulated, real, bad] = folders(root.path());
     let out = root.path().join("out");

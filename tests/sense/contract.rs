@@ -1,4 +1,4 @@
-//! An extractor whose program is not installed.
+//! The error for an extractor whose program is not installed.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 #[test]

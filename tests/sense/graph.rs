@@ -1,4 +1,4 @@
-//! Sensorgraphs in the commands.
+//! `realgap sense graph` as a command: its output.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;

@@ -1,4 +1,4 @@
-//! Sensing in the commands.
+//! Tests of the commands of `realgap sense`.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 #[path = "../../crates/vision/tests/album.rs"]

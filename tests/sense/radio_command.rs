@@ -294,7 +294,7 @@ fn doubtful_logs_and_arenas_get_warnings() {
         code == 1 && said.contains("no link crosses a wall") && said.contains("without walls"),
         "{said}"
     );
-    // Six readings of six places, 1.7 dB off: no parameter is known without doubt.
+    // Six readings at six places with errors of 1.7 dB leave every parameter uncertain: every interval must be wider than 1.
     let found = fitted(&good, &open, &["--model", "log-distance"], &[]);
     for parameter in found["parameters"].as_array().unwrap() {
         let [low, high] = ["low", "high"].map(|key| parameter[key].as_f64().unwrap());

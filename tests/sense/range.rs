@@ -1,11 +1,11 @@
-//! Models of range sensors in the commands.
+//! `realgap sense fit` and `realgap sense draw` as commands.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
 use realgap::sensing::range::find_sensor;
 
 #[test]
-fn the_command_makes_a_model_that_can_be_used() {
+fn a_fitted_model_can_be_drawn_from() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let run = |args: &[&str]| {
@@ -15,6 +15,7 @@ fn the_command_makes_a_model_that_can_be_used() {
     };
     run(&[
         "sense",
+        "draw",
         "ultrasonic",
         "-o",
         &path("log.csv"),
@@ -46,10 +47,11 @@ fn the_command_makes_a_model_that_can_be_used() {
         folder.path().join("sensor.png").is_file()
             && folder.path().join("histograms.svg").is_file()
     );
-    // What it made can be drawn from again, and beyond its range it says so.
+    // Readings can be drawn from the fitted model; a distance outside of its range gives a warning.
     let output = common::realgap()
         .args([
             "sense",
+            "draw",
             &path("own.ron"),
             "--distances",
             "30",
@@ -60,7 +62,7 @@ fn the_command_makes_a_model_that_can_be_used() {
         .unwrap();
     assert!(common::text(&output.stderr).contains("[extrapolated]"));
     let twice = |name: &str| {
-        run(&["sense", "infrared", "-o", &path(name)]);
+        run(&["sense", "draw", "infrared", "-o", &path(name)]);
         std::fs::read(path(name)).unwrap()
     };
     assert_eq!(twice("a.csv"), twice("b.csv"));

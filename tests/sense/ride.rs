@@ -1,10 +1,10 @@
-//! A camera that rides along a recorded run, by the command.
+//! `realgap sense picture --ride`: pictures by a camera on a body that moves as in a recorded run.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
 
 #[test]
-fn the_command_rides_along_a_recorded_run_and_refuses_what_leaves_the_room() {
+fn a_camera_rides_along_a_recorded_run_and_a_run_that_leaves_the_room_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let out = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let run = |threads: &str, args: &[&str]| {

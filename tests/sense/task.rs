@@ -1,4 +1,4 @@
-//! Times of tasks in the commands.
+//! `realgap sense tasks` as a command: its output and its errors.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -13,7 +13,7 @@ fn run(args: &[&str]) -> (i32, String, String) {
 }
 
 #[test]
-fn the_command_compares_draws_and_times_and_refuses_with_what_is_allowed() {
+fn the_command_compares_draws_and_times_and_its_errors_name_the_allowed_values() {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| {
         let path = folder.path().join(name);

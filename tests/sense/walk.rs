@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::drawing::{grey, texture};
 use crate::common;
 
-/// A folder of pictures and lists of views that are written as a test needs them.
+/// A temporary folder in which a test writes pictures and lists of views.
 struct Desk(tempfile::TempDir);
 
 impl Desk {
@@ -71,7 +71,7 @@ fn room() -> String {
 }
 
 #[test]
-fn folders_that_hold_no_pictures_of_these_views_are_refused() {
+fn folders_without_pictures_of_the_views_are_refused() {
     let desk = Desk::new();
     desk.write("good/door.png", texture(80, 60).picture().to_png().unwrap());
     desk.write(
@@ -165,7 +165,7 @@ fn folders_that_hold_no_pictures_of_these_views_are_refused() {
 }
 
 #[test]
-fn one_pixel_and_sixteen_bits_are_compared_and_pictures_without_edges_are_warned_of() {
+fn one_pixel_and_sixteen_bits_are_compared_and_pictures_without_edges_give_a_warning() {
     let desk = Desk::new();
     desk.write(
         "one/door.png",
@@ -193,10 +193,10 @@ fn one_pixel_and_sixteen_bits_are_compared_and_pictures_without_edges_are_warned
     assert!(code == 0 && said.contains("0.000"), "{said}");
 }
 
-/// By pictures that are as large as they say, in a tenth of the memory that the pixels alone would take.
+/// The memory of the process is limited to 400 MB, which is a tenth of what the pixels alone would take.
 #[test]
 #[cfg(unix)]
-fn a_hundred_megapixels_are_refused_within_little_memory() {
+fn pictures_of_a_hundred_megapixels_are_refused_with_little_memory() {
     let desk = Desk::new();
     desk.write("good/door.png", texture(80, 60).picture().to_png().unwrap());
     desk.write("large/door.png", even(10_000, png::BitDepth::One));
@@ -377,7 +377,7 @@ fn invalid_scenes_and_options_are_refused() {
         &["sense", "picture", ".", "-o", "out"],
         &["this is a folder"],
     );
-    // One pixel is a picture.
+    // A picture of one pixel is allowed.
     let tiny = text.replacen("field_of_view_deg: 62,", "resolution_px: (1, 1),", 1);
     desk.write("scene.ron", tiny);
     desk.warned(

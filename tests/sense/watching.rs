@@ -47,7 +47,7 @@ impl Desk {
         assert!(is_done, "{args:?}: {said}");
     }
 
-    /// Every part of the tripod for two seconds.
+    /// Adds a run of two seconds with every part of the tripod.
     fn with_parts(self) -> Self {
         let tripod = robot("tripod");
         let args = [
@@ -110,7 +110,7 @@ fn a_robot_is_watched_from_every_viewpoint_with_the_same_bytes_on_any_number_of_
         names(&desk.path("c")),
         ["top_t_000.000.png", "top_t_002.000.png"]
     );
-    // A picture does not depend on which others are taken.
+    // A picture does not depend on the other pictures of the command.
     let of = |folder: &str| std::fs::read(desk.path(folder).join("top_t_000.000.png")).unwrap();
     assert_eq!(of("a"), of("c"));
 }
@@ -176,7 +176,7 @@ fn a_plain_motion_of_one_body_and_a_body_of_a_study_are_watched() {
         "2",
         &[&args[..], &["--robot", "study.ron", "-o", "push"]].concat(),
     );
-    // The robot's orientation is not the ball's.
+    // The orientation of the robot must not be used for the ball.
     let bare = "t_s,x_m,y_m,z_m,qw,qx,qy,qz,ball_x_m,ball_y_m,ball_z_m\n\
         0,5000,5000,60,1,0,0,0,5000,5200,50\n1,5200,5000,60,1,0,0,0,5200,5200,50\n";
     desk.write("bare.csv", bare);

@@ -123,7 +123,7 @@ streams! {
     Permutation = 4;
     /// Random subset of the readings of a log.
     Subset = 30;
-    /// Random guesses, as a baseline.
+    /// Random numbers that serve as the simplest baseline of a prediction.
     RandomGuess = 31;
     /// Turns of a robot that walks at random.
     RandomWalk = 32;

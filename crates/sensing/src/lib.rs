@@ -1,4 +1,4 @@
-//! Sensors: models of real ones, simulated, calibrated from logs, and compared with these logs.
+//! Sensor models: fitted to logs of real sensors, simulated, and compared with logs of the real sensors.
 //!
 //! [`range`] models sensors that measure one distance (ultrasonic, infrared): mean and standard deviation of their readings as
 //! functions of the distance (paper 000).
@@ -9,8 +9,9 @@
 //!
 //! [`arena`] computes where a beam hits an obstacle, and [`belief`] estimates a distance from readings (a discrete Bayes filter).
 //!
-//! The models, the arena and the filter are what a simulation of a robot uses, and are always compiled. The feature `papers`, which is
-//! on by default, adds calibration from logs and evaluation on logs to each of them, and the module `task`: task times (paper 002).
+//! A simulation of a robot uses the models, the arena and the filter, so these are always compiled. The feature `papers`, which is on
+//! by default, adds to each of them the calibration from logs and the evaluation on logs. It also adds the module `task`, which
+//! compares task times (paper 002). Models of cameras and pictures are in the crate `realgap-vision`.
 //!
 //! The following example fits a model with confidence intervals to a log of readings at known distances:
 //!

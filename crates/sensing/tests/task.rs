@@ -157,7 +157,7 @@ fn a_trial_that_was_given_up_counts_as_longer_than_its_duration() {
     assert_eq!((slow.test, slow.median_ratio), ("log-rank", None));
     assert!(slow.p.unwrap() > 0.01);
     assert_eq!(found.factors[0].real, ["PER", "Pioneer"]);
-    assert!(found.to_string().contains("not half finished"));
+    assert!(found.to_string().contains("fewer than half finished"));
 }
 
 #[test]

@@ -6,7 +6,8 @@ use crate::cli::kit::*;
 
 /// Simulate readings of a range sensor and write them as a log: a stand-in for a real log, with known truth
 ///
-/// The log can be given to `realgap sense fit` and `realgap sense belief`. Distances are in the model's own unit.
+/// Use it to test the analysis of a log where the true distances and the true model are known. The log can be given to
+/// `realgap sense fit` and `realgap sense belief`. Distances are in the model's own unit.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

@@ -1,4 +1,4 @@
-//! `realgap sense fit`: from a log of readings at known distances to a sensor's model.
+//! `realgap sense fit`: fits a model of a range sensor to a log of readings at known distances.
 
 use realgap::results::{draw_histograms, draw_sensor};
 use realgap::sensing::range::form::{FORMS, Form, form_by_name};
@@ -29,7 +29,7 @@ use crate::cli::kit::*;
 Examples:
   realgap sense fit log.csv -o sensor.ron --plot sensor.png")]
 pub struct Fit {
-    /// The log
+    /// The log (.csv)
     log: PathBuf,
     /// Form of the mean over the distance: linear, power, exponential, table or auto
     #[arg(long, value_name = "FORM", default_value = "auto")]

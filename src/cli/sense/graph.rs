@@ -76,7 +76,7 @@ impl Part {
     }
 }
 
-/// A frame, or none where the log decides; clap would take `Option` for an option that may be missing.
+/// A frame, or `None` if the fit chooses the frame. The type has a name because clap treats `Option` as an option that may be missing.
 type FrameChoice = Option<Frame>;
 
 /// Frames of the prediction.

@@ -1,5 +1,5 @@
-//! `realgap sense`: sensors, radio, task times and pictures, as in the papers. No simulation of a robot needs them, so that they stand
-//! behind the feature `papers`.
+//! `realgap sense`: commands for sensors, radio, task times and pictures, as in the papers. No simulation of a robot needs these
+//! commands, so they are compiled with the feature `papers` only.
 
 mod belief;
 mod draw;
@@ -16,7 +16,7 @@ use std::fmt::Display;
 
 use super::kind::Kind;
 
-/// What the commands do with a file of this kind, for errors; empty for a kind that none of them reads.
+/// A hint for errors that names the commands that read a file of this kind; empty if no command of `realgap sense` reads it.
 pub fn hint(kind: Kind, path: &impl Display) -> String {
     match kind {
         Kind::Sensor => format!(
@@ -25,7 +25,7 @@ pub fn hint(kind: Kind, path: &impl Display) -> String {
         Kind::Radio => format!(
             "`realgap sense radio evaluate LOG.csv --parameters {path}` and `realgap sense radio send --parameters {path}` use a radio model"
         ),
-        Kind::Scene => format!("`realgap sense picture {path}` takes its pictures"),
+        Kind::Scene => format!("`realgap sense picture {path}` renders pictures of a scene"),
         Kind::Sensorgraph => format!(
             "`realgap sense graph evaluate SCANS.csv --parameters {path}` uses a sensorgraph"
         ),
@@ -36,7 +36,7 @@ pub fn hint(kind: Kind, path: &impl Display) -> String {
 /// Examples in the help.
 pub const EXAMPLES: &str = "\
 Examples:
-  realgap sense fit log.csv -o sensor.ron                   # a sensor's model of its log
+  realgap sense fit log.csv -o sensor.ron                   # a model of the sensor
   realgap sense belief sensor.ron --distances 5,20          # how sure is it of a distance?
   realgap sense radio fit poses.csv --arena arenas/flat.ron # how far does radio reach?";
 

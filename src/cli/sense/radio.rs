@@ -166,7 +166,7 @@ pub struct Map {
 ///
 /// Use it to see whether two robots can reach each other, and how late. A message weaker than −92 dBm does not
 /// arrive; of the others, the share that --loss-half and --loss-width give is lost. Shadowing and fading are drawn at
-/// random. The fate of a message depends on its number and --seed alone.
+/// random. The outcome of a message depends on its number and --seed alone.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -205,7 +205,7 @@ pub struct Send {
         allow_hyphen_values = true
     )]
     loss_half: f64,
-    /// Decibels over which the loss falls from 73 to 27 %; 0 for a sharp edge
+    /// Decibels over which the loss falls from 73 to 27 %; 0 for a step
     #[arg(long, value_name = "DB", default_value_t = 0.0)]
     loss_width: f64,
     /// Mean time from sending to arriving, seconds

@@ -1,11 +1,11 @@
-//! How a command tells a value that prints itself.
+//! The output of an answer that formats itself as text.
 
 use std::fmt::Display;
 
 use crate::cli::kit::*;
 
 impl Telling {
-    /// Tells a value that prints itself: its page, then the warnings that were not said yet, then what it says.
+    /// Outputs an answer: writes its page, prints these warnings, then prints the answer.
     pub fn value<'a>(
         &self,
         kind: &'static str,

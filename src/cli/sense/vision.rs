@@ -97,8 +97,9 @@ pub struct Extract {
 /// found in the pictures give the field of view, the distortion, and where each picture was taken. Then the
 /// appearance of the pictures gives exposure, gain, read noise and blur, and a second compression gives the JPEG
 /// quality. 90 % intervals are computed from the differences between views; views that are held out check the result.
-/// A setting that the pictures do not determine is called so: a gain that the camera sets itself, or the quality of
-/// pictures that were scaled since. Exposure is given in electrons, so it is as right as the scene's light.
+/// The command says which settings the pictures do not determine: a gain that the camera sets itself, or the JPEG
+/// quality of pictures that were scaled afterwards. Exposure is given in electrons, so it is only as accurate as the
+/// scene's light.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -166,7 +167,7 @@ impl Compare {
                 .map_err(|e| Error::io("make the folder", folder, &e))?;
         }
         let badly_lit = self.badly_lit.as_deref();
-        let spinner = progress::spinner("looking at pictures");
+        let spinner = progress::spinner("comparing pictures");
         let report = compare_folders(
             &self.simulated,
             &self.real,

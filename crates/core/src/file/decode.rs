@@ -30,7 +30,7 @@ pub fn parse_ron<T: DeserializeOwned>(source: &Source) -> Result<T> {
 
 fn parse_json<T: DeserializeOwned>(source: &Source) -> Result<T> {
     serde_json::from_str(source.text()).map_err(|error| {
-        // The position is removed, because nobody reads a text that a program has generated.
+        // The position is removed: JSON texts are written by programs, so a user does not see the lines of the text.
         let message = error.to_string();
         let message = message
             .rsplit_once(" at line ")

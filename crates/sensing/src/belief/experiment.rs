@@ -67,7 +67,7 @@ pub struct TrialSet {
     pub bias: f64,
     /// Share of trials whose 90 % credible interval contains the true distance.
     pub held: f64,
-    /// How often a belief was set to the uniform distribution because a reading was impossible at every distance.
+    /// Number of times that a belief was set to the uniform distribution because a reading was impossible at every distance.
     pub restarts: usize,
 }
 
@@ -221,7 +221,7 @@ fn check(model: &RangeModel, log: Option<&ReadingLog>, options: &BeliefOptions) 
     let own = (model.distance_unit.symbol(), model.reading_unit.symbol());
     let others = (log.distance_unit.symbol(), log.reading_unit.symbol());
     if own != others {
-        return Err(Error::invalid("log and model are in other units")
+        return Err(Error::invalid("log and model have different units")
             .found(format!(
                 "distances in {}, readings in `{}`",
                 others.0, others.1
@@ -345,7 +345,7 @@ fn replay(
 }
 
 impl Belief {
-    /// The mass below a distance; that of a cell lies evenly in it.
+    /// The probability below a distance; the probability of a cell is spread evenly over the cell.
     fn below(&self, distance_m: f64) -> f64 {
         let width = self.cell_m();
         let share = |middle: f64| ((distance_m - middle) / width + 0.5).clamp(0.0, 1.0);
@@ -434,7 +434,7 @@ impl fmt::Display for BeliefReport {
                 ("mean - distance", Right, &|(.., set)| {
                     format!("{:+.3}", set.bias)
                 }),
-                ("90 % interval holds it", Right, &|(.., set)| {
+                ("distance in the 90 % interval", Right, &|(.., set)| {
                     percent(set.held)
                 }),
                 ("overlap", Right, &|(d, whose, _)| {

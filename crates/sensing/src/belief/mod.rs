@@ -42,7 +42,7 @@ impl Belief {
         &self.distances_m
     }
 
-    /// How often the belief was set to the uniform distribution because a reading was impossible at every distance.
+    /// Number of times that the belief was set to the uniform distribution because a reading was impossible at every distance.
     pub fn restarts(&self) -> usize {
         self.restarts
     }

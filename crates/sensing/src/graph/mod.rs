@@ -1,9 +1,9 @@
 //! Sensorgraphs: models that predict the ranges of a scanner at a position by polynomials (paper 001).
 //!
-//! A [`Sensorgraph`] foretells the ranges of a scanner at any pose. With the feature `papers` it is calibrated, too: a [`ScanLog`] of
-//! poses and scans becomes medians of segments; for each heading and segment, or for each direction of the world, [`fit`](fit())
-//! finds a polynomial in (x, y) whose terms forward regression chooses ([`regression`]). An [`Evaluation`] compares the model with a
-//! log that it was not fitted to, and states the errors of simple baselines beside it.
+//! A [`Sensorgraph`] predicts the ranges of a scanner at any pose. With the feature `papers`, it can also be fitted to a log and
+//! evaluated: a [`ScanLog`] of poses and scans is reduced to medians of segments. For each heading and segment, or for each direction
+//! of the world, [`fit`](fit()) finds a polynomial in (x, y) whose terms are chosen by forward regression ([`regression`]). An
+//! [`Evaluation`] tests the model on a log that was not used for the fit, and compares its errors with those of baselines.
 
 mod angle;
 #[cfg(feature = "papers")]

@@ -1,12 +1,12 @@
 //! Radio models: the strength of received signals through walls, and whether messages are received (paper 002, section IV).
 //!
 //! Paper 002's equation 2, P(d) = P(d₀) − 10 n log(d/d₀) − min(nW, C) WAF, is one of several [`propagation`] models. Walls are counted
-//! by casting rays in an [`Arena`](super::arena::Arena). [`fit`](fit()) estimates a [`RadioModel`] from a [`RadioLog`] of strengths at
-//! known positions, with confidence intervals. An [`Evaluation`] tests it on a log that was not used for the fit. A [`Service`]
-//! simulates the delivery of messages between robots.
+//! by casting rays in an [`Arena`](super::arena::Arena). A [`Service`] simulates the delivery of messages between robots. With the
+//! feature `papers`, [`fit`](fit()) estimates a [`RadioModel`] from a [`RadioLog`] of strengths at known positions, with confidence
+//! intervals, and an [`Evaluation`] tests it on a log that was not used for the fit.
 //!
 //! Strengths are in dBm, losses in dB, lengths in metres. **The base of the logarithm is a parameter**: the paper's tables fit the
-//! natural logarithm, most others use base 10; an exponent of 1 in base e is one of 2.303 in base 10.
+//! natural logarithm, most other publications use base 10; an exponent of 1 in base e is one of 2.303 in base 10.
 //!
 //! ```
 //! use realgap_core::file::Source;

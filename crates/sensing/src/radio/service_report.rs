@@ -1,4 +1,4 @@
-//! A summary of many messages: how many arrived, how strong and how late.
+//! Statistics of the outcomes of many messages: how many were received, with which strength and how late.
 
 use std::fmt;
 
@@ -8,28 +8,28 @@ use super::service::{Delivery, Message};
 use realgap_core::statistics::{mean, quantile};
 use realgap_core::unit::counted;
 
-/// What became of many messages.
+/// Statistics of the outcomes of many messages.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ServiceReport {
-    /// Messages that were sent.
+    /// Number of messages that were sent.
     pub sent: usize,
-    /// Messages that arrived.
+    /// Number of messages that were received.
     pub delivered: usize,
-    /// Messages below the sensitivity.
+    /// Number of messages below the sensitivity.
     pub too_weak: usize,
-    /// Messages that were lost above it.
+    /// Number of messages above the sensitivity that were lost.
     pub lost: usize,
-    /// Mean strength of all, dBm.
+    /// Mean strength of all messages, dBm.
     pub mean_strength_dbm: f64,
-    /// Median time from sending to arriving, seconds; `None` where nothing arrived.
+    /// Median time from sending to receiving, seconds; `None` if no message was received.
     pub median_latency_s: Option<f64>,
-    /// Time within which 95 % of those that arrived did, seconds.
+    /// 95 % quantile of the time from sending to receiving, seconds; `None` if no message was received.
     pub latency_95_s: Option<f64>,
 }
 
 impl ServiceReport {
-    /// Counts messages with what became of them; at least one.
+    /// The statistics of messages with their outcomes; at least one message is needed.
     pub fn new(messages: &[(Message, Delivery)]) -> Self {
         let (mut latencies_s, mut too_weak, mut lost) = (Vec::new(), 0, 0);
         let mut strengths = Vec::with_capacity(messages.len());
@@ -72,7 +72,7 @@ impl fmt::Display for ServiceReport {
         if let (Some(median_s), Some(most_s)) = (self.median_latency_s, self.latency_95_s) {
             write!(
                 f,
-                "; {median_s:.4} s from sending to arriving, 95 % within {most_s:.4} s"
+                "; median time from sending to arriving {median_s:.4} s, 95 % within {most_s:.4} s"
             )?;
         }
         Ok(())

@@ -5,8 +5,9 @@ use rand_distr::StandardNormal;
 
 use realgap_core::random::Numbered;
 
-/// Waves that make a field. Of 256 one field's own covariance is off by 0.04 at any distance, which is as much as all its places
-/// tell of a model's parameters: their 90 % intervals held 84 % even where the covariance was known.
+/// Number of waves of a field. With 256 waves, the covariance of a single field has an error of 0.04 at any distance, which is as much
+/// as the information of all its places about the parameters of a model: the 90 % intervals of the parameters then contained the truth
+/// in 84 % of fits, even with the known covariance.
 const WAVES: usize = 2048;
 
 /// A random field over pairs of places with covariance exp(−h/L) and variance 1, the same in both directions of a link.

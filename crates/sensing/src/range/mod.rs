@@ -1,8 +1,8 @@
 //! Models of sensors that measure one distance.
 //!
-//! A [`RangeModel`] is such a sensor; anything that implements [`RangeSensor`] can be simulated and believed. With the feature
-//! `papers` models are calibrated, too: a [`ReadingLog`] holds readings at known distances, and a [`Characterisation`] makes a
-//! [`RangeModel`] of them, with intervals and with the tests that the model fails.
+//! A [`RangeModel`] is such a model. Every type that implements [`RangeSensor`] can be simulated and used in a Bayes filter. With the
+//! feature `papers`, models can also be fitted: a [`ReadingLog`] contains readings at known distances, and a [`Characterisation`] fits
+//! a [`RangeModel`] to them, with confidence intervals and tests of the model.
 
 #[cfg(feature = "papers")]
 mod calibration;

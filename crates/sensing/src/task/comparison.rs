@@ -126,20 +126,20 @@ impl TaskComparison {
             .collect();
         if !only.is_empty() {
             warnings.push(Code::ColumnsIgnored.warning(format!(
-                "in one of the two logs only, and not used: {}",
+                "columns that only one of the two logs has are not used: {}",
                 only.join(", ")
             )));
         }
-        let (conditions, lonely) = conditions(real, simulated, &factors);
+        let (conditions, unmatched) = conditions(real, simulated, &factors);
         if conditions.is_empty() {
             return Err(Error::invalid("the two logs have no condition in common")
-                .found(lonely.join("; "))
+                .found(unmatched.join("; "))
                 .hint("columns and their values must have the same names in both logs"));
         }
-        if !lonely.is_empty() {
+        if !unmatched.is_empty() {
             warnings.push(Code::UnmatchedConditions.warning(format!(
-                "in one of the two logs only, and left out: {}",
-                lonely.join("; ")
+                "conditions that only one of the two logs has are left out: {}",
+                unmatched.join("; ")
             )));
         }
         let conditions = conditions
@@ -213,14 +213,14 @@ fn conditions<'a>(
         known
     };
     let (mut real, simulated) = (of(real), of(simulated));
-    let lonely = real
+    let unmatched = real
         .iter()
         .filter(|levels| !simulated.contains(levels))
         .chain(simulated.iter().filter(|levels| !real.contains(levels)))
         .map(|levels| name(levels))
         .collect();
     real.retain(|levels| simulated.contains(levels));
-    (real, lonely)
+    (real, unmatched)
 }
 
 fn side(durations: &[Duration]) -> Result<SideReport> {
@@ -375,7 +375,7 @@ impl SideReport {
                 seconds(self.median_low_s),
                 seconds(self.median_high_s)
             ),
-            None => "not half finished".to_owned(),
+            None => "fewer than half finished".to_owned(),
         }
     }
 }
@@ -411,7 +411,7 @@ impl fmt::Display for TaskComparison {
             let order = if factor.same_order {
                 "the same order"
             } else {
-                "another order"
+                "a different order"
             };
             write!(
                 f,
@@ -425,7 +425,7 @@ impl fmt::Display for TaskComparison {
         if let (Some(rho), Some(p)) = (self.spearman, self.spearman_p) {
             write!(
                 f,
-                "\nranks of the conditions' medians: {rho:+.2} (Spearman, p = {p:.3})"
+                "\nrank correlation of the conditions' medians: {rho:+.2} (Spearman, p = {p:.3})"
             )?;
         }
         Ok(())

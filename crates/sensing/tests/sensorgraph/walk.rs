@@ -189,13 +189,13 @@ fn correlated_neighbours_count_as_fewer_samples() {
         assert!((time / known - 1.0).abs() < 0.25, "{phi}: {time}");
     }
     // Two independent series with strong autocorrelation often seem correlated if all pairs are counted as independent.
-    let (mut naive, mut worth) = (0, 0);
+    let (mut naive, mut effective) = (0, 0);
     for k in 0..200 {
         let (x, y) = (series(2 * k, 0.9, 200), series(2 * k + 1, 0.9, 200));
         naive += usize::from(spearman(&x, &y).unwrap().p_value < 0.05);
         let pairs = independent_pairs(&x, &y);
-        worth += usize::from(spearman_effective(&x, &y, pairs).is_ok_and(|t| t.p_value < 0.05));
+        effective += usize::from(spearman_effective(&x, &y, pairs).is_ok_and(|t| t.p_value < 0.05));
     }
     assert!(naive > 60, "{naive} of 200");
-    assert!(worth < 24, "{worth} of 200");
+    assert!(effective < 24, "{effective} of 200");
 }

@@ -14,23 +14,23 @@ use super::{Album, Picture, numbered};
 use crate::cli::kind::{is_study, read_definition};
 use crate::cli::kit::*;
 
-/// Most pictures of one viewpoint.
+/// Largest number of pictures of one viewpoint.
 const MOST_PICTURES: f64 = 10_000.0;
 
 /// A motion and the bodies that move in it.
 pub(super) struct Moving {
     recording: Recording,
     mount: Mount,
-    /// Empty where `--robot` was not given.
+    /// The bodies that are shown; empty without `--robot`.
     bodies: Vec<Body>,
-    /// The body that the mount is on.
+    /// Name of the body that carries the mount.
     carrier: String,
     /// Times of the pictures, seconds after the first sample.
     times_s: Vec<f64>,
 }
 
 impl Moving {
-    /// The motion that the options name; `None` where nothing moves.
+    /// Reads the motion that the options name; `None` if no option names one.
     pub(super) fn read(options: &Picture, scene: &Scene) -> Result<Option<Self>> {
         let Some(run) = &options.run else {
             return Ok(None);
@@ -96,7 +96,7 @@ impl Moving {
         Ok(Watch::new(scene, &self.mount, motion, &self.bodies))
     }
 
-    /// The motion that begins where the mount says.
+    /// The motion of the mount's body; the motion of the tracked module if the mount names no body.
     fn motion(&self) -> Result<&Trajectory> {
         let Some(name) = &self.mount.body else {
             return Ok(&self.recording.trajectory);
@@ -141,7 +141,7 @@ impl Moving {
         album.expect(options.views(scene).count() * self.times_s.len());
         for (index, view) in options.views(scene) {
             for (number, time_s) in self.times_s.iter().enumerate() {
-                // The camera stands as in a picture without robots; its noise is new in every picture.
+                // The camera has the same pose as in a picture without robots; its noise differs between pictures.
                 let place = numbered(index) + 1;
                 let number = (index as u64) * (MOST_PICTURES as u64 + 1) + number as u64;
                 let (picture, view) =
@@ -153,7 +153,7 @@ impl Moving {
     }
 }
 
-/// The error, which is about the run where it names no file.
+/// The error with the run as its file, unless the error names another file.
 fn about(run: &Path, error: Error) -> Error {
     match error.file() {
         Some(_) => error,

@@ -44,7 +44,7 @@ pub struct SegmentReport {
     pub spearman: Option<f64>,
     /// p value of the rank correlation for the effective number of independent pairs; `None` if that number is below three.
     pub p: Option<f64>,
-    /// p value of Mann and Whitney's test of the model's errors against those of random guesses, on scans that are far enough from
+    /// p value of Mann and Whitney's test of the model's errors against those of the random baseline, on scans that are far enough from
     /// each other to be nearly independent.
     pub mann_whitney_p: f64,
 }
@@ -66,14 +66,14 @@ pub struct Evaluation {
     pub baseline_nearest_turned_m: Option<f64>,
     /// Mean absolute error of ideal beams in an arena, metres; `None` without an arena.
     pub baseline_ray_casting_m: Option<f64>,
-    /// Mean absolute error of guesses that are drawn uniformly from the interval of the log's ranges, metres.
+    /// Mean absolute error of the random baseline, metres: numbers that are drawn uniformly from the interval of the log's ranges.
     pub baseline_random_m: f64,
     /// Spearman's rank correlation of predicted and actual ranges, all segments together.
     pub spearman: Option<f64>,
     /// p value of the rank correlation for the effective number of independent pairs of the segment that has most of them; the
     /// segments of one scan are not counted separately.
     pub p: Option<f64>,
-    /// p value of Mann and Whitney's test of the model's errors against those of random guesses, on one scan in `every`.
+    /// p value of Mann and Whitney's test of the model's errors against those of the random baseline, on one scan in `every`.
     pub mann_whitney_p: f64,
     /// Number of scans after which the errors of every segment are nearly independent.
     pub every: usize,
@@ -145,7 +145,7 @@ impl Evaluation {
             .map(|s| s.scans_per_error.ceil() as usize)
             .fold(1, usize::max);
         let mann_whitney_p = against_random(&all, |s| s.scan % every == 0)?;
-        let pairs = by_segment.iter().map(|(_, own)| pairs_worth(own));
+        let pairs = by_segment.iter().map(|(_, own)| effective_pairs(own));
         let (rank, p) = ranks(&all, pairs.fold(0.0, f64::max));
         let within = log.scans.iter().filter(|scan| {
             let [u, v] = model.scaled(scan.position_world_m);
@@ -229,7 +229,7 @@ pub(super) fn better_lookup(model_m: f64, tried: &[(Frame, Option<f64>)]) -> Opt
 }
 
 impl Sensorgraph {
-    /// The rectangle of scaled places that the log holds; the unit square where it was not kept.
+    /// The rectangle of scaled positions that contains the log; the square from −1 to 1 if the model contains no log.
     fn extent(&self) -> ([f64; 2], [f64; 2]) {
         let places = self
             .log
@@ -254,7 +254,7 @@ impl Sensorgraph {
     }
 }
 
-/// Absolute errors of one of the guesses, where it said something.
+/// Absolute errors of one of the predictions, for the samples that have one.
 fn errors<'a>(samples: &'a [&Sample]) -> impl Fn(fn(&Sample) -> Option<f64>) -> Vec<f64> + 'a {
     move |of| {
         samples
@@ -264,7 +264,7 @@ fn errors<'a>(samples: &'a [&Sample]) -> impl Fn(fn(&Sample) -> Option<f64>) -> 
     }
 }
 
-/// p value of Mann and Whitney's test of the model's errors against those of random guesses, on the samples that are `kept`; on
+/// p value of Mann and Whitney's test of the model's errors against those of the random baseline, on the samples that are `kept`; on
 /// all samples if none is kept.
 fn against_random(samples: &[&Sample], kept: impl Fn(&Sample) -> bool) -> Result<f64> {
     let thinned: Vec<&Sample> = samples.iter().copied().filter(|s| kept(s)).collect();
@@ -282,7 +282,7 @@ fn both(samples: &[&Sample]) -> (Vec<f64>, Vec<f64>) {
 }
 
 /// Effective number of independent pairs of predicted and actual ranges in one segment.
-fn pairs_worth(samples: &[&Sample]) -> f64 {
+fn effective_pairs(samples: &[&Sample]) -> f64 {
     let (predicted, actual) = both(samples);
     independent_pairs(&predicted, &actual)
 }
@@ -301,7 +301,7 @@ fn segment_report(segment_deg: f64, samples: &[&Sample]) -> Result<SegmentReport
     let of = errors(samples);
     let own = of(|s| Some(s.predicted_m));
     let optional = |of: Vec<f64>| (!of.is_empty()).then(|| mean(&of));
-    let (rank, p) = ranks(samples, pairs_worth(samples));
+    let (rank, p) = ranks(samples, effective_pairs(samples));
     let scans_per_error = autocorrelation_time(&own);
     let every = scans_per_error.ceil() as usize;
     Ok(SegmentReport {
@@ -395,19 +395,19 @@ impl fmt::Display for Evaluation {
                 "  the nearest logged place, turned to the heading",
                 self.baseline_nearest_turned_m,
             ),
-            ("  at random", Some(self.baseline_random_m)),
+            ("  random numbers", Some(self.baseline_random_m)),
         ];
         let table = TextTable::of(
             rows.iter().chain(&cast),
             &[
-                ("  guess", Left, &|row| row.0.to_owned()),
+                ("  prediction", Left, &|row| row.0.to_owned()),
                 ("mean absolute error", Right, &|row| metres(row.1)),
             ],
         );
         f.write_str(&table.render(false))?;
         writeln!(
             f,
-            "standard error of the model's, by parts of the way: {:.3} m",
+            "standard error of the model's error, from parts of the path: {:.3} m",
             self.standard_error_m
         )?;
         if let (Some(rank), Some(p)) = (self.spearman, self.p) {
@@ -419,7 +419,7 @@ impl fmt::Display for Evaluation {
         }
         writeln!(
             f,
-            "other errors than at random, by one of {} scans: p = {}\n",
+            "Mann-Whitney test of the model's errors against those of random numbers, with one scan in {}: p = {}\n",
             self.every,
             number(self.mann_whitney_p)
         )?;
@@ -438,7 +438,7 @@ impl fmt::Display for Evaluation {
                     s.spearman.map_or("–".to_owned(), |r| format!("{r:.3}"))
                 }),
                 ("p", Right, &|s| s.p.map_or("–".to_owned(), number)),
-                ("against random p", Right, &|s| number(s.mann_whitney_p)),
+                ("p against random", Right, &|s| number(s.mann_whitney_p)),
             ],
         );
         f.write_str(table.render(false).trim_end())

@@ -247,13 +247,13 @@ impl fmt::Display for FittedGraph {
         if let (Some(robot), Some(world)) = (self.robot_frame_error_m, self.world_frame_error_m) {
             writeln!(
                 f,
-                "parts of the way left out: {robot:.3} m off with a polynomial for every heading and segment, {world:.3} m with one for every direction of the world"
+                "mean absolute error at left-out parts of the path: {robot:.3} m with a polynomial for every heading and segment, {world:.3} m with a polynomial for every direction of the world"
             )?;
         }
         if let (Some(nearest), Some(turned)) = (self.nearest_error_m, self.turned_error_m) {
             writeln!(
                 f,
-                "looked up instead: {nearest:.3} m with the scan at the nearest pose, {turned:.3} m with that at the nearest place, turned to the heading"
+                "error without polynomials: {nearest:.3} m with the scan at the nearest logged pose, {turned:.3} m with the scan at the nearest logged place, turned to the heading"
             )?;
         }
         let at = |lag: &Lag| format!("{:.3} m at {:+.2} s", lag.error_m, lag.lag_s);
@@ -266,18 +266,18 @@ impl fmt::Display for FittedGraph {
             };
             writeln!(
                 f,
-                "poses before their scans: {}, {}, {}: {words}",
+                "error by the time from a pose to its scan: {}, {}, {}: {words}",
                 at(before),
                 at(none),
                 at(after)
             )?;
         }
-        let taken = match self.frame {
+        let chosen = match self.frame {
             Frame::Nearest => "the scan at the nearest logged pose",
             Frame::Turned => "the scan at the nearest logged place, turned to the heading",
             Frame::Robot => "one polynomial for every heading and segment",
             Frame::World => "one polynomial for every direction of the world",
         };
-        write!(f, "taken: {taken}")
+        write!(f, "chosen: {chosen}")
     }
 }

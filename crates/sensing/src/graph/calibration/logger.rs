@@ -145,7 +145,7 @@ impl Logger {
             (libm::atan2(dy, dx), dx.hypot(dy))
         };
         let [first, second, ..] = way_m else {
-            return Err(Error::invalid("a way needs two or more places")
+            return Err(Error::invalid("a path needs two or more places")
                 .field("way")
                 .found(way_m.len()));
         };
@@ -159,7 +159,7 @@ impl Logger {
             if arena.check_place(pose.place_m, self.radius_m).is_err() {
                 let [x, y] = pose.place_m;
                 return Err(
-                    Error::invalid("the way leads through a wall, or out of the field")
+                    Error::invalid("the path leads through a wall, or out of the field")
                         .field("way")
                         .found(format!(
                             "({x:.3}, {y:.3}) m, {:.3} m from the nearest wall",
@@ -169,7 +169,7 @@ impl Logger {
                 );
             }
             if log.scans.len() >= MOST_SCANS || (log.scans.len() + 1) * self.beams > MOST_READINGS {
-                return Err(Error::invalid("the way is too long for one log")
+                return Err(Error::invalid("the path is too long for one log")
                     .field("way")
                     .allowed(format!("at most {MOST_SCANS} scans")));
             }

@@ -1,4 +1,5 @@
-//! From a log of scans to a sensorgraph: walks that log, the fit, its evaluation on a log that it has not seen, and its export as code.
+//! Calibration of a sensorgraph: simulates a robot that logs scans, fits a model to a log, evaluates it on a log that was not used for
+//! the fit, and exports it as source code.
 
 mod evaluation;
 mod export;

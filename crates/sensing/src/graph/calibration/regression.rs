@@ -12,7 +12,7 @@ use realgap_core::error::{Error, Result};
 
 pub use crate::graph::monomial::{Powers, monomial};
 
-/// When no more terms are taken.
+/// The criterion by which the number of terms is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Stop {
@@ -35,7 +35,7 @@ pub fn monomials(degree: u32) -> Vec<Powers> {
         .collect()
 }
 
-/// A term as it was chosen.
+/// A chosen term and its error reduction ratio.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chosen {
     /// Index of the regressor.

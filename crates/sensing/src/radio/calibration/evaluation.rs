@@ -34,11 +34,11 @@ pub struct AnchorReport {
     pub coverage_90: f64,
 }
 
-/// The error of a simpler prediction of the strength, to compare the model with.
+/// The error of a baseline: a simpler prediction of the strength, with which the model is compared.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RadioBaseline {
-    /// What it is.
+    /// Name of the baseline.
     pub name: String,
     /// Root mean square error, dB.
     pub rmse_db: f64,
@@ -64,10 +64,11 @@ pub struct Evaluation {
     pub interval_90_db: f64,
     /// The errors for each anchor.
     pub anchors: Vec<AnchorReport>,
-    /// The same log by other models of the same fit, the mean strength of that fit, and fingerprints where they were given.
+    /// The errors of baselines on the same log: other models of the same fit, the mean strength of that fit, and fingerprints if they
+    /// were given.
     #[serde(rename = "guesses")]
     pub baselines: Vec<RadioBaseline>,
-    /// Strengths of the log.
+    /// Number of strengths of the log.
     pub readings: usize,
     /// Number of missing strengths.
     pub missing: usize,
@@ -175,7 +176,8 @@ fn baselines(
             baseline(other.propagation.name().to_owned(), &errors)
         })
         .collect();
-    let off = |said: f64, reading: &super::PlaceReading| reading.strength_dbm - said;
+    let off =
+        |predicted_dbm: f64, reading: &super::PlaceReading| reading.strength_dbm - predicted_dbm;
     let constant: Vec<f64> = log
         .readings
         .iter()
@@ -187,8 +189,8 @@ fn baselines(
             .readings
             .iter()
             .filter_map(|r| {
-                let said = prints.strength_dbm(&log.anchors[r.anchor], r.position_m)?;
-                Some(off(said, r))
+                let predicted_dbm = prints.strength_dbm(&log.anchors[r.anchor], r.position_m)?;
+                Some(off(predicted_dbm, r))
             })
             .collect();
         if !own.is_empty() {
@@ -238,7 +240,7 @@ impl fmt::Display for Evaluation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "{}: {:.2} dB off ({:.2} to {:.2}), {:+.2} dB on average; {:.1} % of {} within {:.1} dB\n",
+            "{}: error {:.2} dB ({:.2} to {:.2}), mean residual {:+.2} dB; {:.1} % of {} within {:.1} dB\n",
             self.propagation,
             self.rmse_db,
             self.rmse_low_db,
@@ -254,7 +256,7 @@ impl fmt::Display for Evaluation {
                 ("anchor", Left, &|a| a.anchor.clone()),
                 ("strengths", Right, &|a| a.readings.to_string()),
                 ("error", Right, &|a| format!("{:.2} dB", a.rmse_db)),
-                ("on average", Right, &|a| format!("{:+.2} dB", a.bias_db)),
+                ("mean residual", Right, &|a| format!("{:+.2} dB", a.bias_db)),
                 ("in the 90 % interval", Right, &|a| {
                     format!("{:.1} %", 100.0 * a.coverage_90)
                 }),

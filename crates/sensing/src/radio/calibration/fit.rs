@@ -163,8 +163,8 @@ fn fit_one(data: &FitData<'_>, bare: &RadioModel) -> Option<Fitted> {
         .map(|left_out| by_place.solve(|place| f64::from(u8::from(place != left_out))))
         .collect::<Option<_>>()?;
     let error = |index: usize, values: &[f64]| {
-        let said: f64 = rows[index].iter().zip(values).map(|(f, v)| f * v).sum();
-        targets[index] - said
+        let fitted_db: f64 = rows[index].iter().zip(values).map(|(f, v)| f * v).sum();
+        targets[index] - fitted_db
     };
     let readings = 0..rows.len();
     Some(Fitted {

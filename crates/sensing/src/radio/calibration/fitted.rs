@@ -105,7 +105,7 @@ impl fmt::Display for FittedRadio {
                 ("walls that count", Right, &|c| {
                     c.cap.map_or(String::new(), |cap| cap.to_string())
                 }),
-                ("error at places left out", Right, &|c| {
+                ("error at left-out places", Right, &|c| {
                     format!("{:.2} dB", c.left_out_rmse_db)
                 }),
                 ("", Left, &|c| match c.as_good {
@@ -145,7 +145,7 @@ impl fmt::Display for FittedRadio {
         writeln!(f, "{}", table.render(false))?;
         writeln!(
             f,
-            "error {:.2} dB on the log, {:.2} dB at places left out; 90 % of strengths elsewhere within {:.1} dB",
+            "error {:.2} dB on the log, {:.2} dB at left-out places; 90 % of the strengths at new places within {:.1} dB",
             self.rmse_db, self.left_out_rmse_db, self.interval_90_db
         )?;
         write!(

@@ -1,4 +1,5 @@
-//! From a log of strengths at known places to a radio model, and its evaluation on a log that it has not seen.
+//! Calibration of a radio model: fits it to a log of strengths at known positions, and evaluates it on a log that was not used for
+//! the fit.
 
 mod check;
 mod covariance;

@@ -1,4 +1,5 @@
-//! How residuals of a fit split into shadowing, which places share, and fading, which differs from reading to reading.
+//! Splits the residuals of a fit into shadowing, which is common to all readings at one spot, and fading, which differs between
+//! readings.
 
 use std::collections::BTreeMap;
 
@@ -7,24 +8,26 @@ use nalgebra::{DMatrix, DVector};
 use super::covariance::{SPOT_M, Spread, covariance};
 use super::log::RadioLog;
 
-/// Distances beyond this say nothing of the correlation, metres.
+/// Pairs of spots with larger distances than this are not used to estimate the correlation, metres.
 const FAR_M: f64 = 4.0;
-/// Most spots of one anchor that are compared with each other.
+/// Largest number of spots of one anchor that are compared with each other.
 const MOST_SPOTS: usize = 2000;
 
-/// Times that residuals are corrected for what the fit has taken from them.
+/// Number of corrections of the covariances for the part of shadowing that the fit has absorbed.
 const CORRECTIONS: usize = 4;
 
-/// Splits residuals (in the log's order) into what spots share and what they do not; the covariance s² exp(−h/L) of the former is
-/// fitted to products of spots' means by distance h (Gudmundson 1991). A fit takes a part of what spots share as its own: that part,
-/// the rows times the parameters' covariance, is added back. Together both are at least as large as the residuals.
+/// Splits the variance of residuals (in the log's order) into shadowing, which is common to a spot, and fading. The covariance
+/// s² exp(−h/L) of shadowing is fitted to products of the means of spots at distance h (Gudmundson 1991). The fit has absorbed a part
+/// of shadowing; this part, computed from the rows and the covariance of the parameters, is added back. The sum of both variances is at
+/// least the variance of the residuals.
 pub(super) fn estimate(log: &RadioLog, residuals_db: &[f64], rows: &[Vec<f64>]) -> Spread {
     let mut spread = split(log, residuals_db, rows, None);
     for _ in 0..CORRECTIONS {
         let covariance = covariance(log, rows, &spread);
         spread = split(log, residuals_db, rows, covariance.as_ref());
     }
-    // Where nothing was read twice and few places are near each other, the split finds less than there is.
+    // If no spot has several readings and few spots are near each other, the split underestimates the variance; the rest is added to
+    // fading.
     let parameters = rows.first().map_or(0, Vec::len);
     let squares: f64 = residuals_db.iter().map(|r| r * r).sum();
     let all = squares / residuals_db.len().saturating_sub(parameters).max(1) as f64;
@@ -51,13 +54,13 @@ fn split(
         let step = spots.len().div_ceil(MOST_SPOTS).max(1);
         let few: Vec<&Spot> = spots.iter().step_by(step).collect();
         for (index, a) in few.iter().enumerate() {
-            let taken = covariance.map(|c| c * &a.row);
+            let absorbed = covariance.map(|c| c * &a.row);
             for b in &few[index + 1..] {
-                let apart = (a.at_m[0] - b.at_m[0]).hypot(a.at_m[1] - b.at_m[1]);
-                let bin = (apart / SPOT_M) as usize;
+                let distance_m = (a.at_m[0] - b.at_m[0]).hypot(a.at_m[1] - b.at_m[1]);
+                let bin = (distance_m / SPOT_M) as usize;
                 if bin < bins {
-                    let taken = taken.as_ref().map_or(0.0, |taken| taken.dot(&b.row));
-                    sums[bin] += a.mean * b.mean + taken;
+                    let absorbed = absorbed.as_ref().map_or(0.0, |part| part.dot(&b.row));
+                    sums[bin] += a.mean * b.mean + absorbed;
                     counts[bin] += 1.0;
                 }
             }
@@ -68,7 +71,7 @@ fn split(
     } else {
         0.0
     };
-    // For every L the best s² is linear.
+    // For every L, the best s² is the solution of a linear problem.
     let best = (1..=100)
         .map(|step| {
             let distance_m = 0.1 * f64::from(step);
@@ -95,6 +98,7 @@ fn split(
     }
 }
 
+/// The residuals at one spot (a square of a quarter of a metre).
 struct Spot {
     at_m: [f64; 2],
     count: f64,
@@ -104,7 +108,7 @@ struct Spot {
     row: DVector<f64>,
 }
 
-/// Residuals of one anchor, spot by spot.
+/// The residuals of one anchor, grouped by spot.
 fn spots(log: &RadioLog, residuals_db: &[f64], rows: &[Vec<f64>], anchor: usize) -> Vec<Spot> {
     let mut cells: BTreeMap<[i64; 2], Vec<usize>> = BTreeMap::new();
     for (index, reading) in log.readings.iter().enumerate() {

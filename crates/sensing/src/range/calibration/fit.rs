@@ -47,7 +47,7 @@ const ROUNDS: usize = 200;
 const HALVINGS: usize = 30;
 /// The fit has converged if a round increases the log-likelihood per reading by less than this.
 const GAIN: f64 = 1e-12;
-/// Number of groups into which distances are pooled for the initial guess of the spread.
+/// Number of groups into which distances are pooled for the initial estimate of the spread.
 const POOLS: usize = 21;
 
 impl Fitted {

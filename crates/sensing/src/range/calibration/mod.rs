@@ -1,4 +1,4 @@
-//! From a log of readings at known distances to a sensor's model, and from a model to a log.
+//! Calibration of a range sensor: fits a model to a log of readings at known distances, and draws a synthetic log from a model.
 
 mod cell;
 mod characterisation;

@@ -149,7 +149,7 @@ fn cannot() -> Error {
         .hint("leave the column of sessions out, or give each session more distances")
 }
 
-/// The spread of readings within their session: deviations from the session's own mean.
+/// The standard deviation of readings within their session, from deviations from the session's own mean.
 fn spread_within(
     plan: Plan,
     fitted: &Fitted,
