@@ -26,49 +26,39 @@
 //! # Ok::<(), realgap_core::Error>(())
 //! ```
 
-pub(crate) mod best;
-mod cell;
-mod convergence;
-mod corner;
 mod draft;
 mod ensemble;
 mod folder;
 mod gap;
-pub(crate) mod joint;
 pub(crate) mod kind;
 mod odds;
 mod over_time;
-mod picture;
-mod plane;
+mod papers;
 pub mod portrait;
-mod radio;
 mod search;
-mod sensor;
+pub(crate) mod study;
 mod table;
-mod task;
 mod timing;
-mod vision;
-mod visit;
 
 use std::path::Path;
 
 use realgap_core::error::{Error, Result};
 use realgap_lab::calibration::{Answer, Method, Study};
 
-pub use best::draws;
 pub use ensemble::{write_ensemble, write_prediction, write_report};
 pub use folder::{accept, check_folder, check_seal};
 pub use gap::{write_floor, write_gap};
 pub use kind::Kind;
 pub use odds::draw_odds;
 pub use over_time::{Timed, draw_over_time};
-pub use radio::{draw_error_map, draw_strength_map};
+pub use papers::radio::{draw_error_map, draw_strength_map};
+pub use papers::sensor::{draw_arena, draw_belief, draw_histograms, draw_segment, draw_sensor};
+pub use papers::task::{draw_task_curves, draw_task_times};
+pub use papers::vision::draw_vision;
+pub use papers::visit::{draw_visits, draw_way};
 pub use search::{BestRobot, SearchSummary, write_search};
-pub use sensor::{draw_arena, draw_belief, draw_histograms, draw_segment, draw_sensor};
-pub use task::{draw_task_curves, draw_task_times};
+pub use study::best::draws;
 pub use timing::{Timing, write_timing};
-pub use vision::draw_vision;
-pub use visit::{draw_visits, draw_way};
 
 /// Writes what an answer holds into `folder`, next to the store where there is one: tables, pictures, the report, the best
 /// values. They take the place of older results once all of them are written.
@@ -84,12 +74,12 @@ pub fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
         table::write_scores(draft, study, answer)?;
         table::write_profiles(draft, answer)?;
         if let Method::Tune(tuned) = &answer.method {
-            convergence::write_trials(draft, study, answer, tuned)?;
+            study::convergence::write_trials(draft, study, answer, tuned)?;
         }
         write_report(draft, kind::file::SUMMARY, &answer.report)?;
-        best::write(draft, study, answer)?;
-        plane::write_basis(draft, answer)?;
-        picture::draw(draft, study, answer)?;
-        joint::write(draft, study, answer)
+        study::best::write(draft, study, answer)?;
+        study::plane::write_basis(draft, answer)?;
+        study::picture::draw(draft, study, answer)?;
+        study::joint::write(draft, study, answer)
     })
 }

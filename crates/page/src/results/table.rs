@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::cell::is_alike;
 use super::kind::file;
+use super::study::cell::is_alike;
 use realgap_core::error::{Error, Result};
 use realgap_core::file::write_atomic;
 use realgap_core::text::cell;

@@ -25,7 +25,7 @@ use realgap_simulation::parameter::by_name;
 use realgap_simulation::{Noise, Outcome, Perturbation};
 
 /// Random numbers (SplitMix64).
-pub(super) struct Draw(u64);
+pub(in crate::report) struct Draw(u64);
 
 impl Draw {
     pub fn new(seed: u64) -> Self {
@@ -58,7 +58,7 @@ impl Draw {
 }
 
 /// A sweep.
-pub(super) struct Swept {
+pub(in crate::report) struct Swept {
     pub report: Report,
     scores: Scores,
     uncertainty: Uncertainty,
@@ -335,7 +335,7 @@ fn empty(scores: &Scores, recordings: usize) -> Report {
 }
 
 /// Recordings, and repeats under noise that are like them or not.
-pub(super) struct Repeated {
+pub(in crate::report) struct Repeated {
     pub gap: StudyGap,
     pub ensemble: EnsembleReport,
     pub card: Card,

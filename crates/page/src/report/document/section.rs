@@ -1,0 +1,208 @@
+//! Sections of a report, and those that every report has.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+use crate::report::document::base64;
+use crate::report::document::page::html;
+use crate::report::document::value::folded;
+use crate::report::document::value::*;
+use crate::report::folder::tree::Tree;
+use crate::results::kind::picture_stem;
+use realgap_core::error::{Error, Result};
+use realgap_core::warning::Code;
+
+/// A part of a page with a name in its contents.
+#[derive(Debug, Clone)]
+pub(in crate::report) struct Section {
+    /// Where the contents lead.
+    pub id: &'static str,
+    /// As the contents say.
+    pub title: &'static str,
+    /// What is below the title; nothing where the section is left out.
+    pub html: String,
+}
+
+impl Section {
+    /// A section; empty content leaves it out.
+    pub fn new(id: &'static str, title: &'static str, html: impl Into<Option<String>>) -> Self {
+        let html = html.into().unwrap_or_default();
+        Self { id, title, html }
+    }
+}
+
+/// Sections one after the other.
+pub(in crate::report) fn body(sections: &[Section]) -> String {
+    let there = sections.iter().filter(|section| !section.html.is_empty());
+    let there = there.map(|Section { id, title, html }| {
+        format!("<section class=\"card\" id=\"{id}\"><h2>{title}</h2>{html}</section>\n")
+    });
+    there.collect()
+}
+
+/// Links to the sections.
+pub(in crate::report) fn contents(sections: &[Section]) -> String {
+    let there = sections.iter().filter(|section| !section.html.is_empty());
+    let link =
+        |Section { id, title, .. }: &Section| format!("<li><a href=\"#{id}\">{title}</a></li>");
+    let links: String = there.map(link).collect();
+    format!("<nav class=\"contents\" aria-label=\"Contents\"><ol>{links}</ol></nav>")
+}
+
+/// A figure of charts with what it says, and what would change the answer.
+pub(in crate::report) fn figure(title: &str, chart: &str, caption: &str) -> String {
+    format!(
+        "<figure><h3>{}</h3>{chart}<figcaption>{}</figcaption></figure>",
+        html(title),
+        html(caption)
+    )
+}
+
+/// Several figures beside each other, where there is room.
+pub(in crate::report) fn figures(all: &[String]) -> String {
+    format!("<div class=\"figures\">{}</div>", all.concat())
+}
+
+/// An element with this content; nothing of none.
+pub(in crate::report) fn within(tag: &str, content: String) -> String {
+    match content.as_str() {
+        "" => content,
+        _ => format!("<{tag}>{content}</{tag}>"),
+    }
+}
+
+/// What the reader should know, with what to do about it; those of parts of the report, too.
+pub(in crate::report) fn warnings(report: &Tree) -> Section {
+    warning_section(pairs_of(&report.warnings()))
+}
+
+/// More messages of one kind than this are folded away.
+const MESSAGES: usize = 3;
+
+/// Codes and messages: what is of one kind is one item, with its remedy.
+pub(in crate::report) fn warning_section<'a>(
+    all: impl Iterator<Item = (&'a str, &'a str)>,
+) -> Section {
+    let mut kinds: Vec<(&str, Vec<&str>)> = Vec::new();
+    for (code, message) in all {
+        match kinds.iter_mut().find(|(known, _)| *known == code) {
+            Some((_, messages)) if messages.contains(&message) => {}
+            Some((_, messages)) => messages.push(message),
+            None => kinds.push((code, vec![message])),
+        }
+    }
+    let items = kinds.into_iter().map(|(code, messages)| {
+        let remedy = Code::by_name(code).map_or_else(String::new, |code| {
+            let remedy = html(code.remedy());
+            format!("<span class=\"remedy\">What to do: {remedy}.</span>")
+        });
+        let code = html(code);
+        let list = |messages: &[&str]| -> String {
+            let lines = messages.iter().map(|m| format!("<p>{}</p>", html(m)));
+            lines.collect()
+        };
+        let said = match messages.split_at(messages.len().min(MESSAGES)) {
+            ([one], []) => html(one),
+            (all, []) => list(all),
+            (first, rest) => list(first) + &folded(&format!("{} more", rest.len()), &list(rest)),
+        };
+        format!("<li><code>{code}</code> {said} {remedy}</li>")
+    });
+    Section::new("warnings", "Warnings", within("ul", items.collect()))
+}
+
+/// Numbers of the report that no other section holds.
+pub(in crate::report) fn numbers(report: &Tree, said: &str) -> Section {
+    let always = "description provenance warnings engine version";
+    let said = said.split(' ').chain(always.split(' '));
+    let all = report.scalars(&said.collect::<Vec<_>>());
+    Section::new("numbers", "Numbers", within("dl", entries(pairs_of(&all))))
+}
+
+/// Versions, settings, hashes, and the command that does it again.
+pub(in crate::report) fn provenance(
+    report: &Tree,
+    command: Option<&str>,
+    page: Option<&str>,
+) -> Section {
+    let named = |name: &str, text: Option<String>| Some((name.to_owned(), text?));
+    let mut pairs = Vec::from_iter(named("run it again", command.map(str::to_owned)));
+    let own = ["engine", "version", "seed"].into_iter();
+    pairs.extend(own.filter_map(|name| {
+        let shown = if name == "version" { "realgap" } else { name };
+        named(shown, report.scalar(name))
+    }));
+    pairs.extend(report.provenance());
+    pairs.extend(named("this page", page.map(str::to_owned)));
+    let shown = within("dl", entries(pairs_of(&pairs)));
+    Section::new("provenance", "How this was made", shown)
+}
+
+/// Pictures that are larger stay in the folder.
+const LARGEST_PICTURE: u64 = 1_500_000;
+
+/// The pictures of a folder that are not `drawn` by the page itself, in elements that run nothing: PNG where there is one,
+/// because an SVG needs its fonts.
+pub(in crate::report) fn pictures(
+    folder: &Path,
+    id: &'static str,
+    title: &'static str,
+    wanted: impl Fn(&str) -> bool,
+) -> Result<Section> {
+    let entries =
+        fs::read_dir(folder).map_err(|e| Error::io("look into the results folder", folder, &e))?;
+    let names = entries.flatten().map(|entry| entry.file_name());
+    let names = names.map(|name| name.to_string_lossy().into_owned());
+    let stems = names.filter_map(|name| picture_stem(&name).map(str::to_owned));
+    let stems: BTreeSet<String> = stems.filter(|stem| wanted(stem)).collect();
+    let mut figures = String::new();
+    for stem in stems {
+        let kinds = [("png", "image/png"), ("svg", "image/svg+xml")];
+        let files = kinds.map(|(ending, kind)| (folder.join(format!("{stem}.{ending}")), kind));
+        let chosen = files.into_iter().find(|(path, _)| {
+            fs::metadata(path).is_ok_and(|m| m.is_file() && m.len() <= LARGEST_PICTURE)
+        });
+        if let Some((path, kind)) = chosen {
+            figures += &embedded(&path, kind, &stem.replace('_', " "))?;
+        }
+    }
+    Ok(Section::new(id, title, beside(&figures)))
+}
+
+/// A picture as a figure that needs no file beside the page.
+pub(in crate::report) fn embedded(path: &Path, kind: &str, name: &str) -> Result<String> {
+    let content = fs::read(path).map_err(|e| Error::io("read the file", path, &e))?;
+    let name = html(name);
+    Ok(format!(
+        "<figure><h3>{name}</h3><img alt=\"{name}\" src=\"data:{kind};base64,{}\"></figure>",
+        base64::encode(&content)
+    ))
+}
+
+/// Figures of pictures beside each other; nothing of none.
+pub(in crate::report) fn beside(figures: &str) -> String {
+    match figures {
+        "" => String::new(),
+        _ => format!("<div class=\"pictures\">{figures}</div>"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn warnings_of_one_kind_are_one_item_with_its_remedy() {
+        let section = warning_section([("few-recordings", "<2>"); 2].into_iter());
+        assert_eq!(section.html.matches("<li>").count(), 1);
+        assert!(section.html.contains(Code::FewRecordings.remedy()));
+        assert!(!section.html.contains("<2>"));
+        // The same of several recordings is one warning, its remedy said once.
+        let of = ["run 0", "run 1", "run 2", "run 3", "run 4"];
+        let html = warning_section(of.map(|run| ("few-recordings", run)).into_iter()).html;
+        assert_eq!(html.matches("<li>").count(), 1);
+        assert_eq!(html.matches("What to do").count(), 1);
+        assert!(html.contains("run 4") && html.contains("<summary>2 more</summary>"));
+    }
+}

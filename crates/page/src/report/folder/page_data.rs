@@ -1,0 +1,114 @@
+//! What a page shows and no other file of a results folder holds: the command, recorded paths, a replay of the best.
+
+use std::path::Path;
+
+use crate::report::folder::tree::read_json;
+use crate::report::replay::motion::ShownScene;
+use crate::results::kind::file;
+use realgap_core::error::{Error, ErrorKind, Result};
+use realgap_core::file::write_sealed;
+use realgap_core::text::escaped_json;
+use serde::{Deserialize, Serialize};
+
+/// Recorded paths beyond this many are not kept: more cannot be told apart in a picture.
+pub const KEPT_RECORDINGS: usize = 12;
+
+/// Name of the page in a results folder.
+pub const PAGE_FILE: &str = file::PAGE[0];
+
+/// What a command keeps for the page of its results folder, beside its other files.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Kept {
+    /// The command that makes the results again.
+    pub command: String,
+    /// Length of the simulated runs, seconds.
+    pub duration_s: f64,
+    /// What recorded paths are: `reality`, or a stand-in for it.
+    pub reality: String,
+    /// Recorded paths that the first simulation of a point is compared with, at most [`KEPT_RECORDINGS`].
+    pub recorded: Vec<KeptPath>,
+    /// The best point's path, prepared, metres: an optimizer's best need not be one of the stored points.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub best_xy_m: Vec<[f64; 2]>,
+    /// The best in motion.
+    pub replay: Option<KeptReplay>,
+}
+
+/// A path as it is compared: from the origin, net displacement along +x, points at equal steps of time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct KeptPath {
+    /// Name of the recording.
+    pub name: String,
+    /// How long it lasts, seconds.
+    pub duration_s: f64,
+    /// Its points, prepared, metres.
+    pub xy_m: Vec<[f64; 2]>,
+}
+
+/// A robot in motion, as the page's scripts read it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct KeptReplay {
+    /// Robot, floor, names of the runs.
+    pub scene: ShownScene,
+    /// Their motion: base64.
+    pub motion: String,
+}
+
+impl Kept {
+    /// Name of the file.
+    pub const FILE: &'static str = file::PAGE[1];
+
+    /// Writes it into the folder.
+    ///
+    /// # Errors
+    /// A full disk or an unwritable folder.
+    pub fn write(&self, folder: &Path) -> Result<()> {
+        let json = serde_json::to_string(self)
+            .map(escaped_json)
+            .map_err(|e| Error::invalid(format!("cannot write JSON: {e}")))?;
+        write_sealed(
+            &folder.join(Self::FILE),
+            format!("{json}\n").as_bytes(),
+            true,
+        )
+    }
+
+    /// What is kept in a folder; nothing where no command kept anything.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is none of these.
+    pub(in crate::report) fn read(folder: &Path) -> Result<Option<Self>> {
+        let path = folder.join(Self::FILE);
+        if !path.is_file() {
+            return Ok(None);
+        }
+        let kept: Self =
+            read_json(&path, "what a page keeps").map_err(|error| match error.kind() {
+                ErrorKind::Invalid => error.hint("remove the file: the page is made without it"),
+                _ => error,
+            })?;
+        // It stands inside of a script element as it is.
+        let is_base64 = |c: char| c.is_ascii_alphanumeric() || "+/=".contains(c);
+        let foreign = kept
+            .replay
+            .as_ref()
+            .is_some_and(|replay| !replay.motion.chars().all(is_base64));
+        if foreign {
+            return Err(Error::invalid("a motion is base64")
+                .at_file(&path)
+                .field("replay.motion"));
+        }
+        Ok(Some(kept))
+    }
+}
+
+/// The recorded paths that are kept, if anything is.
+pub(in crate::report) fn recorded_of(kept: Option<&Kept>) -> &[KeptPath] {
+    kept.map_or(&[], |kept| kept.recorded.as_slice())
+}

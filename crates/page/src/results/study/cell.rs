@@ -1,0 +1,65 @@
+//! What stands for each point of a study's grid in its pictures.
+
+use std::collections::BTreeSet;
+
+use crate::plot::AxisSpec;
+use realgap_lab::calibration::{Answer, Method, PointScore, Study};
+use realgap_optimization::Range;
+
+/// What stands for each point of the grid: the point itself, or the nearest one that an optimizer chose.
+pub(in crate::results) fn cells<'a>(
+    study: &Study,
+    answer: &'a Answer,
+) -> Vec<Option<&'a PointScore>> {
+    let grid = &study.definition().grid;
+    let points = &answer.scores.points;
+    if answer.method == Method::Sweep {
+        let mut cells = vec![None; grid.len()];
+        for point in points.iter().filter(|point| point.index < grid.len()) {
+            cells[point.index] = Some(point);
+        }
+        return cells;
+    }
+    if grid.ranges().len() > 2 {
+        return Vec::new();
+    }
+    let nearest = |values: &[f64]| {
+        let distance = |point: &PointScore| -> f64 {
+            let pairs = values.iter().zip(&point.values);
+            let steps = grid.ranges().iter().zip(pairs);
+            let steps = steps.map(|(range, (a, b))| ((a - b) / range.step()).powi(2));
+            steps.sum()
+        };
+        let points = points.iter();
+        points.min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    };
+    let cells = (0..grid.len()).map(|index| nearest(&grid.values(index)));
+    cells.collect()
+}
+
+/// Whether the point at this place of the scores cannot be told from the best.
+pub(in crate::results) fn is_alike(answer: &Answer, point: usize) -> bool {
+    let uncertainty = answer.uncertainty.as_ref();
+    uncertainty.is_some_and(|u| u.indistinguishable[point])
+}
+
+/// The cells of the grid with a point or a place that cannot be told from the best.
+pub(in crate::results) fn alike(study: &Study, answer: &Answer) -> BTreeSet<usize> {
+    let grid = &study.definition().grid;
+    let Some(uncertainty) = &answer.uncertainty else {
+        return BTreeSet::new();
+    };
+    let points = answer.scores.points.iter();
+    let visited = points.zip(&uncertainty.indistinguishable);
+    let visited = visited.map(|(point, is_in)| (&point.values, *is_in));
+    let places = uncertainty.unvisited.iter();
+    let all = visited.chain(places.map(|place| (&place.values, place.indistinguishable)));
+    let inside = all.filter(|(_, is_in)| *is_in);
+    let inside = inside.map(|(values, _)| grid.index(&grid.nearest(values)));
+    inside.collect()
+}
+
+/// A parameter as an axis.
+pub(in crate::results) fn axis(range: &Range) -> AxisSpec {
+    AxisSpec::new(range.parameter.name, range.parameter.unit)
+}

@@ -1,0 +1,164 @@
+//! Joints of the recordings beside those of the best point: a table, and the first recording as a picture.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use crate::plot::{Caption, JointPanel, JointPlot, both, draw_joints};
+use crate::results::kind::file;
+use crate::results::table;
+use realgap_core::error::Result;
+use realgap_core::statistics::percentile_interval;
+use realgap_lab::calibration::{Answer, Study};
+use realgap_optimization::Ending;
+use realgap_path::comparison::{JointSamples, joint_samples};
+
+/// More recordings say nothing new of a joint's spread, and each is one more run.
+const RECORDINGS: usize = 12;
+/// Samples of one joint of one recording; more of them are thinned.
+const SAMPLES: usize = 300;
+/// What lies beyond each end of a spread.
+const TAIL: f64 = 0.05;
+
+/// One sample of one joint.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Row {
+    pub recording: String,
+    pub joint: String,
+    pub time_s: f64,
+    pub recorded_rad: f64,
+    pub simulated_rad: f64,
+}
+
+/// Whether nothing but joints was recorded: then paths say nothing.
+pub(in crate::results) fn is_of_joints(study: &Study) -> bool {
+    let mut targets = study.cases().iter().flat_map(|case| &case.targets);
+    targets.all(|target| target.motion.is_of_joints())
+}
+
+/// Writes `joints.csv`, `joints.png` and `.svg` where recordings have joints of the robot.
+pub(in crate::results) fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
+    let best = answer.scores.best.map(|best| &answer.scores.points[best]);
+    // Whoever interrupts does not want to wait for more simulations.
+    let Some(best) = best.filter(|_| answer.ending == Ending::Complete) else {
+        return Ok(());
+    };
+    let rows = compared(study, &best.values)?;
+    let Some((recording, joints)) = panels(&rows) else {
+        return Ok(());
+    };
+    let cells = rows.iter().map(|row| {
+        let numbers = [row.time_s, row.recorded_rad, row.simulated_rad];
+        let numbers = numbers.map(|v| format!("{v:.6}"));
+        [&[row.recording.clone(), row.joint.clone()][..], &numbers].concat()
+    });
+    let header = ["recording", "joint", "t_s", "recorded_rad", "simulated_rad"];
+    table::write(&folder.join(file::JOINTS), &header, cells)?;
+    let definition = study.definition();
+    let title = format!("{}: joints over time at the best point", definition.name);
+    let subtitle = format!("{}: {recording}", definition.morphology.name());
+    let plot = JointPlot {
+        caption: Caption::new(title, subtitle),
+        joints,
+        reality_label: definition.source().reality_label().to_owned(),
+    };
+    both(folder, "joints", |path| draw_joints(&plot, path))
+}
+
+/// The samples of the first recordings, each simulated once more with these values.
+fn compared(study: &Study, values: &[f64]) -> Result<Vec<Row>> {
+    let cases: Vec<usize> = (0..study.cases().len().min(RECORDINGS)).collect();
+    let of_case = |case: &usize| -> Result<Vec<Row>> {
+        let targets = &study.cases()[*case].targets;
+        let mut motions = targets.iter().map(|target| &target.motion);
+        if motions.all(|motion| motion.joints().is_empty()) {
+            return Ok(Vec::new());
+        }
+        let run = realgap_simulation::run(&study.experiment(*case, values)?)?;
+        let Some(simulated) = run.outcome.get() else {
+            return Ok(Vec::new());
+        };
+        let rows = targets.iter().flat_map(|target| {
+            let recording = &study.definition().recordings[target.recording].name;
+            let joints = joint_samples(&target.motion, simulated).into_iter();
+            joints.flat_map(|joint| thinned(recording, joint))
+        });
+        Ok(rows.collect())
+    };
+    let all: Vec<Vec<Row>> = cases.par_iter().map(of_case).collect::<Result<_>>()?;
+    Ok(all.into_iter().flatten().collect())
+}
+
+fn thinned(recording: &str, joint: JointSamples) -> Vec<Row> {
+    let every = joint.times_s.len().div_ceil(SAMPLES).max(1);
+    let samples = (0..joint.times_s.len()).step_by(every);
+    let row = |k: usize| Row {
+        recording: recording.to_owned(),
+        joint: joint.name.clone(),
+        time_s: joint.times_s[k],
+        recorded_rad: joint.recorded_rad[k],
+        simulated_rad: joint.simulated_rad[k],
+    };
+    samples.map(row).collect()
+}
+
+/// The joints of the first recording, each with the spread over all of them; `None` where there is none.
+pub(crate) fn panels(rows: &[Row]) -> Option<(String, Vec<JointPanel>)> {
+    let recording = &rows.first()?.recording;
+    let mut joints: Vec<JointPanel> = Vec::new();
+    for row in rows.iter().filter(|row| row.recording == *recording) {
+        if joints.last().is_none_or(|joint| joint.name != row.joint) {
+            let of_joint = rows.iter().filter(|other| other.joint == row.joint);
+            let off = of_joint.map(|other| other.simulated_rad - other.recorded_rad);
+            let off: Vec<f64> = off.collect();
+            let (low, high) = percentile_interval(&off, TAIL)?;
+            joints.push(JointPanel {
+                name: row.joint.clone(),
+                times_s: Vec::new(),
+                recorded_rad: Vec::new(),
+                simulated_rad: Vec::new(),
+                spread_rad: [low, high],
+            });
+        }
+        let joint = joints.last_mut()?;
+        joint.times_s.push(row.time_s);
+        joint.recorded_rad.push(row.recorded_rad);
+        joint.simulated_rad.push(row.simulated_rad);
+    }
+    joints.retain(|joint| joint.times_s.len() > 1);
+    (!joints.is_empty()).then(|| (recording.clone(), joints))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_recording_is_shown_with_the_spread_of_all() {
+        let row = |recording: &str, joint: &str, time_s: f64, off: f64| Row {
+            recording: recording.to_owned(),
+            joint: joint.to_owned(),
+            time_s,
+            recorded_rad: time_s,
+            simulated_rad: time_s + off,
+        };
+        let mut rows = Vec::new();
+        for (recording, off) in [("a", 0.1), ("b", -0.3)] {
+            for joint in ["pan", "lift"] {
+                rows.extend((0..50).map(|k| row(recording, joint, f64::from(k), off)));
+            }
+        }
+        let (recording, joints) = panels(&rows).unwrap();
+        assert_eq!((recording.as_str(), joints.len()), ("a", 2));
+        for joint in &joints {
+            assert_eq!(joint.times_s.len(), 50);
+            assert!(joint.residuals_rad().all(|off| (off - 0.1).abs() < 1e-9));
+            let off = joint.spread_rad.iter().zip([-0.3, 0.1]);
+            assert!(
+                off.into_iter().all(|(a, b)| (a - b).abs() < 1e-9),
+                "{joint:?}"
+            );
+        }
+        assert!(panels(&[]).is_none());
+    }
+}
