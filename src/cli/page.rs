@@ -11,9 +11,10 @@ use realgap::calibration::{
 use realgap::file::{remove_sealed, write_atomic, write_sealed};
 use realgap::optimization::Ending;
 use realgap::report::{
-    KEPT_RECORDINGS, Kept, KeptPath, KeptReplay, Leaf, PAGE_FILE, Replay, SIMULATION, Tree,
-    folder_page, side_by_side,
+    PAGE_FILE, PageData, RecordedPath, Replay, ReplayData, ReportTree, ResultsPage,
+    SHOWN_RECORDINGS, SIMULATION, SingleReport, side_by_side,
 };
+use realgap::results::confidence_set;
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, film};
 use realgap::trajectory::{Recording, Trajectory};
@@ -46,11 +47,16 @@ pub struct PageOption {
 }
 
 impl PageOption {
-    /// Writes `report.html` into a finished results folder; what to say about it. What cannot be shown is a warning: the results
-    /// are there.
-    pub fn write(self, folder: &Path, keep: impl FnOnce() -> Kept) -> &'static str {
+    /// Writes `report.html` into a finished results folder, and returns what the terminal says about it. The page is made from
+    /// what the command has in memory. A page that cannot be written is a warning, because the results are there.
+    pub fn write(
+        self,
+        folder: &Path,
+        page: &ResultsPage,
+        data: impl FnOnce() -> PageData,
+    ) -> &'static str {
         if self.no_report {
-            for name in [PAGE_FILE, Kept::FILE] {
+            for name in [PAGE_FILE, PageData::FILE] {
                 if let Err(error) = remove_sealed(&folder.join(name)) {
                     let warning = Code::NotWritten.warning(error.to_string());
                     terminal::print_warnings(&[warning]);
@@ -58,11 +64,11 @@ impl PageOption {
             }
             return "";
         }
-        let kept = Kept {
+        let data = PageData {
             command: command(typed()),
-            ..keep()
+            ..data()
         };
-        if let Err(error) = write(folder, &kept) {
+        if let Err(error) = write(folder, page, &data) {
             let warning = Code::NotWritten.warning(format!("no report.html: {error}"));
             terminal::print_warnings(&[warning]);
             return "";
@@ -99,10 +105,10 @@ impl Telling {
         let Some(file) = &self.report else {
             return Ok(());
         };
-        let report = Tree::of(found)?;
+        let report = ReportTree::of(found)?;
         let pictures: Vec<&Path> = pictures.into_iter().map(PathBuf::as_path).collect();
         let name = of.file_stem().unwrap_or(of.as_os_str()).to_string_lossy();
-        let page = Leaf {
+        let page = SingleReport {
             kind,
             name: &name,
             text,
@@ -128,16 +134,16 @@ impl Telling {
     }
 }
 
-fn write(folder: &Path, kept: &Kept) -> Result<()> {
-    kept.write(folder)?;
-    let page = folder_page(folder, &kept.command)?;
+fn write(folder: &Path, page: &ResultsPage, data: &PageData) -> Result<()> {
+    data.write(folder)?;
+    let page = page.html(Some(data), &data.command);
     write_sealed(&folder.join(PAGE_FILE), page.as_bytes(), true)
 }
 
-/// The command that one of another name carries out to its end.
+/// The command whose work the running command carries out to its end under another name.
 static STANDS_FOR: OnceLock<Vec<String>> = OnceLock::new();
 
-/// Conclusion that what runs now finds what the command of these words finds, and that pages shall name that.
+/// Says that the running command finds the same as the command of these words, so that pages name the latter.
 pub fn stands_for(words: &[String]) {
     let words = std::iter::once("realgap".to_owned()).chain(words.iter().cloned());
     let _first = STANDS_FOR.set(words.collect());
@@ -171,10 +177,10 @@ fn command(words: impl Iterator<Item = String>) -> String {
 }
 
 /// What a study's page shows beside its results.
-pub fn of_study(study: &Study, answer: &Answer) -> Kept {
+pub fn of_study(study: &Study, answer: &Answer) -> PageData {
     let definition = study.definition();
     let Some(case) = study.cases().first() else {
-        return Kept::default();
+        return PageData::default();
     };
     let best = answer.scores.best.map(|best| &answer.scores.points[best]);
     let experiment = best.and_then(|best| study.experiment(0, &best.values).ok());
@@ -182,32 +188,33 @@ pub fn of_study(study: &Study, answer: &Answer) -> Kept {
         .as_ref()
         .map_or(1.0, |e| e.recording_length_scale);
     let (recorded, recordings) = recorded(definition, case, scale);
-    Kept {
+    PageData {
         duration_s: case.experiment.duration_s,
         reality: definition.source().reality_label().to_owned(),
         recorded,
         best_xy_m: best.map_or_else(Vec::new, |best| {
             best.path_xy_m.iter().map(rounded).collect()
         }),
-        // Whoever interrupts does not want to wait for one more simulation.
+        confidence_set: confidence_set(study, answer),
+        // A user who interrupts the run does not want to wait for one more simulation.
         replay: experiment
             .filter(|_| answer.ending == Ending::Complete)
             .and_then(|experiment| seen(definition, &experiment, &recordings)),
-        ..Kept::default()
+        ..PageData::default()
     }
 }
 
 /// What the page of a gap shows beside it: the first start's run without noise.
-pub fn of_gap(study: &Study) -> Kept {
+pub fn of_gap(study: &Study) -> PageData {
     let definition = study.definition();
     let Some(case) = study.cases().first() else {
-        return Kept::default();
+        return PageData::default();
     };
     let (_, recordings) = recorded(definition, case, 1.0);
-    Kept {
+    PageData {
         duration_s: case.experiment.duration_s,
         replay: seen(definition, &case.experiment, &recordings),
-        ..Kept::default()
+        ..PageData::default()
     }
 }
 
@@ -217,16 +224,20 @@ fn rounded(place_m: &[f64; 2]) -> [f64; 2] {
 }
 
 /// The recordings of a case: as they are compared, and as they are seen.
-fn recorded(definition: &Definition, case: &Case, scale: f64) -> (Vec<KeptPath>, Vec<Recording>) {
+fn recorded(
+    definition: &Definition,
+    case: &Case,
+    scale: f64,
+) -> (Vec<RecordedPath>, Vec<Recording>) {
     let (mut paths, mut seen) = (Vec::new(), Vec::new());
-    for target in case.targets.iter().take(KEPT_RECORDINGS) {
+    for target in case.targets.iter().take(SHOWN_RECORDINGS) {
         let recording = &definition.recordings[target.recording];
         let Ok(target) = target.in_true_lengths(scale) else {
             continue;
         };
         let target: &Target = &target;
         if !target.motion.is_of_joints() {
-            paths.push(KeptPath {
+            paths.push(RecordedPath {
                 name: recording.name.clone(),
                 duration_s: target.motion.duration_s(),
                 xy_m: target.prepared.xy_m().iter().map(rounded).collect(),
@@ -268,39 +279,39 @@ pub fn recordings_of(study: &Repeatable, case: &RepeatCase) -> Vec<Recording> {
 }
 
 /// What the page of repeats shows beside them: the first start's run without noise.
-pub fn of_repeats(study: &Repeatable) -> Kept {
+pub fn of_repeats(study: &Repeatable) -> PageData {
     let Some(case) = study.cases.first() else {
-        return Kept::default();
+        return PageData::default();
     };
     let recordings = recordings_of(study, case);
-    Kept {
+    PageData {
         duration_s: case.experiment.duration_s,
         reality: study.definition.source().reality_label().to_owned(),
         replay: seen(&study.definition, &case.experiment, &recordings),
-        ..Kept::default()
+        ..PageData::default()
     }
 }
 
 /// What the page of one robot shows beside its results.
-pub fn of_robot(experiment: &Experiment, robot: &Morphology) -> Kept {
-    Kept {
+pub fn of_robot(experiment: &Experiment, robot: &Morphology) -> PageData {
+    PageData {
         duration_s: experiment.duration_s,
         replay: moving(experiment, robot, &[], true),
-        ..Kept::default()
+        ..PageData::default()
     }
 }
 
 /// What the page of a search shows beside its results: its best side by side.
-pub fn of_robots(robots: &[(Experiment, &Morphology)]) -> Kept {
+pub fn of_robots(robots: &[(Experiment, &Morphology)]) -> PageData {
     let runs: Vec<_> = robots
         .iter()
         .filter_map(|(experiment, robot)| Some((*robot, film(experiment).ok()?.1?)))
         .collect();
     let first = robots.first().map(|(experiment, _)| experiment);
-    Kept {
+    PageData {
         duration_s: first.map_or(0.0, |first| first.duration_s),
         replay: first.and_then(|first| side_by_side(&runs, first.floor).ok().flatten()),
-        ..Kept::default()
+        ..PageData::default()
     }
 }
 
@@ -309,7 +320,7 @@ fn seen(
     definition: &Definition,
     experiment: &Experiment,
     recordings: &[Recording],
-) -> Option<KeptReplay> {
+) -> Option<ReplayData> {
     let is_settled = definition.start == StartRule::Settled;
     moving(experiment, &definition.morphology, recordings, is_settled)
 }
@@ -320,7 +331,7 @@ fn moving(
     robot: &Morphology,
     recordings: &[Recording],
     align: bool,
-) -> Option<KeptReplay> {
+) -> Option<ReplayData> {
     let film = film(experiment).ok()?.1?;
     let replay = Replay {
         robot: Some(robot),
@@ -333,7 +344,7 @@ fn moving(
         warnings: &[],
         provenance: &[],
     };
-    replay.kept().ok()
+    replay.data().ok()
 }
 
 #[cfg(test)]

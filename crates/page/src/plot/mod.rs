@@ -3,9 +3,8 @@
 //! | what | function | shows |
 //! |---|---|---|
 //! | [`HeatMap`] | [`draw_heat_map`] | the score over two parameters |
-//! | [`Curve`] | [`draw_curve`] | the score over one parameter |
 //! | [`PanelGrid`] | [`draw_panels`] | simulated paths at several parameter values, over the real ones |
-//! | [`LinePlot`] | [`draw_lines`] | lines, dots and bands over time or number of simulations |
+//! | [`LinePlot`] | [`draw_lines`] | the score over one parameter; lines, dots and bands over time or number of simulations |
 //! | [`Cloud`] | [`plane()`], [`draw_lines`] | recordings and simulations in the first two principal components |
 //! | [`BarChart`] | [`draw_bars`] | what each of many causes changes |
 //! | [`ColumnChart`] | [`draw_columns`] | a few values for each of several things |
@@ -53,25 +52,24 @@ mod tests;
 pub use chart::bar::{Bar, BarChart, draw_bars};
 pub use chart::column::{ColumnChart, ColumnSeries, draw_columns};
 pub use chart::corner::{Corner, draw_corner};
-pub use chart::curve::{Curve, draw_curve};
 pub use chart::ensemble::{EnsembleBand, EnsembleGroup, EnsemblePlot, draw_ensemble};
 pub use chart::heatmap::{HeatMap, draw_heat_map};
 pub use chart::joint::{JointPanel, JointPlot, draw_joints};
-pub use chart::line::{LinePlot, Series, SeriesKind, draw_lines};
+pub use chart::line::{BestPoint, LinePlot, ParameterGrid, Series, SeriesKind, draw_lines};
 pub use chart::overlay::{Overlay, OverlayPath, draw_overlay};
 pub use chart::panel::{Panel, PanelGrid, draw_panels};
 pub use chart::plane::{Cloud, plane};
 pub use chart::stack::{Stack, StackRow, draw_stack};
 pub use layout::axis::{AxisSpec, Truth};
-pub(crate) use layout::colour::score_hex;
 pub use layout::heading::Caption;
 pub use layout::path::PathPoint;
-pub(crate) use layout::scale::Scale;
 pub use layout::scale::ScoreScale;
 pub use realgap_core::table::{Side, TextTable};
 pub use realgap_core::unit::{DisplayUnit, number, quantity};
 pub(crate) use render::both;
 pub use render::check_picture_path;
+pub(crate) use render::inline::{Inline, InlineChart, legend};
+pub(crate) use render::{Format, Picture, file_bytes};
 pub use robot::animation::{Animation, Look, Moment, Trace, draw_animation};
 pub use robot::block::{Block, BlockKind, DrivenFace, Motion};
 pub use robot::gallery::{Command, Gallery, GalleryRobot, ModuleName, draw_gallery};

@@ -3,14 +3,15 @@
 use std::path::Path;
 
 use crate::report::document::page::html;
-use crate::report::document::section::{Section, beside, embedded, numbers, provenance, warnings};
-use crate::report::folder::story::Story;
-use crate::report::folder::tree::Tree;
-use realgap_core::error::Result;
+use crate::report::document::picture::{beside, embedded};
+use crate::report::document::section::{Section, numbers, provenance, warnings};
+use crate::report::folder::content::PageContent;
+use crate::report::folder::tree::ReportTree;
+use realgap_core::error::{Error, Result};
 
 /// What one command found.
 #[derive(Debug)]
-pub struct Leaf<'a> {
+pub struct SingleReport<'a> {
     /// What it is of: `sensor`, `radio`, …
     pub kind: &'static str,
     /// Of what, e.g. the log's name.
@@ -18,14 +19,14 @@ pub struct Leaf<'a> {
     /// As the command prints it: its first line is the answer.
     pub text: &'a str,
     /// The same as data.
-    pub report: &'a Tree,
+    pub report: &'a ReportTree,
     /// Pictures that were drawn of it.
     pub pictures: &'a [&'a Path],
     /// The command.
     pub command: &'a str,
 }
 
-impl Leaf<'_> {
+impl SingleReport<'_> {
     /// The page: one HTML file.
     ///
     /// # Errors
@@ -47,14 +48,14 @@ impl Leaf<'_> {
             numbers(self.report, ""),
             provenance(self.report, Some(self.command), None),
         ];
-        let story = Story {
+        let content = PageContent {
             kind: self.kind,
             name: self.name.to_owned(),
             answer: answer.to_owned(),
             sections,
-            ..Story::default()
+            ..PageContent::default()
         };
-        Ok(story.page(None))
+        Ok(content.html(None))
     }
 
     fn figures(&self) -> Result<String> {
@@ -65,7 +66,8 @@ impl Leaf<'_> {
                 _ => "image/png",
             };
             let name = path.file_stem().unwrap_or_default().to_string_lossy();
-            all += &embedded(path, kind, &name)?;
+            let bytes = std::fs::read(path).map_err(|e| Error::io("read the file", path, &e))?;
+            all += &embedded(&bytes, kind, &name);
         }
         Ok(beside(&all))
     }
@@ -81,15 +83,15 @@ mod tests {
             "rows": [{ "name": "<b>", "value": 1.5, "inner": [1] }],
             "warnings": [{ "code": "hole", "message": "x" }],
         });
-        let leaf = Leaf {
+        let report_of = SingleReport {
             kind: "sensor",
             name: "<i>",
             text: "The answer <u>.\nmore",
-            report: &Tree::of(&report).unwrap(),
+            report: &ReportTree::of(&report).unwrap(),
             pictures: &[],
             command: "realgap x",
         };
-        let page = leaf.page().unwrap();
+        let page = report_of.page().unwrap();
         for foreign in ["<b>", "<i>", "<u>"] {
             assert!(!page.contains(foreign), "{foreign}");
         }

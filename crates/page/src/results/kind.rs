@@ -81,7 +81,7 @@ impl Kind {
     }
 
     /// Whether results of this kind are in a file of this name (its path inside of the folder).
-    pub(super) fn has(self, name: &str) -> bool {
+    pub(crate) fn has(self, name: &str) -> bool {
         let (files, pictures) = self.names();
         let is_one = |stem: &str| pictures.split(' ').any(|known| known == stem);
         let is_drawn = |stem: &str| is_one(stem) || self.draws_many(stem);

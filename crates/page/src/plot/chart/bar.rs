@@ -39,9 +39,6 @@ pub struct BarChart {
 /// # Errors
 /// No bar, a path that is no picture's, a full disk.
 pub fn draw_bars(chart: &BarChart, path: impl AsRef<Path>) -> Result<()> {
-    if chart.bars.is_empty() {
-        return Err(Error::invalid("there is nothing to draw").field(&chart.caption.title));
-    }
     picture::write(chart, path.as_ref())
 }
 
@@ -53,6 +50,13 @@ impl BarChart {
 }
 
 impl Picture for BarChart {
+    fn check(&self) -> Result<()> {
+        if self.bars.is_empty() {
+            return Err(Error::invalid("there is nothing to draw").field(&self.caption.title));
+        }
+        Ok(())
+    }
+
     fn size(&self) -> (u32, u32) {
         (WIDTH as u32, (260.0 + ROW * self.bars.len() as f64) as u32)
     }

@@ -38,12 +38,6 @@ pub struct ColumnChart {
 /// # Errors
 /// No finite value, a series with another number of values than groups, a path that is no picture's, a full disk.
 pub fn draw_columns(chart: &ColumnChart, path: impl AsRef<Path>) -> Result<()> {
-    for series in &chart.series {
-        check_length(&series.label, series.values.len(), chart.groups.len())?;
-    }
-    if chart.values().next().is_none() {
-        return Err(nothing(&chart.caption.title, "at least one finite value"));
-    }
     picture::write(chart, path.as_ref())
 }
 
@@ -55,6 +49,16 @@ impl ColumnChart {
 }
 
 impl Picture for ColumnChart {
+    fn check(&self) -> Result<()> {
+        for series in &self.series {
+            check_length(&series.label, series.values.len(), self.groups.len())?;
+        }
+        if self.values().next().is_none() {
+            return Err(nothing(&self.caption.title, "at least one finite value"));
+        }
+        Ok(())
+    }
+
     fn size(&self) -> (u32, u32) {
         (WIDTH as u32, HEIGHT as u32)
     }

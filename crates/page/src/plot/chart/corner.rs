@@ -40,7 +40,6 @@ pub struct Corner {
 /// # Errors
 /// Fewer than two quantities or draws, a row of another length, a value that is not finite, a path that is no picture's, a full disk.
 pub fn draw_corner(corner: &Corner, path: impl AsRef<Path>) -> Result<()> {
-    corner.check()?;
     picture::write(corner, path.as_ref())
 }
 
@@ -56,24 +55,6 @@ struct Layout {
 }
 
 impl Corner {
-    fn check(&self) -> Result<()> {
-        for (field, found) in [("axes", self.axes.len()), ("draws", self.draws.len())] {
-            if found < 2 {
-                let error = Error::invalid("a corner needs at least two of each");
-                return Err(error.field(field).found(found));
-            }
-        }
-        let best = self.best.iter();
-        for row in self.draws.iter().chain(best) {
-            check_length("draws", row.len(), self.axes.len())?;
-            if let Some(value) = row.iter().find(|value| !value.is_finite()) {
-                let error = Error::invalid("draws must be finite");
-                return Err(error.field("draws").found(value));
-            }
-        }
-        Ok(())
-    }
-
     fn values(&self, axis: usize) -> impl Iterator<Item = f64> + '_ {
         self.draws.iter().map(move |draw| draw[axis])
     }
@@ -304,6 +285,24 @@ impl Corner {
 }
 
 impl Picture for Corner {
+    fn check(&self) -> Result<()> {
+        for (field, found) in [("axes", self.axes.len()), ("draws", self.draws.len())] {
+            if found < 2 {
+                let error = Error::invalid("a corner needs at least two of each");
+                return Err(error.field(field).found(found));
+            }
+        }
+        let best = self.best.iter();
+        for row in self.draws.iter().chain(best) {
+            check_length("draws", row.len(), self.axes.len())?;
+            if let Some(value) = row.iter().find(|value| !value.is_finite()) {
+                let error = Error::invalid("draws must be finite");
+                return Err(error.field("draws").found(value));
+            }
+        }
+        Ok(())
+    }
+
     fn size(&self) -> (u32, u32) {
         let layout = self.layout();
         let all = self.axes.len() as f64 * (layout.panel + GAP) - GAP;

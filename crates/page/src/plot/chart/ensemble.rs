@@ -1,6 +1,7 @@
 //! Ensemble: many repeats of one experiment, coloured by behaviour, with their envelope over time and the real runs.
 
 use crate::plot::kit::*;
+use crate::plot::{LinePlot, Series, SeriesKind};
 use realgap_core::statistics::ends_of;
 
 const WIDTH: f64 = 1260.0;
@@ -70,16 +71,6 @@ pub struct EnsemblePlot {
 /// # Errors
 /// Nothing to draw, bands of another length than the times, an unwritable file.
 pub fn draw_ensemble(plot: &EnsemblePlot, path: impl AsRef<Path>) -> Result<()> {
-    if plot.times_s.len() < 2 || plot.groups.is_empty() {
-        return Err(Error::invalid("there is no ensemble to draw"));
-    }
-    for band in plot.bands.iter().chain(&plot.whole_paths) {
-        if [band.low_m.len(), band.high_m.len()] != [plot.times_s.len(); 2] {
-            return Err(Error::invalid("bands and times differ in number")
-                .found(band.low_m.len())
-                .allowed(plot.times_s.len()));
-        }
-    }
     picture::write(plot, path.as_ref())
 }
 
@@ -89,6 +80,43 @@ fn shade(level: f64) -> RGBColor {
 }
 
 impl EnsemblePlot {
+    /// The typical paths from above, and the regions along x and along y over time, as charts of their own.
+    pub(crate) fn charts(&self) -> [LinePlot; 3] {
+        let groups = self.groups.iter().enumerate().rev();
+        let mut typical: Vec<Series> = groups
+            .map(|(index, group)| {
+                let points = group.representative_m.iter().map(|[x, y]| (*x, *y));
+                let kind = SeriesKind::Line;
+                Series::new(group.label.clone(), kind, points.collect()).colour(index)
+            })
+            .collect();
+        let x = AxisSpec::new("x", Unit::Metre);
+        let mut paths = LinePlot::new(self.caption.clone(), x, ("y", Unit::Metre), Vec::new());
+        paths.scale = ScoreScale::LikeX;
+        paths.series.append(&mut typical);
+        let over_time = |axis: usize| {
+            let along = |edge: &[PathPoint]| -> Vec<f64> { edge.iter().map(|p| p[axis]).collect() };
+            let mut series = Vec::new();
+            // The widest band and the narrowest one: a page has no room for all.
+            let bands = [self.bands.first(), self.bands.last()];
+            for band in bands.into_iter().flatten() {
+                let low = self.times_s.iter().copied().zip(along(&band.low_m));
+                let kind = SeriesKind::Band(along(&band.high_m));
+                series.push(Series::new("", kind, low.collect()));
+            }
+            if let Some(band) = self.bands.last() {
+                let middle = band.low_m.iter().zip(&band.high_m);
+                let middle = middle.map(|(low, high)| 0.5 * (low[axis] + high[axis]));
+                let points = self.times_s.iter().copied().zip(middle).collect();
+                series.push(Series::new("", SeriesKind::Line, points));
+            }
+            let time = AxisSpec::new("time", Unit::Second);
+            let y = (["x", "y"][axis], Unit::Metre);
+            LinePlot::new(self.caption.clone(), time, y, series)
+        };
+        [paths, over_time(0), over_time(1)]
+    }
+
     fn sheet(&self) -> Sheet {
         let mut entries = Vec::new();
         for (index, group) in self.groups.iter().enumerate() {
@@ -185,6 +213,20 @@ impl EnsemblePlot {
 }
 
 impl Picture for EnsemblePlot {
+    fn check(&self) -> Result<()> {
+        if self.times_s.len() < 2 || self.groups.is_empty() {
+            return Err(Error::invalid("there is no ensemble to draw"));
+        }
+        for band in self.bands.iter().chain(&self.whole_paths) {
+            if [band.low_m.len(), band.high_m.len()] != [self.times_s.len(); 2] {
+                return Err(Error::invalid("bands and times differ in number")
+                    .found(band.low_m.len())
+                    .allowed(self.times_s.len()));
+            }
+        }
+        Ok(())
+    }
+
     fn size(&self) -> (u32, u32) {
         let room = self.above().height + BELOW_LABEL + GAP + OVER_TIME + BELOW_LABEL;
         self.sheet().around(WIDTH, room)

@@ -46,6 +46,9 @@ pub struct HeatMap {
     pub evaluated: Vec<(f64, f64)>,
     /// Bright is a large score, as for a fitness; otherwise a small one, as for a distance.
     pub larger_is_better: bool,
+    /// The row of a table of points that each cell shows, in the order of `scores`, so that a page can choose the point;
+    /// empty for none.
+    pub table_rows: Vec<Option<usize>>,
     /// Lines above the cells, in the units of the axes: walls of a map.
     pub lines: Vec<Vec<(f64, f64)>>,
 }
@@ -76,6 +79,7 @@ impl HeatMap {
             truth: None,
             evaluated: Vec::new(),
             larger_is_better: false,
+            table_rows: Vec::new(),
             lines: Vec::new(),
         }
     }
@@ -83,48 +87,52 @@ impl HeatMap {
 
 /// Draws a heat map into a PNG or SVG file.
 pub fn draw_heat_map(map: &HeatMap, path: impl AsRef<Path>) -> Result<()> {
-    map.check()?;
     picture::write(map, path.as_ref())
 }
 
 impl HeatMap {
-    fn check(&self) -> Result<()> {
-        check_values("x_values", &self.x_values)?;
-        check_values("y_values", &self.y_values)?;
-        let points = self.x_values.len() * self.y_values.len();
-        check_length("scores", self.scores.len(), points)?;
-        if !self.indistinguishable.is_empty() {
-            check_length("indistinguishable", self.indistinguishable.len(), points)?;
-        }
-        let (last_x, last_y) = (self.x_values.len() - 1, self.y_values.len() - 1);
-        if let Some((ix, iy)) = self.best.filter(|b| b.0 > last_x || b.1 > last_y) {
-            return Err(Error::invalid("the best point lies outside the grid")
-                .field("best")
-                .found(format!("({ix}, {iy})"))
-                .allowed(format!("up to ({last_x}, {last_y})")));
-        }
-        Ok(())
-    }
-
-    fn score(&self, ix: usize, iy: usize) -> Option<f64> {
+    pub(in crate::plot) fn score(&self, ix: usize, iy: usize) -> Option<f64> {
         self.scores[iy * self.x_values.len() + ix].filter(|score| score.is_finite())
     }
 
     /// Where the best point lies, which is in the cell (ix, iy).
-    fn place(&self, ix: usize, iy: usize) -> (f64, f64) {
+    pub(in crate::plot) fn place(&self, ix: usize, iy: usize) -> (f64, f64) {
         let middle = (self.x_values[ix], self.y_values[iy]);
         self.best_at.unwrap_or(middle)
     }
 
-    fn is_indistinguishable(&self, ix: usize, iy: usize) -> bool {
+    pub(in crate::plot) fn is_indistinguishable(&self, ix: usize, iy: usize) -> bool {
         let (columns, rows) = (self.x_values.len(), self.y_values.len());
         let is_cell = ix < columns && iy < rows;
         is_cell && self.indistinguishable.get(iy * columns + ix) == Some(&true)
     }
 
-    fn finite_scores(&self) -> Vec<f64> {
+    pub(in crate::plot) fn finite_scores(&self) -> Vec<f64> {
         let finite = self.scores.iter().copied().flatten();
         finite.filter(|score| score.is_finite()).collect()
+    }
+
+    /// The unit in which these scores read well, and the scale of their colours in it.
+    pub(in crate::plot) fn score_scale(&self, finite: &[f64]) -> (DisplayUnit, Scale) {
+        let unit = DisplayUnit::for_values(self.score_unit, finite.iter().copied());
+        let shown: Vec<f64> = finite.iter().map(|score| score * unit.factor).collect();
+        (unit, Scale::for_scores(&shown, self.scale, COLOUR_DECADES))
+    }
+
+    /// The scales of both axes, from the outer edge of the first cell to that of the last.
+    pub(in crate::plot) fn scales(&self) -> [Scale; 2] {
+        [&self.x_values, &self.y_values].map(|values| {
+            let edges = edges(values);
+            Scale::linear(edges[0], edges[edges.len() - 1])
+        })
+    }
+
+    /// About so many ticks of both axes.
+    pub(in crate::plot) fn ticks(&self, [x, y]: [&Scale; 2], counts: [usize; 2]) -> [Vec<Tick>; 2] {
+        [
+            axis::ticks(&self.x, &self.x_values, x, counts[0]),
+            axis::ticks(&self.y, &self.y_values, y, counts[1]),
+        ]
     }
 
     fn legend(&self, finite: &[f64], unit: DisplayUnit) -> Vec<(Symbol, String)> {
@@ -151,7 +159,7 @@ impl HeatMap {
         entries
     }
 
-    fn colour(&self, share: f64) -> RGBColor {
+    pub(in crate::plot) fn colour(&self, share: f64) -> RGBColor {
         let is_turned = self.larger_is_better;
         score_colour(if is_turned { 1.0 - share } else { share })
     }
@@ -178,26 +186,20 @@ impl HeatMap {
                 start = end;
             }
         }
-        for line in [(6.0, WHITE), (3.0, INK)] {
-            self.draw_boundary(canvas, [&xs, &ys], line);
-        }
+        self.draw_boundary(canvas, frame);
     }
 
-    /// The edges between cells inside the indistinguishable set and cells outside it.
-    fn draw_boundary(&self, canvas: &mut Canvas, [xs, ys]: [&[f64]; 2], line: (f64, RGBColor)) {
-        let (half, colour) = (line.0 / 2.0, line.1);
-        let mut segment = |from: Point, to: Point| {
-            let [(x0, y0), (x1, y1)] = [from, to].map(|(x, y)| (x.round(), y.round()));
-            let low = (x0.min(x1) - half, y0.min(y1) - half);
-            canvas.fill(low, (x0.max(x1) + half, y0.max(y1) + half), colour);
-        };
+    /// The outline of the confidence set: edges between cells inside it and cells outside it, in the units of the axes.
+    pub(in crate::plot) fn boundary(&self) -> Vec<(Point, Point)> {
+        let (xs, ys) = (edges(&self.x_values), edges(&self.y_values));
+        let mut outline = Vec::new();
         for iy in 0..self.y_values.len() {
             for ix in 0..self.x_values.len() {
                 if !self.is_indistinguishable(ix, iy) {
                     continue;
                 }
                 let ([left, right], [low, high]) = ([xs[ix], xs[ix + 1]], [ys[iy], ys[iy + 1]]);
-                // Beyond the first column and row is nothing: their number wraps to one that no cell has.
+                // Before the first column and row is nothing: their number wraps to one that no cell has.
                 for (x, y, from, to) in [
                     (ix.wrapping_sub(1), iy, (left, low), (left, high)),
                     (ix + 1, iy, (right, low), (right, high)),
@@ -205,9 +207,26 @@ impl HeatMap {
                     (ix, iy + 1, (left, high), (right, high)),
                 ] {
                     if !self.is_indistinguishable(x, y) {
-                        segment(from, to);
+                        outline.push((from, to));
                     }
                 }
+            }
+        }
+        outline
+    }
+
+    /// Draws the outline of the confidence set.
+    fn draw_boundary(&self, canvas: &mut Canvas, frame: &Frame) {
+        let outline = self.boundary();
+        for (width, colour) in [(6.0, WHITE), (3.0, INK)] {
+            let half = width / 2.0;
+            for &(from, to) in &outline {
+                let [(x0, y0), (x1, y1)] = [from, to].map(|place| {
+                    let (x, y) = frame.at(place);
+                    (x.round(), y.round())
+                });
+                let low = (x0.min(x1) - half, y0.min(y1) - half);
+                canvas.fill(low, (x0.max(x1) + half, y0.max(y1) + half), colour);
             }
         }
     }
@@ -242,25 +261,42 @@ impl HeatMap {
 }
 
 impl Picture for HeatMap {
+    fn check(&self) -> Result<()> {
+        check_values("x_values", &self.x_values)?;
+        check_values("y_values", &self.y_values)?;
+        let points = self.x_values.len() * self.y_values.len();
+        check_length("scores", self.scores.len(), points)?;
+        let marks = [
+            ("indistinguishable", self.indistinguishable.len()),
+            ("table_rows", self.table_rows.len()),
+        ];
+        for (field, length) in marks.into_iter().filter(|(_, length)| *length > 0) {
+            check_length(field, length, points)?;
+        }
+        let (last_x, last_y) = (self.x_values.len() - 1, self.y_values.len() - 1);
+        if let Some((ix, iy)) = self.best.filter(|b| b.0 > last_x || b.1 > last_y) {
+            return Err(Error::invalid("the best point lies outside the grid")
+                .field("best")
+                .found(format!("({ix}, {iy})"))
+                .allowed(format!("up to ({last_x}, {last_y})")));
+        }
+        Ok(())
+    }
+
     fn size(&self) -> (u32, u32) {
         (WIDTH as u32, HEIGHT as u32)
     }
 
     fn draw(&self, canvas: &mut Canvas) {
         let finite = self.finite_scores();
-        let unit = DisplayUnit::for_values(self.score_unit, finite.iter().copied());
-        let shown: Vec<f64> = finite.iter().map(|score| score * unit.factor).collect();
-        let scores = Scale::for_scores(&shown, self.scale, COLOUR_DECADES);
+        let (unit, scores) = self.score_scale(&finite);
         let bar_ticks = scores.ticks(7);
 
         let sheet = Sheet::new(&self.caption, self.legend(&finite, unit), WIDTH, MARGIN);
         let bottom = sheet.draw(canvas, HEIGHT);
 
-        let (x_edges, y_edges) = (edges(&self.x_values), edges(&self.y_values));
-        let x = Scale::linear(x_edges[0], x_edges[x_edges.len() - 1]);
-        let y = Scale::linear(y_edges[0], y_edges[y_edges.len() - 1]);
-        let x_ticks = axis::ticks(&self.x, &self.x_values, &x, 7);
-        let y_ticks = axis::ticks(&self.y, &self.y_values, &y, 8);
+        let [x, y] = self.scales();
+        let [x_ticks, y_ticks] = self.ticks([&x, &y], [7, 8]);
         let right_of_frame = match finite.is_empty() {
             true => 30.0,
             false => BAR_GAP + BAR_WIDTH + left_of_ticks(&bar_ticks) + 12.0 + LABEL_SIZE,

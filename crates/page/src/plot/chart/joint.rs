@@ -1,6 +1,7 @@
 //! Joints: recorded and simulated angles over time, a panel each, with what is left between the two below.
 
 use crate::plot::kit::*;
+use crate::plot::{LinePlot, Series, SeriesKind};
 use realgap_core::statistics::ends_of;
 
 const WIDTH: f64 = 1260.0;
@@ -38,6 +39,34 @@ impl JointPanel {
         let both = self.simulated_rad.iter().zip(&self.recorded_rad);
         both.map(|(simulated, recorded)| simulated - recorded)
     }
+
+    /// Angles over time, and residuals over time with the spread of all recordings.
+    pub(crate) fn charts(&self) -> [LinePlot; 2] {
+        let over = |values: &[f64]| -> Vec<Point> {
+            let times = self.times_s.iter().copied();
+            times.zip(values.iter().copied()).collect()
+        };
+        let time = || AxisSpec::new("time", Unit::Second);
+        let line = |label: &str, values: &[f64]| Series::new(label, SeriesKind::Line, over(values));
+        let angles = vec![
+            line("recorded", &self.recorded_rad).recorded(),
+            line("simulated, best point", &self.simulated_rad),
+        ];
+        let residuals: Vec<f64> = self.residuals_rad().map(|rad| MRAD * rad).collect();
+        let [low, high] = self.spread_rad.map(|rad| MRAD * rad);
+        let ends = [self.times_s.first(), self.times_s.last()];
+        let ends: Vec<Point> = ends.into_iter().flatten().map(|t| (*t, low)).collect();
+        let spread = SeriesKind::Band(vec![high; ends.len()]);
+        let residuals = vec![
+            Series::new("90 % of the residuals of all recordings", spread, ends),
+            line("residual", &residuals).colour(1),
+        ];
+        let caption = || Caption::new(self.name.clone(), "");
+        [
+            LinePlot::new(caption(), time(), ("angle", Unit::Radian), angles),
+            LinePlot::new(caption(), time(), ("residual (mrad)", Unit::One), residuals),
+        ]
+    }
 }
 
 /// Joints of one run.
@@ -56,18 +85,6 @@ pub struct JointPlot {
 /// # Errors
 /// No joint or more than 60, columns of different lengths, a value that is not finite, a path that is no picture's, a full disk.
 pub fn draw_joints(plot: &JointPlot, path: impl AsRef<Path>) -> Result<()> {
-    picture::check_rows("joints", plot.joints.len(), COLUMNS)?;
-    for joint in &plot.joints {
-        let samples = joint.times_s.len();
-        for column in [&joint.recorded_rad, &joint.simulated_rad] {
-            check_length(&joint.name, column.len(), samples)?;
-        }
-        let all = joint.times_s.iter().chain(&joint.recorded_rad);
-        let is_finite = all.chain(&joint.simulated_rad).all(|v| v.is_finite());
-        if samples < 2 || !is_finite {
-            return Err(nothing(&joint.name, "two finite samples or more"));
-        }
-    }
     picture::write(plot, path.as_ref())
 }
 
@@ -150,6 +167,22 @@ impl JointPlot {
 }
 
 impl Picture for JointPlot {
+    fn check(&self) -> Result<()> {
+        picture::check_rows("joints", self.joints.len(), COLUMNS)?;
+        for joint in &self.joints {
+            let samples = joint.times_s.len();
+            for column in [&joint.recorded_rad, &joint.simulated_rad] {
+                check_length(&joint.name, column.len(), samples)?;
+            }
+            let all = joint.times_s.iter().chain(&joint.recorded_rad);
+            let is_finite = all.chain(&joint.simulated_rad).all(|v| v.is_finite());
+            if samples < 2 || !is_finite {
+                return Err(nothing(&joint.name, "two finite samples or more"));
+            }
+        }
+        Ok(())
+    }
+
     fn size(&self) -> (u32, u32) {
         let rows = self.joints.len().div_ceil(self.columns()) as f64;
         self.sheet()

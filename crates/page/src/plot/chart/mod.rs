@@ -3,7 +3,6 @@
 pub(super) mod bar;
 pub(super) mod column;
 pub(super) mod corner;
-pub(super) mod curve;
 pub(super) mod ensemble;
 pub(super) mod heatmap;
 pub(super) mod joint;

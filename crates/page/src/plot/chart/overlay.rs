@@ -35,9 +35,6 @@ pub struct Overlay {
 
 /// Draws an overlay into a PNG or SVG file.
 pub fn draw_overlay(overlay: &Overlay, path: impl AsRef<Path>) -> Result<()> {
-    if overlay.reference.points_m.is_empty() && overlay.others.is_empty() {
-        return Err(Error::invalid("there is no trajectory to draw"));
-    }
     picture::write(overlay, path.as_ref())
 }
 
@@ -72,6 +69,13 @@ impl Overlay {
 }
 
 impl Picture for Overlay {
+    fn check(&self) -> Result<()> {
+        if self.reference.points_m.is_empty() && self.others.is_empty() {
+            return Err(Error::invalid("there is no trajectory to draw"));
+        }
+        Ok(())
+    }
+
     fn size(&self) -> (u32, u32) {
         let room = self.above().height + BELOW_LABEL;
         self.sheet().around(WIDTH, room)

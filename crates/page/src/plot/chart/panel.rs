@@ -1,7 +1,9 @@
 //! Panels: simulated paths at several parameter values, each over the real ones.
 
 use crate::plot::kit::*;
+use crate::plot::{LinePlot, Series, SeriesKind};
 use realgap_core::statistics::ends_of;
+use realgap_core::unit::counted;
 
 const WIDTH: f64 = 1260.0;
 const MARGIN: f64 = 30.0;
@@ -54,7 +56,6 @@ pub struct PanelGrid {
 
 /// Draws a grid of panels into a PNG or SVG file.
 pub fn draw_panels(grid: &PanelGrid, path: impl AsRef<Path>) -> Result<()> {
-    picture::check_rows("panels", grid.panels.len(), grid.columns)?;
     picture::write(grid, path.as_ref())
 }
 
@@ -113,6 +114,29 @@ impl Panel {
 }
 
 impl PanelGrid {
+    /// One panel as a chart of its own: its simulated paths over the real ones, seen from above.
+    pub(crate) fn chart(&self, panel: usize) -> LinePlot {
+        let points = |path: &Vec<PathPoint>| path.iter().map(|[x, y]| (*x, *y)).collect();
+        let label = |first: bool, text: String| if first { text } else { String::new() };
+        let runs = counted(self.reality_m.len(), "run");
+        let real = self.reality_m.iter().enumerate().map(|(index, path)| {
+            let label = label(index == 0, format!("{} ({runs})", self.reality_label));
+            Series::new(label, SeriesKind::Line, points(path)).recorded()
+        });
+        let simulated = self.panels.get(panel).into_iter();
+        let simulated = simulated.flat_map(|panel| panel.simulated_m.iter().enumerate());
+        let simulated = simulated.map(|(index, path)| {
+            let label = label(index == 0, "simulation".to_owned());
+            Series::new(label, SeriesKind::Line, points(path))
+        });
+        let x = AxisSpec::new("x", Unit::Metre);
+        let series = real.chain(simulated).collect();
+        LinePlot {
+            scale: ScoreScale::LikeX,
+            ..LinePlot::new(self.caption.clone(), x, ("y", Unit::Metre), series)
+        }
+    }
+
     fn layout(&self) -> Layout {
         let heading = Heading::new(&self.caption, WIDTH - 2.0 * MARGIN);
         let legend = self.legend();
@@ -254,6 +278,10 @@ impl PanelGrid {
 }
 
 impl Picture for PanelGrid {
+    fn check(&self) -> Result<()> {
+        picture::check_rows("panels", self.panels.len(), self.columns)
+    }
+
     fn size(&self) -> (u32, u32) {
         (WIDTH as u32, self.layout().height.ceil() as u32)
     }

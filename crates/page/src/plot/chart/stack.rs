@@ -38,11 +38,6 @@ pub struct Stack {
 /// # Errors
 /// No row or more than 60, a row without any finite point, a band of the wrong length, a path that is no picture's, a full disk.
 pub fn draw_stack(stack: &Stack, path: impl AsRef<Path>) -> Result<()> {
-    picture::check_rows("rows", stack.rows.len(), 1)?;
-    for row in &stack.rows {
-        check_bands(&row.series)?;
-        check_points(&row.y_label, &row.series)?;
-    }
     picture::write(stack, path.as_ref())
 }
 
@@ -86,6 +81,15 @@ impl Stack {
 }
 
 impl Picture for Stack {
+    fn check(&self) -> Result<()> {
+        picture::check_rows("rows", self.rows.len(), 1)?;
+        for row in &self.rows {
+            check_bands(&row.series)?;
+            check_points(&row.y_label, &row.series)?;
+        }
+        Ok(())
+    }
+
     fn size(&self) -> (u32, u32) {
         let shared = self.rows.last().is_some_and(|row| row.x.is_none());
         let plots = self.rows_height() + if shared { BELOW_LABEL } else { 0.0 };

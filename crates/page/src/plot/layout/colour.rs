@@ -45,12 +45,6 @@ pub(in crate::plot) fn score_colour(share: f64) -> RGBColor {
     ViridisRGB.get_color((1.0 - share) as f32)
 }
 
-/// The same as pages write it.
-pub(crate) fn score_hex(share: f64) -> String {
-    let RGBColor(r, g, b) = score_colour(share);
-    format!("#{r:02x}{g:02x}{b:02x}")
-}
-
 /// `colour` mixed with white; `share` of 1 leaves it as it is.
 pub(in crate::plot) fn tint(colour: RGBColor, share: f64) -> RGBColor {
     let mix = |channel: u8| (255.0 - (255.0 - f64::from(channel)) * share).round() as u8;

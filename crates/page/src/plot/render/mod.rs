@@ -1,4 +1,7 @@
-//! From a picture to a file: PNG or SVG by extension, complete or not there at all.
+//! Renderers of pictures: PNG and SVG files (by the extension of the path, complete or not there at all), and SVG inside of
+//! a page ([`inline`]).
+
+pub(crate) mod inline;
 
 use std::path::Path;
 
@@ -8,21 +11,32 @@ use super::layout::font;
 use realgap_core::file::{check_writable, png_bytes, write_atomic};
 use realgap_core::{Error, Result};
 
-/// Something that can be drawn.
-pub(in crate::plot) trait Picture {
+/// A picture as plain data, which draws itself on a canvas.
+pub(crate) trait Picture {
+    /// Refuses data that do not fit together, or of which there is nothing to draw.
+    fn check(&self) -> Result<()> {
+        Ok(())
+    }
     /// Width and height in pixels.
     fn size(&self) -> (u32, u32);
     /// Draws on a white canvas of that size.
     fn draw(&self, canvas: &mut Canvas);
 }
 
-/// Whether a picture of this name is an SVG; a PNG otherwise.
-fn is_svg(path: &Path) -> Result<bool> {
+/// The format of a picture file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Format {
+    Png,
+    Svg,
+}
+
+/// The format that the extension of a file names.
+fn format_of(path: &Path) -> Result<Format> {
     let extension = path.extension();
     let extension = extension.map(|e| e.to_string_lossy().to_lowercase());
     match extension.as_deref() {
-        Some("png") => Ok(false),
-        Some("svg") => Ok(true),
+        Some("png") => Ok(Format::Png),
+        Some("svg") => Ok(Format::Svg),
         other => Err(Error::usage("a picture can only be written as PNG or SVG")
             .at_file(path)
             .found(other.map_or("no extension".to_string(), |e| format!(".{e}")))
@@ -32,7 +46,7 @@ fn is_svg(path: &Path) -> Result<bool> {
 
 /// Checks that a picture could be written under this name, before the work for it is done.
 pub fn check_picture_path(path: impl AsRef<Path>) -> Result<()> {
-    is_svg(path.as_ref())?;
+    format_of(path.as_ref())?;
     check_writable(path)
 }
 
@@ -64,22 +78,27 @@ pub(crate) fn both(folder: &Path, stem: &str, draw: impl Fn(&Path) -> Result<()>
 
 /// Draws `picture` and writes it.
 pub(in crate::plot) fn write(picture: &impl Picture, path: &Path) -> Result<()> {
-    let is_svg = is_svg(path)?;
+    write_atomic(path, &file_bytes(picture, format_of(path)?)?)
+}
+
+/// The bytes of a picture file.
+pub(crate) fn file_bytes(picture: &impl Picture, format: Format) -> Result<Vec<u8>> {
+    picture.check()?;
     font::check()?;
-    if !is_svg {
+    if format == Format::Png {
         let (width, height) = picture.size();
-        return write_atomic(path, &png_bytes(width, height, &pixels(picture)?)?);
+        return png_bytes(width, height, &pixels(picture)?);
     }
     let mut bytes = realgap_drawing::svg(&drawn(picture), picture.size())?;
-    // Conclusion, behind its first tag, who wrote it, so that it may be written again.
+    // A comment behind the first tag says that this program wrote the file, so that a later run may replace it.
     if let Some(end) = bytes.iter().position(|byte| *byte == b'>') {
         let mark = *b"<!-- Written by realgap -->";
         bytes.splice(end + 1..end + 1, mark);
     }
-    write_atomic(path, &bytes)
+    Ok(bytes)
 }
 
-/// What is drawn of a picture.
+/// The canvas with the picture on it.
 fn drawn(picture: &impl Picture) -> Canvas {
     let mut canvas = Canvas::default();
     picture.draw(&mut canvas);

@@ -81,7 +81,6 @@ pub struct Gallery {
 /// # Errors
 /// No robot or too many, too many side by side, a path that is neither .png nor .svg, or a disk that refuses.
 pub fn draw_gallery(gallery: &Gallery, path: impl AsRef<Path>) -> Result<()> {
-    picture::check_rows("robots", gallery.robots.len(), gallery.columns)?;
     picture::write(gallery, path.as_ref())
 }
 
@@ -346,6 +345,10 @@ fn draw_tracked(canvas: &mut Canvas, centre: Point) {
 }
 
 impl Picture for Gallery {
+    fn check(&self) -> Result<()> {
+        picture::check_rows("robots", self.robots.len(), self.columns)
+    }
+
     fn size(&self) -> (u32, u32) {
         (WIDTH as u32, (self.layout().key_top + KEY).ceil() as u32)
     }

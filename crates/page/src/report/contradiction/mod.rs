@@ -1,16 +1,12 @@
-//! Do two places ever say different things, or a sentence more than its table? Studies whose numbers are drawn, not simulated.
+//! Tests that no two places say different things of one study, and that no sentence says more than its table. The numbers of
+//! these studies are drawn at random, not simulated.
 
 mod drawn;
 mod rendered;
 
-use std::path::Path;
-
-use serde::Serialize;
-use serde::de::DeserializeOwned;
-
+use crate::report::ResultsPage;
+use crate::report::document::picture::Pictures;
 use crate::report::document::value::percent;
-use crate::report::folder::tree::Tree;
-use crate::report::folder::{ensemble, gap, prediction, study};
 use crate::results::study::best::description;
 use drawn::{Draw, Repeated, Swept};
 use realgap_core::unit::quantity;
@@ -123,15 +119,13 @@ fn a_sweep_says_one_thing_in_every_place() {
     let mut found = Tally::default();
     for seed in 0..STUDIES {
         let drawn = Swept::new(&mut Draw::new(seed));
-        let folder = tempfile::tempdir().unwrap();
-        drawn.write(folder.path());
         let report = &drawn.report;
-        let story = study::story(folder.path(), &shown(report), None).unwrap();
+        let page = ResultsPage::of_study(report, drawn.data(), Pictures::default()).unwrap();
         let told = RenderedTexts {
             name: format!("sweep {seed}"),
             text: report.to_string(),
-            answer: story.answer.clone(),
-            page: plain(&story.page(None)),
+            answer: page.answer(),
+            page: plain(&page.html(None, "")),
             more: description(report, report.best.as_ref().unwrap(), 20),
             claims: report.claims.clone(),
         };
@@ -222,23 +216,17 @@ fn repeats_of_a_study_say_one_thing_in_every_place() {
     let mut found = Tally::default();
     for seed in 0..STUDIES {
         let drawn = Repeated::new(&mut Draw::new(1000 + seed));
-        let folder = tempfile::tempdir().unwrap();
-        let folder = folder.path();
         let (of_gap, of_ensemble, of_card) = (&drawn.gap, &drawn.ensemble, &drawn.card);
         let reality = of_ensemble.reality.as_ref().unwrap();
         let success = percent(of_card.success.as_ref().unwrap().probability.share);
-        let of_gap = told(of_gap, &of_gap.claims, format!("gap {seed}"), |report| {
-            gap::gap(folder, report)
-        });
-        let of_ensemble = told(
-            of_ensemble,
-            &of_ensemble.claims,
-            format!("ensemble {seed}"),
-            |report| ensemble::ensemble(folder, report),
-        );
-        let of_card = told(of_card, &of_card.claims, format!("card {seed}"), |report| {
-            prediction::prediction(folder, report)
-        });
+        let none = Pictures::default;
+        let page = ResultsPage::of_gap(of_gap, none()).unwrap();
+        let of_gap = rendered(of_gap, &of_gap.claims, format!("gap {seed}"), &page);
+        let page = ResultsPage::of_ensemble(of_ensemble, none()).unwrap();
+        let name = format!("ensemble {seed}");
+        let of_ensemble = rendered(of_ensemble, &of_ensemble.claims, name, &page);
+        let page = ResultsPage::of_prediction(of_card, none()).unwrap();
+        let of_card = rendered(of_card, &of_card.claims, format!("card {seed}"), &page);
         regions(&mut found, &of_ensemble, reality);
         likeness(&mut found, (&of_gap, &drawn.gap), (&of_ensemble, reality));
         for text in [&of_card.text, &of_card.answer] {
@@ -299,24 +287,18 @@ fn likeness(
     }
 }
 
-/// A report as a page reads it in a folder.
-fn shown<T: DeserializeOwned>(report: &impl Serialize) -> T {
-    Tree::of(report).unwrap().typed(Path::new("drawn")).unwrap()
-}
-
-/// A report in all of its places.
-fn told<T: DeserializeOwned>(
-    report: &(impl Serialize + std::fmt::Display),
+/// The texts of a report in all of its places.
+fn rendered(
+    report: &impl std::fmt::Display,
     claims: &[Claim],
     name: String,
-    story: impl FnOnce(&T) -> realgap_core::Result<crate::report::folder::story::Story>,
+    page: &ResultsPage,
 ) -> RenderedTexts {
-    let story = story(&shown(report)).unwrap();
     RenderedTexts {
         name,
         text: report.to_string(),
-        answer: story.answer.clone(),
-        page: plain(&story.page(None)),
+        answer: page.answer(),
+        page: plain(&page.html(None, "")),
         more: String::new(),
         claims: claims.to_vec(),
     }

@@ -1,4 +1,4 @@
-//! What a reader takes from a text, without knowing who made it.
+//! Statements found in the texts of a report, by their words alone.
 
 use std::collections::BTreeSet;
 

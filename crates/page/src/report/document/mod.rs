@@ -3,5 +3,6 @@
 pub(in crate::report) mod base64;
 pub(in crate::report) mod packed;
 pub(in crate::report) mod page;
+pub(crate) mod picture;
 pub(in crate::report) mod section;
 pub(in crate::report) mod value;

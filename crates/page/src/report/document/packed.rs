@@ -8,11 +8,11 @@ use crate::report::document::base64;
 
 /// Columns on their way into a page.
 #[derive(Debug, Clone, Default)]
-pub(in crate::report) struct Block {
+pub(in crate::report) struct PackedColumns {
     bytes: Vec<u8>,
 }
 
-impl Block {
+impl PackedColumns {
     /// Adds a column, its numbers rounded to multiples of `step`. What is not finite, or beyond 2⁵² steps, becomes 0.
     pub fn push(&mut self, values: impl ExactSizeIterator<Item = f64>, step: f64) {
         self.push_integer(values.len() as u64);
@@ -79,20 +79,20 @@ mod tests {
         let values: Vec<f64> = (0..500)
             .map(|k| (f64::from(k) * 0.37).sin() * 3.0 - 1.0)
             .collect();
-        let mut block = Block::default();
-        block.push(values.iter().copied(), 1e-4);
-        let back = read(&block.bytes, 1e-4);
+        let mut packed = PackedColumns::default();
+        packed.push(values.iter().copied(), 1e-4);
+        let back = read(&packed.bytes, 1e-4);
         assert_eq!(back.len(), values.len());
         for (a, b) in back.iter().zip(&values) {
             assert!((a - b).abs() <= 0.5e-4 + 1e-12, "{a} {b}");
         }
-        assert!(block.bytes.len() < 3 * values.len());
+        assert!(packed.bytes.len() < 3 * values.len());
     }
 
     #[test]
     fn numbers_that_cannot_be_shown_do_no_harm() {
-        let mut block = Block::default();
-        block.push([f64::NAN, 1e300, -2.0].into_iter(), 1.0);
-        assert_eq!(read(&block.bytes, 1.0), [0.0, 0.0, -2.0]);
+        let mut packed = PackedColumns::default();
+        packed.push([f64::NAN, 1e300, -2.0].into_iter(), 1.0);
+        assert_eq!(read(&packed.bytes, 1.0), [0.0, 0.0, -2.0]);
     }
 }

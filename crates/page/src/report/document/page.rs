@@ -5,8 +5,9 @@ use std::fmt::Write as _;
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 
+pub(in crate::report) use crate::markup::html;
 use crate::report::document::base64;
-use realgap_core::text::{escaped, escaped_json};
+use realgap_core::text::escaped_json;
 
 // What pages are made of, whatever they show.
 pub(in crate::report) const STYLE: &str = include_str!("asset/style.css");
@@ -18,23 +19,6 @@ pub(in crate::report) const SCENE: &str = include_str!("asset/scene.js");
 pub(in crate::report) const REPLAY: &str = include_str!("asset/replay.js");
 /// The slider and what stands beside it.
 pub(in crate::report) const BAR: &str = include_str!("asset/bar.html");
-
-/// A text of others inside of an element or an attribute in double quotes. Nothing of it is markup, and what is invisible or
-/// turns the reading direction stands there as an escape.
-pub(in crate::report) fn html(text: &str) -> String {
-    let mut safe = String::with_capacity(text.len() + 16);
-    for c in escaped(text).chars() {
-        match c {
-            '&' => safe.push_str("&amp;"),
-            '<' => safe.push_str("&lt;"),
-            '>' => safe.push_str("&gt;"),
-            '"' => safe.push_str("&quot;"),
-            '\'' => safe.push_str("&#39;"),
-            c => safe.push(c),
-        }
-    }
-    safe
-}
 
 /// JSON that can stand inside of a `script` element: no `<`, `>` or `&` ends it early.
 pub(in crate::report) fn script_json(value: &impl Serialize) -> String {

@@ -1,16 +1,10 @@
 //! Sections of a report, and those that every report has.
 
-use std::collections::BTreeSet;
-use std::fs;
-use std::path::Path;
-
-use crate::report::document::base64;
+use crate::plot::{Inline, InlineChart, LinePlot, legend};
 use crate::report::document::page::html;
 use crate::report::document::value::folded;
 use crate::report::document::value::*;
-use crate::report::folder::tree::Tree;
-use crate::results::kind::picture_stem;
-use realgap_core::error::{Error, Result};
+use crate::report::folder::tree::ReportTree;
 use realgap_core::warning::Code;
 
 /// A part of a page with a name in its contents.
@@ -59,6 +53,17 @@ pub(in crate::report) fn figure(title: &str, chart: &str, caption: &str) -> Stri
     )
 }
 
+/// A chart with a title, its legend, and what it says.
+pub(in crate::report) fn chart_figure(
+    title: &str,
+    plot: &LinePlot,
+    inline: &Inline<'_>,
+    caption: &str,
+) -> String {
+    let chart = plot.inline(inline) + &legend(plot);
+    figure(title, &chart, caption)
+}
+
 /// Several figures beside each other, where there is room.
 pub(in crate::report) fn figures(all: &[String]) -> String {
     format!("<div class=\"figures\">{}</div>", all.concat())
@@ -73,7 +78,7 @@ pub(in crate::report) fn within(tag: &str, content: String) -> String {
 }
 
 /// What the reader should know, with what to do about it; those of parts of the report, too.
-pub(in crate::report) fn warnings(report: &Tree) -> Section {
+pub(in crate::report) fn warnings(report: &ReportTree) -> Section {
     warning_section(pairs_of(&report.warnings()))
 }
 
@@ -113,7 +118,7 @@ pub(in crate::report) fn warning_section<'a>(
 }
 
 /// Numbers of the report that no other section holds.
-pub(in crate::report) fn numbers(report: &Tree, said: &str) -> Section {
+pub(in crate::report) fn numbers(report: &ReportTree, said: &str) -> Section {
     let always = "description provenance warnings engine version";
     let said = said.split(' ').chain(always.split(' '));
     let all = report.scalars(&said.collect::<Vec<_>>());
@@ -122,7 +127,7 @@ pub(in crate::report) fn numbers(report: &Tree, said: &str) -> Section {
 
 /// Versions, settings, hashes, and the command that does it again.
 pub(in crate::report) fn provenance(
-    report: &Tree,
+    report: &ReportTree,
     command: Option<&str>,
     page: Option<&str>,
 ) -> Section {
@@ -137,55 +142,6 @@ pub(in crate::report) fn provenance(
     pairs.extend(named("this page", page.map(str::to_owned)));
     let shown = within("dl", entries(pairs_of(&pairs)));
     Section::new("provenance", "How this was made", shown)
-}
-
-/// Pictures that are larger stay in the folder.
-const LARGEST_PICTURE: u64 = 1_500_000;
-
-/// The pictures of a folder that are not `drawn` by the page itself, in elements that run nothing: PNG where there is one,
-/// because an SVG needs its fonts.
-pub(in crate::report) fn pictures(
-    folder: &Path,
-    id: &'static str,
-    title: &'static str,
-    wanted: impl Fn(&str) -> bool,
-) -> Result<Section> {
-    let entries =
-        fs::read_dir(folder).map_err(|e| Error::io("look into the results folder", folder, &e))?;
-    let names = entries.flatten().map(|entry| entry.file_name());
-    let names = names.map(|name| name.to_string_lossy().into_owned());
-    let stems = names.filter_map(|name| picture_stem(&name).map(str::to_owned));
-    let stems: BTreeSet<String> = stems.filter(|stem| wanted(stem)).collect();
-    let mut figures = String::new();
-    for stem in stems {
-        let kinds = [("png", "image/png"), ("svg", "image/svg+xml")];
-        let files = kinds.map(|(ending, kind)| (folder.join(format!("{stem}.{ending}")), kind));
-        let chosen = files.into_iter().find(|(path, _)| {
-            fs::metadata(path).is_ok_and(|m| m.is_file() && m.len() <= LARGEST_PICTURE)
-        });
-        if let Some((path, kind)) = chosen {
-            figures += &embedded(&path, kind, &stem.replace('_', " "))?;
-        }
-    }
-    Ok(Section::new(id, title, beside(&figures)))
-}
-
-/// A picture as a figure that needs no file beside the page.
-pub(in crate::report) fn embedded(path: &Path, kind: &str, name: &str) -> Result<String> {
-    let content = fs::read(path).map_err(|e| Error::io("read the file", path, &e))?;
-    let name = html(name);
-    Ok(format!(
-        "<figure><h3>{name}</h3><img alt=\"{name}\" src=\"data:{kind};base64,{}\"></figure>",
-        base64::encode(&content)
-    ))
-}
-
-/// Figures of pictures beside each other; nothing of none.
-pub(in crate::report) fn beside(figures: &str) -> String {
-    match figures {
-        "" => String::new(),
-        _ => format!("<div class=\"pictures\">{figures}</div>"),
-    }
 }
 
 #[cfg(test)]

@@ -1,30 +1,27 @@
-//! The story of an ensemble: how far, which behaviours, how likely, and what recordings say of it.
-
-use std::path::Path;
+//! The page of an ensemble: how far the robot goes, which behaviours it has and how likely they are, and what recordings say.
 
 use serde::Deserialize;
 
-use crate::report::document::section::{Section, figures, pictures, within};
+use super::claim::{sentences, word};
+use super::content::PageContent;
+use crate::plot::{Inline, InlineChart, LinePlot, Series, SeriesKind, legend};
+use crate::report::document::picture::Pictures;
+use crate::report::document::section::{Section, figure, figures, within};
 use crate::report::document::value::*;
-use crate::report::folder::chart::{Chart, key};
-use crate::report::folder::claim::{sentences, word};
-use crate::report::folder::story::Story;
-use realgap_core::error::Result;
+use crate::results::ensemble_plot;
 use realgap_core::statistics::Proportion;
 use realgap_core::unit::number;
 use realgap_lab::claim::{About, Claim};
-use realgap_lab::prediction::ensemble::{Behaviours, Envelope, Quantiles, Reality, Region};
+use realgap_lab::prediction::ensemble::{Behaviours, Envelope, Quantiles, Reality};
 use realgap_simulation::{Distribution, Noise};
 
-/// Colours of behaviours, the first for what was predicted.
-const CLASSES: [&str; 6] = ["b0", "b1", "b2", "b3", "b4", "b5"];
 /// Charts of more starts than this would hide the first.
 const STARTS: usize = 6;
 
 /// What a page shows of the repeats of a study.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(in crate::report) struct Repeated {
+pub(in crate::report) struct EnsembleSummary {
     study: Option<String>,
     pub(in crate::report) claims: Vec<Claim>,
     pub(in crate::report) reality: Option<Reality>,
@@ -36,13 +33,13 @@ pub(in crate::report) struct Repeated {
 #[serde(default)]
 pub(in crate::report) struct Case {
     pub(in crate::report) case: String,
-    pub(in crate::report) summary: Summary,
+    pub(in crate::report) summary: ForecastSummary,
 }
 
 /// What a page shows of a forecast.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(default)]
-pub(in crate::report) struct Summary {
+pub(in crate::report) struct ForecastSummary {
     displacement_m: Option<Quantiles>,
     path_length_m: Option<Quantiles>,
     speed_m_s: Option<Quantiles>,
@@ -54,7 +51,7 @@ pub(in crate::report) struct Summary {
     pub(in crate::report) noise: Noise,
 }
 
-pub(in crate::report) fn ensemble(folder: &Path, report: &Repeated) -> Result<Story> {
+pub(super) fn content(report: &EnsembleSummary, pictures: &Pictures) -> PageContent {
     let cases = report.cases.as_slice();
     let mut motion = String::new();
     for case in cases.iter().take(STARTS) {
@@ -69,7 +66,7 @@ pub(in crate::report) fn ensemble(folder: &Path, report: &Repeated) -> Result<St
     let does = behaviour_table(cases);
     let noise = cases.first().map(|case| noise(&case.summary.noise));
     let recorded = report.reality.as_ref().map(|real| recorded(report, real));
-    Ok(Story {
+    PageContent {
         kind: "ensemble",
         name: report.study.clone().unwrap_or("ensemble".to_owned()),
         answer: sentences(&report.claims, &[About::Ensemble, About::Reach]),
@@ -77,13 +74,13 @@ pub(in crate::report) fn ensemble(folder: &Path, report: &Repeated) -> Result<St
             Section::new("behaviours", "What it does, and how likely", does),
             Section::new("motion", "Where it will be", motion),
             Section::new("distance", "How far", distances(cases)),
-            Section::new("reality", "What recordings say of it", recorded),
-            Section::new("noise", "What repeats differ by", noise),
-            pictures(folder, "pictures", "All repeats", |_| true)?,
+            Section::new("reality", "What recordings say", recorded),
+            Section::new("noise", "How repeats differ", noise),
+            pictures.section("pictures", "All repeats", |_| true),
         ],
-        said: "reality cases",
-        ..Story::default()
-    })
+        shown_fields: "reality cases",
+        ..PageContent::default()
+    }
 }
 
 /// The behaviours of every start; how near those of one are says the first.
@@ -114,80 +111,46 @@ pub(in crate::report) fn behaviour_table(cases: &[Case]) -> String {
         None => String::new(),
     };
     format!(
-        "{}{lost}<p class=\"note\">Repeats are one behaviour where their paths are nearer than {} to each other. More repeats narrow the probabilities; only other noise or another model moves them.</p>",
+        "{}{lost}<p class=\"note\">Repeats belong to one behaviour where their paths are nearer than {} to each other. More repeats narrow the intervals of the probabilities; the probabilities themselves change only with other noise or another model.</p>",
         titled(&head, rows),
         measured(first.behaviours.cut_m, "m"),
     )
 }
 
-/// Paths of the behaviours with the region of the end, and the regions over time.
-pub(in crate::report) fn charts(name: &str, summary: &Summary) -> String {
-    let behaviours = summary.behaviours.list.as_slice();
-    let envelope = summary.envelope.as_ref();
-    let (times_s, regions) = envelope.map_or((&[][..], &[][..]), |envelope| {
-        (&envelope.times_s[..], &envelope.regions[..])
-    });
-    let alt = "A typical path of each behaviour, and where half and nine of ten repeats end";
-    let ends = regions.last().into_iter();
-    let ends = ends.flat_map(|end| [0, 2].map(|level| ellipse(end, level)));
-    let mut map = Chart::map(alt).lines("edge", ends);
-    for (index, behaviour) in behaviours.iter().enumerate().rev() {
-        map = map.line(CLASSES[index % CLASSES.len()], behaviour.path_xy_m.clone());
-    }
-    let over_time = |axis: usize, label: &str| {
-        // The ellipse's shadow on the axis.
-        let band = |level: usize| -> Vec<[f64; 3]> {
-            let at_time = times_s.iter().zip(regions).map(|(t, region)| {
-                let middle = region.centre_m[axis];
-                let half = region.radii[level] * region.covariance_m2[2 * axis].max(0.0).sqrt();
-                [*t, middle - half, middle + half]
-            });
-            at_time.collect()
-        };
-        let inner = band(0);
-        let middle = inner.iter().map(|[t, low, high]| [*t, 0.5 * (low + high)]);
-        let middle = middle.collect();
-        let alt = format!("{label}: regions of half and nine of ten repeats over time");
-        let chart = Chart::over_time(alt, label).band(band(2)).band(inner);
-        chart.line("sim", middle)
-    };
-    let mut all = vec![map.figure(
-        "Typical paths",
-        "One path of each behaviour, from the origin, net displacement to the right. Dashed: where half and nine of ten repeats end.",
-    )];
-    if !times_s.is_empty() {
-        let along = over_time(0, "x [m]");
-        let dark = "Dark: half of the repeats, light: nine of ten.";
-        let across = over_time(1, "y [m]");
-        let less = "Less noise at the start and in friction would make the bands narrower.";
-        all.push(along.figure("Along the way", dark));
-        all.push(across.figure("Across it", less));
-    }
-    let legend = CLASSES.iter().zip(behaviours).map(|(class, behaviour)| {
-        // In a sentence it says what the interval is.
-        let share = odds(behaviour.probability).replacen('(', "(95 %: ", 1);
-        key(class, &format!("{}: {share}", behaviour.name))
-    });
-    let legend: String = legend.collect();
-    let title = within("h3", crate::report::document::page::html(name));
-    let figures = figures(&all);
-    format!("{title}<div class=\"legend\">{legend}</div>{figures}")
-}
+/// Points around the edge of a region.
+const OUTLINE: usize = 64;
 
-/// The edge of a region: those points whose Mahalanobis distance is its radius.
-fn ellipse(region: &Region, level: usize) -> Vec<[f64; 2]> {
-    let ([x, y], [xx, xy, yy]) = (region.centre_m, region.covariance_m2);
-    let radius = region.radii[level];
-    // Cholesky: a circle becomes the ellipse.
-    let a = xx.max(f64::MIN_POSITIVE).sqrt();
-    let b = xy / a;
-    let d = (yy - b * b).max(0.0).sqrt();
-    let points = (0..=64).map(|k| {
-        let angle = std::f64::consts::TAU * f64::from(k) / 64.0;
-        let (u, v) = (radius * angle.cos(), radius * angle.sin());
-        [x + a * u, y + b * u + d * v]
+/// Typical paths of the behaviours with the regions of their ends, and the regions over time.
+pub(in crate::report) fn charts(name: &str, summary: &ForecastSummary) -> String {
+    let envelope = summary.envelope.as_ref();
+    let plot = ensemble_plot(&summary.behaviours, envelope);
+    let [mut paths, along, across] = plot.charts();
+    let ends = envelope.and_then(|envelope| envelope.regions.last());
+    let ends = ends.into_iter().flat_map(|end| {
+        [0, 2].map(|level| {
+            let mut outline = end.outline_m(level, OUTLINE);
+            outline.extend(outline.first().copied());
+            let points = outline.into_iter().map(|[x, y]| (x, y)).collect();
+            Series::new("", SeriesKind::Level, points)
+        })
     });
-    points.collect()
+    paths.series.splice(0..0, ends.collect::<Vec<_>>());
+    let chart = |plot: &LinePlot, alt: &str| plot.inline(&Inline::new(alt));
+    let alt = "A typical path of each behaviour, and where half and nine of ten repeats end";
+    let mut all = vec![figure(
+        "Typical paths",
+        &chart(&paths, alt),
+        "One path of each behaviour, from the origin, with the net displacement to the right. Dashed: the regions where half and nine of ten repeats end.",
+    )];
+    if !plot.times_s.is_empty() {
+        let alt = |axis: &str| format!("{axis}: regions of half and nine of ten repeats over time");
+        let dark = "Dark: half of the repeats. Light: nine of ten.";
+        all.push(figure("Along the way", &chart(&along, &alt("x")), dark));
+        let less = "Less noise at the start and in friction would make the bands narrower.";
+        all.push(figure("Across it", &chart(&across, &alt("y")), less));
+    }
+    let title = within("h3", crate::report::document::page::html(name));
+    format!("{title}{}{}", legend(&paths), figures(&all))
 }
 
 pub(in crate::report) fn distances(cases: &[Case]) -> String {
@@ -219,7 +182,8 @@ pub(in crate::report) fn distances(cases: &[Case]) -> String {
     titled(head, rows)
 }
 
-fn recorded(report: &Repeated, reality: &Reality) -> String {
+/// How often the regions hold the recorded runs, and the recordings one by one.
+fn recorded(report: &EnsembleSummary, reality: &Reality) -> String {
     if reality.coverage.is_empty() {
         return String::new();
     }
@@ -249,7 +213,7 @@ fn recorded(report: &Repeated, reality: &Reality) -> String {
         ]
     });
     format!(
-        "{first}<p class=\"note\">Energy score {}; if reality were one more repeat it would be {}. More recordings make this sharper.</p>{}",
+        "{first}<p class=\"note\">The energy score is {}; it would be {} if reality were one more repeat. More recordings make the score more precise.</p>{}",
         measured(reality.energy_score_m, "m"),
         measured(reality.expected_energy_score_m, "m"),
         folded("Recording by recording", &titled(head, runs)),

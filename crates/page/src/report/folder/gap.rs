@@ -1,15 +1,14 @@
-//! The story of a gap: how many noise floors the simulation is away, and until when it may be trusted.
-
-use std::path::Path;
+//! The page of a gap: how many noise floors the simulation is away, and until when it may be trusted.
 
 use serde::Deserialize;
 
-use crate::report::document::section::{Section, figures, pictures};
+use super::claim::sentences;
+use super::content::PageContent;
+use crate::plot::Inline;
+use crate::report::document::picture::Pictures;
+use crate::report::document::section::{Section, chart_figure, figures};
 use crate::report::document::value::*;
-use crate::report::folder::chart::{Chart, key, over};
-use crate::report::folder::claim::sentences;
-use crate::report::folder::story::Story;
-use realgap_core::error::Result;
+use crate::results::{confidence_chart, over_time_chart};
 use realgap_core::statistics::EnergyTest;
 use realgap_core::unit::number;
 use realgap_lab::claim::{About, Claim};
@@ -18,7 +17,7 @@ use realgap_lab::prediction::gap::{Confidence, Estimate, Fitness, GapAndRatio, O
 /// What a page shows of a gap, or of noise floors alone.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(in crate::report) struct Gap {
+pub(in crate::report) struct GapSummary {
     study: Option<String>,
     pub(in crate::report) claims: Vec<Claim>,
     pub(in crate::report) metrics: Vec<OfMetric>,
@@ -49,7 +48,7 @@ struct Set {
     metrics: Vec<OfMetric>,
 }
 
-pub(in crate::report) fn gap(folder: &Path, report: &Gap) -> Result<Story> {
+pub(super) fn content(report: &GapSummary, pictures: &Pictures) -> PageContent {
     let is_floor_alone = report.sets.is_some();
     let about = [
         About::Likeness,
@@ -61,7 +60,7 @@ pub(in crate::report) fn gap(folder: &Path, report: &Gap) -> Result<Story> {
         said if said.is_empty() => "Nothing was compared.".to_owned(),
         said => said,
     };
-    Ok(Story {
+    PageContent {
         kind: if is_floor_alone { "noise floor" } else { "gap" },
         name: report.study.clone().unwrap_or("recordings".to_owned()),
         answer,
@@ -70,16 +69,16 @@ pub(in crate::report) fn gap(folder: &Path, report: &Gap) -> Result<Story> {
             Section::new("sets", "Sets of repeats", sets(report)),
             Section::new("over-time", "Over time", over_time(report)),
             Section::new("displacement", "How far it goes", displacement(report)),
-            pictures(folder, "pictures", "More pictures", |stem| {
+            pictures.section("pictures", "More pictures", |stem| {
                 !["rmse", "confidence"].contains(&stem)
-            })?,
+            }),
         ],
-        said: "metrics confidence over_time displacement noise sets",
-        ..Story::default()
-    })
+        shown_fields: "metrics confidence over_time displacement noise sets",
+        ..PageContent::default()
+    }
 }
 
-fn metrics(report: &Gap) -> String {
+fn metrics(report: &GapSummary) -> String {
     let rows = report.metrics.iter().flat_map(|metric| {
         let interval = |found: Option<Estimate>, unit: &str| {
             let said = |e: Estimate| {
@@ -110,11 +109,11 @@ fn metrics(report: &Gap) -> String {
     noted(
         "metric | drawn alike? p | gap ratio (95 %) | gap (95 %) | noise floor (95 %)",
         rows,
-        "A ratio of 1 means as far from a recording, on average, as another recording is; whether both are drawn alike says p. More recorded repeats narrow the noise floor, which the width of most of these intervals comes from.",
+        "A ratio of 1 means that the simulation is, on average, as far from a recording as another recording is. The p value tests whether simulations and recordings come from one distribution. More recorded repeats narrow the noise floor, from which most of the width of these intervals comes.",
     )
 }
 
-fn sets(report: &Gap) -> String {
+fn sets(report: &GapSummary) -> String {
     let rows = report.sets.iter().flatten().flat_map(|set| {
         set.metrics.iter().map(move |of| {
             let floor = of.floor;
@@ -132,41 +131,29 @@ fn sets(report: &Gap) -> String {
     noted("set | recordings | metric | noise floor | 95 %", rows, note)
 }
 
-fn over_time(report: &Gap) -> String {
+fn over_time(report: &GapSummary) -> String {
     let mut all = Vec::new();
     let found = report.over_time.as_ref();
-    if let Some(found) = found.filter(|found| !found.times_s.is_empty()) {
-        let line = |values: &Option<Vec<f64>>| over(&found.times_s, values.iter().flatten());
+    let found = found.filter(|found| !found.times_s.is_empty());
+    if let Some(plot) = found.and_then(over_time_chart) {
         let alt = "Distance to recorded runs over time, of the run without noise, of repeats, and of recorded runs among each other";
-        let chart = Chart::over_time(alt, "distance [m]").upwards();
-        let chart = chart.line("real", line(&found.real_mean_m));
-        let chart = chart.line("b4", line(&found.simulated_mean_m));
-        let figure = chart.line("sim", line(&found.ideal_m)).figure(
+        all.push(chart_figure(
             "Distance to recorded runs",
-            "Where the simulated lines leave that of recorded runs among each other, the simulation stops being one more repeat.",
-        );
-        let keys = key("sim", "without noise") + &key("b4", "repeats");
-        let keys = keys + &key("real", "recorded among each other");
-        all.push(format!(
-            "<div>{figure}<div class=\"legend\">{keys}</div></div>"
+            &plot,
+            &Inline::new(alt),
+            "While a simulated line is no higher than the line of the other recordings, the simulation is as near to a recorded run as a further recording would be.",
         ));
     }
     if let Some(found) = &report.confidence
-        && let [first, .., last] = found.times_s.as_slice()
+        && found.times_s.len() > 1
     {
-        let at_times = || found.times_s.iter().zip(&found.inside);
-        let band = at_times().map(|(t, p)| [*t, p.low, p.high]);
-        let line = at_times().map(|(t, p)| [*t, p.share]);
         let alt = "Share of recorded runs inside the predicted region over time";
-        let chart = Chart::over_time(alt, "share inside").upwards();
-        let chart = chart.band(band.collect());
-        let level = [first, last].map(|t| [*t, found.level]);
-        let chart = chart.line("edge", level.to_vec());
-        let figure = chart.line("sim", line.collect()).figure(
+        all.push(chart_figure(
             "Recorded runs inside the predicted region",
-            "Dashed: what the region promises. Band: 95 % interval of the share, narrower with more recordings.",
-        );
-        all.push(format!("<div>{figure}</div>"));
+            &confidence_chart(found),
+            &Inline::new(alt),
+            "The interval of the share becomes narrower with more recordings.",
+        ));
     }
     match all.is_empty() {
         true => String::new(),
@@ -174,7 +161,7 @@ fn over_time(report: &Gap) -> String {
     }
 }
 
-fn displacement(report: &Gap) -> String {
+fn displacement(report: &GapSummary) -> String {
     let Some(found) = &report.displacement else {
         return String::new();
     };

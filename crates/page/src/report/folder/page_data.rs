@@ -11,7 +11,7 @@ use realgap_core::text::escaped_json;
 use serde::{Deserialize, Serialize};
 
 /// Recorded paths beyond this many are not kept: more cannot be told apart in a picture.
-pub const KEPT_RECORDINGS: usize = 12;
+pub const SHOWN_RECORDINGS: usize = 12;
 
 /// Name of the page in a results folder.
 pub const PAGE_FILE: &str = file::PAGE[0];
@@ -20,27 +20,30 @@ pub const PAGE_FILE: &str = file::PAGE[0];
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-pub struct Kept {
+pub struct PageData {
     /// The command that makes the results again.
     pub command: String,
     /// Length of the simulated runs, seconds.
     pub duration_s: f64,
     /// What recorded paths are: `reality`, or a stand-in for it.
     pub reality: String,
-    /// Recorded paths that the first simulation of a point is compared with, at most [`KEPT_RECORDINGS`].
-    pub recorded: Vec<KeptPath>,
+    /// Recorded paths that the first simulation of a point is compared with, at most [`SHOWN_RECORDINGS`].
+    pub recorded: Vec<RecordedPath>,
     /// The best point's path, prepared, metres: an optimizer's best need not be one of the stored points.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub best_xy_m: Vec<[f64; 2]>,
+    /// Values of the cells of a grid of two parameters that hold something that cannot be told from the best.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub confidence_set: Vec<Vec<f64>>,
     /// The best in motion.
-    pub replay: Option<KeptReplay>,
+    pub replay: Option<ReplayData>,
 }
 
 /// A path as it is compared: from the origin, net displacement along +x, points at equal steps of time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-pub struct KeptPath {
+pub struct RecordedPath {
     /// Name of the recording.
     pub name: String,
     /// How long it lasts, seconds.
@@ -53,14 +56,14 @@ pub struct KeptPath {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-pub struct KeptReplay {
+pub struct ReplayData {
     /// Robot, floor, names of the runs.
     pub scene: ShownScene,
     /// Their motion: base64.
     pub motion: String,
 }
 
-impl Kept {
+impl PageData {
     /// Name of the file.
     pub const FILE: &'static str = file::PAGE[1];
 
@@ -88,14 +91,14 @@ impl Kept {
         if !path.is_file() {
             return Ok(None);
         }
-        let kept: Self =
-            read_json(&path, "what a page keeps").map_err(|error| match error.kind() {
+        let data: Self =
+            read_json(&path, "the data of a page").map_err(|error| match error.kind() {
                 ErrorKind::Invalid => error.hint("remove the file: the page is made without it"),
                 _ => error,
             })?;
         // It stands inside of a script element as it is.
         let is_base64 = |c: char| c.is_ascii_alphanumeric() || "+/=".contains(c);
-        let foreign = kept
+        let foreign = data
             .replay
             .as_ref()
             .is_some_and(|replay| !replay.motion.chars().all(is_base64));
@@ -104,11 +107,11 @@ impl Kept {
                 .at_file(&path)
                 .field("replay.motion"));
         }
-        Ok(Some(kept))
+        Ok(Some(data))
     }
 }
 
 /// The recorded paths that are kept, if anything is.
-pub(in crate::report) fn recorded_of(kept: Option<&Kept>) -> &[KeptPath] {
-    kept.map_or(&[], |kept| kept.recorded.as_slice())
+pub(in crate::report) fn recorded_of(data: Option<&PageData>) -> &[RecordedPath] {
+    data.map_or(&[], |data| data.recorded.as_slice())
 }

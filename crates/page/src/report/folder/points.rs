@@ -1,45 +1,22 @@
-//! The points of a sweep or a tuning as a page needs them: values, scores, paths.
-
-use std::path::Path;
+//! The points of a sweep or a tuning, and their paths, as the scripts of a page read them.
 
 use serde::Serialize;
 
-use crate::report::document::packed::Block;
-use crate::report::folder::heat::{Point, heat_map};
-use crate::report::folder::page_data::{Kept, recorded_of};
-use crate::report::folder::sheet::Sheet;
-use crate::report::folder::summary::Report;
-use crate::results::kind::file;
-use realgap_core::error::{Error, Result};
-use realgap_store::{STORE_FILE, Store, Trial};
+use super::page_data::{PageData, recorded_of};
+use crate::report::document::packed::PackedColumns;
+use crate::results::study::data::{PathXy, Points};
 
-/// Prepared paths are rounded to this in the page.
-pub(in crate::report) const PATH_STEP_M: f64 = 1e-4;
+/// Prepared paths are rounded to multiples of this in the page.
+const PATH_STEP_M: f64 = 1e-4;
 /// Numbers of all paths together in a page; paths of more points have fewer places.
 const MOST_NUMBERS: usize = 180_000;
 
-/// The rows of `points.csv`.
-#[derive(Debug, Default)]
-pub(in crate::report) struct Points {
-    /// Names of the parameters.
-    pub names: Vec<String>,
-    /// In the order of the file.
-    pub points: Vec<Point>,
-}
-
-/// Stored paths of the points, each from its first run.
-#[derive(Debug)]
-pub(in crate::report) struct Paths {
-    /// Prepared, metres; empty where a point has none.
-    pub xy_m: Vec<Vec<[f64; 2]>>,
-}
-
 /// What scripts show of points and recorded paths.
 #[derive(Debug, Serialize)]
-pub(in crate::report) struct ShownPoints<'a> {
+pub(super) struct ShownPoints<'a> {
     names: &'a [String],
     best: usize,
-    /// Values, score, whether it cannot be told from the best.
+    /// Values, score, whether the point cannot be told from the best.
     rows: Vec<(&'a [f64], Option<f64>, bool)>,
     /// What coordinates are whole multiples of, metres.
     step: f64,
@@ -48,109 +25,41 @@ pub(in crate::report) struct ShownPoints<'a> {
     recorded: Vec<(&'a str, f64)>,
 }
 
-impl Points {
-    pub fn read(folder: &Path) -> Result<Self> {
-        let sheet = Sheet::read(folder, file::POINTS)?;
-        let header = sheet.header();
-        let Some(score) = header.iter().position(|name| *name == "score") else {
-            return Ok(Self::default());
-        };
-        let is_in = header.iter().position(|name| *name == "indistinguishable");
-        let names = header[..score].iter().map(|name| (*name).to_owned());
-        let point = |(index, row): (usize, &Vec<String>)| {
-            let values = row[..score].iter().map(|cell| cell.parse().ok());
-            let values: Option<Vec<f64>> = values.collect();
-            let fail = || {
-                let error = Error::invalid("a value is not a number");
-                let error = error.at_file(folder.join(file::POINTS));
-                error.at_line(index + 2, 1)
-            };
-            Ok(Point {
-                values: values.ok_or_else(fail)?,
-                score: row[score].parse().ok(),
-                is_in: is_in.is_some_and(|column| row[column] == "true"),
-            })
-        };
-        let rows = sheet.rows().iter().enumerate();
-        Ok(Self {
-            names: names.collect(),
-            points: rows.map(point).collect::<Result<_>>()?,
-        })
-    }
-
-    /// The map of scores over two parameters: those of the grid, which come first; of an optimizer's points none.
-    pub fn map(&self, report: &Report) -> Option<String> {
-        let best = self.best(report);
-        let best = best.map(|best| self.points[best].values.as_slice());
-        let score = [report.metric.as_str(), report.unit.as_str()];
-        heat_map(&self.points, report.points, best, &self.names, score)
-    }
-
-    /// The point that the report calls the best, else that of the lowest score.
-    pub fn best(&self, report: &Report) -> Option<usize> {
-        let named = report.best.as_ref().map(|best| &best.parameters);
-        let is_named = |point: &Point| {
-            let values = self.names.iter().map(|name| named?.get(name));
-            let mut both = values.zip(&point.values);
-            both.all(|(named, value)| named == Some(value))
-        };
-        let lowest = || {
-            let scored = self.points.iter().enumerate();
-            let scored = scored.filter_map(|(index, point)| Some((index, point.score?)));
-            Some(scored.min_by(|a, b| a.1.total_cmp(&b.1))?.0)
-        };
-        self.points.iter().position(is_named).or_else(lowest)
-    }
-
-    /// The stored path of every point; `None` where the folder keeps none.
-    pub fn paths(&self, folder: &Path) -> Result<Option<Paths>> {
-        if self.points.is_empty() || !folder.join(STORE_FILE).is_file() {
-            return Ok(None);
-        }
-        let trials = Store::<Trial>::read(folder)?.trials()?;
-        let path = |point: &Point| {
-            // The first run of a point is that with the study's own settings, or the nearest to it.
-            let trial = trials.iter().find(|trial| trial.values == point.values);
-            let case = trial.and_then(|trial| trial.cases.first()?.completed());
-            case.map_or_else(Vec::new, |result| result.path_xy_m.clone())
-        };
-        let xy_m: Vec<_> = self.points.iter().map(path).collect();
-        let is_any = xy_m.iter().any(|path| !path.is_empty());
-        Ok(is_any.then_some(Paths { xy_m }))
-    }
-
-    /// The points for the scripts, beside the paths that were recorded.
-    pub fn shown<'a>(&'a self, best: usize, kept: Option<&'a Kept>) -> ShownPoints<'a> {
-        let rows = self.points.iter();
-        let rows = rows.map(|p| (p.values.as_slice(), p.score, p.is_in));
-        let recorded = recorded_of(kept).iter();
+impl<'a> ShownPoints<'a> {
+    /// The points, and the names of the recorded paths.
+    pub(super) fn new(points: &'a Points, best: usize, data: Option<&'a PageData>) -> Self {
+        let rows = points.points.iter();
+        let rows = rows.map(|p| (p.values.as_slice(), p.score, p.is_indistinguishable));
+        let recorded = recorded_of(data).iter();
         let recorded = recorded.map(|path| (path.name.as_str(), path.duration_s));
-        ShownPoints {
-            names: &self.names,
+        Self {
+            names: &points.names,
             best,
             rows: rows.collect(),
             step: PATH_STEP_M,
-            duration_s: kept.map_or(1.0, |kept| kept.duration_s),
+            duration_s: data.map_or(1.0, |data| data.duration_s),
             recorded: recorded.collect(),
         }
     }
 }
 
-impl Paths {
-    /// Adds the paths to a block, x then y of each.
-    pub fn push(&self, block: &mut Block) {
-        let numbers: usize = self.xy_m.iter().map(|path| 2 * path.len()).sum();
-        let every = numbers.div_ceil(MOST_NUMBERS).max(1);
-        for path in &self.xy_m {
-            push_path(block, &thinned(path, path.len().div_ceil(every)));
-        }
+/// The paths of the points, then the recorded ones, as packed numbers: x, then y of each path.
+pub(super) fn packed_paths(paths: &[PathXy], data: Option<&PageData>) -> String {
+    let mut packed = PackedColumns::default();
+    let numbers: usize = paths.iter().map(|path| 2 * path.len()).sum();
+    let every = numbers.div_ceil(MOST_NUMBERS).max(1);
+    for path in paths {
+        push_path(&mut packed, &thinned(path, path.len().div_ceil(every)));
     }
+    for path in recorded_of(data) {
+        push_path(&mut packed, &path.xy_m);
+    }
+    packed.text()
 }
 
-/// Adds a path to a block, x then y.
-pub(in crate::report) fn push_path(block: &mut Block, xy_m: &[[f64; 2]]) {
+fn push_path(packed: &mut PackedColumns, xy_m: &[[f64; 2]]) {
     for axis in 0..2 {
-        block.push(xy_m.iter().map(|place| place[axis]), PATH_STEP_M);
+        packed.push(xy_m.iter().map(|place| place[axis]), PATH_STEP_M);
     }
 }
 

@@ -1,31 +1,29 @@
-//! The story of a prediction: what a robot will do before anybody builds it.
-
-use std::path::Path;
+//! The page of a prediction: what a robot will do before it is built.
 
 use serde::Deserialize;
 
+use super::claim::sentences;
+use super::content::PageContent;
+use super::ensemble::{Case, ForecastSummary, behaviour_table, charts, distances, noise};
 use crate::report::document::page::html;
-use crate::report::document::section::{Section, pictures};
+use crate::report::document::picture::Pictures;
+use crate::report::document::section::Section;
 use crate::report::document::value::*;
-use crate::report::folder::claim::sentences;
-use crate::report::folder::ensemble::{Case, Summary, behaviour_table, charts, distances, noise};
-use crate::report::folder::story::Story;
-use realgap_core::error::Result;
 use realgap_lab::claim::{About, Claim};
 use realgap_lab::prediction::{ModelError, Range};
 
 /// What a page shows of a prediction card.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(in crate::report) struct Predicted {
+pub(in crate::report) struct PredictionSummary {
     robot: Option<String>,
     pub(in crate::report) claims: Vec<Claim>,
-    prediction: Summary,
+    prediction: ForecastSummary,
     model: Option<ModelError>,
     not_covered: Vec<String>,
 }
 
-pub(in crate::report) fn prediction(folder: &Path, report: &Predicted) -> Result<Story> {
+pub(super) fn content(report: &PredictionSummary, pictures: &Pictures) -> PageContent {
     let summary = &report.prediction;
     let cases = [Case {
         case: report.robot.clone().unwrap_or_default(),
@@ -33,11 +31,11 @@ pub(in crate::report) fn prediction(folder: &Path, report: &Predicted) -> Result
     }];
     let not = match html(&report.not_covered.join("; ")).as_str() {
         "" => String::new(),
-        not => format!("<p>No number here knows of {not}.</p>"),
+        not => format!("<p>These numbers do not cover {not}.</p>"),
     };
     let does = behaviour_table(&cases);
     let wrong = report.model.as_ref().map_or_else(String::new, model) + &not;
-    Ok(Story {
+    PageContent {
         kind: "prediction",
         name: report.robot.clone().unwrap_or("prediction".to_owned()),
         answer: sentences(&report.claims, &[About::Reach, About::Success]),
@@ -45,13 +43,13 @@ pub(in crate::report) fn prediction(folder: &Path, report: &Predicted) -> Result
             Section::new("behaviours", "What it does, and how likely", does),
             Section::new("motion", "Where it will be", charts("", summary)),
             Section::new("distance", "How far", distances(&cases)),
-            Section::new("model", "What the model itself may be wrong by", wrong),
-            Section::new("noise", "What repeats differ by", noise(&summary.noise)),
-            pictures(folder, "pictures", "All repeats", |_| true)?,
+            Section::new("model", "The error of the model itself", wrong),
+            Section::new("noise", "How repeats differ", noise(&summary.noise)),
+            pictures.section("pictures", "All repeats", |_| true),
         ],
-        said: "prediction model success robot",
-        ..Story::default()
-    })
+        shown_fields: "prediction model success robot",
+        ..PageContent::default()
+    }
 }
 
 fn model(model: &ModelError) -> String {
@@ -68,7 +66,7 @@ fn model(model: &ModelError) -> String {
     };
     let span = |range: Range| span(range.low, range.high, "m");
     format!(
-        "{rows}<p class=\"note\">In an engine that was not asked, a run goes {} with 90 %: {} more than here (below 0: less).</p>",
+        "{rows}<p class=\"note\">In a further simulator, which none of these numbers used, a run goes {} with 90 %. That is {} more than here; a negative number means less.</p>",
         span(further),
         more.map_or_else(|| NOTHING.to_owned(), span)
     )

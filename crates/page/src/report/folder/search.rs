@@ -1,31 +1,34 @@
-//! The story of a search: the best robots, and what becomes of them elsewhere.
+//! The page of a search: the best robots, and what they do with other numerics and engines.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::Deserialize;
 
+use super::claim::sentences;
+use super::content::PageContent;
+use super::ensemble::ForecastSummary;
+use super::tree::read_json;
+use crate::plot::{Inline, SeriesKind};
 use crate::report::document::page::html;
-use crate::report::document::section::{Section, figures, pictures};
+use crate::report::document::picture::Pictures;
+use crate::report::document::section::{Section, chart_figure, figures};
 use crate::report::document::value::*;
-use crate::report::folder::chart::{Chart, steps};
-use crate::report::folder::claim::sentences;
-use crate::report::folder::ensemble::Summary;
-use crate::report::folder::sheet::Sheet;
-use crate::report::folder::story::Story;
-use crate::report::folder::tree::read_json;
 use crate::results::kind::file;
-use crate::results::{BestRobot, SearchSummary};
+use crate::results::table::CsvTable;
+use crate::results::{BestRobot, History, SearchSummary, fitness_chart};
 use realgap_core::error::Result;
 use realgap_core::statistics::Proportion;
+use realgap_core::unit::Unit;
 use realgap_lab::claim::{About, Claim};
 
 /// What a page shows of the card of a finalist.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-struct FinalistCard {
+pub(super) struct FinalistCard {
     claims: Vec<Claim>,
     reruns: Vec<Rerun>,
-    prediction: Summary,
+    prediction: ForecastSummary,
     success: Option<Success>,
 }
 
@@ -47,63 +50,95 @@ struct Success {
     probability: Proportion,
 }
 
-pub(in crate::report) fn search(folder: &Path, report: &SearchSummary) -> Result<Story> {
-    let history = Sheet::read(folder, file::HISTORY)?;
-    let drawn = |stem: &str| ["gallery", "fitness", "archive", "paths"].contains(&stem);
-    let picture =
-        |id, title, name: &'static str| pictures(folder, id, title, move |stem| stem == name);
-    let archive_title = "Archive: the best robot of each kind";
-    let mut archive_section = picture("archive", archive_title, "archive")?;
-    archive_section.html += &archive(folder)?;
-    Ok(Story {
-        kind: "search",
-        name: report.search.clone(),
-        answer: answer(folder, report)?,
-        sections: vec![
-            picture("gallery", "The best robots", "gallery")?,
-            Section::new("finalists", "Finalists, looked at again", finalists(report)),
-            Section::new("cards", "What each would do", cards(folder, report)?),
-            picture("routes", "Their paths", "paths")?,
-            Section::new("history", "History", progress(&history, report)),
-            archive_section,
-            Section::new("lineage", "Lineage of the best", lineage(&history, report)),
-            Section::new("failures", "Robots that failed", failures(report)),
-            pictures(folder, "pictures", "More pictures", move |stem| {
-                !drawn(stem)
-            })?,
-        ],
-        said: "best baseline failures archive search",
-        ..Story::default()
-    })
+/// What the page of a search shows.
+#[derive(Debug)]
+pub(super) struct SearchContent {
+    pub(super) summary: SearchSummary,
+    pub(super) history: History,
+    pub(super) archive: CsvTable,
+    /// The cards of finalists by the names of their files.
+    pub(super) cards: BTreeMap<String, FinalistCard>,
 }
 
-fn answer(folder: &Path, report: &SearchSummary) -> Result<String> {
+impl SearchContent {
+    /// What the files of a folder say.
+    ///
+    /// # Errors
+    /// A file that is not what was written there.
+    pub(super) fn read(folder: &Path, summary: SearchSummary) -> Result<Self> {
+        let mut cards = BTreeMap::new();
+        for robot in &summary.best {
+            if let Some(card) = read_card(folder, robot)? {
+                cards.insert(robot.file.clone(), card);
+            }
+        }
+        Ok(Self {
+            history: History::of(&CsvTable::read(folder, file::HISTORY)?),
+            archive: CsvTable::read(folder, file::ARCHIVE)?,
+            cards,
+            summary,
+        })
+    }
+}
+
+pub(super) fn content(found: &SearchContent, pictures: &Pictures) -> PageContent {
+    let report = &found.summary;
+    let drawn = |stem: &str| ["gallery", "fitness", "archive", "paths"].contains(&stem);
+    let picture = |id, title, name: &'static str| pictures.section(id, title, |stem| stem == name);
+    let archive_title = "Archive: the best robot of each kind";
+    let mut archive_section = picture("archive", archive_title, "archive");
+    archive_section.html += &archive(&found.archive);
+    let history = &found.history;
+    PageContent {
+        kind: "search",
+        name: report.search.clone(),
+        answer: answer(found),
+        sections: vec![
+            picture("gallery", "The best robots", "gallery"),
+            Section::new("finalists", "Finalists, evaluated again", finalists(report)),
+            Section::new("cards", "The prediction of each finalist", cards(found)),
+            picture("routes", "Their paths", "paths"),
+            Section::new("history", "History", progress(history, report)),
+            archive_section,
+            Section::new("lineage", "Lineage of the best", lineage(history, report)),
+            Section::new("failures", "Robots that failed", failures(report)),
+            pictures.section("pictures", "More pictures", move |stem| !drawn(stem)),
+        ],
+        shown_fields: "best baseline failures archive search",
+        ..PageContent::default()
+    }
+}
+
+fn answer(found: &SearchContent) -> String {
+    let report = &found.summary;
     let (unit, best) = (report.unit.as_str(), &report.best);
     let survivors = best.iter().filter(|robot| robot.survives).count();
     let Some(first) = best.first() else {
-        return Ok("Not determined: no robot was looked at again. What was found so far is in the history below.".to_owned());
+        return "Not determined: no robot was evaluated again. What was found so far is in the history below.".to_owned();
     };
-    // The summary has the share alone; the card knows how sure it is.
-    let card = card_of(folder, first)?.unwrap_or_default();
-    let odds = sentences(&card.claims, &[About::Success]);
+    // The summary has the share alone; the card has its interval, too.
+    let card = found.cards.get(&first.file);
+    let odds = card.map_or_else(String::new, |card| {
+        sentences(&card.claims, &[About::Success])
+    });
     let holds = match first.survives {
-        true => "and walks the same under other numerics",
-        false => "but does NOT walk the same under other numerics",
+        true => "walks the same under other numerics",
+        false => "does NOT walk the same under other numerics",
     };
     let base = report.baseline.as_ref().and_then(|base| base.fitness);
     let beats = base.zip(first.fitness).map(|(base, own)| {
         let outcome = if own > base { "beaten" } else { "not beaten" };
-        let worth = measured(Some(base), unit);
-        format!(" What it started from is worth {worth}: it was {outcome}.")
+        let score = measured(Some(base), unit);
+        format!(" The robot that the search started from scores {score}; it was {outcome}.")
     });
     let beats = beats.unwrap_or_default();
-    Ok(format!(
-        "The best robot, {}, is worth {} with new draws ({}), {holds}. {odds} {survivors} of {} finalists survive.{beats}",
+    format!(
+        "The best robot, {}, scores {} on fresh seeds ({}) and {holds}. {odds} {survivors} of {} finalists survive.{beats}",
         first.file,
         measured(first.fitness, unit),
         report.objective,
         best.len(),
-    ))
+    )
 }
 
 fn finalists(report: &SearchSummary) -> String {
@@ -129,7 +164,7 @@ fn finalists(report: &SearchSummary) -> String {
         ]
     });
     let table = noted(
-        "robot | modules | servos | in the search | new draws | net displacement, 90 % | energy | survives other numerics",
+        "robot | modules | servos | score in the search | score on fresh seeds | net displacement, 90 % | energy | survives other numerics",
         rows,
         "",
     );
@@ -137,22 +172,23 @@ fn finalists(report: &SearchSummary) -> String {
         return table;
     }
     let from = report.baseline.as_ref().map_or_else(String::new, |start| {
-        let worth = match &start.failure {
-            None => measured(start.fitness, unit),
-            Some(failure) => format!("nothing: {failure}"),
+        let score = match &start.failure {
+            None => format!(
+                "scores {} on the same fresh seeds",
+                measured(start.fitness, unit)
+            ),
+            Some(failure) => format!("has no score: {failure}"),
         };
-        let (robot, worth) = (html(&start.robot), html(&worth));
-        format!(
-            "<p>What the search started from, {robot}, is worth {worth} with the same draws.</p>"
-        )
+        let (robot, score) = (html(&start.robot), html(&score));
+        format!("<p>The robot that the search started from, {robot}, {score}.</p>")
     });
     format!(
-        "{table}{from}<p class=\"note\">What was best in the search is partly luck; new draws show how much. A robot that walks otherwise at another timestep, with other substeps, joints or contacts is ranked last: build none of these.</p>"
+        "{table}{from}<p class=\"note\">The best score of a search is partly luck; fresh seeds show how much. A robot that walks differently at another timestep, or with other substeps, joints or contacts, is ranked last: do not build such a robot.</p>"
     )
 }
 
 /// The card of a finalist, where the folder has it.
-fn card_of(folder: &Path, robot: &BestRobot) -> Result<Option<FinalistCard>> {
+fn read_card(folder: &Path, robot: &BestRobot) -> Result<Option<FinalistCard>> {
     let file = robot.file.as_str();
     // A name from a report is no path.
     let is_name = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
@@ -163,14 +199,13 @@ fn card_of(folder: &Path, robot: &BestRobot) -> Result<Option<FinalistCard>> {
     Ok(Some(read_json(&path, "a card")?))
 }
 
-fn cards(folder: &Path, report: &SearchSummary) -> Result<String> {
-    let mut all = String::new();
-    for robot in &report.best {
-        if let Some(card) = card_of(folder, robot)? {
-            all += &folded(&html(&robot.file), &one_card(&card));
-        }
-    }
-    Ok(all)
+fn cards(found: &SearchContent) -> String {
+    let robots = found.summary.best.iter();
+    let cards = robots.filter_map(|robot| {
+        let card = found.cards.get(&robot.file)?;
+        Some(folded(&html(&robot.file), &one_card(card)))
+    });
+    cards.collect()
 }
 
 fn one_card(card: &FinalistCard) -> String {
@@ -207,72 +242,66 @@ fn one_card(card: &FinalistCard) -> String {
 }
 
 /// Fitness of every robot, and the best so far as steps.
-fn progress(history: &Sheet, report: &SearchSummary) -> String {
-    let fitness = history.numbers("fitness");
-    if fitness.iter().all(|f| f.is_nan()) {
+fn progress(history: &History, report: &SearchSummary) -> String {
+    let unit = Unit::by_label(&report.unit).unwrap_or(Unit::One);
+    let Some(mut plot) = fitness_chart(history, "batch", unit) else {
         return String::new();
+    };
+    for series in &mut plot.series {
+        if series.kind == SeriesKind::Dots {
+            // More marks than this are a grey area.
+            let every = series.points.len().div_ceil(1500).max(1);
+            series.points = series.points.iter().copied().step_by(every).collect();
+        }
     }
-    let finite = fitness.iter().enumerate().filter(|(_, f)| f.is_finite());
-    let all: Vec<[f64; 2]> = finite.map(|(index, f)| [index as f64, *f]).collect();
-    let mut best = f64::NEG_INFINITY;
-    let mut better = all.clone();
-    better.retain(|[_, value]| {
-        let is_better = *value > best;
-        best = best.max(*value);
-        is_better
-    });
-    let mut line = steps(better.into_iter());
-    line.push([fitness.len().saturating_sub(1) as f64, best]);
-    // More marks than this are a grey area.
-    let every = all.len().div_ceil(1500).max(1);
-    let marks = all.into_iter().step_by(every).collect();
     let alt = "Fitness of each robot in order, and the best so far";
-    let label = format!("fitness [{}]", report.unit);
-    let chart = Chart::plain(alt, "robot", label).line("sim", line);
-    figures(&[chart.dots("grey", marks).figure(
+    figures(&[chart_figure(
         &report.objective,
-        "Line: the best so far. A line that still climbs at its end asks for a larger budget.",
+        &plot,
+        &Inline::new(alt),
+        "A line of the best fitness that still climbs at its end asks for a larger budget.",
     )])
 }
 
 /// The first finalist and its ancestors, youngest first: of two parents the first, whose body and gait a child begins as.
-fn lineage(history: &Sheet, report: &SearchSummary) -> String {
+fn lineage(history: &History, report: &SearchSummary) -> String {
     let best = report.best.first();
     let best = best.and_then(|robot| robot.file.rsplit('_').next()?.parse().ok());
-    let parents = history.texts("parents");
-    let first_parent = |robot: &usize| parents.get(*robot)?.split(' ').next()?.parse().ok();
+    let first_parent = |robot: &usize| {
+        let parents = &history.0.get(*robot)?.parents;
+        parents.split(' ').next()?.parse().ok()
+    };
     let mut line: Vec<usize> = std::iter::successors(best, first_parent).collect();
     // A file of others may name a child as its own ancestor.
-    line.truncate(history.rows().len());
-    let (batches, modules) = (history.texts("generation"), history.texts("modules"));
-    let fitness = history.numbers("fitness");
+    line.truncate(history.0.len());
     let rows = line.iter().filter_map(|&robot| {
+        let row = history.0.get(robot)?;
         Some(vec![
             robot.to_string(),
-            (*batches.get(robot)?).to_owned(),
-            (*modules.get(robot)?).to_owned(),
-            measured(fitness.get(robot).copied(), &report.unit),
-            match *parents.get(robot)? {
+            row.batch.clone(),
+            row.modules.clone(),
+            measured(row.fitness, &report.unit),
+            match row.parents.as_str() {
                 "" => "drawn".to_owned(),
                 both => both.to_owned(),
             },
         ])
     });
     noted(
-        "robot | batch | modules | in the search | parents",
+        "robot | batch | modules | score in the search | parents",
         rows,
-        "A child begins as its first parent.",
+        "A child begins with the body and the gait of its first parent.",
     )
 }
 
-fn archive(folder: &Path) -> Result<String> {
-    let sheet = Sheet::read(folder, file::ARCHIVE)?;
-    if sheet.rows().is_empty() {
-        return Ok(String::new());
+fn archive(table_of_cells: &CsvTable) -> String {
+    let all = table_of_cells.rows();
+    if all.is_empty() {
+        return String::new();
     }
-    let rows = sheet.rows().iter().take(400).cloned();
-    let name = format!("Table of {} filled cells", sheet.rows().len());
-    Ok(folded(&name, &table(&sheet.header(), rows)))
+    let rows = all.iter().take(400).cloned();
+    let name = format!("Table of {} filled cells", all.len());
+    folded(&name, &table(&table_of_cells.header(), rows))
 }
 
 fn failures(report: &SearchSummary) -> String {

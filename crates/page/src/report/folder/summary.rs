@@ -1,16 +1,19 @@
-//! The report of a sweep or a tuning as a page reads it.
+//! What a page shows of `summary.json` of a sweep or a tuning.
+//!
+//! The whole report is a type of the crate `realgap-lab`, which is written and never read back. These are the fields of it that
+//! a page needs; files of other versions may lack any of them.
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use crate::report::folder::fleet;
+use super::fleet;
 use realgap_lab::calibration::{Audit, Best, Reproduction, Validation};
 use realgap_lab::claim::Claim;
 
 /// What a page shows of the report of a sweep or a tuning.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(in crate::report) struct Report {
+pub(in crate::report) struct StudySummary {
     pub(in crate::report) study: Option<String>,
     pub(in crate::report) complete: Option<bool>,
     pub(in crate::report) points: usize,
@@ -18,7 +21,7 @@ pub(in crate::report) struct Report {
     pub(in crate::report) metric: String,
     pub(in crate::report) unit: String,
     pub(in crate::report) best: Option<Best>,
-    pub(in crate::report) verdicts: Vec<Verdict>,
+    pub(in crate::report) verdicts: Vec<VerdictRow>,
     pub(in crate::report) claims: Vec<Claim>,
     pub(in crate::report) audit: Option<Audit>,
     pub(in crate::report) validation: Option<Validation>,
@@ -26,10 +29,10 @@ pub(in crate::report) struct Report {
     pub(in crate::report) reproduction: Option<Reproduction>,
 }
 
-/// What a page shows of what is said of a parameter.
+/// What a page shows of the verdict on a parameter.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(in crate::report) struct Verdict {
+pub(in crate::report) struct VerdictRow {
     pub(in crate::report) parameter: String,
     pub(in crate::report) unit: String,
     pub(in crate::report) best: Option<f64>,

@@ -9,6 +9,7 @@ use serde_json::Value;
 use crate::report::document::page::html;
 use crate::report::document::value::{folded, shown, table};
 use realgap_core::error::{Error, Result};
+use realgap_core::file::versioned_value;
 use realgap_core::unit::number;
 
 /// Longer tables are in the report itself.
@@ -18,7 +19,7 @@ const DEEPEST: usize = 4;
 
 /// An answer as names and values.
 #[derive(Debug)]
-pub struct Tree(Value);
+pub struct ReportTree(Value);
 
 /// A JSON file; `whose` is for the message, e.g. `a report`.
 ///
@@ -30,7 +31,7 @@ pub(in crate::report) fn read_json<T: DeserializeOwned>(path: &Path, whose: &str
         .map_err(|e| Error::invalid(format!("not {whose}: {e}")).at_file(path))
 }
 
-impl Tree {
+impl ReportTree {
     /// What a command has found.
     ///
     /// # Errors
@@ -39,6 +40,14 @@ impl Tree {
         serde_json::to_value(answer)
             .map(Self)
             .map_err(|e| Error::invalid(format!("cannot write JSON: {e}")))
+    }
+
+    /// A report as a reader of its file gets it.
+    ///
+    /// # Errors
+    /// What cannot be written as JSON.
+    pub(in crate::report) fn of_report(report: &impl Serialize) -> Result<Self> {
+        versioned_value(report).map(Self)
     }
 
     /// The report in a file.
@@ -171,7 +180,7 @@ mod tests {
     fn a_warning_of_any_part_is_collected_once() {
         let one = serde_json::json!({ "code": "few-recordings", "message": "<2>" });
         let report = serde_json::json!({ "warnings": [one], "cases": [{ "warnings": [one] }] });
-        let all = Tree(report).warnings();
+        let all = ReportTree(report).warnings();
         assert_eq!(all, [("few-recordings".to_owned(), "<2>".to_owned())]);
     }
 }

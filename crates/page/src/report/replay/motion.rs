@@ -3,7 +3,7 @@
 use nalgebra::Isometry3;
 use serde::{Deserialize, Serialize};
 
-use crate::report::document::packed::Block;
+use crate::report::document::packed::PackedColumns;
 use crate::report::replay::solid::{Kind, RobotSolid, Solid, robot_solids};
 use crate::report::replay::stage::{continuous, picks};
 use realgap_robot::morphology::{DriveAxis, Morphology};
@@ -209,7 +209,7 @@ fn moving_boxes(scene: &[SceneBody], run: &Film) -> Vec<ShownBox> {
 /// Adds a film's columns: times, the tracked point, then of each known part and each moving body its place and orientation, at most
 /// so many numbers. Returns every how manyth sample is in there.
 pub(in crate::report) fn push_film(
-    block: &mut Block,
+    packed: &mut PackedColumns,
     film: &Film,
     scene: &[SceneBody],
     most: usize,
@@ -221,20 +221,20 @@ pub(in crate::report) fn push_film(
     let every = (samples * columns).div_ceil(most).max(1);
     let picks = picks(samples, every);
     let (times_s, places) = (film.track.times_s(), film.track.positions_world_m());
-    block.push(picks.iter().map(|k| times_s[*k] - times_s[0]), TIME_STEP_S);
+    packed.push(picks.iter().map(|k| times_s[*k] - times_s[0]), TIME_STEP_S);
     let place = |sample: usize, axis: usize| places[sample][axis];
     for axis in 0..3 {
-        block.push(picks.iter().map(|k| place(*k, axis)), LENGTH_STEP_M);
+        packed.push(picks.iter().map(|k| place(*k, axis)), LENGTH_STEP_M);
     }
     for poses in known {
         for axis in 0..3 {
             let along = picks.iter().map(|k| poses[*k].translation.vector[axis]);
-            block.push(along, LENGTH_STEP_M);
+            packed.push(along, LENGTH_STEP_M);
         }
         let turns = continuous(picks.iter().map(|k| poses[*k].rotation));
         let turns: Vec<[f64; 4]> = turns.map(|q| [q.w, q.i, q.j, q.k]).collect();
         for axis in 0..4 {
-            block.push(turns.iter().map(|turn| turn[axis]), TURN_STEP);
+            packed.push(turns.iter().map(|turn| turn[axis]), TURN_STEP);
         }
     }
     every

@@ -1,13 +1,15 @@
 //! A robot in motion, its recorded runs over it: one page.
 
-use crate::report::document::packed::Block;
+use crate::plot::{
+    AxisSpec, Caption, Inline, InlineChart, LinePlot, ScoreScale, Series, SeriesKind,
+};
+use crate::report::document::packed::PackedColumns;
 use crate::report::document::page::{
     BAR, BLOCK, CHART, CLOCK, Page, REPLAY, SCENE, STYLE, THREE, fill, html, script_json,
 };
 use crate::report::document::section::{body, warning_section};
 use crate::report::document::value::{entries, pairs_of};
-use crate::report::folder::chart::{Chart, key};
-use crate::report::folder::page_data::KeptReplay;
+use crate::report::folder::page_data::ReplayData;
 use crate::report::replay::motion::{ShownScene, push_film};
 use crate::report::replay::stage::Stage;
 use crate::report::replay::track::{CURVE, distances, laid_onto, mean, spread};
@@ -90,9 +92,9 @@ impl Replay<'_> {
     ///
     /// # Errors
     /// Paths too long to be compared.
-    pub fn kept(&self) -> Result<KeptReplay> {
+    pub fn data(&self) -> Result<ReplayData> {
         let ghosts = self.ghosts()?;
-        Ok(KeptReplay {
+        Ok(ReplayData {
             scene: self.scene_shown(&ghosts),
             motion: self.motion(&ghosts, FEWER_NUMBERS).0,
         })
@@ -100,12 +102,12 @@ impl Replay<'_> {
 
     /// All motions, and every how manyth sample of each is in there.
     fn motion(&self, ghosts: &[Ghost<'_>], most: usize) -> (String, Vec<usize>) {
-        let mut block = Block::default();
+        let mut packed = PackedColumns::default();
         let kept = self
             .runs(ghosts)
-            .map(|(_, film)| push_film(&mut block, film, self.scene, most))
+            .map(|(_, film)| push_film(&mut packed, film, self.scene, most))
             .collect();
-        (block.text(), kept)
+        (packed.text(), kept)
     }
 
     /// Who moves in it and how, at most so many samples of each run.
@@ -259,34 +261,47 @@ impl Replay<'_> {
             let positions = track.positions_world_m();
             let every = positions.len().div_ceil(4 * CURVE).max(1);
             let ends = positions.iter().step_by(every).chain(positions.last());
-            ends.map(|p| [p.x, p.y]).collect::<Vec<_>>()
+            ends.map(|p| (p.x, p.y)).collect::<Vec<_>>()
         };
-        let ghost_paths = ghosts.iter().map(|ghost| xy(&ghost.film.track));
-        let map = Chart::map("The paths seen from above").lines("real", ghost_paths);
-        let map = map.line("sim", xy(&self.run.track));
-        let over_time = if ghosts.is_empty() {
+        let line = |points: Vec<(f64, f64)>| Series::new("", SeriesKind::Line, points);
+        let recorded = ghosts.iter();
+        let recorded = recorded.map(|ghost| line(xy(&ghost.film.track)).recorded());
+        let paths = recorded.chain([line(xy(&self.run.track))]).collect();
+        let x = AxisSpec::new("x", Unit::Metre);
+        let map = LinePlot {
+            scale: ScoreScale::LikeX,
+            ..LinePlot::new(Caption::default(), x, ("y", Unit::Metre), paths)
+        };
+        let (alt, label, series, caption) = if ghosts.is_empty() {
             let (times_s, places) = (self.run.track.times_s(), self.run.track.positions_world_m());
             let samples = times_s.iter().zip(places);
-            let points = samples.map(|(t, p)| [t - times_s[0], (p - places[0]).xy().norm()]);
-            let alt = "Distance from the start over time";
-            let chart = Chart::over_time(alt, "distance from the start [m]");
-            chart.line("sim", points.collect())
+            let points = samples.map(|(t, p)| (t - times_s[0], (p - places[0]).xy().norm()));
+            (
+                "Distance from the start over time",
+                "distance from the start",
+                vec![line(points.collect())],
+                "How far the tracked module is from where it started.",
+            )
         } else {
-            let alt = "Distance between the run and each recorded run over time";
-            let chart = Chart::over_time(alt, "distance to recorded [m]").band(noise.to_vec());
-            chart.lines("sim", ghosts.iter().map(|ghost| ghost.apart.clone()))
+            let edge = noise.iter().map(|[t, low, _]| (*t, *low)).collect();
+            let high = noise.iter().map(|[_, _, high]| *high).collect();
+            let band = Series::new("", SeriesKind::Band(high), edge);
+            let pairs = |ghost: &Ghost<'_>| ghost.apart.iter().map(|[t, m]| (*t, *m)).collect();
+            let lines = ghosts.iter().map(|ghost| line(pairs(ghost)));
+            (
+                "Distance between the run and each recorded run over time",
+                "distance to recorded",
+                std::iter::once(band).chain(lines).collect(),
+                "How far the run is from each recorded run at the same time. Inside the band it is no farther than recorded runs are from each other.",
+            )
         };
-        let over_time = over_time.upwards();
-        let caption = if ghosts.is_empty() {
-            "How far the tracked module is from where it started."
-        } else {
-            "How far the run is from each recorded run at the same time. Inside the band it is no farther than recorded runs are from each other."
-        };
+        let time = AxisSpec::new("time", Unit::Second);
+        let over_time = LinePlot::new(Caption::default(), time, (label, Unit::Metre), series);
         format!(
             "<figure><h2>Distance over time</h2>{}<figcaption>{caption} Click or drag to move in time.</figcaption></figure>\
              <figure><h2>Paths from above</h2>{}<figcaption>The tracked module's path; one scale for both axes.</figcaption></figure>",
-            over_time.svg(),
-            map.svg(),
+            over_time.inline(&Inline::new(alt)),
+            map.inline(&Inline::new("The paths seen from above")),
         )
     }
 
@@ -355,4 +370,9 @@ pub(in crate::report) fn stage(scene: &ShownScene) -> String {
         key("real", &format!("recorded: {}", recorded.join(", ")))
     };
     stage_of(run, &legend)
+}
+
+/// A name in a legend beside the line or area that it stands for.
+fn key(class: &str, name: &str) -> String {
+    format!("<span><i class=\"key {class}\"></i>{}</span>", html(name))
 }

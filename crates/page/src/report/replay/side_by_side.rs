@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Vector3};
 
-use crate::report::folder::page_data::KeptReplay;
+use crate::report::folder::page_data::ReplayData;
 use crate::report::replay::page::{Replay, SIMULATION};
 use realgap_core::error::Result;
 use realgap_robot::morphology::Morphology;
@@ -15,7 +15,7 @@ const APART: f64 = 1.5;
 ///
 /// # Errors
 /// Paths too long to be moved.
-pub fn side_by_side(runs: &[(&Morphology, Film)], floor: Floor) -> Result<Option<KeptReplay>> {
+pub fn side_by_side(runs: &[(&Morphology, Film)], floor: Floor) -> Result<Option<ReplayData>> {
     let Some(((first, film), others)) = runs.split_first() else {
         return Ok(None);
     };
@@ -58,7 +58,7 @@ pub fn side_by_side(runs: &[(&Morphology, Film)], floor: Floor) -> Result<Option
         warnings: &[],
         provenance: &[],
     };
-    replay.kept().map(Some)
+    replay.data().map(Some)
 }
 
 /// The run turned so that it ends in the direction of +x, from the start of a lane.

@@ -2,15 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use crate::plot::AxisSpec;
 use realgap_lab::calibration::{Answer, Method, PointScore, Study};
-use realgap_optimization::Range;
 
 /// What stands for each point of the grid: the point itself, or the nearest one that an optimizer chose.
-pub(in crate::results) fn cells<'a>(
-    study: &Study,
-    answer: &'a Answer,
-) -> Vec<Option<&'a PointScore>> {
+pub(super) fn cells<'a>(study: &Study, answer: &'a Answer) -> Vec<Option<&'a PointScore>> {
     let grid = &study.definition().grid;
     let points = &answer.scores.points;
     if answer.method == Method::Sweep {
@@ -38,13 +33,13 @@ pub(in crate::results) fn cells<'a>(
 }
 
 /// Whether the point at this place of the scores cannot be told from the best.
-pub(in crate::results) fn is_alike(answer: &Answer, point: usize) -> bool {
+pub(super) fn is_alike(answer: &Answer, point: usize) -> bool {
     let uncertainty = answer.uncertainty.as_ref();
     uncertainty.is_some_and(|u| u.indistinguishable[point])
 }
 
 /// The cells of the grid with a point or a place that cannot be told from the best.
-pub(in crate::results) fn alike(study: &Study, answer: &Answer) -> BTreeSet<usize> {
+pub(super) fn in_set(study: &Study, answer: &Answer) -> BTreeSet<usize> {
     let grid = &study.definition().grid;
     let Some(uncertainty) = &answer.uncertainty else {
         return BTreeSet::new();
@@ -59,7 +54,13 @@ pub(in crate::results) fn alike(study: &Study, answer: &Answer) -> BTreeSet<usiz
     inside.collect()
 }
 
-/// A parameter as an axis.
-pub(in crate::results) fn axis(range: &Range) -> AxisSpec {
-    AxisSpec::new(range.parameter.name, range.parameter.unit)
+/// The values of all cells of a grid of two parameters that hold something that cannot be told from the best: the confidence
+/// set as a page outlines it. Empty for other studies.
+pub fn confidence_set(study: &Study, answer: &Answer) -> Vec<Vec<f64>> {
+    let grid = &study.definition().grid;
+    if grid.ranges().len() != 2 || answer.method != Method::Sweep {
+        return Vec::new();
+    }
+    let cells = in_set(study, answer).into_iter();
+    cells.map(|cell| grid.values(cell)).collect()
 }

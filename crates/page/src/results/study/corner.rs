@@ -1,17 +1,16 @@
 //! What reality may be, every parameter against every other.
 
-use std::path::Path;
-
-use super::cell::axis;
-use crate::plot::{Caption, Corner, both, draw_corner};
+use super::chart::parameter_axis;
+use crate::plot::{Caption, Corner};
+use crate::results::draft::Draft;
 use realgap_core::error::Result;
 use realgap_core::unit::counted;
 use realgap_lab::calibration::{Answer, Study};
 use realgap_optimization::Range;
 
 /// Draws of the inference, where there are two parameters or more.
-pub(in crate::results) fn draw(
-    folder: &Path,
+pub(super) fn draw(
+    draft: &mut Draft,
     study: &Study,
     answer: &Answer,
     subtitle: &str,
@@ -36,10 +35,13 @@ pub(in crate::results) fn draw(
     let subtitle = format!("{subtitle}; {}", counted(draws.len(), "draw"));
     let corner = Corner {
         caption: Caption::new(title, subtitle),
-        axes: ranges.iter().map(axis).collect(),
+        axes: ranges
+            .iter()
+            .map(|range| parameter_axis(range.parameter.name))
+            .collect(),
         draws,
         best,
         truth: is_known.then(|| (truth, "hidden value of the stand-in".to_owned())),
     };
-    both(folder, "corner", |path| draw_corner(&corner, path))
+    draft.draw("corner", &corner)
 }

@@ -1,12 +1,9 @@
 //! Joints of the recordings beside those of the best point: a table, and the first recording as a picture.
 
-use std::path::Path;
-
 use rayon::prelude::*;
 
-use crate::plot::{Caption, JointPanel, JointPlot, both, draw_joints};
-use crate::results::kind::file;
-use crate::results::table;
+use crate::plot::{Caption, JointPanel, JointPlot};
+use crate::results::table::CsvTable;
 use realgap_core::error::Result;
 use realgap_core::statistics::percentile_interval;
 use realgap_lab::calibration::{Answer, Study};
@@ -22,7 +19,7 @@ const TAIL: f64 = 0.05;
 
 /// One sample of one joint.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Row {
+pub(crate) struct JointSample {
     pub recording: String,
     pub joint: String,
     pub time_s: f64,
@@ -36,39 +33,62 @@ pub(in crate::results) fn is_of_joints(study: &Study) -> bool {
     targets.all(|target| target.motion.is_of_joints())
 }
 
-/// Writes `joints.csv`, `joints.png` and `.svg` where recordings have joints of the robot.
-pub(in crate::results) fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
+/// `joints.csv`: recorded and simulated angles at the best point; without rows where no recording has joints of the robot.
+///
+/// # Errors
+/// A best point that cannot be simulated again.
+pub(super) fn table(study: &Study, answer: &Answer) -> Result<CsvTable> {
     let best = answer.scores.best.map(|best| &answer.scores.points[best]);
-    // Whoever interrupts does not want to wait for more simulations.
-    let Some(best) = best.filter(|_| answer.ending == Ending::Complete) else {
-        return Ok(());
-    };
-    let rows = compared(study, &best.values)?;
-    let Some((recording, joints)) = panels(&rows) else {
-        return Ok(());
-    };
+    // A user who interrupts the run does not want to wait for more simulations.
+    let best = best.filter(|_| answer.ending == Ending::Complete);
+    let mut rows = best.map_or(Ok(Vec::new()), |best| compared(study, &best.values))?;
+    if panels(&rows).is_none() {
+        rows.clear();
+    }
     let cells = rows.iter().map(|row| {
         let numbers = [row.time_s, row.recorded_rad, row.simulated_rad];
         let numbers = numbers.map(|v| format!("{v:.6}"));
         [&[row.recording.clone(), row.joint.clone()][..], &numbers].concat()
     });
     let header = ["recording", "joint", "t_s", "recorded_rad", "simulated_rad"];
-    table::write(&folder.join(file::JOINTS), &header, cells)?;
+    Ok(CsvTable::new(&header, cells))
+}
+
+/// The samples in that table.
+pub(super) fn samples(table: &CsvTable) -> Vec<JointSample> {
+    let (recordings, names) = (table.texts("recording"), table.texts("joint"));
+    let numbers = ["t_s", "recorded_rad", "simulated_rad"].map(|name| table.numbers(name));
+    let sample = |row: usize| {
+        let [time_s, recorded_rad, simulated_rad] =
+            numbers.each_ref().map(|column| column.get(row).copied());
+        Some(JointSample {
+            recording: (*recordings.get(row)?).to_owned(),
+            joint: (*names.get(row)?).to_owned(),
+            time_s: time_s?,
+            recorded_rad: recorded_rad?,
+            simulated_rad: simulated_rad?,
+        })
+    };
+    (0..recordings.len()).filter_map(sample).collect()
+}
+
+/// The picture of the joints of the first recording; `None` where there is none.
+pub(super) fn plot(study: &Study, samples: &[JointSample]) -> Option<JointPlot> {
+    let (recording, joints) = panels(samples)?;
     let definition = study.definition();
     let title = format!("{}: joints over time at the best point", definition.name);
     let subtitle = format!("{}: {recording}", definition.morphology.name());
-    let plot = JointPlot {
+    Some(JointPlot {
         caption: Caption::new(title, subtitle),
         joints,
         reality_label: definition.source().reality_label().to_owned(),
-    };
-    both(folder, "joints", |path| draw_joints(&plot, path))
+    })
 }
 
 /// The samples of the first recordings, each simulated once more with these values.
-fn compared(study: &Study, values: &[f64]) -> Result<Vec<Row>> {
+fn compared(study: &Study, values: &[f64]) -> Result<Vec<JointSample>> {
     let cases: Vec<usize> = (0..study.cases().len().min(RECORDINGS)).collect();
-    let of_case = |case: &usize| -> Result<Vec<Row>> {
+    let of_case = |case: &usize| -> Result<Vec<JointSample>> {
         let targets = &study.cases()[*case].targets;
         let mut motions = targets.iter().map(|target| &target.motion);
         if motions.all(|motion| motion.joints().is_empty()) {
@@ -85,14 +105,14 @@ fn compared(study: &Study, values: &[f64]) -> Result<Vec<Row>> {
         });
         Ok(rows.collect())
     };
-    let all: Vec<Vec<Row>> = cases.par_iter().map(of_case).collect::<Result<_>>()?;
+    let all: Vec<Vec<JointSample>> = cases.par_iter().map(of_case).collect::<Result<_>>()?;
     Ok(all.into_iter().flatten().collect())
 }
 
-fn thinned(recording: &str, joint: JointSamples) -> Vec<Row> {
+fn thinned(recording: &str, joint: JointSamples) -> Vec<JointSample> {
     let every = joint.times_s.len().div_ceil(SAMPLES).max(1);
     let samples = (0..joint.times_s.len()).step_by(every);
-    let row = |k: usize| Row {
+    let row = |k: usize| JointSample {
         recording: recording.to_owned(),
         joint: joint.name.clone(),
         time_s: joint.times_s[k],
@@ -103,7 +123,7 @@ fn thinned(recording: &str, joint: JointSamples) -> Vec<Row> {
 }
 
 /// The joints of the first recording, each with the spread over all of them; `None` where there is none.
-pub(crate) fn panels(rows: &[Row]) -> Option<(String, Vec<JointPanel>)> {
+pub(crate) fn panels(rows: &[JointSample]) -> Option<(String, Vec<JointPanel>)> {
     let recording = &rows.first()?.recording;
     let mut joints: Vec<JointPanel> = Vec::new();
     for row in rows.iter().filter(|row| row.recording == *recording) {
@@ -135,7 +155,7 @@ mod tests {
 
     #[test]
     fn the_first_recording_is_shown_with_the_spread_of_all() {
-        let row = |recording: &str, joint: &str, time_s: f64, off: f64| Row {
+        let row = |recording: &str, joint: &str, time_s: f64, off: f64| JointSample {
             recording: recording.to_owned(),
             joint: joint.to_owned(),
             time_s,

@@ -1,44 +1,48 @@
 //! The pictures of a results folder: heat map or curve, and paths across the grid.
 
 use std::collections::BTreeSet;
-use std::path::Path;
 
-use crate::plot::{
-    Caption, Curve, HeatMap, Panel, PanelGrid, ScoreScale, Truth, both, draw_curve, draw_heat_map,
-    draw_panels,
-};
+use crate::plot::{BestPoint, Caption, HeatMap, LinePlot, Panel, PanelGrid, Truth};
 use realgap_core::error::Result;
 use realgap_core::unit::{Unit, counted};
 use realgap_lab::calibration::{Answer, Method, PointScore, Study};
 use realgap_optimization::{Grid, Range};
 
-use super::cell::{alike, axis, cells, is_alike};
-use super::{convergence, corner, joint, plane};
+use super::cell::{cells, in_set, is_alike};
+use super::chart::{self, ScoreName, short};
+use super::data::{Point, Points, StudyData};
+use super::{corner, joint, plane};
+use crate::results::draft::Draft;
 
 /// Draws everything that the points evaluated so far allow.
-pub(in crate::results) fn draw(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
+pub(super) fn draw(
+    draft: &mut Draft,
+    study: &Study,
+    answer: &Answer,
+    data: &StudyData,
+) -> Result<()> {
     if answer.scores.points.is_empty() {
         return Ok(());
     }
     let map = Map::new(study, answer);
     let ranges = study.definition().grid.ranges();
     if ranges.len() > 1 {
-        map.draw_profiles(folder)?;
+        map.draw_profiles(draft, data)?;
     }
-    if let Method::Tune(tuned) = &answer.method {
-        convergence::draw(folder, study, answer, tuned, &map.subtitle)?;
+    if let Some(plot) = map.convergence(data) {
+        draft.draw("convergence", &plot)?;
     }
     // Where nothing but joints was recorded nothing goes anywhere.
     let has_paths = !joint::is_of_joints(study);
     if has_paths {
-        plane::draw(folder, study, answer, &map.subtitle)?;
+        plane::draw(draft, study, answer, &map.subtitle)?;
     }
-    corner::draw(folder, study, answer, &map.subtitle)?;
+    corner::draw(draft, study, answer, &map.subtitle)?;
     match ranges {
-        [x] => map.draw_curve(x, folder)?,
+        [x] => draft.draw("curve", &map.curve(x))?,
         [_, _] => {
-            draw_map(folder, "heatmap", &map.slice(0, 1))?;
-            draw_map(folder, "heatmap_fitness", &map.fitness())?;
+            draft.draw("heatmap", &map.slice(0, 1))?;
+            draft.draw("heatmap_fitness", &map.fitness())?;
         }
         _ if map.cells.is_empty() => {}
         ranges => {
@@ -46,16 +50,22 @@ pub(in crate::results) fn draw(folder: &Path, study: &Study, answer: &Answer) ->
                 for second in first + 1..ranges.len() {
                     let pair = [first, second].map(|i| ranges[i].parameter.name.replace('.', "_"));
                     let stem = format!("heatmap_{}_{}", pair[0], pair[1]);
-                    draw_map(folder, &stem, &map.slice(first, second))?;
+                    draft.draw(&stem, &map.slice(first, second))?;
                 }
             }
         }
     }
-    let path = folder.join("trajectories.png");
-    match has_paths {
-        false => Ok(()),
-        true if map.cells.is_empty() => map.draw_best_panels(&path),
-        true => map.draw_panels(&path),
+    let panels = match has_paths {
+        false => None,
+        true if map.cells.is_empty() => map.best_panels(),
+        true => map.panels(),
+    };
+    if let Some(panels) = panels {
+        draft.draw_png("trajectories", &panels)?;
+    }
+    match joint::plot(study, &data.joints) {
+        Some(joints) => draft.draw("joints", &joints),
+        None => Ok(()),
     }
 }
 
@@ -65,7 +75,7 @@ struct Map<'a> {
     answer: &'a Answer,
     title: String,
     subtitle: String,
-    score_label: String,
+    score: ScoreName,
     /// The run that stands for each point of the grid; empty where there are too many parameters to show an optimizer's so.
     cells: Vec<Option<&'a PointScore>>,
     /// Cells with something that cannot be told from the best.
@@ -96,10 +106,10 @@ impl<'a> Map<'a> {
             answer,
             title: definition.name.clone() + ": distance between simulation and recordings",
             subtitle,
-            score_label: format!("{} discrepancy", definition.metric.name()),
+            score: ScoreName::of_metric(definition.metric.name(), answer.scores.unit),
             alike: match cells.is_empty() {
                 true => BTreeSet::new(),
-                false => alike(study, answer),
+                false => in_set(study, answer),
             },
             cells,
         }
@@ -117,6 +127,7 @@ impl<'a> Map<'a> {
         &self.study.definition().grid
     }
 
+    /// The score that the colour of a cell shows.
     fn score(&self, index: usize) -> Option<f64> {
         match self.answer.method {
             Method::Sweep => self.cells[index]?.score,
@@ -152,17 +163,31 @@ impl<'a> Map<'a> {
         let (x, y) = (&ranges[first], &ranges[second]);
         let best = self.best_coordinates();
         let mut coordinates = best.clone().unwrap_or_else(|| vec![0; ranges.len()]);
-        let mut scores = Vec::new();
-        let mut indistinguishable = Vec::new();
-        for iy in 0..y.points {
-            for ix in 0..x.points {
+        let point = |at: [f64; 2], score: Option<f64>| Point {
+            values: at.to_vec(),
+            score,
+            displacement_error_m: None,
+            is_indistinguishable: false,
+        };
+        let (mut points, mut in_set) = (Vec::new(), Vec::new());
+        for (iy, y_value) in y.values().into_iter().enumerate() {
+            for (ix, x_value) in x.values().into_iter().enumerate() {
                 coordinates[first] = ix;
                 coordinates[second] = iy;
                 let index = self.grid().index(&coordinates);
-                scores.push(self.score(index));
-                indistinguishable.push(self.alike.contains(&index));
+                points.push(point([x_value, y_value], self.score(index)));
+                if self.alike.contains(&index) {
+                    in_set.push(vec![x_value, y_value]);
+                }
             }
         }
+        let on_grid = points.len();
+        let place = |point: &PointScore| [point.values[first], point.values[second]];
+        points.extend(self.best().map(|best| point(place(best), best.score)));
+        let points = Points {
+            names: [x, y].map(|range| range.parameter.name.to_owned()).to_vec(),
+            points,
+        };
         let mut subtitle = self.cell_subtitle();
         if let (Some(best), true) = (&best, ranges.len() > 2) {
             let others = (0..ranges.len()).filter(|i| *i != first && *i != second);
@@ -171,23 +196,19 @@ impl<'a> Map<'a> {
             let fixed: Vec<String> = fixed.collect();
             subtitle += &format!("; slice through the best point at {}", fixed.join(", "));
         }
-        let place = |point: &PointScore| (point.values[first], point.values[second]);
+        let axes = [x.values(), y.values()];
+        let best_row = self.best().map(|_| on_grid);
         HeatMap {
-            best_at: self.best().map(place),
-            best_score: self.best().and_then(|point| point.score),
+            caption: Caption::new(self.title.clone(), subtitle),
             evaluated: match self.answer.method {
                 Method::Sweep => Vec::new(),
-                Method::Tune(_) => self.answer.scores.points.iter().map(place).collect(),
+                Method::Tune(_) => {
+                    let points = self.answer.scores.points.iter();
+                    points.map(|point| place(point).into()).collect()
+                }
             },
-            best: best.map(|best| (best[first], best[second])),
-            indistinguishable,
             truth: self.truth(x, Some(y)),
-            ..HeatMap::new(
-                Caption::new(self.title.clone(), subtitle),
-                [(axis(x), x.values()), (axis(y), y.values())],
-                scores,
-                (&self.score_label, self.answer.scores.unit),
-            )
+            ..chart::heat_map(&points, axes, on_grid, best_row, &in_set, &self.score)
         }
     }
 
@@ -197,7 +218,7 @@ impl<'a> Map<'a> {
         let places = (0..ranges[1].points)
             .flat_map(|iy| (0..ranges[0].points).map(move |ix| self.grid().index(&[ix, iy])));
         let error = |index: usize| self.cells[index]?.displacement_error_m;
-        let (name, label) = (&self.study.definition().name, &self.score_label);
+        let (name, label) = (&self.study.definition().name, &self.score.label);
         let title = format!("{name}: difference in distance travelled (fitness)");
         let subtitle = self.cell_subtitle();
         let subtitle = format!("{subtitle}; star and outline are those of {label}");
@@ -211,78 +232,70 @@ impl<'a> Map<'a> {
         }
     }
 
-    /// Values of a parameter, their scores, and whether they cannot be told from the best.
-    fn curve(
-        &self,
-        range: &Range,
-        points: impl Iterator<Item = (f64, Option<f64>, bool)>,
-    ) -> Curve {
-        let (mut x_values, mut scores, mut indistinguishable) = (vec![], vec![], vec![]);
-        for (value, score, is_in) in points {
-            x_values.push(value);
-            scores.push(score);
-            indistinguishable.push(is_in);
-        }
-        Curve {
-            caption: Caption::new(self.title.clone(), self.subtitle.clone()),
-            x: axis(range),
-            x_values,
-            scores,
-            score_label: self.score_label.clone(),
-            score_unit: self.answer.scores.unit,
-            scale: ScoreScale::Auto,
-            best: None,
-            indistinguishable,
-            truth: self.truth(range, None),
-        }
-    }
-
     /// The score to be expected at every point that was simulated, and that of the best.
-    fn draw_curve(&self, x: &Range, folder: &Path) -> Result<()> {
+    fn curve(&self, x: &Range) -> LinePlot {
         let points = &self.answer.scores.points;
         let mut order: Vec<usize> = (0..points.len()).collect();
         order.sort_by(|a, b| points[*a].values[0].total_cmp(&points[*b].values[0]));
         order.dedup_by(|a, b| points[*a].values[0] == points[*b].values[0]);
-        let is_in = |position: &usize| is_alike(self.answer, *position);
         let best = self.answer.scores.best;
-        // A run that is lucky does not lie below the best point.
-        let score = |position: &usize| {
-            let point = &points[*position];
+        // The line passes through the best point: the expected score alone may be above it.
+        let score = |position: usize| {
+            let point = &points[position];
             let expected = self.answer.expected_score(&point.values);
-            point.score.map(|own| match best == Some(*position) {
+            point.score.map(|own| match best == Some(position) {
                 true => own,
                 false => expected.unwrap_or(own),
             })
         };
-        let drawn = order.iter();
-        let curve = Curve {
-            best: order.iter().position(|p| best == Some(*p)),
-            ..self.curve(x, drawn.map(|p| (points[*p].values[0], score(p), is_in(p))))
-        };
-        both(folder, "curve", |path| draw_curve(&curve, path))
+        let drawn = order.iter().map(|&position| {
+            let is_in = is_alike(self.answer, position);
+            (points[position].values[0], score(position), is_in)
+        });
+        let best = best.filter(|best| order.contains(best));
+        LinePlot {
+            caption: Caption::new(self.title.clone(), self.subtitle.clone()),
+            best: best.map(|best| BestPoint {
+                x: points[best].values[0],
+                score: score(best),
+            }),
+            truth: self.truth(x, None),
+            ..chart::curve(x.parameter.name, drawn, &self.score)
+        }
     }
 
     /// The best score that each value of a parameter allows, whatever the others.
-    fn draw_profiles(&self, folder: &Path) -> Result<()> {
-        for (range, profile) in self.grid().ranges().iter().zip(&self.answer.profiles) {
+    fn draw_profiles(&self, draft: &mut Draft, data: &StudyData) -> Result<()> {
+        for (range, profile) in self.grid().ranges().iter().zip(&data.profiles) {
             let (name, parameter) = (&self.study.definition().name, range.parameter.name);
-            let remark = "the others wherever that is; as all runs let expect";
-            let points = profile.values.iter().zip(&profile.scores);
-            let points = points.zip(&profile.indistinguishable);
-            let points = points.map(|((value, score), is_in)| (*value, Some(*score), *is_in));
+            let remark = "the other parameters take their best values; expected from all runs";
             let title = format!("{name}: lowest score at each {parameter}");
-            let curve = Curve {
+            let plot = LinePlot {
                 caption: Caption::new(title, format!("{}; {remark}", self.subtitle)),
-                ..self.curve(range, points)
+                truth: self.truth(range, None),
+                ..chart::profile(profile, &self.score)
             };
             let stem = format!("profile_{}", range.parameter.name.replace('.', "_"));
-            both(folder, &stem, |path| draw_curve(&curve, path))?;
+            draft.draw(&stem, &plot)?;
         }
         Ok(())
     }
 
+    /// The score of every trial of an optimizer, and the best so far.
+    fn convergence(&self, data: &StudyData) -> Option<LinePlot> {
+        let Method::Tune(tuned) = &self.answer.method else {
+            return None;
+        };
+        let (name, found_by) = (&self.study.definition().name, tuned.optimizer);
+        let title = format!("{name}: what {found_by} found, point by point");
+        Some(LinePlot {
+            caption: Caption::new(title, self.subtitle.clone()),
+            ..chart::convergence(&data.trials, &self.score)?
+        })
+    }
+
     /// The nine best points' paths: an optimizer's points lie on no grid.
-    fn draw_best_panels(&self, path: &Path) -> Result<()> {
+    fn best_panels(&self) -> Option<PanelGrid> {
         let mut points: Vec<&PointScore> = self.answer.scores.points.iter().collect();
         points.retain(|point| point.score.is_some());
         points.sort_by(|a, b| {
@@ -292,12 +305,12 @@ impl<'a> Map<'a> {
         let best = points.iter().take(9).enumerate();
         let panels = best.map(|(position, point)| self.panel(point, position == 0));
         let what = "the nine best simulated paths";
-        self.draw_panel_grid(path, what, 3, panels.collect())
+        self.panel_grid(what, 3, panels.collect())
     }
 
     /// Nine panels across the first two parameters, the others at their best, reality behind; the first
     /// recording's where every recording has its own start. As figure 3 of paper 003.
-    fn draw_panels(&self, path: &Path) -> Result<()> {
+    fn panels(&self) -> Option<PanelGrid> {
         let ranges = self.grid().ranges();
         let best = self.best_coordinates();
         let mut coordinates = best.clone().unwrap_or_else(|| vec![0; ranges.len()]);
@@ -321,18 +334,12 @@ impl<'a> Map<'a> {
             }
         }
         let what = "simulated paths across the grid";
-        self.draw_panel_grid(path, what, columns.len(), panels)
+        self.panel_grid(what, columns.len(), panels)
     }
 
-    fn draw_panel_grid(
-        &self,
-        path: &Path,
-        what: &str,
-        columns: usize,
-        panels: Vec<Panel>,
-    ) -> Result<()> {
+    fn panel_grid(&self, what: &str, columns: usize, panels: Vec<Panel>) -> Option<PanelGrid> {
         if panels.is_empty() {
-            return Ok(());
+            return None;
         }
         let definition = self.study.definition();
         let settled = self.study.cases().len() == 1;
@@ -345,39 +352,30 @@ impl<'a> Map<'a> {
                 (1, shown)
             }
         };
-        let (name, label) = (&definition.name, &self.score_label);
+        let (name, label) = (&definition.name, &self.score.label);
         let title = format!("{name}: {what}, {label} above each");
         let real = self.study.real_paths().into_iter().take(most);
-        let grid = PanelGrid {
+        Some(PanelGrid {
             caption: Caption::new(title, shown),
             columns,
             panels,
             reality_m: real.map(|prepared| prepared.xy_m().to_vec()).collect(),
             reality_label: definition.source().reality_label().to_owned(),
             unit: self.answer.scores.unit,
-        };
-        draw_panels(&grid, path)
+        })
     }
 
     fn panel(&self, point: &PointScore, is_best: bool) -> Panel {
-        let shown = self.grid().ranges().iter().zip(&point.values).take(2);
-        let note = shown.map(|(range, value)| {
-            let name = range.parameter.name.rsplit('.').next().unwrap_or_default();
-            format!("{name} {}", short(*value))
-        });
-        let note: Vec<String> = note.collect();
-        let path = (!point.path_xy_m.is_empty()).then(|| point.path_xy_m.clone());
-        Panel {
-            score: point.score,
-            note: note.join(", "),
-            simulated_m: path.into_iter().collect(),
+        let ranges = self.grid().ranges().iter();
+        let names: Vec<&str> = ranges.map(|range| range.parameter.name).collect();
+        chart::panel(
+            &names,
+            &point.values,
+            point.score,
+            &point.path_xy_m,
             is_best,
-        }
+        )
     }
-}
-
-fn draw_map(folder: &Path, stem: &str, map: &HeatMap) -> Result<()> {
-    both(folder, stem, |path| draw_heat_map(map, path))
 }
 
 /// Three indices spread over `0..points`, the middle of each third, one of them moved onto the best.
@@ -395,15 +393,6 @@ fn picks(points: usize, best: Option<usize>) -> Vec<usize> {
     picks
 }
 
-/// A number as short as it can be said without losing the grid: up to four decimals.
-fn short(value: f64) -> String {
-    let text = format!("{value:.4}");
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -414,13 +403,5 @@ mod tests {
         assert_eq!(picks(21, None), [3, 10, 17]);
         assert_eq!(picks(2, Some(1)), [0, 1]);
         assert_eq!(picks(3, Some(2)), [0, 1, 2]);
-    }
-
-    #[test]
-    fn numbers_are_short() {
-        assert_eq!(
-            [short(0.43), short(1.0), short(0.05 + 0.1)],
-            ["0.43", "1", "0.15"]
-        );
     }
 }

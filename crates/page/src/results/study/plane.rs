@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::cell::is_alike;
-use crate::plot::{Caption, Cloud, both, draw_lines, plane};
+use crate::plot::{Caption, Cloud, plane};
+use crate::results::draft::Draft;
 use crate::results::ensemble::write_report;
 use crate::results::kind::file;
 use realgap_core::error::Result;
@@ -20,8 +21,8 @@ pub(in crate::results) fn write_basis(folder: &Path, answer: &Answer) -> Result<
 }
 
 /// Every run and every recording as a dot, where there are two components.
-pub(in crate::results) fn draw(
-    folder: &Path,
+pub(super) fn draw(
+    draft: &mut Draft,
     study: &Study,
     answer: &Answer,
     subtitle: &str,
@@ -71,5 +72,5 @@ pub(in crate::results) fn draw(
             cloud(definition.source().reality_label(), 1, reality),
         ],
     );
-    both(folder, "components", |path| draw_lines(&plot, path))
+    draft.draw("components", &plot)
 }

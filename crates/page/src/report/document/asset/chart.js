@@ -59,7 +59,7 @@ realgap.live = (clock, svg, tracks) => {
   clock.follow(show);
   return { renew: t => { place = places(); show(t); } };
 };
-// Draws a chart anew, in the manner of src/report/chart.rs.
+// Draws a chart anew, in the manner of src/plot/render/inline/lines.rs.
 realgap.redraw = (svg, { lines, bands = [], map = false, fromZero = false }) => {
   const [, , wide, high] = svg.getAttribute("viewBox").split(" ").map(Number);
   const [, top, , bottom] = svg.dataset.box.split(" ").map(Number);

@@ -52,6 +52,8 @@
     }
     const heat = $("heat");
     const cells = heat ? [...heat.querySelectorAll("[data-point]")] : [];
+    // The cell of each point of the grid, by the point's row.
+    const cellOf = new Map(cells.map(cell => [Number(cell.dataset.point), cell]));
     const marker = heat && realgap.svg("rect", { class: "frame chosen" }, heat);
     const words = k => points.names.map((name, axis) => name + " = " + Number(points.rows[k][0][axis].toPrecision(4))).join(", ");
     let chosen = best;
@@ -70,8 +72,8 @@
         fromZero: true, bands,
         lines: path.t.length ? recorded.map(one => ({ ...finite(path.t, apart(path, one)), kind: "sim" })) : [],
       });
-      // The best point may lie between the cells; then its own frame marks it.
-      if (marker) for (const name of ["x", "y", "width", "height"]) marker.setAttribute(name, k < cells.length ? cells[k].getAttribute(name) : 0);
+      // The best point may lie between the cells; then its star alone marks it.
+      if (marker) for (const name of ["x", "y", "width", "height"]) marker.setAttribute(name, cellOf.has(k) ? cellOf.get(k).getAttribute(name) : 0);
       const score = points.rows[k][1];
       $("chosen").textContent = words(k) + ": " + (isBest ? "the best point" : score === null ? "diverged"
         : "score " + Number(score.toPrecision(3)) + (points.rows[k][2] ? ", cannot be told from the best" : ""))
@@ -80,7 +82,7 @@
       live.forEach(one => one.renew(realgap.state().time));
     };
     cells.forEach(cell => cell.addEventListener("click", () => choose(Number(cell.dataset.point))));
-    const values = heat && [0, 1].map(axis => [...new Set(cells.map((_, k) => points.rows[k][0][axis]))].sort((a, b) => a - b));
+    const values = heat && [0, 1].map(axis => [...new Set([...cellOf.keys()].map(k => points.rows[k][0][axis]))].sort((a, b) => a - b));
     const nearest = (all, value) => all.reduce((best, v, k) => Math.abs(v - value) < Math.abs(all[best] - value) ? k : best, 0);
     if (heat) heat.addEventListener("keydown", event => {
       const by = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];

@@ -1,36 +1,36 @@
-//! A results folder's story on its way into a page.
+//! What a page of results says, in the order of its parts, before it becomes HTML.
 
+use super::page_data::PageData;
 use crate::report::document::page::{
     BAR, BLOCK, CHART, CLOCK, Page, REPLAY, SCENE, STYLE, THREE, fill, html, script_json,
 };
 use crate::report::document::section::{Section, body, contents};
-use crate::report::folder::page_data::Kept;
 
 const REPORT: &str = include_str!("../document/asset/report.js");
 
-/// What a folder says, in order.
+/// The content of a page.
 #[derive(Debug, Default)]
-pub(in crate::report) struct Story {
-    /// What it is: sweep, gap, …
+pub(in crate::report) struct PageContent {
+    /// What the results are of: sweep, gap, …
     pub kind: &'static str,
-    /// Of what.
+    /// Name of the study, the robot or the recordings.
     pub name: String,
-    /// Two sentences.
+    /// The answer in two sentences.
     pub answer: String,
-    /// What it is for.
+    /// What the study is for.
     pub description: String,
     /// Parts, in order; warnings, numbers and provenance come last.
     pub sections: Vec<Section>,
-    /// Fields of the report that the sections tell, a blank between two.
-    pub said: &'static str,
+    /// Fields of the report that the sections show, a blank between two: the section of numbers leaves them out.
+    pub shown_fields: &'static str,
     /// Data for the scripts.
     pub data: Vec<(&'static str, String)>,
 }
 
-impl Story {
-    /// The page.
-    pub fn page(self, kept: Option<&Kept>) -> String {
-        let replay = kept.and_then(|kept| kept.replay.as_ref());
+impl PageContent {
+    /// The page as HTML.
+    pub fn html(self, page_data: Option<&PageData>) -> String {
+        let replay = page_data.and_then(|data| data.replay.as_ref());
         let mut data = self.data;
         let mut scripts = vec![BLOCK, CLOCK, CHART];
         if let Some(replay) = replay {
