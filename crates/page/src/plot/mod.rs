@@ -6,11 +6,11 @@
 //! | [`PanelGrid`] | [`draw_panels`] | simulated paths at several parameter values, over the real ones |
 //! | [`LinePlot`] | [`draw_lines`] | the score over one parameter; lines, dots and bands over time or number of simulations |
 //! | [`Cloud`] | [`plane()`], [`draw_lines`] | recordings and simulations in the first two principal components |
-//! | [`BarChart`] | [`draw_bars`] | what each of many causes changes |
+//! | [`BarChart`] | [`draw_bars`] | how much each of several causes changes a result |
 //! | [`ColumnChart`] | [`draw_columns`] | a few values for each of several things |
-//! | [`Corner`] | [`draw_corner`] | draws of several quantities, each against each |
+//! | [`Corner`] | [`draw_corner`] | random draws of several quantities, each quantity against each other |
 //! | [`Stack`] | [`draw_stack`] | several quantities over one axis, one above the other |
-//! | [`JointPlot`] | [`draw_joints`] | recorded and simulated joints over time, and what is left between them |
+//! | [`JointPlot`] | [`draw_joints`] | recorded and simulated joint angles over time, and their residuals |
 //! | [`Overlay`] | [`draw_overlay`] | aligned trajectories over each other |
 //! | [`EnsemblePlot`] | [`draw_ensemble`] | repeats by behaviour, their envelope over time, the real runs |
 //! | [`Animation`] | [`draw_animation`] | a robot in motion, as the bytes of an animated PNG |
@@ -18,10 +18,10 @@
 //! | [`TextTable`] | [`TextTable::render`] | a table for the terminal |
 //!
 //! Every `draw_…` function writes PNG or SVG by the extension of the path. The file is complete or
-//! it is not there, and the same data give the same bytes. Nothing here knows where the data come
-//! from: callers fill the structs.
+//! it is not there, and the same data give the same bytes. A [`HeatMap`] and a [`LinePlot`] can also stand in a page as
+//! inline SVG. Charts do not know where their data come from: callers fill the structs.
 
-/// What every chart is drawn with.
+/// Names that every chart uses.
 mod kit {
     pub(super) use std::path::Path;
 
@@ -35,7 +35,7 @@ mod kit {
     pub(super) use super::layout::colour::*;
     pub(super) use super::layout::font::{shorten, wrap};
     pub(super) use super::layout::frame::*;
-    pub(super) use super::layout::heading::{Caption, Heading, Sheet};
+    pub(super) use super::layout::heading::{Caption, Heading, HeadingAndLegend};
     pub(super) use super::layout::legend::*;
     pub(super) use super::layout::path::*;
     pub(super) use super::layout::scale::*;

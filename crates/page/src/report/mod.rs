@@ -1,4 +1,4 @@
-//! Pages: one HTML file that explains itself, opens from disk and asks no network.
+//! Pages: HTML files that need nothing beside them, open from disk and use no network.
 //!
 //! A [`Replay`] shows a robot in motion, with its recorded runs over it; a [`ResultsPage`] what a results folder holds, with the
 //! [`PageData`] that its command keeps beside; a [`SingleReport`] what a command without a folder found. Text, tables and charts

@@ -1,4 +1,4 @@
-//! The page of one report: what a command found, without a folder of its own.
+//! The page of a single report: what a command without a results folder found.
 
 use std::path::Path;
 
@@ -9,16 +9,16 @@ use crate::report::folder::content::PageContent;
 use crate::report::folder::tree::ReportTree;
 use realgap_core::error::{Error, Result};
 
-/// What one command found.
+/// The findings of one command.
 #[derive(Debug)]
 pub struct SingleReport<'a> {
-    /// What it is of: `sensor`, `radio`, …
+    /// The kind of findings: `sensor`, `radio`, …
     pub kind: &'static str,
-    /// Of what, e.g. the log's name.
+    /// What the findings are about, e.g. the name of the log.
     pub name: &'a str,
-    /// As the command prints it: its first line is the answer.
+    /// The text that the command prints: its first line is the answer.
     pub text: &'a str,
-    /// The same as data.
+    /// The findings as data.
     pub report: &'a ReportTree,
     /// Pictures that were drawn of it.
     pub pictures: &'a [&'a Path],

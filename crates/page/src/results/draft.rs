@@ -1,4 +1,4 @@
-//! Results take the place of older ones all at once.
+//! Publishing results: they replace older results all at once.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -15,7 +15,7 @@ use realgap_core::file::{SEAL_FILE, Seal, write_atomic};
 /// Name of the folder in which results wait until all of them are written; no other program uses this name.
 const DRAFT: &str = ".realgap-draft";
 
-/// A results folder on its way: its files stand in a folder of their own until all of them are written.
+/// A results folder that is being written: its files stand in a folder of their own until all of them are there.
 pub(super) struct Draft {
     folder: PathBuf,
     pictures: Pictures,
@@ -205,7 +205,7 @@ mod tests {
         assert!(!folder.path().join(DRAFT).exists());
     }
 
-    /// Who is killed between results and page has the old page, if that says what the results say.
+    /// A run that is killed between results and page leaves the old page, if that page belongs to equal results.
     #[test]
     fn a_page_goes_with_the_results_that_it_is_of() {
         let folder = tempfile::tempdir().unwrap();
@@ -243,7 +243,7 @@ mod tests {
             "old"
         );
         assert_eq!(names(folder.path()), ["points.csv"]);
-        // A draft that was left by a kill is no obstacle.
+        // A draft that a killed run has left is no obstacle.
         fs::create_dir(folder.path().join(DRAFT)).unwrap();
         fs::write(folder.path().join(DRAFT).join("points.csv"), "half").unwrap();
         publish(folder.path(), Kind::Gap, |_| Ok(())).unwrap();

@@ -17,10 +17,10 @@ use realgap_lab::prediction::ensemble::{
 use realgap_lab::prediction::{Card, EnsembleReport};
 use realgap_path::trajectory::Source;
 
-/// More paths of one behaviour than this are not told apart in a picture.
+/// The largest number of paths of one behaviour in a picture: more could not be distinguished.
 const PATHS_DRAWN: usize = 120;
 
-/// An ensemble with what is said about it.
+/// An ensemble with its forecast and recordings.
 #[derive(Debug)]
 pub(super) struct EnsembleResult<'a> {
     /// The repeats.
@@ -73,7 +73,7 @@ pub fn write_ensemble(folder: &Path, report: &EnsembleReport) -> Result<ResultsP
         write_report(draft.folder(), file::ENSEMBLE, report)?;
         draft.table(file::REPEATS, &repeats(&results))?;
         for (index, (_, result)) in results.iter().enumerate().take(PICTURES) {
-            // The first has the name that is always there; more than one are numbered.
+            // The first picture always has the same name; further ones are numbered.
             let stem = match index {
                 0 => "ensemble".to_owned(),
                 _ => format!("ensemble_{index:03}"),
@@ -105,7 +105,7 @@ pub fn write_prediction(folder: &Path, card: &Card, ensemble: &Ensemble) -> Resu
     })
 }
 
-/// One row a repeat: what was drawn and what came of it. `cases` are ensembles with a name each.
+/// One row a repeat: the random draw and its outcome. `cases` are ensembles with a name each.
 fn repeats(cases: &[(&str, EnsembleResult<'_>)]) -> CsvTable {
     let all = cases.iter().flat_map(|(name, case)| {
         let repeats = case.ensemble.repeats.iter();
@@ -179,7 +179,7 @@ pub(super) fn draw_repeats(draft: &mut Draft, stem: &str, case: &EnsembleResult<
         return Ok(());
     };
     let summary = case.summary;
-    // Sums of steps have digits that nobody set.
+    // A sum of time steps has rounding errors in its last digits.
     let duration_s = (1e3 * summary.duration_s).round() / 1e3;
     let incomplete = if summary.complete { "" } else { "INCOMPLETE: " };
     let mut subtitle = format!(

@@ -20,7 +20,7 @@ pub enum Kind {
     Prediction,
 }
 
-/// Files of results folders: whoever writes or reads one takes its name from here.
+/// Names of the files of results folders, for all code that writes or reads one.
 pub(crate) mod file {
     pub(crate) const SUMMARY: &str = "summary.json";
     pub(crate) const POINTS: &str = "points.csv";
@@ -38,7 +38,7 @@ pub(crate) mod file {
     pub(crate) const GAP: &str = "gap.json";
     pub(crate) const PREDICTION: &str = "prediction.json";
     pub(crate) const TIMING: &str = "timing.json";
-    /// What a command leaves for people to open, and what it keeps for that.
+    /// The page, and the data that only the page needs.
     pub(crate) const PAGE: [&str; 2] = ["report.html", "page.json"];
 }
 

@@ -1,4 +1,4 @@
-//! Bars: what each of many causes changes, largest first.
+//! Bars: how much each of several causes changes a result, the largest change first.
 
 use crate::plot::kit::*;
 use realgap_core::statistics::ends_of;
@@ -30,7 +30,7 @@ pub struct BarChart {
     pub unit: Unit,
     /// The bars, from top to bottom.
     pub bars: Vec<Bar>,
-    /// Changes below this cannot be told from chance; shaded.
+    /// Changes smaller than this may be chance; the range is shaded.
     pub noise: Option<f64>,
 }
 
@@ -76,13 +76,13 @@ impl Picture for BarChart {
         ];
         let entries = entries.into_iter();
         let entries = entries.filter_map(|(c, text)| Some((Symbol::Shade(c), text?.to_owned())));
-        let sheet = Sheet::new(&self.caption, entries.collect(), WIDTH, MARGIN);
-        let bottom = sheet.draw(canvas, height);
+        let surround = HeadingAndLegend::new(&self.caption, entries.collect(), WIDTH, MARGIN);
+        let bottom = surround.draw(canvas, height);
         let x = Scale::linear(low - room, high + room);
         let x_ticks = x.ticks(7);
         let corner = (WIDTH - MARGIN, bottom - BELOW_LABEL);
         let y = Scale::linear(0.0, 1.0);
-        let frame = Frame::new((MARGIN + NAMES, sheet.top()), corner, [x, y]);
+        let frame = Frame::new((MARGIN + NAMES, surround.top()), corner, [x, y]);
         if let Some(noise) = self.noise {
             let edge = noise * unit.factor;
             let (from, to) = (frame.at_x(-edge), frame.at_x(edge));

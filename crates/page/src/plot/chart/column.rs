@@ -67,8 +67,8 @@ impl Picture for ColumnChart {
         let entries = self.series.iter().enumerate();
         let entries =
             entries.map(|(i, s)| (Symbol::Shade(stroke_of(i, 1.0).colour), s.label.clone()));
-        let sheet = Sheet::new(&self.caption, entries.collect(), WIDTH, MARGIN);
-        let bottom = sheet.draw(canvas, HEIGHT);
+        let surround = HeadingAndLegend::new(&self.caption, entries.collect(), WIDTH, MARGIN);
+        let bottom = surround.draw(canvas, HEIGHT);
         let (low, high) = ends_of(self.values().chain([0.0]));
         let room = 0.05 * (high - low);
         let values: Vec<f64> = self.values().collect();
@@ -80,7 +80,7 @@ impl Picture for ColumnChart {
         let corner = (WIDTH - MARGIN, bottom - BELOW_TICKS);
         let x = Scale::linear(0.0, self.groups.len() as f64);
         let left = MARGIN + left_of_label(&ticks);
-        let frame = Frame::new((left, sheet.top()), corner, [x, y]);
+        let frame = Frame::new((left, surround.top()), corner, [x, y]);
         frame.draw_grid(canvas, &[], &ticks);
         let group = (frame.right - frame.left) / self.groups.len() as f64;
         let column = group * (1.0 - BETWEEN) / self.series.len().max(1) as f64;
@@ -93,7 +93,7 @@ impl Picture for ColumnChart {
             for (place, series) in self.series.iter().enumerate() {
                 let x = left + column * place as f64;
                 match series.values[index].filter(|v| v.is_finite()) {
-                    // Nothing to see is not nothing there: 0 is drawn as a line.
+                    // A value of 0 is drawn as a line, so that it differs from a missing value.
                     Some(value) => {
                         let top = frame.at_y(value);
                         let (from, to) = (top.min(zero - 2.0), zero.max(top));

@@ -1,4 +1,4 @@
-//! Corner: what draws of many quantities leave possible of each, and which of them go together.
+//! Corner plot: the distribution of random draws of several quantities, and which of the quantities are correlated.
 
 use crate::plot::kit::*;
 use realgap_core::statistics::ends_of;
@@ -44,7 +44,7 @@ pub fn draw_corner(corner: &Corner, path: impl AsRef<Path>) -> Result<()> {
 }
 
 struct Layout {
-    sheet: Sheet,
+    surround: HeadingAndLegend,
     scales: Vec<Scale>,
     panel: f64,
     /// Corner of the first panel.
@@ -116,11 +116,11 @@ impl Corner {
         }
         let all = count * (panel + GAP) - GAP;
         let width = (2.0 * MARGIN + beside + all).max(LEAST_WIDTH).ceil();
-        let sheet = Sheet::new(&self.caption, self.legend(), width, MARGIN);
+        let surround = HeadingAndLegend::new(&self.caption, self.legend(), width, MARGIN);
         Layout {
             left: (0.5 * (width - beside - all) + beside).round(),
-            top: sheet.top().round(),
-            sheet,
+            top: surround.top().round(),
+            surround,
             scales,
             panel,
             below,
@@ -306,12 +306,12 @@ impl Picture for Corner {
     fn size(&self) -> (u32, u32) {
         let layout = self.layout();
         let all = self.axes.len() as f64 * (layout.panel + GAP) - GAP;
-        layout.sheet.around(layout.width, all + layout.below)
+        layout.surround.around(layout.width, all + layout.below)
     }
 
     fn draw(&self, canvas: &mut Canvas) {
         let layout = self.layout();
-        layout.sheet.draw(canvas, f64::from(self.size().1));
+        layout.surround.draw(canvas, f64::from(self.size().1));
         for row in 0..self.axes.len() {
             for column in 0..self.axes.len() {
                 self.draw_panel(canvas, &layout, [row, column]);
@@ -334,7 +334,7 @@ fn number_letter() -> Letter {
 }
 
 fn ticks(scale: &Scale) -> Vec<Tick> {
-    // One number alone says nothing of the scale.
+    // One number alone does not show the scale.
     let mut tries = (3..=6).map(|count| scale.ticks(count));
     let enough = tries.find(|ticks| ticks.len() > 1);
     enough.unwrap_or_else(|| scale.ticks(3))

@@ -23,21 +23,21 @@ fn whole_path() -> Stroke {
     Stroke::new(2.2, BLUE).dashed(Some((5.0, 4.0)))
 }
 
-/// Repeats that do the same.
+/// Repeats with the same behaviour.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnsembleGroup {
     /// Its name and how likely it is, for the legend.
     pub label: String,
     /// Paths of its repeats (or of some of them), metres.
     pub paths_m: Vec<Vec<PathPoint>>,
-    /// The path that stands for all, metres; may be empty.
+    /// The typical path of the group, metres; may be empty.
     pub representative_m: Vec<PathPoint>,
 }
 
 /// A region over time, as its extent along x and along y.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnsembleBand {
-    /// Probability that it should hold, from 0 to 1.
+    /// The share of repeats that the region should contain, from 0 to 1.
     pub level: f64,
     /// Lower ends at each time, metres.
     pub low_m: Vec<PathPoint>,
@@ -74,7 +74,7 @@ pub fn draw_ensemble(plot: &EnsemblePlot, path: impl AsRef<Path>) -> Result<()> 
     picture::write(plot, path.as_ref())
 }
 
-/// The colour of a band: the more it should hold, the fainter. From 45 % of blue at one half down to 10 % at 90 %.
+/// The colour of a band: the more repeats it should contain, the paler. From 45 % of blue for half of them to 10 % for 90 %.
 fn shade(level: f64) -> RGBColor {
     tint(BLUE, (0.45 - 0.875 * (level - 0.5)).clamp(0.08, 0.6))
 }
@@ -117,7 +117,7 @@ impl EnsemblePlot {
         [paths, over_time(0), over_time(1)]
     }
 
-    fn sheet(&self) -> Sheet {
+    fn heading_and_legend(&self) -> HeadingAndLegend {
         let mut entries = Vec::new();
         for (index, group) in self.groups.iter().enumerate() {
             entries.push((Symbol::Line(stroke_of(index, 4.5)), group.label.clone()));
@@ -137,7 +137,7 @@ impl EnsemblePlot {
             let text = format!("{:.0} % of whole paths stay inside", 100.0 * band.level);
             entries.push((Symbol::Line(whole_path()), text));
         }
-        Sheet::new(&self.caption, entries, WIDTH, MARGIN)
+        HeadingAndLegend::new(&self.caption, entries, WIDTH, MARGIN)
     }
 
     fn above(&self) -> Above {
@@ -229,14 +229,14 @@ impl Picture for EnsemblePlot {
 
     fn size(&self) -> (u32, u32) {
         let room = self.above().height + BELOW_LABEL + GAP + OVER_TIME + BELOW_LABEL;
-        self.sheet().around(WIDTH, room)
+        self.heading_and_legend().around(WIDTH, room)
     }
 
     fn draw(&self, canvas: &mut Canvas) {
-        let (sheet, above) = (self.sheet(), self.above());
-        let top = sheet.top().round();
+        let (surround, above) = (self.heading_and_legend(), self.above());
+        let top = surround.top().round();
         let lower = (top + above.height + BELOW_LABEL + GAP).round();
-        sheet.draw_around(canvas, lower + OVER_TIME + BELOW_LABEL);
+        surround.draw_around(canvas, lower + OVER_TIME + BELOW_LABEL);
         let label = "x along the net displacement (cm)";
         above.draw(canvas, top, label, |canvas, frame| {
             self.draw_paths(canvas, frame);

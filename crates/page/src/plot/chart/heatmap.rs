@@ -1,4 +1,5 @@
-//! Heat map: the score over two parameters, with the best point and all that cannot be told from it.
+//! Heat map: the score over two parameters, with the best point and the confidence set: the values that cannot be told from
+//! the best.
 
 use crate::plot::kit::*;
 
@@ -44,7 +45,7 @@ pub struct HeatMap {
     pub truth: Option<Truth>,
     /// Where the scores come from, if that is not every cell: each point gets a dot.
     pub evaluated: Vec<(f64, f64)>,
-    /// Bright is a large score, as for a fitness; otherwise a small one, as for a distance.
+    /// Whether bright cells have large scores, as a fitness has; otherwise bright cells have small scores, as a distance has.
     pub larger_is_better: bool,
     /// The row of a table of points that each cell shows, in the order of `scores`, so that a page can choose the point;
     /// empty for none.
@@ -292,8 +293,9 @@ impl Picture for HeatMap {
         let (unit, scores) = self.score_scale(&finite);
         let bar_ticks = scores.ticks(7);
 
-        let sheet = Sheet::new(&self.caption, self.legend(&finite, unit), WIDTH, MARGIN);
-        let bottom = sheet.draw(canvas, HEIGHT);
+        let surround =
+            HeadingAndLegend::new(&self.caption, self.legend(&finite, unit), WIDTH, MARGIN);
+        let bottom = surround.draw(canvas, HEIGHT);
 
         let [x, y] = self.scales();
         let [x_ticks, y_ticks] = self.ticks([&x, &y], [7, 8]);
@@ -303,7 +305,11 @@ impl Picture for HeatMap {
         };
         let left = MARGIN + left_of_label(&y_ticks);
         let right = WIDTH - MARGIN + 8.0 - right_of_frame;
-        let frame = Frame::new((left, sheet.top()), (right, bottom - BELOW_LABEL), [x, y]);
+        let frame = Frame::new(
+            (left, surround.top()),
+            (right, bottom - BELOW_LABEL),
+            [x, y],
+        );
         self.draw_cells(canvas, &frame, &scores, unit.factor);
         frame.draw_outline(canvas);
         frame.draw_x_axis(canvas, &x_ticks, &self.x.title());

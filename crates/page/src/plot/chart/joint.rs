@@ -1,4 +1,4 @@
-//! Joints: recorded and simulated angles over time, a panel each, with what is left between the two below.
+//! Joints: recorded and simulated angles over time, a panel for each joint, with the residuals below.
 
 use crate::plot::kit::*;
 use crate::plot::{LinePlot, Series, SeriesKind};
@@ -15,7 +15,7 @@ const RESIDUALS: f64 = 165.0;
 const ROW_GAP: f64 = 14.0;
 const MRAD: f64 = 1e3;
 const ROOM: f64 = 0.07;
-/// Less than this is not seen to move: what an encoder tells apart.
+/// A joint that moves less than this counts as still: it is the resolution of an encoder.
 const STILL_RAD: f64 = 1e-3;
 
 /// One joint.
@@ -106,7 +106,7 @@ fn scales(joint: &JointPanel) -> [Scale; 2] {
 }
 
 impl JointPlot {
-    fn sheet(&self) -> Sheet {
+    fn heading_and_legend(&self) -> HeadingAndLegend {
         let line = |colour, width| Symbol::Line(Stroke::new(width, colour));
         let (left, spread) = (line(VERMILLION, 2.0), Symbol::Shade(SHADE));
         let entries = [
@@ -116,7 +116,7 @@ impl JointPlot {
             (spread, "90 % of the residuals of all recordings"),
         ];
         let entries = entries.map(|(symbol, text)| (symbol, text.to_owned()));
-        Sheet::new(&self.caption, entries.into(), WIDTH, MARGIN)
+        HeadingAndLegend::new(&self.caption, entries.into(), WIDTH, MARGIN)
     }
 
     fn columns(&self) -> usize {
@@ -185,13 +185,13 @@ impl Picture for JointPlot {
 
     fn size(&self) -> (u32, u32) {
         let rows = self.joints.len().div_ceil(self.columns()) as f64;
-        self.sheet()
+        self.heading_and_legend()
             .around(WIDTH, rows * self.row_height() - ROW_GAP)
     }
 
     fn draw(&self, canvas: &mut Canvas) {
-        let sheet = self.sheet();
-        sheet.draw(canvas, f64::from(self.size().1));
+        let surround = self.heading_and_legend();
+        surround.draw(canvas, f64::from(self.size().1));
         let columns = self.columns();
         let column = (WIDTH - 2.0 * MARGIN - COLUMN_GAP * (columns as f64 - 1.0)) / columns as f64;
         // One room for the numbers of all panels, so that their frames stand below each other.
@@ -202,7 +202,7 @@ impl Picture for JointPlot {
             let (row, place) = ((index / columns) as f64, (index % columns) as f64);
             let left = MARGIN + place * (column + COLUMN_GAP);
             let sides = [(left + beside).round(), (left + column).round()];
-            let top = (sheet.top() + row * self.row_height()).round();
+            let top = (surround.top() + row * self.row_height()).round();
             self.draw_joint(canvas, joint, sides, top);
         }
     }

@@ -212,6 +212,9 @@ impl LinePlot {
             return Scale::linear(edges[0], edges[edges.len() - 1]);
         }
         let (low, high) = ends_of(finite_points(&self.series).map(|(x, _)| x));
+        if low > high {
+            return Scale::linear(0.0, 1.0);
+        }
         // A line may end at the frame; a dot there would be cut in half.
         let only_dots = self.series.iter().all(|s| s.kind == SeriesKind::Dots);
         let room = if only_dots { 0.03 * (high - low) } else { 0.0 };
@@ -465,9 +468,9 @@ impl Picture for LinePlot {
 
     fn draw(&self, canvas: &mut Canvas) {
         let unit = self.display_unit();
-        let sheet = Sheet::new(&self.caption, self.legend(unit), WIDTH, MARGIN);
+        let surround = HeadingAndLegend::new(&self.caption, self.legend(unit), WIDTH, MARGIN);
         let strip = if self.diverged() > 0 { STRIP } else { 0.0 };
-        let (top, bottom) = (sheet.top(), sheet.draw(canvas, HEIGHT) - BELOW_LABEL);
+        let (top, bottom) = (surround.top(), surround.draw(canvas, HEIGHT) - BELOW_LABEL);
         let room = (WIDTH - MARGIN - MARGIN, bottom - top);
         let [x, y] = self.scales(unit.factor, room);
         let x_ticks = self.x_ticks(&x, 9);

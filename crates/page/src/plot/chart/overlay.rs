@@ -44,7 +44,7 @@ impl Overlay {
         Above::new(all.map(|path| &path.points_m), SHAPE, WIDTH, MARGIN)
     }
 
-    fn sheet(&self) -> Sheet {
+    fn heading_and_legend(&self) -> HeadingAndLegend {
         let discrepancies = self.others.iter().filter_map(|path| path.discrepancy);
         let unit = DisplayUnit::for_values(self.unit, discrepancies);
         let text = |path: &OverlayPath| match path.discrepancy {
@@ -64,7 +64,7 @@ impl Overlay {
         if let Some(more @ 1..) = self.others.len().checked_sub(LEGEND_ENTRIES) {
             entries.push((Symbol::Shade(WHITE), format!("… and {more} more")));
         }
-        Sheet::new(&self.caption, entries, WIDTH, MARGIN)
+        HeadingAndLegend::new(&self.caption, entries, WIDTH, MARGIN)
     }
 }
 
@@ -78,13 +78,13 @@ impl Picture for Overlay {
 
     fn size(&self) -> (u32, u32) {
         let room = self.above().height + BELOW_LABEL;
-        self.sheet().around(WIDTH, room)
+        self.heading_and_legend().around(WIDTH, room)
     }
 
     fn draw(&self, canvas: &mut Canvas) {
-        let (sheet, above) = (self.sheet(), self.above());
-        let top = sheet.top().round();
-        sheet.draw_around(canvas, top + above.height + BELOW_LABEL);
+        let (surround, above) = (self.heading_and_legend(), self.above());
+        let top = surround.top().round();
+        surround.draw_around(canvas, top + above.height + BELOW_LABEL);
         above.draw(canvas, top, "x (cm)", |canvas, frame| {
             let black = Stroke::new(5.0, INK);
             draw_path(canvas, frame, &self.reference.points_m, black);

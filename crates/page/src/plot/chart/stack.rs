@@ -74,9 +74,9 @@ impl Stack {
         self.rows.len() as f64 * ROW_HEIGHT + gaps * GAP + own * BELOW_LABEL
     }
 
-    fn sheet(&self) -> Sheet {
+    fn heading_and_legend(&self) -> HeadingAndLegend {
         let first = self.rows.first().map_or(&[][..], |row| &row.series);
-        Sheet::new(&self.caption, legend(first), WIDTH, MARGIN)
+        HeadingAndLegend::new(&self.caption, legend(first), WIDTH, MARGIN)
     }
 }
 
@@ -93,20 +93,20 @@ impl Picture for Stack {
     fn size(&self) -> (u32, u32) {
         let shared = self.rows.last().is_some_and(|row| row.x.is_none());
         let plots = self.rows_height() + if shared { BELOW_LABEL } else { 0.0 };
-        self.sheet().around(WIDTH, plots)
+        self.heading_and_legend().around(WIDTH, plots)
     }
 
     fn draw(&self, canvas: &mut Canvas) {
         let height = f64::from(self.size().1);
-        let sheet = self.sheet();
-        sheet.draw(canvas, height);
+        let surround = self.heading_and_legend();
+        surround.draw(canvas, height);
 
         let shared = self.rows.iter().filter(|row| row.x.is_none());
         let shared_x = x_scale(shared.flat_map(|row| finite_points(&row.series)));
         let axes: Vec<Axis<'_>> = self.rows.iter().map(Axis::new).collect();
         let lefts = axes.iter().map(|axis| left_of_label(&axis.y.ticks(5)));
         let left = MARGIN + lefts.fold(0.0, f64::max);
-        let mut top = sheet.top();
+        let mut top = surround.top();
         for (index, axis) in axes.iter().enumerate() {
             let y_ticks = axis.y.ticks(5);
             let (spec, x) = match &axis.row.x {

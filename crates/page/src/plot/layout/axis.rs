@@ -49,7 +49,7 @@ impl AxisSpec {
         }
     }
 
-    /// Parameters keep their unit: people compare the axis with what they typed.
+    /// Parameters keep their unit, because users compare the axis with the values that they typed.
     fn display_unit(&self) -> DisplayUnit {
         DisplayUnit::for_size(self.unit, f64::INFINITY)
     }
@@ -62,7 +62,7 @@ pub struct Truth {
     pub x: f64,
     /// Value on the vertical axis of a heat map.
     pub y: f64,
-    /// What the legend says, e.g. `hidden value of the stand-in`.
+    /// The text of the legend, e.g. `hidden value of the stand-in`.
     pub label: String,
 }
 
@@ -84,7 +84,7 @@ pub(in crate::plot) fn check_values(what: &str, values: &[f64]) -> Result<()> {
     Ok(())
 }
 
-/// Conclusion that there is nothing to draw.
+/// The error for a chart without data.
 pub(in crate::plot) fn nothing(what: &str, allowed: &str) -> Error {
     let error = Error::invalid("there is nothing to draw");
     error.field(what).allowed(allowed)

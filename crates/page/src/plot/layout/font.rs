@@ -12,7 +12,7 @@ pub(in crate::plot) fn shorten(text: &str, weight: Weight, size: f64, width: f64
     }
     let mut kept: Vec<char> = text.chars().collect();
     loop {
-        // Long texts first lose what surely does not fit, so that this stays cheap.
+        // Long texts first lose a twentieth at a time, so that shortening stays cheap.
         let step = (kept.len() / 20).max(1);
         kept.truncate(kept.len() - step.min(kept.len()));
         let candidate = format!("{}…", kept.iter().collect::<String>().trim_end());

@@ -68,7 +68,7 @@ impl Frame {
         self.bottom - self.y.share(value).clamp(0.0, 1.0) * (self.bottom - self.top)
     }
 
-    /// Conclusion in the middle that there is nothing to see.
+    /// Writes into the middle of the frame that every simulation diverged.
     pub(in crate::plot) fn draw_nothing(&self, canvas: &mut Canvas) {
         let x = (self.left + self.right) / 2.0;
         let y = (self.top + self.bottom) / 2.0;

@@ -9,7 +9,7 @@ const SUBTITLE_SIZE: f64 = 21.0;
 const SUBTITLE_LINES: usize = 2;
 const LEADING: f64 = 1.3;
 
-/// What stands above a picture.
+/// The title and the subtitle above a picture.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Caption {
     /// What is shown.
@@ -29,13 +29,13 @@ impl Caption {
 }
 
 /// A heading and a legend, with the room for a plot between them.
-pub(in crate::plot) struct Sheet {
+pub(in crate::plot) struct HeadingAndLegend {
     heading: Heading,
     legend: Legend,
     margin: f64,
 }
 
-impl Sheet {
+impl HeadingAndLegend {
     pub(in crate::plot) fn new(
         caption: &Caption,
         legend: Vec<(Symbol, String)>,

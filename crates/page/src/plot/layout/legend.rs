@@ -8,7 +8,7 @@ const SYMBOL_WIDTH: f64 = 40.0;
 const SYMBOL_GAP: f64 = 10.0;
 const ENTRY_GAP: f64 = 34.0;
 
-/// What stands for something in the picture.
+/// A symbol of the legend.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::plot) enum Symbol {
     Line(Stroke),
@@ -73,15 +73,15 @@ impl Legend {
     }
 }
 
-/// What the star stands for.
+/// The text of the legend for the star: the best point.
 pub(in crate::plot) fn best_text(unit: DisplayUnit, score: Option<f64>, place: &str) -> String {
     let score = score.map_or("diverged".to_string(), |score| unit.format(score));
     format!("best: {score} at {place}")
 }
 
-/// What is marked as not told from the best, where there is some.
+/// The text of the legend for the confidence set; `None` where the set is empty.
 pub(in crate::plot) fn alike_text(indistinguishable: &[bool]) -> Option<String> {
-    // How many stands where points are counted: a picture counts its own cells.
+    // The legend gives no count: a picture would count its own cells, while the report counts points.
     let any = indistinguishable.contains(&true);
     any.then(|| "cannot be told from the best".to_owned())
 }

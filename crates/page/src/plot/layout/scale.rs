@@ -108,7 +108,7 @@ impl Scale {
         }
     }
 
-    /// What to add to the label of the scale: people must know when a colour bar is not linear.
+    /// What to add to the label of the scale, so that readers notice a colour bar that is not linear.
     pub(in crate::plot) fn remark(&self) -> &'static str {
         match (self.is_log, self.is_clipped) {
             (false, false) => "",

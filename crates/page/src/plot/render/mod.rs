@@ -50,7 +50,7 @@ pub fn check_picture_path(path: impl AsRef<Path>) -> Result<()> {
     check_writable(path)
 }
 
-/// More pictures side by side would be smaller than their titles.
+/// The largest number of pictures side by side: more would be narrower than their titles.
 const COLUMNS_AT_MOST: usize = 6;
 const CELLS_AT_MOST: usize = 60;
 

@@ -15,7 +15,7 @@ const HEAD: f64 = 58.0;
 const KEY: f64 = 44.0;
 /// Height of the room for the robot as a share of its width.
 const SHAPE: std::ops::RangeInclusive<f64> = 0.42..=0.8;
-/// What was recorded, as on the pages.
+/// The colour of recordings, the same as on the pages.
 const RECORDED: RGBColor = RGBColor(0, 138, 100);
 const OTHER: RGBColor = RGBColor(169, 163, 154);
 const SHADOW: RGBColor = RGBColor(222, 222, 219);
@@ -57,12 +57,12 @@ pub struct Moment {
     pub outlines: Vec<Surface>,
 }
 
-/// All of it.
+/// A whole animation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Animation {
     /// What is shown.
     pub title: String,
-    /// What the run, and what was recorded, is called in the legend.
+    /// Names of the run and of the recordings in the legend.
     pub labels: [String; 2],
     /// Corners of the floor, in a circle.
     pub floor_m: [[f64; 3]; 4],
@@ -70,7 +70,7 @@ pub struct Animation {
     pub floor_rise: [f64; 2],
     /// Paths.
     pub traces: Vec<Trace>,
-    /// What stands still.
+    /// Bodies that do not move.
     pub fixed: Vec<Surface>,
     /// At least one, at equal intervals.
     pub moments: Vec<Moment>,
@@ -79,7 +79,7 @@ pub struct Animation {
 }
 
 impl Trace {
-    /// Where it is at a time; its end afterwards.
+    /// The place at a time; the last place after the end.
     fn place_m(&self, time_s: f64) -> Option<[f64; 3]> {
         let after = self.times_s.partition_point(|t| *t <= time_s);
         let before = after.checked_sub(1)?;
@@ -93,8 +93,8 @@ impl Trace {
     }
 }
 
-/// Draws an animation: the bytes of an animated PNG file, which plays for ever. Programs that know no animation show its first
-/// moment.
+/// Draws an animation: the bytes of an animated PNG file, which plays in an endless loop. Programs that do not support animated
+/// PNG show the first moment.
 ///
 /// # Errors
 /// No moment.
@@ -250,7 +250,7 @@ impl Frame<'_> {
         }
     }
 
-    /// Where each path is, and a line from the run to what was recorded.
+    /// Draws each path, and a line from the run to each recording.
     fn draw_points(&self, canvas: &mut Canvas) {
         let now = |trace: &Trace| Some(self.room.place(trace.place_m(self.moment.time_s)?));
         let traces = &self.animation.traces;

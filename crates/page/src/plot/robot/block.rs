@@ -1,4 +1,4 @@
-//! Robots seen from the side and above: parallel projection, shaded faces, far boxes first.
+//! Boxes of robots seen from the side and above, in parallel projection: shaded faces, the farthest box drawn first.
 
 use nalgebra::Isometry3;
 
@@ -42,7 +42,7 @@ pub struct DrivenFace {
     pub motion: Motion,
 }
 
-/// A piece of a robot, metres, z up: a box along the axes, or whatever surface is inside of that.
+/// A piece of a robot, in metres, z up: a box along the axes, or a surface inside of such a box.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Block {
     /// Lower corner.
@@ -51,7 +51,7 @@ pub struct Block {
     pub upper_m: [f64; 3],
     /// What it stands for.
     pub kind: BlockKind,
-    /// The driven face, if it has one. Of a plate: the side that it turns on its cube.
+    /// The driven face, if the block has one. Of a plate it is the side on which the plate turns against its cube.
     pub driven: Option<DrivenFace>,
     /// Its surface, unless it is the box itself.
     pub surface: Option<Surface>,
@@ -85,7 +85,7 @@ impl Block {
         ends.copied().all(f64::is_finite)
     }
 
-    /// Whether the way from a point to the viewer leads through the box.
+    /// Whether the line from a point to the viewer passes through the box.
     fn hides(&self, point: [f64; 3]) -> bool {
         const TOUCH_M: f64 = 1e-4;
         let ahead = view();
@@ -113,7 +113,7 @@ impl Block {
     }
 }
 
-/// The middle of a face of this box that no block stands before: the top, else a side; else its centre.
+/// The middle of a face of this box that no other block hides: of the top if possible, else of a side, else the centre of the box.
 pub(in crate::plot) fn seen_at(blocks: &[Block], lower_m: [f64; 3], upper_m: [f64; 3]) -> [f64; 3] {
     let centre = middle(lower_m, upper_m);
     let faces = [2, 1, 0].map(|axis| {
@@ -148,7 +148,7 @@ fn floor(blocks: &[Block]) -> Option<[[f64; 3]; 4]> {
     Some([[x0, y0], [x1, y0], [x1, y1], [x0, y1]].map(|[x, y]| [x, y, z]))
 }
 
-/// Where the visible face of an axis is, of a box with these corners.
+/// The coordinate of the visible face of an axis, for a box with these corners.
 fn visible_m(axis: usize, ends_m: [[f64; 3]; 2]) -> f64 {
     ends_m[usize::from(VISIBLE_POSITIVE[axis])][axis]
 }
@@ -242,12 +242,12 @@ fn band(axis: usize, driven: DrivenFace) -> Option<[(f64, f64); 2]> {
     match (driven.axis + 3 - axis) % 3 {
         1 => Some([strip, WHOLE]),
         2 => Some([WHOLE, strip]),
-        // The face itself, where a module is glued onto it, shows only if nothing is.
+        // The driven face itself is visible only where no module is glued onto it.
         _ => (driven.positive == VISIBLE_POSITIVE[axis]).then_some([WHOLE, WHOLE]),
     }
 }
 
-/// An arrow round the middle of a plate, the way of a positive angle.
+/// An arrow around the middle of a plate, in the direction of a positive angle.
 fn draw_turn(
     canvas: &mut Canvas,
     block: &Block,
@@ -256,7 +256,7 @@ fn draw_turn(
     line: f64,
 ) {
     let white = tint(SPIN, 0.0);
-    // Right-handed about the outward normal: the other way round where that looks to smaller coordinates.
+    // The rotation is right-handed about the outward normal, so it is reversed where the normal points to smaller coordinates.
     let sense = if VISIBLE_POSITIVE[axis] { 1.0 } else { -1.0 };
     let at = |degrees: f64, radius: f64| {
         let (sin, cos) = (sense * degrees).to_radians().sin_cos();
@@ -271,7 +271,7 @@ fn draw_turn(
     canvas.polygon(&[at(276.0, 0.17), tip, at(276.0, 0.38)], white);
 }
 
-/// A bar with ends: what a length of the picture is.
+/// A scale bar: it shows how long a distance in the picture is.
 pub(in crate::plot) fn draw_length(
     canvas: &mut Canvas,
     (left, right): Point,

@@ -39,7 +39,7 @@ pub struct ModuleName {
     pub is_tracked: bool,
 }
 
-/// What a servo is told.
+/// The commanded angles of a servo.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Command {
     /// Its name.
@@ -53,13 +53,13 @@ pub struct Command {
 pub struct GalleryRobot {
     /// Its name.
     pub title: String,
-    /// What to know about it, e.g. `3 modules, 0.16 m in 20 s`; may be empty.
+    /// A line below the name, e.g. `3 modules, 0.16 m in 20 s`; may be empty.
     pub note: String,
     /// Its blocks, z up, at zero servo angles.
     pub blocks: Vec<Block>,
     /// Names that stand on the modules; none where the picture would be too small for them.
     pub names: Vec<ModuleName>,
-    /// What each servo is told; empty without a gait.
+    /// The commanded angles of each servo; empty without a gait.
     pub commands: Vec<Command>,
 }
 
@@ -215,7 +215,7 @@ impl Gallery {
         let degrees = largest_rad.to_degrees();
         let text = format!("gait, ±{degrees:.0}° over {} s", self.gait_s);
         canvas.text(&text, (left, baseline), Align::Left, letter);
-        // Whose line is which, as far as there is room.
+        // The names of the servos beside their lines, as far as there is room.
         let mut from = left + letter.width(&text) + 24.0;
         for (index, command) in robot.commands.iter().enumerate() {
             let colour = stroke_of(index, 1.0).colour;
@@ -299,8 +299,8 @@ impl Gallery {
     }
 }
 
-/// Names on a pale ground, each on a face of its cube that is seen, the tracked one with a ring in front. Of names that would cover
-/// each other the tracked one is there, else the first.
+/// Names on a pale ground, each on a visible face of its cube; the tracked module has a ring before its name. Of names that would
+/// cover each other the name of the tracked module is drawn, else the first.
 fn draw_names(canvas: &mut Canvas, robot: &GalleryRobot, place: &impl Fn(Point) -> Point) {
     let letter = Letter::new(18.0, Weight::Regular, INK);
     let ground = |name: &ModuleName| {

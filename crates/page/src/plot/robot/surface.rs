@@ -1,23 +1,23 @@
-//! Surfaces that stand anyhow, in the view of [`block`](super::block): which hides which, shaded faces, shadows.
+//! Surfaces in any orientation, in the view of [`block`](super::block): which surface hides which, shaded faces, shadows.
 
 use realgap_drawing::{Canvas, Point, RGBColor, Stroke};
 use realgap_robot::morphology::Surface;
 
 use crate::plot::layout::colour::{INK, darken};
 
-/// Where the viewer stands: this far round from +x, and this high. Not 45 degrees: corners of different cubes would
-/// fall onto each other.
+/// Azimuth of the viewer from +x, and elevation. They are not 45 degrees, because corners of different cubes would then
+/// coincide in the picture.
 const AZIMUTH_DEG: f64 = -58.0;
 const ELEVATION_DEG: f64 = 27.0;
 
-/// Towards the viewer.
+/// The direction towards the viewer.
 pub(in crate::plot) fn view() -> [f64; 3] {
     let (sin_a, cos_a) = AZIMUTH_DEG.to_radians().sin_cos();
     let (sin_e, cos_e) = ELEVATION_DEG.to_radians().sin_cos();
     [cos_a * cos_e, sin_a * cos_e, sin_e]
 }
 
-/// Where a point of a robot is in the picture before scaling: to the right and down, metres.
+/// The place of a point of a robot in the picture before scaling, in metres to the right and down.
 pub(in crate::plot) fn project([x, y, z]: [f64; 3]) -> Point {
     let (sin_a, cos_a) = AZIMUTH_DEG.to_radians().sin_cos();
     let (sin_e, cos_e) = ELEVATION_DEG.to_radians().sin_cos();
@@ -36,7 +36,7 @@ fn unit(v: [f64; 3]) -> [f64; 3] {
     v.map(|value| value / length)
 }
 
-/// How far a face is turned towards the viewer: its cosine.
+/// The cosine of the angle between the normal of a face and the direction towards the viewer.
 fn towards(surface: &Surface, face: usize) -> f64 {
     dot(surface.normals[face].into(), view())
 }
@@ -45,10 +45,10 @@ fn is_seen(surface: &Surface, face: usize) -> bool {
     towards(surface, face) > 1e-9
 }
 
-/// True if there is a plane of either's faces between the two with the first on the far side: then it cannot hide the other.
+/// True if the plane of a face of either surface separates the two with `far` on the far side: then `far` cannot hide `near`.
 fn is_beyond(far: &Surface, near: &Surface) -> bool {
     const TOUCH_M: f64 = 1e-4;
-    // The one outside of a face is nearer if the face is seen.
+    // A surface outside of a visible face is nearer to the viewer than the body of that face.
     let parts = |body: &Surface, apart: &Surface, side: f64| {
         body.faces.iter().enumerate().any(|(index, face)| {
             let normal = body.normals[index];
@@ -62,8 +62,8 @@ fn is_beyond(far: &Surface, near: &Surface) -> bool {
     parts(far, near, 1.0) || parts(near, far, -1.0)
 }
 
-/// Far surfaces first, as far as planes tell; where three hide each other in a circle, or two are in each other, the one whose centre is
-/// farthest comes first.
+/// The surfaces in the order in which they are drawn, the farthest first, by the planes that separate them. Where no plane decides
+/// (three surfaces hide each other in a circle, or two intersect), the surface with the farthest centre comes first.
 pub(in crate::plot) fn far_first(surfaces: &[Surface]) -> Vec<usize> {
     let nearness = |index: &usize| dot(surfaces[*index].centre_m.into(), view());
     let all = 0..surfaces.len();
@@ -95,7 +95,7 @@ pub(in crate::plot) fn draw_surface(
     let light = unit([0.15, -0.45, 1.0]);
     let is_rounded = surface.faces.len() > 6;
     if is_rounded {
-        // No seams between many small faces.
+        // One polygon below all faces leaves no seams between the small faces.
         let all = surface.corners_m.iter();
         let all = all.map(|corner| place((*corner).into()).into());
         let all: Vec<Point> = hull(all.collect()).into_iter().map(Point::from).collect();
@@ -148,7 +148,7 @@ fn draw_edges(
     }
 }
 
-/// Corners of the shadow that light from straight above throws, anticlockwise.
+/// Corners of the shadow under light from straight above, anticlockwise.
 pub(in crate::plot) fn shadow(surface: &Surface) -> Vec<[f64; 2]> {
     hull(surface.corners_m.iter().map(|p| [p.x, p.y]).collect())
 }

@@ -18,7 +18,7 @@ use rendered::{RenderedTexts, plain, polarity, spans, whole_line};
 /// Studies of each kind.
 const STUDIES: u64 = 120;
 
-/// Contradictions that were found, and how often there was something to contradict.
+/// Contradictions that were found, and how often each kind of answer came.
 #[derive(Debug, Default)]
 struct Tally {
     contradictions: Vec<String>,
@@ -37,7 +37,7 @@ impl Tally {
         }
     }
 
-    /// Nothing was contradicted, and every kind of answer came often enough to be.
+    /// Asserts that there were no contradictions, and that every kind of answer came often enough to be tested.
     fn close(self) {
         let (count, first) = (
             self.contradictions.len(),
@@ -51,7 +51,7 @@ impl Tally {
     }
 }
 
-/// Every place says of every parameter what the table says.
+/// Checks that every place says of every parameter what the table says.
 fn parameters(found: &mut Tally, told: &RenderedTexts, drawn: &Swept) {
     for verdict in &drawn.report.verdicts {
         let name = verdict.parameter.as_str();
@@ -86,7 +86,7 @@ fn parameters(found: &mut Tally, told: &RenderedTexts, drawn: &Swept) {
                 });
             }
         }
-        // What cannot be told from the best is not outside of what fits as well.
+        // A value that cannot be told from the best is not outside of the interval of values that fit as well.
         let (low, high) = (verdict.low, verdict.high);
         for value in drawn.values_in_set(axis) {
             found.hold(told, (low..=high).contains(&value), || {
@@ -168,7 +168,7 @@ fn a_sweep_says_one_thing_in_every_place() {
     found.close();
 }
 
-/// What an ensemble says of its regions is what their shares say, in every place.
+/// Checks that every place says of the regions of an ensemble what their shares say.
 fn regions(found: &mut Tally, told: &RenderedTexts, reality: &Reality) {
     let mut is_any = false;
     for level in &reality.coverage {

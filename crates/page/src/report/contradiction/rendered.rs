@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use realgap_lab::claim::Claim;
 
-/// A report in every place that shows it.
+/// The texts of a report in every place that shows it.
 pub(in crate::report) struct RenderedTexts {
     pub name: String,
     /// On the terminal.
@@ -79,7 +79,7 @@ pub(in crate::report) fn plain(page: &str) -> String {
         .fold(text, |text, (mark, sign)| text.replace(mark, sign))
 }
 
-/// The parts of lines that are about a parameter: what is said of several stands between semicolons or full stops.
+/// The parts of lines that are about a parameter: parts about different parameters are separated by semicolons or full stops.
 pub(in crate::report) fn whole_line<'a>(
     text: &'a str,
     name: &'a str,

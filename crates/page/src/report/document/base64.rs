@@ -1,4 +1,4 @@
-//! Base64 (RFC 4648, padded): how bytes stand in a text, and how a content policy names hashes.
+//! Base64 (RFC 4648, padded): bytes as text, for data in pages and for the hashes of a content policy.
 
 const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 

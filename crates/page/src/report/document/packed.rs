@@ -1,19 +1,19 @@
-//! Columns of numbers as a compact text: rounded to a step, differences to the number before, seven bits a byte, base64.
+//! Columns of numbers as a compact text: rounded, as differences to the previous number, with seven bits a byte, in base64.
 //!
-//! A column is its length, then its numbers divided by the step and rounded; of each its difference to the one before it (of the
-//! first: to 0), zigzag coded, so that small differences of either sign are small; seven bits a byte, the lowest first, the
-//! eighth bit where more follow. `src/report/document/asset/block.js` reads it.
+//! A column is its length, then its numbers divided by the step and rounded. Each number is stored as its difference to the
+//! previous one (the first: to 0). Differences are zigzag coded, so that small differences of either sign are small numbers. A
+//! number has seven bits a byte, the lowest first; the eighth bit says that more bytes follow. `src/report/document/asset/block.js` reads it.
 
 use crate::report::document::base64;
 
-/// Columns on their way into a page.
+/// Columns of numbers for the scripts of a page.
 #[derive(Debug, Clone, Default)]
 pub(in crate::report) struct PackedColumns {
     bytes: Vec<u8>,
 }
 
 impl PackedColumns {
-    /// Adds a column, its numbers rounded to multiples of `step`. What is not finite, or beyond 2⁵² steps, becomes 0.
+    /// Adds a column, its numbers rounded to multiples of `step`. A number that is not finite, or beyond 2⁵² steps, becomes 0.
     pub fn push(&mut self, values: impl ExactSizeIterator<Item = f64>, step: f64) {
         self.push_integer(values.len() as u64);
         let mut before = 0_i64;

@@ -1,4 +1,4 @@
-//! A page: one file, no network, nothing run but its own scripts.
+//! A page: one HTML file that needs no network and runs only its own scripts.
 
 use std::fmt::Write as _;
 
@@ -9,7 +9,7 @@ pub(in crate::report) use crate::markup::html;
 use crate::report::document::base64;
 use realgap_core::text::escaped_json;
 
-// What pages are made of, whatever they show.
+// Style sheet and scripts that pages share.
 pub(in crate::report) const STYLE: &str = include_str!("asset/style.css");
 pub(in crate::report) const BLOCK: &str = include_str!("asset/block.js");
 pub(in crate::report) const CLOCK: &str = include_str!("asset/clock.js");
@@ -17,7 +17,7 @@ pub(in crate::report) const CHART: &str = include_str!("asset/chart.js");
 pub(in crate::report) const THREE: &str = include_str!("asset/three.min.js");
 pub(in crate::report) const SCENE: &str = include_str!("asset/scene.js");
 pub(in crate::report) const REPLAY: &str = include_str!("asset/replay.js");
-/// The slider and what stands beside it.
+/// The slider of the time, and the buttons beside it.
 pub(in crate::report) const BAR: &str = include_str!("asset/bar.html");
 
 /// JSON that can stand inside of a `script` element: no `<`, `>` or `&` ends it early.
@@ -50,14 +50,14 @@ pub(in crate::report) fn fill<V: AsRef<str>>(template: &str, values: &[(&str, V)
     text
 }
 
-/// A page on its way into a file.
+/// The parts of a page.
 #[derive(Debug)]
 pub(in crate::report) struct Page<'a> {
-    /// Shown by the browser's tab.
+    /// The title, which the tab of the browser shows.
     pub title: &'a str,
     /// Style sheets, one after the other.
     pub styles: &'a [&'a str],
-    /// What is seen; foreign texts in it went through [`html`].
+    /// The visible HTML; texts of others in it were escaped by [`html`].
     pub body: &'a str,
     /// Data for the scripts: id and content, JSON of [`script_json`] or base64.
     pub data: &'a [(&'a str, String)],

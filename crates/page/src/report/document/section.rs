@@ -1,4 +1,4 @@
-//! Sections of a report, and those that every report has.
+//! Sections of a page, and the sections that every page has.
 
 use crate::plot::{Inline, InlineChart, LinePlot, legend};
 use crate::report::document::page::html;
@@ -10,11 +10,11 @@ use realgap_core::warning::Code;
 /// A part of a page with a name in its contents.
 #[derive(Debug, Clone)]
 pub(in crate::report) struct Section {
-    /// Where the contents lead.
+    /// Target of the link in the contents.
     pub id: &'static str,
-    /// As the contents say.
+    /// Title, also in the contents.
     pub title: &'static str,
-    /// What is below the title; nothing where the section is left out.
+    /// The HTML below the title; empty where the section is left out.
     pub html: String,
 }
 
@@ -44,7 +44,7 @@ pub(in crate::report) fn contents(sections: &[Section]) -> String {
     format!("<nav class=\"contents\" aria-label=\"Contents\"><ol>{links}</ol></nav>")
 }
 
-/// A figure of charts with what it says, and what would change the answer.
+/// A figure with a chart and a caption.
 pub(in crate::report) fn figure(title: &str, chart: &str, caption: &str) -> String {
     format!(
         "<figure><h3>{}</h3>{chart}<figcaption>{}</figcaption></figure>",
@@ -53,7 +53,7 @@ pub(in crate::report) fn figure(title: &str, chart: &str, caption: &str) -> Stri
     )
 }
 
-/// A chart with a title, its legend, and what it says.
+/// A figure with a chart, its legend and a caption.
 pub(in crate::report) fn chart_figure(
     title: &str,
     plot: &LinePlot,
@@ -69,7 +69,7 @@ pub(in crate::report) fn figures(all: &[String]) -> String {
     format!("<div class=\"figures\">{}</div>", all.concat())
 }
 
-/// An element with this content; nothing of none.
+/// An element with this content; nothing for empty content.
 pub(in crate::report) fn within(tag: &str, content: String) -> String {
     match content.as_str() {
         "" => content,
@@ -77,7 +77,7 @@ pub(in crate::report) fn within(tag: &str, content: String) -> String {
     }
 }
 
-/// What the reader should know, with what to do about it; those of parts of the report, too.
+/// The warnings of a report and of its parts, each with its remedy.
 pub(in crate::report) fn warnings(report: &ReportTree) -> Section {
     warning_section(pairs_of(&report.warnings()))
 }
@@ -85,7 +85,7 @@ pub(in crate::report) fn warnings(report: &ReportTree) -> Section {
 /// More messages of one kind than this are folded away.
 const MESSAGES: usize = 3;
 
-/// Codes and messages: what is of one kind is one item, with its remedy.
+/// Warnings by code and message: all messages of one code are one item, with the remedy of the code.
 pub(in crate::report) fn warning_section<'a>(
     all: impl Iterator<Item = (&'a str, &'a str)>,
 ) -> Section {
@@ -118,14 +118,14 @@ pub(in crate::report) fn warning_section<'a>(
 }
 
 /// Numbers of the report that no other section holds.
-pub(in crate::report) fn numbers(report: &ReportTree, said: &str) -> Section {
+pub(in crate::report) fn numbers(report: &ReportTree, shown_elsewhere: &str) -> Section {
     let always = "description provenance warnings engine version";
-    let said = said.split(' ').chain(always.split(' '));
-    let all = report.scalars(&said.collect::<Vec<_>>());
+    let others = shown_elsewhere.split(' ').chain(always.split(' '));
+    let all = report.scalars(&others.collect::<Vec<_>>());
     Section::new("numbers", "Numbers", within("dl", entries(pairs_of(&all))))
 }
 
-/// Versions, settings, hashes, and the command that does it again.
+/// Versions, settings, hashes, and the command that computes the results again.
 pub(in crate::report) fn provenance(
     report: &ReportTree,
     command: Option<&str>,

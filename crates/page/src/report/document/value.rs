@@ -1,10 +1,10 @@
-//! Values and tables of a report as people read them; what is not there is a dash.
+//! Values and tables of a report for readers; a missing value is a dash.
 
 use crate::report::document::page::html;
 use realgap_core::statistics::Proportion;
 use realgap_core::unit::{Unit, number, quantity};
 
-/// What stands where there is nothing to say.
+/// The text for a missing value.
 pub(in crate::report) const NOTHING: &str = "–";
 
 /// A number with its unit as people write it, or a dash.
@@ -73,12 +73,12 @@ fn percent_span(low: f64, high: f64) -> String {
     }
 }
 
-/// How many of how many.
+/// The count and the number of trials.
 pub(in crate::report) fn counted_of(found: &Proportion) -> String {
     format!("{} of {}", found.count, found.trials)
 }
 
-/// Whatever is shown as it is written, or a dash.
+/// A value as its own text, or a dash.
 pub(in crate::report) fn shown(value: Option<impl ToString>) -> String {
     value.map_or_else(|| NOTHING.to_owned(), |value| value.to_string())
 }
@@ -86,7 +86,7 @@ pub(in crate::report) fn shown(value: Option<impl ToString>) -> String {
 /// Cells longer than this are text, which may wrap.
 const WORDS: usize = 36;
 
-/// A table with what to say below it; nothing without rows.
+/// A table with a note below it; nothing without rows.
 pub(in crate::report) fn noted(
     head: &str,
     rows: impl IntoIterator<Item = Vec<String>>,
@@ -155,7 +155,7 @@ pub(in crate::report) fn pairs_of(
     pairs.map(|(name, text)| (name.as_str(), text.as_str()))
 }
 
-/// What stands in a list of names and values.
+/// The entries of a list of names and values.
 pub(in crate::report) fn entries<'a>(
     pairs: impl IntoIterator<Item = (&'a str, &'a str)>,
 ) -> String {
@@ -163,7 +163,7 @@ pub(in crate::report) fn entries<'a>(
     pairs.into_iter().map(entry).collect()
 }
 
-/// What is seen once its name is clicked; both are markup.
+/// Content that is shown after a click on its name; both are markup.
 pub(in crate::report) fn folded(name: &str, content: &str) -> String {
     format!("<details><summary>{name}</summary>{content}</details>")
 }

@@ -1,4 +1,4 @@
-//! What a report claims: its own words, which nothing here adds to.
+//! The sentences of a report about reality. They are made in the crate `realgap-lab`; pages add none of their own.
 
 use realgap_lab::claim::{About, Claim};
 
@@ -13,7 +13,7 @@ pub(in crate::report) fn sentences(claims: &[Claim], about: &[About]) -> String 
     all.join(" ")
 }
 
-/// What is said of a thing in the cell of a table, if anything.
+/// The short form of a claim, for the cell of a table; `None` where the report makes no such claim.
 pub(in crate::report) fn word<'a>(
     claims: &'a [Claim],
     about: About,

@@ -83,7 +83,7 @@ pub(super) fn content(report: &EnsembleSummary, pictures: &Pictures) -> PageCont
     }
 }
 
-/// The behaviours of every start; how near those of one are says the first.
+/// The behaviours of every start. The distance that separates behaviours is that of the first start.
 pub(in crate::report) fn behaviour_table(cases: &[Case]) -> String {
     let Some(Case { summary: first, .. }) = cases.first() else {
         return String::new();

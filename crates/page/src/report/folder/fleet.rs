@@ -1,11 +1,12 @@
-//! The robots of a study of many: what holds for one that was not seen, and which of them do what was recorded.
+//! Studies of several robots: whether the answer holds for a robot that the fit has not seen, and which robots do what was
+//! recorded.
 
 use serde::Deserialize;
 
 use crate::report::document::value::*;
 use realgap_lab::calibration::{Likeness, OwnParameters, Reproduction};
 
-/// What a page shows of what the others' answer does for each robot.
+/// What a page shows of the leave-one-robot-out test: how well the answer of the other robots fits each robot.
 #[derive(Debug, Deserialize)]
 pub(in crate::report) struct Transfer {
     untuned_misfit: Option<f64>,
@@ -16,7 +17,7 @@ pub(in crate::report) struct Transfer {
     robots: Vec<Robot>,
 }
 
-/// What a page shows of one robot of them.
+/// What a page shows of one robot of that test.
 #[derive(Debug, Deserialize)]
 struct Robot {
     robot: String,
@@ -27,7 +28,7 @@ struct Robot {
     closed: Option<f64>,
 }
 
-/// Of a study of many robots: the misfit of each, and what the others' answer does for it.
+/// The misfit of each robot of a study of several, and how well the answer of the other robots fits it.
 pub(in crate::report) fn transfer(transfer: &Transfer, unit: &str) -> String {
     let rows = transfer.robots.iter().map(|robot| {
         vec![
@@ -57,15 +58,16 @@ pub(in crate::report) fn transfer(transfer: &Transfer, unit: &str) -> String {
         OwnParameters::None => "",
     };
     noted(
-        "robot | untuned | shared answer | best of the others | its own best | closed by the others",
+        "robot | untuned | shared answer | answer of the others | its own best | gap closed by the others",
         rows.chain([mean]),
         &format!(
-            "The best of the others has not seen the robot. Its own best is the lowest of many points, and partly luck. {own_parameters}"
+            "The answer of the others was fitted without the robot. The robot's own best is the lowest score of many points, which is partly luck. {own_parameters}"
         ),
     )
 }
 
-/// Of a study of many robots: how many do at the shared answer what was recorded, by how they do it, by other metrics, and one by one.
+/// How many robots of a study of several do what was recorded with the shared answer: by the kind of agreement, by metric, and
+/// robot by robot.
 pub(in crate::report) fn reproduction(found: &Reproduction) -> String {
     let kinds = KINDS.iter().map(|(kind, name, definition)| {
         let of_kind = match kind {
@@ -125,7 +127,7 @@ pub(in crate::report) fn reproduction(found: &Reproduction) -> String {
     .concat()
 }
 
-/// What robots do, for people, and what it means.
+/// Kinds of agreement with the recordings: name and definition.
 const KINDS: [(Likeness, &str, &str); 4] = [
     (
         Likeness::WithinFloor,

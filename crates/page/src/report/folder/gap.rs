@@ -1,4 +1,4 @@
-//! The page of a gap: how many noise floors the simulation is away, and until when it may be trusted.
+//! The page of a gap: how many noise floors the simulation is away from the recordings, and for how long it may be trusted.
 
 use serde::Deserialize;
 

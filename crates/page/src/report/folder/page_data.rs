@@ -1,4 +1,4 @@
-//! What a page shows and no other file of a results folder holds: the command, recorded paths, a replay of the best.
+//! The data of a page that no other file of a results folder holds: the command, recorded paths, a replay of the best.
 
 use std::path::Path;
 
@@ -10,13 +10,13 @@ use realgap_core::file::write_sealed;
 use realgap_core::text::escaped_json;
 use serde::{Deserialize, Serialize};
 
-/// Recorded paths beyond this many are not kept: more cannot be told apart in a picture.
+/// The largest number of recorded paths in a page: more could not be distinguished in a picture.
 pub const SHOWN_RECORDINGS: usize = 12;
 
 /// Name of the page in a results folder.
 pub const PAGE_FILE: &str = file::PAGE[0];
 
-/// What a command keeps for the page of its results folder, beside its other files.
+/// What a command writes for the page of its results folder, beside the other files.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -82,10 +82,10 @@ impl PageData {
         )
     }
 
-    /// What is kept in a folder; nothing where no command kept anything.
+    /// The data in a folder; `None` where no command has written any.
     ///
     /// # Errors
-    /// A file that cannot be read or is none of these.
+    /// A file that cannot be read, or that holds something else.
     pub(in crate::report) fn read(folder: &Path) -> Result<Option<Self>> {
         let path = folder.join(Self::FILE);
         if !path.is_file() {
@@ -111,7 +111,7 @@ impl PageData {
     }
 }
 
-/// The recorded paths that are kept, if anything is.
+/// The recorded paths, if there are data.
 pub(in crate::report) fn recorded_of(data: Option<&PageData>) -> &[RecordedPath] {
     data.map_or(&[], |data| data.recorded.as_slice())
 }

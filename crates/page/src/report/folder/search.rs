@@ -263,7 +263,8 @@ fn progress(history: &History, report: &SearchSummary) -> String {
     )])
 }
 
-/// The first finalist and its ancestors, youngest first: of two parents the first, whose body and gait a child begins as.
+/// The first finalist and its ancestors, the youngest first. Of two parents the first is followed, because a child begins with
+/// the body and the gait of its first parent.
 fn lineage(history: &History, report: &SearchSummary) -> String {
     let best = report.best.first();
     let best = best.and_then(|robot| robot.file.rsplit('_').next()?.parse().ok());

@@ -1,4 +1,4 @@
-//! An answer as names and values: what a page shows of any answer, whatever it says.
+//! A report as names and values: what a page can show of every report, whatever its type.
 
 use std::path::Path;
 
@@ -12,12 +12,12 @@ use realgap_core::error::{Error, Result};
 use realgap_core::file::versioned_value;
 use realgap_core::unit::number;
 
-/// Longer tables are in the report itself.
+/// The largest number of rows of a table; the report itself has all of them.
 const MOST_ROWS: usize = 200;
-/// Warnings of parts that are nested deeper are those of something else.
+/// The depth to which warnings of parts are collected; deeper ones belong to something else.
 const DEEPEST: usize = 4;
 
-/// An answer as names and values.
+/// A report as names and values.
 #[derive(Debug)]
 pub struct ReportTree(Value);
 
@@ -32,7 +32,7 @@ pub(in crate::report) fn read_json<T: DeserializeOwned>(path: &Path, whose: &str
 }
 
 impl ReportTree {
-    /// What a command has found.
+    /// The findings of a command.
     ///
     /// # Errors
     /// What cannot be written as JSON.
@@ -60,13 +60,13 @@ impl ReportTree {
         self.0.get(name).is_some()
     }
 
-    /// What it says, as what a story tells of it; `path` is for the message.
+    /// The report as the type that a page needs; `path` is for the message.
     pub(in crate::report) fn typed<T: DeserializeOwned>(&self, path: &Path) -> Result<T> {
         T::deserialize(&self.0)
             .map_err(|e| Error::invalid(format!("not a report: {e}")).at_file(path))
     }
 
-    /// A value without parts, by its name, for people.
+    /// A number or a text of the report, by its name.
     pub(in crate::report) fn scalar(&self, name: &str) -> Option<String> {
         self.0.get(name).and_then(scalar)
     }
@@ -78,11 +78,11 @@ impl ReportTree {
         all
     }
 
-    /// What stands directly in a report, or one level below, and is a number or a short text; names in `said` are told elsewhere.
-    pub(in crate::report) fn scalars(&self, said: &[&str]) -> Vec<(String, String)> {
+    /// Numbers and short texts directly in a report or one level below, without the names in `shown_elsewhere`.
+    pub(in crate::report) fn scalars(&self, shown_elsewhere: &[&str]) -> Vec<(String, String)> {
         let mut all = Vec::new();
         for (name, value) in fields(&self.0) {
-            if said.contains(&name.as_str()) {
+            if shown_elsewhere.contains(&name.as_str()) {
                 continue;
             }
             let shown = name.replace('_', " ");
@@ -106,7 +106,7 @@ impl ReportTree {
         pairs.collect()
     }
 
-    /// Every list of the report whose items have fields, as a table of those that are numbers or texts.
+    /// Every list of the report whose items have fields, as a table of the fields that are numbers or texts.
     pub(in crate::report) fn tables(&self) -> String {
         let mut all = String::new();
         for (name, value) in fields(&self.0).filter(|(name, _)| *name != "warnings") {
@@ -142,7 +142,7 @@ fn items(value: &Value) -> &[Value] {
     value.as_array().map_or(&[], Vec::as_slice)
 }
 
-/// A value without parts, for people; `None` for what has parts or is nothing.
+/// A number or a text for readers; `None` for a list, an object or null.
 fn scalar(value: &Value) -> Option<String> {
     match value {
         Value::Number(n) if n.is_f64() => n.as_f64().map(number),

@@ -1,4 +1,4 @@
-//! A replay as an animated PNG: for slides, papers and pages that run nothing.
+//! A replay as an animated PNG: for slides, papers and pages without scripts.
 
 use nalgebra::{Isometry3, Vector3};
 
@@ -9,9 +9,9 @@ use crate::report::replay::stage::{Actor, Mover, Stage};
 use realgap_core::error::Result;
 use realgap_robot::morphology::{Morphology, Surface};
 
-/// Most samples of one run that are looked at.
+/// The largest number of samples of one run.
 const MOST_SAMPLES: usize = 20_000;
-/// Pictures a second, and most of them: longer runs have fewer a second.
+/// Pictures a second, and the largest number of pictures: longer runs have fewer a second.
 const PICTURES_1_S: f64 = 10.0;
 const MOST_PICTURES: f64 = 240.0;
 
@@ -25,7 +25,7 @@ impl Replay<'_> {
         let stage = self.stage(MOST_SAMPLES)?;
         let duration_s = stage.duration_s();
         let step_s = (1.0 / PICTURES_1_S).max(duration_s / (MOST_PICTURES - 1.0));
-        // A sliver of a step at the end is no picture of its own.
+        // A last step that is much shorter than the others gets no picture.
         let steps = (duration_s / step_s + 1e-6).floor() as usize;
         let models: Vec<Vec<Model<'_>>> = stage.actors.iter().map(models).collect();
         let moments = (0..=steps).map(|step| moment(&stage, &models, step as f64 * step_s));
@@ -77,12 +77,12 @@ fn models(actor: &Actor) -> Vec<Model<'_>> {
     actor.movers.iter().map(model).collect()
 }
 
-/// A surface in the frame of what carries it.
+/// A surface in the frame of the body that carries it.
 fn placed(solid: &Solid) -> Option<Surface> {
     Some(solid.shape.surface()?.placed(&solid.pose))
 }
 
-/// Where everything is at a time; at its end afterwards.
+/// The poses of all bodies at a time; after the end of a run its last poses.
 fn moment(stage: &Stage, models: &[Vec<Model<'_>>], time_s: f64) -> Moment {
     let mut moment = Moment {
         time_s,

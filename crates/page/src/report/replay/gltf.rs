@@ -194,7 +194,7 @@ impl Model {
         self.mesh(&positions, &normals, &triangles)
     }
 
-    /// A node with this shape, in the frame of whoever has it as a child; none of what has no surface.
+    /// A node with this shape, in the frame of its parent node; `None` for a shape without a surface.
     fn solid(&mut self, solid: &Solid, alpha: f64) -> Option<usize> {
         let cube = self.triangles(&solid.shape)?;
         let half_m = match solid.shape {
@@ -277,7 +277,7 @@ impl Model {
         times: usize,
         poses: impl Iterator<Item = Isometry3<f64>> + Clone,
     ) -> usize {
-        // Who plays no animation sees the start.
+        // Programs that do not play animations show the start.
         let start = poses.clone().next().unwrap_or_default();
         let mut node = json!({
             "name": name,

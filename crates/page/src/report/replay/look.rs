@@ -1,4 +1,4 @@
-//! What robots look like in every picture: shapes and colours, for who takes pictures of them.
+//! The appearance of robots, shared by all renderers: shapes and colours.
 
 use nalgebra::Isometry3;
 
@@ -11,9 +11,9 @@ use realgap_simulation::SceneBody;
 pub struct ShownSolid {
     /// Its shape.
     pub shape: Shape,
-    /// Its pose in the frame of what carries it.
+    /// Its pose in the frame of the body that carries it.
     pub pose: Isometry3<f64>,
-    /// Share of the light that comes back, for red, green and blue.
+    /// Share of the light that is reflected, for red, green and blue.
     pub colour: [f64; 3],
 }
 

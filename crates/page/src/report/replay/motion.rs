@@ -9,7 +9,7 @@ use crate::report::replay::stage::{continuous, picks};
 use realgap_robot::morphology::{DriveAxis, Morphology};
 use realgap_simulation::{Film, Floor, SceneBody, SceneMotion};
 
-/// Steps that numbers in the page are rounded to; also said on the page.
+/// Steps to which numbers in the page are rounded; the data of the page name them, too.
 const LENGTH_STEP_M: f64 = 2e-5;
 const TURN_STEP: f64 = 1e-4;
 const TIME_STEP_S: f64 = 1e-4;

@@ -1,4 +1,4 @@
-//! A robot in motion, its recorded runs over it: one page.
+//! The page of a replay: a robot in motion, with its recorded runs over it.
 
 use crate::plot::{
     AxisSpec, Caption, Inline, InlineChart, LinePlot, ScoreScale, Series, SeriesKind,
@@ -27,7 +27,7 @@ const FEWER_NUMBERS: usize = 40_000;
 
 const ALONE: &str = include_str!("../document/asset/alone.js");
 
-/// What a run that was simulated for its page is called.
+/// The name of a run that was simulated for its page.
 pub const SIMULATION: &str = "simulation";
 
 /// What a replay shows.
@@ -46,7 +46,7 @@ pub struct Replay<'a> {
     pub align: bool,
     /// The ground.
     pub floor: Floor,
-    /// Other bodies; those that move are shown as far as the run knows where they are.
+    /// Other bodies; a moving body is shown where the run has its poses.
     pub scene: &'a [SceneBody],
     /// What the reader should know.
     pub warnings: &'a [Warning],
@@ -58,8 +58,8 @@ pub struct Replay<'a> {
 struct Ghost<'a> {
     name: &'a str,
     film: Film,
-    /// Distance to the run, over time.
-    apart: Vec<[f64; 2]>,
+    /// Distance to the run over time: seconds, metres.
+    distances: Vec<[f64; 2]>,
 }
 
 impl Replay<'_> {
@@ -88,7 +88,7 @@ impl Replay<'_> {
         Ok(page.text())
     }
 
-    /// What the page of a results folder shows of it: fewer samples than a page of its own.
+    /// The replay as the page of a results folder shows it, with fewer samples than a page of its own.
     ///
     /// # Errors
     /// Paths too long to be compared.
@@ -100,7 +100,7 @@ impl Replay<'_> {
         })
     }
 
-    /// All motions, and every how manyth sample of each is in there.
+    /// All motions, and for each the interval of the samples that are kept: 3 means every third.
     fn motion(&self, ghosts: &[Ghost<'_>], most: usize) -> (String, Vec<usize>) {
         let mut packed = PackedColumns::default();
         let kept = self
@@ -110,7 +110,7 @@ impl Replay<'_> {
         (packed.text(), kept)
     }
 
-    /// Who moves in it and how, at most so many samples of each run.
+    /// The moving bodies of the replay, with at most `most` samples of each run.
     pub(in crate::report) fn stage(&self, most: usize) -> Result<Stage> {
         let ghosts = self.ghosts()?;
         let all = self.runs(&ghosts);
@@ -136,7 +136,7 @@ impl Replay<'_> {
                         scene: Vec::new(),
                     },
                 };
-                // What is held stands where it is.
+                // A robot that is held stays where it is.
                 let film = if self.align && !recording.trajectory.is_of_joints() {
                     laid_onto(&film, &self.run.track)?
                 } else {
@@ -144,7 +144,7 @@ impl Replay<'_> {
                 };
                 Ok(Ghost {
                     name: &recording.name,
-                    apart: distances(&self.run.track, &film.track),
+                    distances: distances(&self.run.track, &film.track),
                     film,
                 })
             })
@@ -182,11 +182,11 @@ impl Replay<'_> {
         if ghosts.is_empty() {
             return html(&went);
         }
-        let means = ghosts.iter().map(|ghost| mean(&ghost.apart));
-        let apart_m = means.sum::<f64>() / ghosts.len() as f64;
+        let means = ghosts.iter().map(|ghost| mean(&ghost.distances));
+        let mean_m = means.sum::<f64>() / ghosts.len() as f64;
         let mut text = format!(
             "{went} At equal times it is {} from {} ({}), on average over time",
-            length(apart_m),
+            length(mean_m),
             match Source::of(self.recordings) {
                 Source::Real => "reality",
                 Source::StandIn => "the stand-in for reality",
@@ -286,7 +286,7 @@ impl Replay<'_> {
             let edge = noise.iter().map(|[t, low, _]| (*t, *low)).collect();
             let high = noise.iter().map(|[_, _, high]| *high).collect();
             let band = Series::new("", SeriesKind::Band(high), edge);
-            let pairs = |ghost: &Ghost<'_>| ghost.apart.iter().map(|[t, m]| (*t, *m)).collect();
+            let pairs = |ghost: &Ghost<'_>| ghost.distances.iter().map(|[t, m]| (*t, *m)).collect();
             let lines = ghosts.iter().map(|ghost| line(pairs(ghost)));
             (
                 "Distance between the run and each recorded run over time",
@@ -324,19 +324,19 @@ impl Replay<'_> {
         for ghost in ghosts {
             let length = |m: f64| quantity(m, Unit::Metre);
             let farthest = ghost
-                .apart
+                .distances
                 .iter()
                 .copied()
                 .reduce(|a, b| if b[1] > a[1] { b } else { a });
             let [at_s, most_m] = farthest.unwrap_or_default();
-            let end_m = ghost.apart.last().map_or(0.0, |[_, m]| *m);
+            let end_m = ghost.distances.last().map_or(0.0, |[_, m]| *m);
             rows += &format!(
                 "<tr><th scope=\"row\">{}</th><td>{} s</td><td>{}</td><td>{}</td><td>{}</td><td>{} at {} s</td><td>{}</td></tr>",
                 html(ghost.name),
                 decimals(ghost.film.track.duration_s(), 2),
                 known(&ghost.film),
                 net(&ghost.film.track),
-                length(mean(&ghost.apart)),
+                length(mean(&ghost.distances)),
                 length(most_m),
                 decimals(at_s, 1),
                 length(end_m),
@@ -353,13 +353,13 @@ fn warning_list(warnings: &[Warning]) -> String {
     body(&[warning_section(pairs)])
 }
 
-/// Where a robot is seen in space; `legend` is markup.
+/// The element that shows a robot in space; `legend` is markup.
 fn stage_of(run: &str, legend: &str) -> String {
     let values = [("run", html(run)), ("legend", legend.to_owned())];
     fill(include_str!("../document/asset/stage.html"), &values)
 }
 
-/// Where a kept replay is seen in space.
+/// The element that shows a replay of a results folder in space.
 pub(in crate::report) fn stage(scene: &ShownScene) -> String {
     let mut names = scene.tracks.iter().map(|track| track.name.as_str());
     let run = names.next().unwrap_or_default();

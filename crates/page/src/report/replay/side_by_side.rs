@@ -1,4 +1,4 @@
-//! Several robots side by side in motion: each on a lane of its own, all setting off along +x.
+//! Several robots in motion side by side: each on a lane of its own, all with their net displacement along +x.
 
 use nalgebra::{Isometry3, Vector3};
 
@@ -11,7 +11,7 @@ use realgap_simulation::{Film, Floor, SceneBody, SceneBox, SceneMotion, part_fro
 /// Free ground between two lanes, in lengths of the larger robot.
 const APART: f64 = 1.5;
 
-/// The runs of these robots side by side, the first in the middle of the page's attention; `None` of no robot.
+/// The runs of these robots side by side, the camera on the first; `None` for no robot.
 ///
 /// # Errors
 /// Paths too long to be moved.

@@ -1,4 +1,4 @@
-//! Shapes of a replay, what they stand for and which colour that has, and the shapes of a robot.
+//! Shapes of a replay, what each shape is and its colour, and the shapes of a robot.
 
 use nalgebra::Isometry3;
 
@@ -19,12 +19,12 @@ pub(in crate::report) enum Kind {
     Other,
     /// A run of which only a path is known.
     Run,
-    /// Whatever was recorded.
+    /// A recording.
     Recorded,
 }
 
 impl Kind {
-    /// What was recorded is green everywhere, a run is blue.
+    /// The colour: recordings are green everywhere, simulated runs are blue.
     pub(in crate::report) fn colour(self) -> Colour {
         match self {
             Self::Passive => [217, 211, 197],
@@ -37,7 +37,7 @@ impl Kind {
         }
     }
 
-    /// The same as shares of light, as glTF and cameras have it.
+    /// The colour in linear light, as glTF and cameras use it.
     pub(in crate::report) fn light(self) -> [f64; 3] {
         self.colour().map(|channel| {
             let share = f64::from(channel) / 255.0;
@@ -50,7 +50,7 @@ impl Kind {
     }
 }
 
-/// A shape in the frame of what carries it.
+/// A shape in the frame of the body that carries it.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::report) struct Solid {
     pub(in crate::report) shape: Shape,
@@ -62,7 +62,7 @@ pub(in crate::report) struct Solid {
 pub(in crate::report) struct RobotSolid<'a> {
     pub(in crate::report) part: usize,
     pub(in crate::report) solid: Solid,
-    /// Of the first cube of a module: its name.
+    /// The name of the module for its first cube; empty for other solids.
     pub(in crate::report) name: &'a str,
     pub(in crate::report) drive: Option<Drive>,
     pub(in crate::report) is_tracked: bool,

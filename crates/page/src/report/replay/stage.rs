@@ -1,4 +1,4 @@
-//! What a replay shows, apart from how: who moves, of which shapes they are, where they are over time.
+//! What a replay shows, whatever the format: the moving bodies, their shapes, and their poses over time.
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
@@ -37,19 +37,19 @@ pub(in crate::report) struct Actor {
     pub(in crate::report) movers: Vec<Mover>,
 }
 
-/// All of it.
+/// All runs and bodies of a replay.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::report) struct Stage {
     /// The run, then recorded runs.
     pub(in crate::report) actors: Vec<Actor>,
     /// What stands still; the floor is the first.
     pub(in crate::report) fixed: Vec<Solid>,
-    /// Every how manyth sample is shown, at most.
+    /// The largest interval of the samples that are shown: 3 means every third.
     pub(in crate::report) every: usize,
 }
 
 impl Actor {
-    /// What its path looks like.
+    /// The kind of its path, which decides the colour.
     pub(in crate::report) fn kind(&self) -> Kind {
         match self.is_recorded {
             true => Kind::Recorded,
@@ -57,7 +57,7 @@ impl Actor {
         }
     }
 
-    /// How much of it hides what is behind: a recorded robot is seen through.
+    /// Its opacity: recorded robots are transparent.
     pub(in crate::report) fn alpha(&self) -> f64 {
         if self.is_recorded { 0.4 } else { 1.0 }
     }
@@ -155,7 +155,7 @@ fn solids(body: &SceneBody, from_body: Isometry3<f64>) -> impl Iterator<Item = S
     })
 }
 
-/// Every so manyth of some samples, and the last.
+/// The positions of every `every`-th sample, and of the last one.
 pub(in crate::report) fn picks(samples: usize, every: usize) -> Vec<usize> {
     let last = samples - 1;
     let mut picks: Vec<usize> = (0..=last).step_by(every).collect();

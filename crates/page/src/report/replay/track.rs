@@ -1,4 +1,4 @@
-//! Runs over each other: laid onto one start, their distances at equal times.
+//! Runs compared with each other: moved onto one start, and their distances at equal times.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -22,17 +22,17 @@ pub(in crate::report) fn laid_onto(film: &Film, onto: &Trajectory) -> Result<Fil
     film.moved(turn_rad, to - turn * from)
 }
 
-/// How far two motions are apart at equal times since their starts, as long as both last: time in seconds and distance in metres,
+/// The distance of two motions at equal times since their starts, as long as both last: time in seconds and distance in metres,
 /// in space where both know heights, else in the plane.
 pub(in crate::report) fn distances(a: &Trajectory, b: &Trajectory) -> Vec<[f64; 2]> {
     let is_planar = a.is_planar() || b.is_planar();
     let end_s = a.duration_s().min(b.duration_s());
     let (mut of_a, mut of_b) = (Interpolator::new(a), Interpolator::new(b));
-    let apart = times(end_s).map(|t_s| {
-        let apart = of_a.position_world_m(t_s) - of_b.position_world_m(t_s);
-        [t_s, length_m(apart, is_planar)]
+    let distances = times(end_s).map(|t_s| {
+        let difference = of_a.position_world_m(t_s) - of_b.position_world_m(t_s);
+        [t_s, length_m(difference, is_planar)]
     });
-    apart.collect()
+    distances.collect()
 }
 
 /// How far each of several motions is from the mean of the others at equal times: time, smallest and largest distance. Empty for
@@ -50,17 +50,17 @@ pub(in crate::report) fn spread(motions: &[&Trajectory]) -> Vec<[f64; 3]> {
         let places: Vec<Vector3<f64>> = places.collect();
         let sum: Vector3<f64> = places.iter().sum();
         let others = (places.len() - 1) as f64;
-        let apart = places.iter().map(|place| place - (sum - place) / others);
-        let (low, high) = ends_of(apart.map(|apart| length_m(apart, is_planar)));
+        let differences = places.iter().map(|place| place - (sum - place) / others);
+        let (low, high) = ends_of(differences.map(|d| length_m(d, is_planar)));
         [t_s, low, high]
     });
     spread.collect()
 }
 
-fn length_m(apart_m: Vector3<f64>, is_planar: bool) -> f64 {
+fn length_m(difference_m: Vector3<f64>, is_planar: bool) -> f64 {
     match is_planar {
-        true => apart_m.xy().norm(),
-        false => apart_m.norm(),
+        true => difference_m.xy().norm(),
+        false => difference_m.norm(),
     }
 }
 

@@ -118,7 +118,7 @@ pub(crate) fn fitness_chart(history: &History, batch_name: &str, unit: Unit) -> 
     ))
 }
 
-/// The best fitness over the first two axes, whatever the others; nothing for one axis.
+/// The best fitness over the first two axes of the archive, whatever the values on the others; nothing for one axis.
 fn archive(search: &Search, results: &SearchResults, archive: &Archive) -> Result<Option<HeatMap>> {
     let [x, y, ..] = archive.axes() else {
         return Ok(None);
@@ -143,7 +143,7 @@ fn archive(search: &Search, results: &SearchResults, archive: &Archive) -> Resul
         let width = (axis.to - axis.from) / axis.cells as f64;
         let is_count = descriptor_named(&axis.name).is_ok_and(|d| d.is_count);
         let centre = |cell: usize| match is_count && (width - 1.0).abs() < 1e-9 {
-            // Where every cell holds one count, the count is what it stands for: no robot has 1.5 modules.
+            // Where every cell holds one count, its centre is that count, because no robot has 1.5 modules.
             true => (axis.from + cell as f64 * width).ceil(),
             false => axis.from + (cell as f64 + 0.5) * width,
         };
@@ -165,7 +165,7 @@ fn archive(search: &Search, results: &SearchResults, archive: &Archive) -> Resul
         best: best.map(|(cell, _)| cell),
         larger_is_better: true,
         caption: Caption::new(
-            // What fitness is does not fit beside the bar: it would be cut, and its unit lost.
+            // The label is `fitness`: the full name of the objective would not fit beside the colour bar, and its unit would be cut.
             format!("{}: the best robot of every kind", search.name()),
             format!(
                 "{} in {} of {} cells, {} simulated, seed {}",

@@ -1,4 +1,4 @@
-//! `best.ron`: the best values, readable wherever `--parameters` is.
+//! `best.ron`: the best values, as every command with the option `--parameters` reads them.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -16,7 +16,7 @@ pub(in crate::results) fn write(folder: &Path, study: &Study, answer: &Answer) -
     let Some(best) = &report.best else {
         return Ok(());
     };
-    // The study's fixed values belong to the answer: the best of the rest holds only with them.
+    // The study's fixed values belong to the answer: the best values of the other parameters hold only together with them.
     let fixed = study.definition().set.iter();
     let fixed = fixed.map(|a| (a.parameter.name.to_owned(), a.value));
     let file = BestFile {
@@ -32,7 +32,7 @@ pub(in crate::results) fn write(folder: &Path, study: &Study, answer: &Answer) -
     write_atomic(folder.join(file::BEST), write_ron(&file)?.as_bytes())
 }
 
-/// What the values are, the best of so many points, with what is claimed of the model and of each parameter.
+/// A description of the values: the best of so many points, with the claims about the model and about each parameter.
 pub(crate) fn description(report: &Report, best: &Best, points: usize) -> String {
     let about = [About::Model, About::Engines, About::Parameter];
     let said = report.claims.iter().filter(|c| about.contains(&c.about));
@@ -49,10 +49,10 @@ pub(crate) fn description(report: &Report, best: &Best, points: usize) -> String
     )
 }
 
-/// Draws that a file of values carries: enough for what one of them says to be lost among the others.
+/// The number of draws in a file of values: so many that a single draw has little influence.
 const DRAWN: usize = 64;
 
-/// What the recordings leave possible, a set of values a draw; what is said of recordings is no part of it.
+/// Draws from the posterior: one set of values a draw, without the parameters that describe the recordings.
 pub fn draws(study: &Study, answer: &Answer) -> Vec<Vec<ParameterSet>> {
     let parameters = &study.definition().parameters;
     let rows = answer.draws.iter().flat_map(|draws| {
@@ -79,7 +79,7 @@ fn columns(groups: &[Vec<ParameterSet>]) -> BTreeMap<String, Vec<f64>> {
     columns
 }
 
-/// A value as far as anybody reads it: six digits.
+/// A value with six significant digits, which is more than any reader needs.
 fn rounded(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }

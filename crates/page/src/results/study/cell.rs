@@ -1,10 +1,10 @@
-//! What stands for each point of a study's grid in its pictures.
+//! Cells of the pictures of a study: which point each cell of the grid shows, and which cells belong to the confidence set.
 
 use std::collections::BTreeSet;
 
 use realgap_lab::calibration::{Answer, Method, PointScore, Study};
 
-/// What stands for each point of the grid: the point itself, or the nearest one that an optimizer chose.
+/// The point that each cell of the grid shows: the point of the cell itself, or the nearest point that an optimizer chose.
 pub(super) fn cells<'a>(study: &Study, answer: &'a Answer) -> Vec<Option<&'a PointScore>> {
     let grid = &study.definition().grid;
     let points = &answer.scores.points;

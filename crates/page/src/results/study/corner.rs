@@ -1,4 +1,4 @@
-//! What reality may be, every parameter against every other.
+//! The corner plot of the posterior: every parameter against every other.
 
 use super::chart::parameter_axis;
 use crate::plot::{Caption, Corner};
@@ -8,7 +8,7 @@ use realgap_core::unit::counted;
 use realgap_lab::calibration::{Answer, Study};
 use realgap_optimization::Range;
 
-/// Draws of the inference, where there are two parameters or more.
+/// Draws the posterior, where there are two parameters or more.
 pub(super) fn draw(
     draft: &mut Draft,
     study: &Study,
@@ -29,7 +29,7 @@ pub(super) fn draw(
     let known = |range: &Range| definition.truth.value(range.parameter.name);
     let truth: Vec<Option<f64>> = ranges.iter().map(known).collect();
     let is_known = truth.iter().any(Option::is_some);
-    let what = "what the recordings leave possible";
+    let what = "values that the recordings allow";
     let name = &definition.name;
     let title = format!("{name}: {what}, every parameter against every other");
     let subtitle = format!("{subtitle}; {}", counted(draws.len(), "draw"));

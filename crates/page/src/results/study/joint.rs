@@ -10,11 +10,11 @@ use realgap_lab::calibration::{Answer, Study};
 use realgap_optimization::Ending;
 use realgap_path::comparison::{JointSamples, joint_samples};
 
-/// More recordings say nothing new of a joint's spread, and each is one more run.
+/// The largest number of recordings: more would hardly change the spread of a joint, and each costs a simulation.
 const RECORDINGS: usize = 12;
 /// Samples of one joint of one recording; more of them are thinned.
 const SAMPLES: usize = 300;
-/// What lies beyond each end of a spread.
+/// The share of residuals beyond each end of a spread.
 const TAIL: f64 = 0.05;
 
 /// One sample of one joint.
@@ -27,7 +27,7 @@ pub(crate) struct JointSample {
     pub simulated_rad: f64,
 }
 
-/// Whether nothing but joints was recorded: then paths say nothing.
+/// Whether only joints were recorded: then there are no paths to show.
 pub(in crate::results) fn is_of_joints(study: &Study) -> bool {
     let mut targets = study.cases().iter().flat_map(|case| &case.targets);
     targets.all(|target| target.motion.is_of_joints())

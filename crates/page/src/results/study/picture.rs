@@ -32,7 +32,7 @@ pub(super) fn draw(
     if let Some(plot) = map.convergence(data) {
         draft.draw("convergence", &plot)?;
     }
-    // Where nothing but joints was recorded nothing goes anywhere.
+    // Where only joints were recorded there are no paths.
     let has_paths = !joint::is_of_joints(study);
     if has_paths {
         plane::draw(draft, study, answer, &map.subtitle)?;
@@ -76,7 +76,7 @@ struct Map<'a> {
     title: String,
     subtitle: String,
     score: ScoreName,
-    /// The run that stands for each point of the grid; empty where there are too many parameters to show an optimizer's so.
+    /// The point that each cell of the grid shows; empty for an optimizer with more than two parameters.
     cells: Vec<Option<&'a PointScore>>,
     /// Cells with something that cannot be told from the best.
     alike: BTreeSet<usize>,
@@ -212,7 +212,7 @@ impl<'a> Map<'a> {
         }
     }
 
-    /// Over both parameters the difference in distance travelled alone, which paper 003 (figure 2) calls fitness and shows.
+    /// The difference in the distance travelled over both parameters: the fitness of paper 003 (figure 2).
     fn fitness(&self) -> HeatMap {
         let ranges = self.grid().ranges();
         let places = (0..ranges[1].points)
@@ -308,8 +308,8 @@ impl<'a> Map<'a> {
         self.panel_grid(what, 3, panels.collect())
     }
 
-    /// Nine panels across the first two parameters, the others at their best, reality behind; the first
-    /// recording's where every recording has its own start. As figure 3 of paper 003.
+    /// Nine panels across the first two parameters, with the other parameters at their best values and the recordings behind: only
+    /// the first recording where every recording has its own start. As figure 3 of paper 003.
     fn panels(&self) -> Option<PanelGrid> {
         let ranges = self.grid().ranges();
         let best = self.best_coordinates();

@@ -31,7 +31,7 @@ pub(super) fn points(study: &Study, answer: &Answer) -> CsvTable {
 /// Rows of `indistinguishable.csv`.
 const DRAWN: usize = 200;
 
-/// Parameter values as likely as the recordings leave them, one row a draw, with the study's fixed values.
+/// Draws from the posterior: parameter values, one row a draw, with the study's fixed values.
 pub(super) fn indistinguishable(study: &Study, answer: &Answer) -> Option<CsvTable> {
     let draws = answer.draws.as_ref()?;
     let varied = names(study);

@@ -25,10 +25,10 @@ realgap.replay = makeClock => {
   clock.follow(time => {
     const here = at(tracks[0], time);
     let text = time.toFixed(2) + " s of " + end.toFixed(2) + " s";
-    const apart = tracks.slice(1).filter(track => time <= track.t[track.t.length - 1] + 1e-6)
+    const distances = tracks.slice(1).filter(track => time <= track.t[track.t.length - 1] + 1e-6)
       .map(track => { const p = at(track, time); return Math.hypot(p[0] - here[0], p[1] - here[1], p[2] - here[2]); });
-    if (apart.length) text += "\n" + (apart.length > 1
-      ? realgap.metres(Math.min(...apart)) + " to " + realgap.metres(Math.max(...apart)) : realgap.metres(apart[0])) + " from recorded";
+    if (distances.length) text += "\n" + (distances.length > 1
+      ? realgap.metres(Math.min(...distances)) + " to " + realgap.metres(Math.max(...distances)) : realgap.metres(distances[0])) + " from recorded";
     $("clock").textContent = text;
   });
 

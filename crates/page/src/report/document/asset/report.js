@@ -30,7 +30,7 @@
     const tracks = [...recorded.map(path => ({ ...path, recorded: true })), moving];
     const live = own.map($).filter(Boolean).map(svg => realgap.live(clock, svg, svg.id === "path" ? tracks : []));
     // Distances at equal times since the start.
-    const apart = (a, b) => a.t.map((t, k) => {
+    const distances = (a, b) => a.t.map((t, k) => {
       const at = realgap.place(b.t, t);
       return t > b.t[b.t.length - 1] + 1e-9 ? NaN : Math.hypot(a.x[k] - realgap.mix(b.x, at), a.y[k] - realgap.mix(b.y, at));
     });
@@ -70,7 +70,7 @@
       realgap.redraw($("along"), { lines: lines(one => ({ x: one.t, y: one.x })) });
       if ($("error")) realgap.redraw($("error"), {
         fromZero: true, bands,
-        lines: path.t.length ? recorded.map(one => ({ ...finite(path.t, apart(path, one)), kind: "sim" })) : [],
+        lines: path.t.length ? recorded.map(one => ({ ...finite(path.t, distances(path, one)), kind: "sim" })) : [],
       });
       // The best point may lie between the cells; then its star alone marks it.
       if (marker) for (const name of ["x", "y", "width", "height"]) marker.setAttribute(name, cellOf.has(k) ? cellOf.get(k).getAttribute(name) : 0);
