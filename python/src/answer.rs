@@ -117,7 +117,7 @@ impl Answer {
     fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
         py.detach(|| {
             check_folder(&folder, Kind::Study)?;
-            results::write(&folder, &self.study, &self.answer)
+            results::write(&folder, &self.study, &self.answer).map(drop)
         })
         .or_raise(py)
     }

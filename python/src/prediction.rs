@@ -147,7 +147,7 @@ pub fn repeat_study(
             Kind::Ensemble,
             run,
             || EnsembleReport::new(&study, &options, run),
-            write_ensemble,
+            |folder, report| write_ensemble(folder, report).map(drop),
         )?;
         if !report.complete {
             return Err(incomplete(report.repeats(), total));
@@ -187,7 +187,7 @@ impl Ensemble {
     fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
         py.detach(|| {
             check_folder(&folder, Kind::Ensemble)?;
-            write_ensemble(&folder, &self.report)
+            write_ensemble(&folder, &self.report).map(drop)
         })
         .or_raise(py)
     }
@@ -248,7 +248,9 @@ pub fn study_gap(
             options.noise = Some(noise);
         }
         let make = || StudyGap::new(&study.study, &options, run);
-        let gap = kept(folder.as_deref(), Kind::Gap, run, make, write_gap)?;
+        let gap = kept(folder.as_deref(), Kind::Gap, run, make, |folder, gap| {
+            write_gap(folder, gap).map(drop)
+        })?;
         if !gap.complete {
             return Err(Error::interrupted("interrupted before the last repeat")
                 .hint("run it again; finished repeats come out the same"));
@@ -271,7 +273,7 @@ impl Gap {
     fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
         py.detach(|| {
             check_folder(&folder, Kind::Gap)?;
-            write_gap(&folder, &self.gap)
+            write_gap(&folder, &self.gap).map(drop)
         })
         .or_raise(py)
     }
@@ -313,7 +315,7 @@ pub fn predict(
             Kind::Prediction,
             run,
             || card(robot, &question, &drawing, run),
-            |folder, (card, repeats)| write_prediction(folder, card, repeats),
+            |folder, (card, repeats)| write_prediction(folder, card, repeats).map(drop),
         )?;
         if !repeats.is_complete() {
             return Err(incomplete(repeats.repeats.len(), repeats.asked));
@@ -404,7 +406,7 @@ impl Prediction {
     fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
         py.detach(|| {
             check_folder(&folder, Kind::Prediction)?;
-            write_prediction(&folder, &self.card, &self.ensemble)
+            write_prediction(&folder, &self.card, &self.ensemble).map(drop)
         })
         .or_raise(py)
     }

@@ -129,10 +129,10 @@ impl StudyOptions {
         folder: &ResultsFolder,
         wall_s: f64,
     ) -> Result<()> {
-        results::write(folder.path(), study, answer)?;
-        let page_said = self
-            .page
-            .write(folder.path(), || page::of_study(study, answer));
+        let results_page = results::write(folder.path(), study, answer)?;
+        let page_said = self.page.write(folder.path(), &results_page, || {
+            page::of_study(study, answer)
+        });
         folder.write_timing(self.jobs.count())?;
         let folder = folder.path();
         let report = &answer.report;

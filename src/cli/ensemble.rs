@@ -113,8 +113,10 @@ impl Ensemble {
             Some(store) => EnsembleReport::of_store(&study, &options, store, run),
         })?;
         folder.check()?;
-        write_ensemble(folder.path(), &report)?;
-        let page_said = self.page.write(folder.path(), || page::of_repeats(&study));
+        let results_page = write_ensemble(folder.path(), &report)?;
+        let page_said = self
+            .page
+            .write(folder.path(), &results_page, || page::of_repeats(&study));
         folder.write_timing(run.jobs)?;
         terminal::print_warnings(
             report

@@ -4,7 +4,7 @@ use realgap::calibration::{Overrides, Study, read_noise};
 use realgap::comparison::{Components, DEFAULT_METRIC, Metric, by_name};
 use realgap::plan::Work;
 use realgap::prediction::gap::{FloorReport, GapOptions, Scoring, StudyGap, read_sets};
-use realgap::report::Kept;
+use realgap::report::PageData;
 use realgap::results::{Kind, write_floor, write_gap};
 
 use super::kit::*;
@@ -142,8 +142,10 @@ impl Gap {
             Some(store) => StudyGap::of_store(&study, &options, store, run),
         })?;
         folder.check()?;
-        write_gap(folder.path(), &found)?;
-        let page_said = self.page.write(folder.path(), || page::of_gap(&study));
+        let results_page = write_gap(folder.path(), &found)?;
+        let page_said = self
+            .page
+            .write(folder.path(), &results_page, || page::of_gap(&study));
         folder.write_timing(run.jobs)?;
         terminal::print_warnings(&found.warnings);
         let pictures = if found.confidence.is_some() {
@@ -200,8 +202,9 @@ impl Gap {
         }
         if let Some(folder) = &folder {
             folder.check()?;
-            write_floor(folder.path(), &report)?;
-            self.page.write(folder.path(), Kept::default);
+            let results_page = write_floor(folder.path(), &report)?;
+            self.page
+                .write(folder.path(), &results_page, PageData::default);
             folder.write_timing(run.jobs)?;
         }
         self.print.value(&report)

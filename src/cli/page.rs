@@ -11,9 +11,10 @@ use realgap::calibration::{
 use realgap::file::{remove_sealed, write_atomic, write_sealed};
 use realgap::optimization::Ending;
 use realgap::report::{
-    KEPT_RECORDINGS, Kept, KeptPath, KeptReplay, Leaf, PAGE_FILE, Replay, SIMULATION, Tree,
-    folder_page, side_by_side,
+    PAGE_FILE, PageData, RecordedPath, Replay, ReplayData, ReportTree, ResultsPage,
+    SHOWN_RECORDINGS, SIMULATION, SingleReport, side_by_side,
 };
+use realgap::results::confidence_set;
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, film};
 use realgap::trajectory::{Recording, Trajectory};
@@ -47,9 +48,14 @@ pub struct PageOption {
 impl PageOption {
     /// Writes `report.html` into a finished results folder and returns a note about it for the terminal. An error is only a warning,
     /// because the results are complete.
-    pub fn write(self, folder: &Path, keep: impl FnOnce() -> Kept) -> &'static str {
+    pub fn write(
+        self,
+        folder: &Path,
+        page: &ResultsPage,
+        data: impl FnOnce() -> PageData,
+    ) -> &'static str {
         if self.no_report {
-            for name in [PAGE_FILE, Kept::FILE] {
+            for name in [PAGE_FILE, PageData::FILE] {
                 if let Err(error) = remove_sealed(&folder.join(name)) {
                     let warning = Code::NotWritten.warning(error.to_string());
                     terminal::print_warnings(&[warning]);
@@ -57,11 +63,11 @@ impl PageOption {
             }
             return "";
         }
-        let kept = Kept {
+        let data = PageData {
             command: command(typed()),
-            ..keep()
+            ..data()
         };
-        if let Err(error) = write(folder, &kept) {
+        if let Err(error) = write(folder, page, &data) {
             let warning = Code::NotWritten.warning(format!("no report.html: {error}"));
             terminal::print_warnings(&[warning]);
             return "";
@@ -98,10 +104,10 @@ impl Telling {
         let Some(file) = &self.report else {
             return Ok(());
         };
-        let report = Tree::of(found)?;
+        let report = ReportTree::of(found)?;
         let pictures: Vec<&Path> = pictures.into_iter().map(PathBuf::as_path).collect();
         let name = of.file_stem().unwrap_or(of.as_os_str()).to_string_lossy();
-        let page = Leaf {
+        let page = SingleReport {
             kind,
             name: &name,
             text,
@@ -113,9 +119,9 @@ impl Telling {
     }
 }
 
-fn write(folder: &Path, kept: &Kept) -> Result<()> {
-    kept.write(folder)?;
-    let page = folder_page(folder, &kept.command)?;
+fn write(folder: &Path, page: &ResultsPage, data: &PageData) -> Result<()> {
+    data.write(folder)?;
+    let page = page.html(Some(data), &data.command);
     write_sealed(&folder.join(PAGE_FILE), page.as_bytes(), true)
 }
 
@@ -156,10 +162,10 @@ fn command(words: impl Iterator<Item = String>) -> String {
 }
 
 /// Data that the page of a study shows in addition to its results.
-pub fn of_study(study: &Study, answer: &Answer) -> Kept {
+pub fn of_study(study: &Study, answer: &Answer) -> PageData {
     let definition = study.definition();
     let Some(case) = study.cases().first() else {
-        return Kept::default();
+        return PageData::default();
     };
     let best = answer.scores.best.map(|best| &answer.scores.points[best]);
     let experiment = best.and_then(|best| study.experiment(0, &best.values).ok());
@@ -167,32 +173,33 @@ pub fn of_study(study: &Study, answer: &Answer) -> Kept {
         .as_ref()
         .map_or(1.0, |e| e.recording_length_scale);
     let (recorded, recordings) = recorded(definition, case, scale);
-    Kept {
+    PageData {
         duration_s: case.experiment.duration_s,
         reality: definition.source().reality_label().to_owned(),
         recorded,
         best_xy_m: best.map_or_else(Vec::new, |best| {
             best.path_xy_m.iter().map(rounded).collect()
         }),
+        confidence_set: confidence_set(study, answer),
         // After an interruption, no further simulation is started.
         replay: experiment
             .filter(|_| answer.ending == Ending::Complete)
             .and_then(|experiment| seen(definition, &experiment, &recordings)),
-        ..Kept::default()
+        ..PageData::default()
     }
 }
 
 /// Data that the page of a gap shows in addition: the run of the first start without noise.
-pub fn of_gap(study: &Study) -> Kept {
+pub fn of_gap(study: &Study) -> PageData {
     let definition = study.definition();
     let Some(case) = study.cases().first() else {
-        return Kept::default();
+        return PageData::default();
     };
     let (_, recordings) = recorded(definition, case, 1.0);
-    Kept {
+    PageData {
         duration_s: case.experiment.duration_s,
         replay: seen(definition, &case.experiment, &recordings),
-        ..Kept::default()
+        ..PageData::default()
     }
 }
 
@@ -202,16 +209,20 @@ fn rounded(place_m: &[f64; 2]) -> [f64; 2] {
 }
 
 /// The recordings of a case: as prepared paths, and as recordings for the replay.
-fn recorded(definition: &Definition, case: &Case, scale: f64) -> (Vec<KeptPath>, Vec<Recording>) {
+fn recorded(
+    definition: &Definition,
+    case: &Case,
+    scale: f64,
+) -> (Vec<RecordedPath>, Vec<Recording>) {
     let (mut paths, mut seen) = (Vec::new(), Vec::new());
-    for target in case.targets.iter().take(KEPT_RECORDINGS) {
+    for target in case.targets.iter().take(SHOWN_RECORDINGS) {
         let recording = &definition.recordings[target.recording];
         let Ok(target) = target.in_true_lengths(scale) else {
             continue;
         };
         let target: &Target = &target;
         if !target.motion.is_of_joints() {
-            paths.push(KeptPath {
+            paths.push(RecordedPath {
                 name: recording.name.clone(),
                 duration_s: target.motion.duration_s(),
                 xy_m: target.prepared.xy_m().iter().map(rounded).collect(),
@@ -253,39 +264,39 @@ pub fn recordings_of(study: &Repeatable, case: &RepeatCase) -> Vec<Recording> {
 }
 
 /// Data that the page of repeats shows in addition: the run of the first start without noise.
-pub fn of_repeats(study: &Repeatable) -> Kept {
+pub fn of_repeats(study: &Repeatable) -> PageData {
     let Some(case) = study.cases.first() else {
-        return Kept::default();
+        return PageData::default();
     };
     let recordings = recordings_of(study, case);
-    Kept {
+    PageData {
         duration_s: case.experiment.duration_s,
         reality: study.definition.source().reality_label().to_owned(),
         replay: seen(&study.definition, &case.experiment, &recordings),
-        ..Kept::default()
+        ..PageData::default()
     }
 }
 
 /// Data that the page of one robot shows in addition to its results.
-pub fn of_robot(experiment: &Experiment, robot: &Morphology) -> Kept {
-    Kept {
+pub fn of_robot(experiment: &Experiment, robot: &Morphology) -> PageData {
+    PageData {
         duration_s: experiment.duration_s,
         replay: moving(experiment, robot, &[], true),
-        ..Kept::default()
+        ..PageData::default()
     }
 }
 
 /// Data that the page of a search shows in addition to its results: its best robots side by side.
-pub fn of_robots(robots: &[(Experiment, &Morphology)]) -> Kept {
+pub fn of_robots(robots: &[(Experiment, &Morphology)]) -> PageData {
     let runs: Vec<_> = robots
         .iter()
         .filter_map(|(experiment, robot)| Some((*robot, film(experiment).ok()?.1?)))
         .collect();
     let first = robots.first().map(|(experiment, _)| experiment);
-    Kept {
+    PageData {
         duration_s: first.map_or(0.0, |first| first.duration_s),
         replay: first.and_then(|first| side_by_side(&runs, first.floor).ok().flatten()),
-        ..Kept::default()
+        ..PageData::default()
     }
 }
 
@@ -294,7 +305,7 @@ fn seen(
     definition: &Definition,
     experiment: &Experiment,
     recordings: &[Recording],
-) -> Option<KeptReplay> {
+) -> Option<ReplayData> {
     let is_settled = definition.start == StartRule::Settled;
     moving(experiment, &definition.morphology, recordings, is_settled)
 }
@@ -305,7 +316,7 @@ fn moving(
     robot: &Morphology,
     recordings: &[Recording],
     align: bool,
-) -> Option<KeptReplay> {
+) -> Option<ReplayData> {
     let film = film(experiment).ok()?.1?;
     let replay = Replay {
         robot: Some(robot),
@@ -318,7 +329,7 @@ fn moving(
         warnings: &[],
         provenance: &[],
     };
-    replay.kept().ok()
+    replay.data().ok()
 }
 
 #[cfg(test)]

@@ -123,10 +123,10 @@ impl Predict {
         let mut page_said = "";
         if let Some(folder) = &folder {
             folder.check()?;
-            write_prediction(folder.path(), &card, &repeats)?;
-            page_said = self
-                .page
-                .write(folder.path(), || page::of_robot(&experiment, &morphology));
+            let results_page = write_prediction(folder.path(), &card, &repeats)?;
+            page_said = self.page.write(folder.path(), &results_page, || {
+                page::of_robot(&experiment, &morphology)
+            });
             folder.write_timing(run.jobs)?;
         }
         self.print.answer(&card, || {

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use realgap::optimization::{Ending, Progress, RunOptions};
 use realgap::plan::Work;
-use realgap::report::Kept;
+use realgap::report::PageData;
 use realgap::results::{Kind, SearchSummary, write_search};
 use realgap::search::{self, Finalist, Overrides, SearchResults};
 
@@ -112,7 +112,7 @@ impl Search {
                 baseline.as_ref(),
             )
         };
-        let mut summary = write(known)?;
+        let (mut summary, mut results_page) = write(known)?;
         if let (Some(python), Ok(known)) = (&self.mujoco, &finalists)
             && !known.is_empty()
         {
@@ -120,12 +120,11 @@ impl Search {
             let reranked = mujoco::rerun(python, folder.path(), &search, known.clone());
             bar.finish_and_clear();
             let reranked = reranked?;
-            summary = write(&reranked)?;
+            (summary, results_page) = write(&reranked)?;
             finalists = Ok(reranked);
         }
-        let page_said = self
-            .page
-            .write(folder.path(), || match finalists.as_deref() {
+        let page_said = self.page.write(folder.path(), &results_page, || {
+            match finalists.as_deref() {
                 Ok(best) => {
                     let runs = best
                         .iter()
@@ -133,8 +132,9 @@ impl Search {
                         .map(|one| (search.experiment(&one.robot), &one.robot));
                     page::of_robots(&runs.collect::<Vec<_>>())
                 }
-                Err(_) => Kept::default(),
-            });
+                Err(_) => PageData::default(),
+            }
+        });
         folder.write_timing(options.jobs)?;
         terminal::print_warnings(&summary.warnings);
         self.print.answer(&summary, || {

@@ -1,11 +1,11 @@
 #!/bin/sh
-# Makes src/report/page/three.min.js: the parts of three.js that the replay uses, in one minified script.
+# Makes crates/page/src/report/document/asset/three.min.js: the parts of three.js that the replay uses, in one minified script.
 # Needs npm. Versions are pinned here; change them, run this, run `cargo test --test page replay`, and look at a replay.
 set -eu
 THREE=0.170.0
 ESBUILD=0.25.0
 here=$(cd "$(dirname "$0")" && pwd)
-page="$here/../../src/report/page"
+page="$here/../../crates/page/src/report/document/asset"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cp "$here/entry.js" "$work"

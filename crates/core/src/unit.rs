@@ -33,6 +33,12 @@ macro_rules! symbols {
                     $(Self::$unit => $symbol,)*
                 }
             }
+
+            /// The unit with this [label](Unit::label), as it stands in a report; `None` for any other text.
+            pub fn by_label(label: &str) -> Option<Self> {
+                let all = [$(Self::$unit,)*];
+                all.into_iter().find(|unit| unit.label() == label)
+            }
         }
     };
 }

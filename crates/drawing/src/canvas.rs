@@ -1,4 +1,4 @@
-//! What is drawn, in the order in which it is drawn.
+//! A canvas: a list of marks in the order in which they are drawn.
 
 use plotters::style::RGBColor;
 use realgap_core::font::{CAPITAL_HEIGHT_EM, Weight, text_width};
@@ -109,7 +109,7 @@ impl Canvas {
         self.marks.push(Mark::Rectangle(from, to, colour));
     }
 
-    /// A filled rectangle whose edges are moved to whole pixels: neighbours meet without a seam.
+    /// A filled rectangle whose edges are rounded to whole pixels, so that neighbours meet without a seam.
     pub fn cell(&mut self, from: Point, to: Point, colour: RGBColor) {
         let whole = |(x, y): Point| (x.round(), y.round());
         self.fill(whole(from), whole(to), colour);
@@ -172,7 +172,7 @@ impl Canvas {
     fn solid_path(&mut self, points: &[Point], Stroke { width, colour, .. }: Stroke) {
         let mut kept: Vec<Point> = Vec::with_capacity(points.len());
         for (i, &point) in points.iter().enumerate() {
-            // Steps far below a pixel cost time and size, and plotters draws them badly.
+            // Steps far below a pixel cost time and file size, and plotters draws them badly.
             let is_last = i + 1 == points.len();
             if kept
                 .last()
@@ -222,7 +222,7 @@ impl Canvas {
 
 /// A point on a grid with so many steps to a unit.
 pub(crate) fn on_grid((x, y): Point, per_unit: u32) -> (i32, i32) {
-    // Far outside is as good as further outside, and cannot overflow plotters' arithmetic.
+    // Coordinates far outside of the picture are clamped, because they would overflow the integers of plotters.
     let whole = |v: f64| (v * f64::from(per_unit)).round().clamp(-1e6, 1e6) as i32;
     (whole(x), whole(y))
 }

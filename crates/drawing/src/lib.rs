@@ -1,8 +1,8 @@
 //! A picture is drawn once, on a [`Canvas`], in picture units (one pixel of the finished PNG); [`pixels`] and [`svg`]
-//! set what was drawn.
+//! turn the canvas into an image.
 //!
-//! The canvas is a list and knows no format, so that no chart is compiled, or run, once for each of them. This is the
-//! only crate that names plotters, whose rasterizer and SVG writer are behind it.
+//! The canvas is a list that knows no file format, so that the code of a chart is compiled and run once, and not once for each
+//! format. No other crate depends on plotters, whose rasterizer and SVG writer this crate uses.
 
 mod canvas;
 mod pixel;

@@ -7,35 +7,36 @@ use realgap_core::{Error, Result};
 
 use crate::canvas::{Align, Canvas, Mark, Point, Text, corners, distance, on_grid};
 
-/// Pixels are averages of this many by this many: smooth lines, evenly spaced letters.
+/// Every pixel is the average of this many by this many finer pixels, which makes lines smooth and letters evenly spaced.
 const OVERSAMPLING: u32 = 3;
 
 /// The pixels of a picture, three bytes each, row by row.
 ///
 /// # Errors
-/// What the rasterizer cannot draw; nothing is known that would make it fail.
+/// An error of the rasterizer of plotters; no picture is known to cause one.
 pub fn pixels(canvas: &Canvas, (width, height): (u32, u32)) -> Result<Vec<u8>> {
     let large = (width * OVERSAMPLING, height * OVERSAMPLING);
     let mut pixels = vec![255; large.0 as usize * large.1 as usize * 3];
-    let mut sheet = Sheet(BitMapBackend::with_buffer(&mut pixels, large));
+    let mut raster = Raster(BitMapBackend::with_buffer(&mut pixels, large));
     canvas
         .marks
         .iter()
-        .try_for_each(|mark| sheet.draw(mark))
-        .and_then(|()| sheet.0.present().map_err(|failure| failure.to_string()))
+        .try_for_each(|mark| raster.draw(mark))
+        .and_then(|()| raster.0.present().map_err(|failure| failure.to_string()))
         .map_err(|failure| Error::invalid(format!("cannot draw the picture: {failure}")))?;
-    drop(sheet);
+    drop(raster);
     Ok(average(&pixels, width as usize, height as usize))
 }
 
-struct Sheet<'a>(BitMapBackend<'a>);
+/// The pixels that marks are drawn on.
+struct Raster<'a>(BitMapBackend<'a>);
 
-/// The finer grid that is drawn on.
+/// A point on the finer grid.
 fn at(point: Point) -> (i32, i32) {
     on_grid(point, OVERSAMPLING)
 }
 
-impl Sheet<'_> {
+impl Raster<'_> {
     fn draw(&mut self, mark: &Mark) -> std::result::Result<(), String> {
         match mark {
             &Mark::Rectangle(from, to, colour) => {
@@ -71,7 +72,7 @@ impl Sheet<'_> {
             .map_err(|failure| failure.to_string())
     }
 
-    /// plotters' own thick paths grow spikes at sharp corners: drawn piece by piece, the joints rounded off.
+    /// Draws a path piece by piece with round corners: thick paths of plotters have spikes at sharp corners.
     fn line(
         &mut self,
         points: &[Point],

@@ -1,4 +1,4 @@
-//! A canvas as SVG, whose text is set by the viewer.
+//! A canvas as SVG. The program that shows the SVG sets its text.
 
 use plotters::backend::{DrawingBackend, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -12,13 +12,13 @@ use crate::canvas::{Align, Canvas, Mark, Point, Text, corners, on_grid};
 
 /// SVG coordinates of plotters are whole numbers; this many to a unit.
 const PER_UNIT: u32 = 10;
-/// The embedded font first, then what is common.
+/// Font families: the embedded font first, then common ones.
 const FAMILY: &str = "Roboto, Helvetica, Arial, sans-serif";
 
 /// The picture as SVG.
 ///
 /// # Errors
-/// What the writer cannot write; nothing is known that would make it fail.
+/// An error of the SVG writer of plotters; no picture is known to cause one.
 pub fn svg(canvas: &Canvas, (width, height): (u32, u32)) -> Result<Vec<u8>> {
     let large = (width * PER_UNIT, height * PER_UNIT);
     let mut text = String::new();
@@ -31,7 +31,7 @@ pub fn svg(canvas: &Canvas, (width, height): (u32, u32)) -> Result<Vec<u8>> {
         .and_then(|()| backend.present().map_err(|failure| failure.to_string()))
         .map_err(|failure| Error::invalid(format!("cannot draw the picture: {failure}")))?;
     drop(backend);
-    // plotters writes the fine coordinates as the size; the view box alone should have them.
+    // plotters writes the fine coordinates as the size of the picture; only the view box should have them.
     let fine = format!("width=\"{}\" height=\"{}\"", large.0, large.1);
     let real = format!(
         "width=\"{width}\" height=\"{height}\" stroke-linejoin=\"round\" stroke-linecap=\"round\""
@@ -39,7 +39,7 @@ pub fn svg(canvas: &Canvas, (width, height): (u32, u32)) -> Result<Vec<u8>> {
     Ok(with_lengths(&text.replacen(&fine, &real, 1), canvas).into_bytes())
 }
 
-/// Every text as wide as it was set, whatever font the viewer has in place of the embedded one.
+/// Gives every text the width that it has in the embedded font, whatever font the viewer uses instead.
 fn with_lengths(svg: &str, canvas: &Canvas) -> String {
     const TEXT: &str = "<text ";
     let mut pieces = svg.split(TEXT);
@@ -88,7 +88,7 @@ fn draw(backend: &mut SVGBackend, mark: &Mark) -> std::result::Result<(), String
 }
 
 fn draw_text(backend: &mut SVGBackend, text: &Text) -> std::result::Result<(), String> {
-    // plotters divides the size by this, and moves the baseline down by that.
+    // plotters divides the size of a font by 1.24 and moves its baseline down.
     const SIZE_PER_EM: f64 = 1.24;
     const TOP_TO_BASELINE_EM: f64 = 0.76;
     let Text { letter, anchor, .. } = text;

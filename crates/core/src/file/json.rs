@@ -17,12 +17,21 @@ pub const SCHEMA_VERSION: u32 = 1;
 /// A value that JSON cannot hold.
 pub fn versioned_json(value: &impl Serialize) -> Result<String> {
     let fail = |e| Error::invalid(format!("cannot write JSON: {e}"));
-    let value = match serde_json::to_value(value).map_err(fail)? {
-        Value::Array(rows) => rows.into_iter().map(versioned).collect(),
-        other => versioned(other),
-    };
+    let value = versioned_value(value)?;
     let text = serde_json::to_string_pretty(&value).map_err(fail)?;
     Ok(escaped_json(text))
+}
+
+/// The same as a value: what a reader of that text gets.
+///
+/// # Errors
+/// As [`versioned_json`].
+pub fn versioned_value(value: &impl Serialize) -> Result<Value> {
+    let fail = |e| Error::invalid(format!("cannot write JSON: {e}"));
+    Ok(match serde_json::to_value(value).map_err(fail)? {
+        Value::Array(rows) => rows.into_iter().map(versioned).collect(),
+        other => versioned(other),
+    })
 }
 
 fn versioned(value: Value) -> Value {

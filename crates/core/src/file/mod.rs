@@ -50,7 +50,7 @@ pub use byte_reader::ByteReader;
 pub use decode::{parse_ron, write_ron};
 pub use hash::sha256;
 pub use input::read_limited;
-pub use json::{SCHEMA_VERSION, versioned_json};
+pub use json::{SCHEMA_VERSION, versioned_json, versioned_value};
 pub use log::{LogTable, read_log_text};
 pub use mcap::{McapWriter, Stamp, Topic, read_mcap, stamp};
 pub use name::{check_name, name_of_file};

@@ -178,33 +178,39 @@ fn overlay(count: usize) -> Overlay {
     }
 }
 
-fn curve(count: usize) -> Curve {
+/// A score over friction; `score` gives that at a position and its value.
+fn curve_of(count: usize, score: impl Fn(usize, f64) -> Option<f64>) -> LinePlot {
     let x_values = grid(count, 0.05, 1.0);
-    let scores: Vec<_> = x_values
-        .iter()
-        .map(|x| {
-            (*x < 0.9).then_some(0.006 + 0.12 * (x - 0.42) * (x - 0.42) + 0.002 * (40.0 * x).sin())
-        })
-        .collect();
+    let scores = x_values.iter().enumerate().map(|(i, x)| score(i, *x));
+    let scores: Vec<Option<f64>> = scores.collect();
     let best = (0..count)
         .filter(|&i| scores[i].is_some())
         .min_by(|&a, &b| scores[a].unwrap().total_cmp(&scores[b].unwrap()));
     let inside = |s: &Option<f64>| s.is_some_and(|s| s < 0.0065);
-    Curve {
-        caption: Caption::new(
-            "cube_toss: position error over friction",
-            "100 real recordings",
-        ),
-        x: AxisSpec::new("friction", Unit::One),
-        indistinguishable: scores.iter().map(inside).collect(),
-        x_values,
-        scores,
-        score_label: "PCA discrepancy".into(),
-        score_unit: Unit::Metre,
-        scale: ScoreScale::Auto,
-        best,
+    LinePlot {
+        best: best.map(|i| BestPoint {
+            x: x_values[i],
+            score: scores[i],
+        }),
         truth: truth(0.0),
+        ..LinePlot::over_parameter(
+            Caption::new(
+                "cube_toss: position error over friction",
+                "100 real recordings",
+            ),
+            AxisSpec::new("friction", Unit::One),
+            ("PCA discrepancy", Unit::Metre),
+            x_values.clone(),
+            &scores,
+            scores.iter().map(inside).collect(),
+        )
     }
+}
+
+fn curve(count: usize) -> LinePlot {
+    curve_of(count, |_, x| {
+        (x < 0.9).then_some(0.006 + 0.12 * (x - 0.42) * (x - 0.42) + 0.002 * (40.0 * x).sin())
+    })
 }
 
 #[test]
@@ -277,7 +283,7 @@ fn heat_maps_of_extreme_data() {
 
 #[test]
 fn curves() {
-    let svg = check("curve", |p| draw_curve(&curve(21), p));
+    let svg = check("curve", |p| draw_lines(&curve(21), p));
     for text in [
         "cube_toss",
         "friction",
@@ -286,15 +292,12 @@ fn curves() {
     ] {
         assert!(svg.contains(text), "{text}");
     }
-    check("curve_one", |p| draw_curve(&curve(1), p));
-    check("curve_many", |p| draw_curve(&curve(2001), p));
-    let mut diverged = curve(5);
-    diverged.scores = vec![None; 5];
-    diverged.best = None;
-    check("curve_diverged", |p| draw_curve(&diverged, p));
-    let mut wide = curve(12);
-    wide.scores = (0..12).map(|i| Some(10f64.powi(i - 6))).collect();
-    check("curve_log", |p| draw_curve(&wide, p));
+    check("curve_one", |p| draw_lines(&curve(1), p));
+    check("curve_many", |p| draw_lines(&curve(2001), p));
+    let diverged = curve_of(5, |_, _| None);
+    check("curve_diverged", |p| draw_lines(&diverged, p));
+    let wide = curve_of(12, |i, _| Some(10f64.powi(i as i32 - 6)));
+    check("curve_log", |p| draw_lines(&wide, p));
 }
 
 #[test]

@@ -1,52 +1,24 @@
-//! Pages: one HTML file that explains itself, opens from disk and asks no network.
+//! Pages: HTML files that need nothing beside them, open from disk and use no network.
 //!
-//! A [`Replay`] shows a robot in motion, its recorded runs over it; [`folder_page`] what a results folder holds, with what its
-//! command has [`Kept`] for it. Everything in a page is readable without scripts as far as text, tables and charts go; only
-//! the page's own scripts may run, named by their hashes in its content policy; texts of others are escaped. Same data, same
-//! bytes.
+//! A [`Replay`] shows a robot in motion, with its recorded runs over it; a [`ResultsPage`] what a results folder holds, with the
+//! [`PageData`] that its command keeps beside; a [`SingleReport`] what a command without a folder found. Text, tables and charts
+//! of a page can be read without scripts. Only the page's own scripts may run: its content policy names them by their hashes.
+//! Texts of others are escaped. The same data give the same bytes.
 
-mod animation;
-mod base64;
-mod block;
-mod chart;
-mod claim;
 #[cfg(test)]
 mod contradiction;
-mod ensemble;
-mod fleet;
+mod document;
 mod folder;
-mod foxglove;
-mod gap;
-mod gltf;
-mod heat;
-mod joint;
-mod kept;
-mod leaf;
-mod look;
-mod motion;
-mod page;
-mod parade;
-mod path;
-mod points;
-mod prediction;
 mod replay;
-mod search;
-mod section;
-mod sheet;
-mod solid;
-mod stage;
-mod story;
-mod study;
-mod track;
-mod tree;
-mod tuning;
-mod value;
+mod single_report;
 
-pub use folder::folder_page;
-pub use kept::{KEPT_RECORDINGS, Kept, KeptPath, KeptReplay, PAGE_FILE};
-pub use leaf::Leaf;
-pub use look::{ShownSolid, shown_body, shown_parts};
-pub use motion::ShownScene;
-pub use parade::side_by_side;
-pub use replay::{Replay, SIMULATION};
-pub use tree::Tree;
+pub(crate) use document::picture::Pictures;
+pub(crate) use document::value::odds;
+pub use folder::page_data::{PAGE_FILE, PageData, RecordedPath, ReplayData, SHOWN_RECORDINGS};
+pub use folder::tree::ReportTree;
+pub use folder::{ResultsPage, folder_page};
+pub use replay::look::{ShownSolid, shown_body, shown_parts};
+pub use replay::motion::ShownScene;
+pub use replay::page::{Replay, SIMULATION};
+pub use replay::side_by_side::side_by_side;
+pub use single_report::SingleReport;

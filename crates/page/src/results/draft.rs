@@ -1,4 +1,4 @@
-//! Results take the place of older ones all at once.
+//! Publishing results: they replace older results all at once.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -6,33 +6,87 @@ use std::path::{Path, PathBuf};
 
 use super::kind::Kind;
 use super::kind::file::{PAGE, TIMING};
+use super::table::CsvTable;
+use crate::plot::{Format, Picture, file_bytes};
+use crate::report::Pictures;
 use realgap_core::error::{Error, Result};
-use realgap_core::file::{SEAL_FILE, Seal};
+use realgap_core::file::{SEAL_FILE, Seal, write_atomic};
 
-/// Where results wait until all of them are written. Nobody else calls a folder like this.
+/// Name of the folder in which results wait until all of them are written; no other program uses this name.
 const DRAFT: &str = ".realgap-draft";
 
+/// A results folder that is being written: its files stand in a folder of their own until all of them are there.
+pub(super) struct Draft {
+    folder: PathBuf,
+    pictures: Pictures,
+}
+
+impl Draft {
+    /// Where the files are written.
+    pub(super) fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Writes a table.
+    pub(super) fn table(&self, name: &str, table: &CsvTable) -> Result<()> {
+        table.write(&self.folder.join(name))
+    }
+
+    /// Writes `STEM.png` and `STEM.svg`, and keeps the picture for the page.
+    pub(super) fn draw(&mut self, stem: &str, picture: &impl Picture) -> Result<()> {
+        let svg = file_bytes(picture, Format::Svg)?;
+        write_atomic(self.folder.join(format!("{stem}.svg")), &svg)?;
+        self.write_png(stem, picture, Some(svg))
+    }
+
+    /// Writes `STEM.png` alone, and keeps the picture for the page.
+    pub(super) fn draw_png(&mut self, stem: &str, picture: &impl Picture) -> Result<()> {
+        self.write_png(stem, picture, None)
+    }
+
+    fn write_png(
+        &mut self,
+        stem: &str,
+        picture: &impl Picture,
+        svg: Option<Vec<u8>>,
+    ) -> Result<()> {
+        let png = file_bytes(picture, Format::Png)?;
+        write_atomic(self.folder.join(format!("{stem}.png")), &png)?;
+        self.pictures.add(stem, Some(png), svg);
+        Ok(())
+    }
+
+    /// The pictures drawn so far, for the page.
+    pub(super) fn take_pictures(&mut self) -> Pictures {
+        std::mem::take(&mut self.pictures)
+    }
+}
+
 /// Lets `write` fill a draft inside of `folder`, then moves every file of it to its place, and then removes what an older
-/// run left there: results of this kind that are not in the draft. Then the folder is sealed. Whoever is stopped before the last
-/// file is written leaves the older results whole; before the seal, one that does not fit.
+/// run left there: results of this kind that are not in the draft. Then the folder is sealed. A run that is stopped before the
+/// last file is written leaves the older results whole; a run that is stopped before the seal leaves a seal that does not fit.
 ///
 /// # Errors
 /// Those of `write`; a full disk or an unwritable folder.
 pub(super) fn publish<T>(
     folder: &Path,
     kind: Kind,
-    write: impl FnOnce(&Path) -> Result<T>,
+    write: impl FnOnce(&mut Draft) -> Result<T>,
 ) -> Result<T> {
-    let draft = folder.join(DRAFT);
+    let mut filled = Draft {
+        folder: folder.join(DRAFT),
+        pictures: Pictures::default(),
+    };
+    let draft = filled.folder.clone();
     remove_draft(&draft)?;
     fs::create_dir_all(&draft).map_err(|e| Error::io("make the folder", &draft, &e))?;
-    let written = write(&draft).inspect_err(|_| {
+    let written = write(&mut filled).inspect_err(|_| {
         // Best effort: the first error is the one that matters.
         let _ignored = remove_draft(&draft);
     })?;
     let new = files(&draft)?;
-    // A page of the same results is theirs: it stays until another takes its place, so that whoever is killed before that
-    // has one.
+    // The page of the same results belongs to them: it stays until another page takes its place, so that a run that is killed
+    // before that leaves a page.
     let has_page = PAGE.iter().any(|name| folder.join(name).exists());
     let is_there = |name: &PathBuf| {
         let [made, there] = [&draft, folder].map(|place| fs::read(place.join(name)).ok());
@@ -127,6 +181,7 @@ mod tests {
             put(name);
         }
         publish(folder.path(), Kind::Search, |draft| {
+            let draft = draft.folder();
             fs::write(draft.join("history.csv"), "new").unwrap();
             fs::create_dir(draft.join("best")).unwrap();
             fs::write(draft.join("best/01_robot_00002.ron"), "new").unwrap();
@@ -150,13 +205,13 @@ mod tests {
         assert!(!folder.path().join(DRAFT).exists());
     }
 
-    /// Who is killed between results and page has the old page, if that says what the results say.
+    /// A run that is killed between results and page leaves the old page, if that page belongs to equal results.
     #[test]
     fn a_page_goes_with_the_results_that_it_is_of() {
         let folder = tempfile::tempdir().unwrap();
         let publish_points = |text: &str| {
             publish(folder.path(), Kind::Study, |draft| {
-                fs::write(draft.join("points.csv"), text).unwrap();
+                fs::write(draft.folder().join("points.csv"), text).unwrap();
                 Ok(())
             })
             .unwrap();
@@ -178,6 +233,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("points.csv"), "old").unwrap();
         let failed = publish(folder.path(), Kind::Study, |draft| {
+            let draft = draft.folder();
             fs::write(draft.join("points.csv"), "half").unwrap();
             Err::<(), _>(Error::invalid("the disk is full"))
         });
@@ -187,7 +243,7 @@ mod tests {
             "old"
         );
         assert_eq!(names(folder.path()), ["points.csv"]);
-        // A draft that was left by a kill is no obstacle.
+        // A draft that a killed run has left is no obstacle.
         fs::create_dir(folder.path().join(DRAFT)).unwrap();
         fs::write(folder.path().join(DRAFT).join("points.csv"), "half").unwrap();
         publish(folder.path(), Kind::Gap, |_| Ok(())).unwrap();

@@ -4,20 +4,23 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::draft::publish;
+use super::draft::{Draft, publish};
 use super::kind::{Kind, file};
-use super::table::{number, write};
-use crate::plot::{Caption, EnsembleBand, EnsembleGroup, EnsemblePlot, both, draw_ensemble};
+use super::table::{CsvTable, number};
+use crate::plot::{Caption, EnsembleBand, EnsembleGroup, EnsemblePlot};
+use crate::report::{ResultsPage, odds};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{versioned_json, write_atomic};
-use realgap_lab::prediction::ensemble::{Ensemble, Envelope, Forecast, LEVELS, Motion, Repeat};
+use realgap_lab::prediction::ensemble::{
+    Behaviours, Ensemble, Envelope, Forecast, LEVELS, Motion, Repeat,
+};
 use realgap_lab::prediction::{Card, EnsembleReport};
 use realgap_path::trajectory::Source;
 
-/// More paths of one behaviour than this are not told apart in a picture.
+/// The largest number of paths of one behaviour in a picture: more could not be distinguished.
 const PATHS_DRAWN: usize = 120;
 
-/// An ensemble with what is said about it.
+/// An ensemble with its forecast and recordings.
 #[derive(Debug)]
 pub(super) struct EnsembleResult<'a> {
     /// The repeats.
@@ -53,7 +56,7 @@ const PICTURES: usize = 12;
 ///
 /// # Errors
 /// A full disk or an unwritable folder.
-pub fn write_ensemble(folder: &Path, report: &EnsembleReport) -> Result<()> {
+pub fn write_ensemble(folder: &Path, report: &EnsembleReport) -> Result<ResultsPage> {
     let results = report.cases.iter().map(|case| {
         let result = EnsembleResult {
             ensemble: &case.ensemble,
@@ -67,17 +70,17 @@ pub fn write_ensemble(folder: &Path, report: &EnsembleReport) -> Result<()> {
     let results: Vec<_> = results.collect();
     make(folder)?;
     publish(folder, Kind::Ensemble, |draft| {
-        write_report(draft, file::ENSEMBLE, report)?;
-        write_repeats(draft, &results)?;
+        write_report(draft.folder(), file::ENSEMBLE, report)?;
+        draft.table(file::REPEATS, &repeats(&results))?;
         for (index, (_, result)) in results.iter().enumerate().take(PICTURES) {
-            // The first has the name that is always there; more than one are numbered.
+            // The first picture always has the same name; further ones are numbered.
             let stem = match index {
                 0 => "ensemble".to_owned(),
                 _ => format!("ensemble_{index:03}"),
             };
             draw_repeats(draft, &stem, result)?;
         }
-        Ok(())
+        ResultsPage::of_ensemble(report, draft.take_pictures())
     })
 }
 
@@ -85,9 +88,9 @@ pub fn write_ensemble(folder: &Path, report: &EnsembleReport) -> Result<()> {
 ///
 /// # Errors
 /// A full disk or an unwritable folder.
-pub fn write_prediction(folder: &Path, card: &Card, repeats: &Ensemble) -> Result<()> {
+pub fn write_prediction(folder: &Path, card: &Card, ensemble: &Ensemble) -> Result<ResultsPage> {
     let result = EnsembleResult {
-        ensemble: repeats,
+        ensemble,
         summary: &card.prediction,
         real_paths_m: Vec::new(),
         real_label: Source::Real.reality_label(),
@@ -95,17 +98,15 @@ pub fn write_prediction(folder: &Path, card: &Card, repeats: &Ensemble) -> Resul
     };
     make(folder)?;
     publish(folder, Kind::Prediction, |draft| {
-        write_report(draft, file::PREDICTION, card)?;
+        write_report(draft.folder(), file::PREDICTION, card)?;
         draw_repeats(draft, "prediction", &result)?;
-        write_repeats(draft, &[(&card.robot, result)])
+        draft.table(file::REPEATS, &repeats(&[(&card.robot, result)]))?;
+        ResultsPage::of_prediction(card, draft.take_pictures())
     })
 }
 
-/// Writes one row a repeat: what was drawn and what came of it. `cases` are ensembles with a name each.
-///
-/// # Errors
-/// A full disk or an unwritable folder.
-fn write_repeats(folder: &Path, cases: &[(&str, EnsembleResult<'_>)]) -> Result<()> {
+/// One row a repeat: the random draw and its outcome. `cases` are ensembles with a name each.
+fn repeats(cases: &[(&str, EnsembleResult<'_>)]) -> CsvTable {
     let all = cases.iter().flat_map(|(name, case)| {
         let repeats = case.ensemble.repeats.iter();
         repeats.map(move |repeat| row(name, case, repeat))
@@ -114,7 +115,7 @@ fn write_repeats(folder: &Path, cases: &[(&str, EnsembleResult<'_>)]) -> Result<
     let columns = all.peek().cloned().unwrap_or_default();
     let columns: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
     let rows = all.map(|row| row.into_iter().map(|(_, value)| value).collect());
-    write(&folder.join(file::REPEATS), &columns, rows)
+    CsvTable::new(&columns, rows)
 }
 
 fn row(case_name: &str, case: &EnsembleResult<'_>, repeat: &Repeat) -> Vec<(String, String)> {
@@ -173,12 +174,12 @@ fn row(case_name: &str, case: &EnsembleResult<'_>, repeat: &Repeat) -> Vec<(Stri
 ///
 /// # Errors
 /// A full disk or an unwritable folder.
-pub(super) fn draw_repeats(folder: &Path, stem: &str, case: &EnsembleResult<'_>) -> Result<()> {
+pub(super) fn draw_repeats(draft: &mut Draft, stem: &str, case: &EnsembleResult<'_>) -> Result<()> {
     let Some(envelope) = &case.summary.envelope else {
         return Ok(());
     };
     let summary = case.summary;
-    // Sums of steps have digits that nobody set.
+    // A sum of time steps has rounding errors in its last digits.
     let duration_s = (1e3 * summary.duration_s).round() / 1e3;
     let incomplete = if summary.complete { "" } else { "INCOMPLETE: " };
     let mut subtitle = format!(
@@ -189,33 +190,50 @@ pub(super) fn draw_repeats(folder: &Path, stem: &str, case: &EnsembleResult<'_>)
         subtitle += &format!(", {} diverged", summary.diverged.count);
     }
     let path_m = |motion: &Motion| motion.path.xy_m().to_vec();
-    let behaviours = summary.behaviours.list.iter();
-    let groups = behaviours.map(|behaviour| {
-        let odds = &behaviour.probability;
-        let [share, low, high] = [odds.share, odds.low, odds.high].map(|p| 100.0 * p);
+    let mut plot = ensemble_plot(&summary.behaviours, Some(envelope));
+    for (group, behaviour) in plot.groups.iter_mut().zip(&summary.behaviours.list) {
         let alike = case.ensemble.motions();
         let alike = alike.filter(|(repeat, _)| behaviour.repeats.contains(&repeat.number));
-        let (name, is_known) = (&behaviour.name, behaviour.representative.is_some());
-        let typical = Some(&behaviour.path_xy_m).filter(|_| is_known);
-        EnsembleGroup {
-            label: format!("{name}: {share:.0} % (95 %: {low:.0} to {high:.0} %)"),
-            paths_m: alike.take(PATHS_DRAWN).map(|(_, m)| path_m(m)).collect(),
-            representative_m: typical.cloned().unwrap_or_default(),
-        }
-    });
+        group.paths_m = alike.take(PATHS_DRAWN).map(|(_, m)| path_m(m)).collect();
+    }
     let widest = LEVELS.len() - 1;
-    let bands = (0..=widest).rev().map(|level| extent(envelope, level));
     let plot = EnsemblePlot {
         caption: Caption::new(case.title.clone(), subtitle),
-        groups: groups.collect(),
         noise_free_m: (case.ensemble.noise_free.get()).map_or(Vec::new(), path_m),
         real_m: case.real_paths_m.clone(),
         real_label: case.real_label.to_owned(),
-        times_s: envelope.times_s.clone(),
-        bands: bands.collect(),
         whole_paths: (summary.band.as_ref()).map(|band| extent(band, widest)),
+        ..plot
     };
-    both(folder, stem, |path| draw_ensemble(&plot, path))
+    draft.draw(stem, &plot)
+}
+
+/// The behaviours of an ensemble with a typical path of each, and the regions that hold its repeats over time.
+pub(crate) fn ensemble_plot(behaviours: &Behaviours, envelope: Option<&Envelope>) -> EnsemblePlot {
+    let groups = behaviours.list.iter().map(|behaviour| {
+        let is_known = behaviour.representative.is_some();
+        let typical = Some(&behaviour.path_xy_m).filter(|_| is_known);
+        let share = odds(behaviour.probability).replacen('(', "(95 %: ", 1);
+        EnsembleGroup {
+            label: format!("{}: {share}", behaviour.name),
+            paths_m: Vec::new(),
+            representative_m: typical.cloned().unwrap_or_default(),
+        }
+    });
+    let bands = envelope.iter().flat_map(|envelope| {
+        let widest = LEVELS.len() - 1;
+        (0..=widest).rev().map(|level| extent(envelope, level))
+    });
+    EnsemblePlot {
+        caption: Caption::default(),
+        groups: groups.collect(),
+        noise_free_m: Vec::new(),
+        real_m: Vec::new(),
+        real_label: String::new(),
+        times_s: envelope.map_or_else(Vec::new, |envelope| envelope.times_s.clone()),
+        bands: bands.collect(),
+        whole_paths: None,
+    }
 }
 
 /// How far the regions of a level reach along x and along y.

@@ -1,4 +1,4 @@
-//! What lies in a results folder: whether it is what was written there, and whose it is.
+//! Checks of a results folder: whether its files are unchanged, and whether they may be replaced.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use realgap_store::{FolderLock, STORE_FILE};
 /// Checks that the files of a finished results folder are what was written there.
 ///
 /// # Errors
-/// One that has changed or is gone, a folder without check sums.
+/// A file that has changed or is gone; a folder without check sums.
 pub fn check_seal(folder: &Path) -> Result<()> {
     let Some(seal) = Seal::read(folder)? else {
         return Err(
@@ -22,11 +22,11 @@ pub fn check_seal(folder: &Path) -> Result<()> {
                 .advise(Advice::AcceptFiles),
         );
     };
-    // A page is made of all other files, and without what a command kept for it.
+    // The page is made from the other files, and can be made without `page.json`.
     seal.check(folder, |name| file::PAGE.contains(&name))
 }
 
-/// Accepts the files of a results folder as they are, whoever changed them.
+/// Accepts the files of a results folder as they are, even if they were changed by hand.
 ///
 /// # Errors
 /// A folder without results, or one that cannot be written.
@@ -43,11 +43,11 @@ pub fn accept(folder: &Path) -> Result<()> {
     seal.write(folder)
 }
 
-/// Checks, before the work, that results of this kind replace nothing of others in `folder`: a folder that nobody has written
-/// results into holds no file with the name of one.
+/// Checks before the work that results of this kind replace no foreign file in `folder`: a folder without results of this program
+/// may hold no file with the name of a result.
 ///
 /// # Errors
-/// Such a file; a folder that stands where a result would.
+/// Such a file; a folder with the name of a result.
 pub fn check_folder(folder: &Path, kind: Kind) -> Result<()> {
     if !folder.is_dir() {
         return Ok(());

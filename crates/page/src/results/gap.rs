@@ -1,41 +1,51 @@
-//! Pictures of a gap over time: `confidence.png`, `rmse.png`, and the same as `.svg`.
+//! What a gap leaves in a folder: `gap.json`, and its charts over time.
 
 use std::path::Path;
 
 use super::draft::publish;
 use super::ensemble::{make, write_report};
 use super::kind::{Kind, file};
-use crate::plot::{AxisSpec, Caption, LinePlot, Series, SeriesKind, both, draw_lines};
+use crate::plot::{AxisSpec, Caption, LinePlot, Series, SeriesKind};
+use crate::report::ResultsPage;
 use realgap_core::error::Result;
 use realgap_core::unit::{Unit, counted};
-use realgap_lab::prediction::gap::{FloorReport, StudyGap};
+use realgap_lab::prediction::gap::{Confidence, FloorReport, OverTime, StudyGap};
 
 /// Writes what a gap report holds: `gap.json`, and pictures of what it has over time; those of an earlier one are removed.
+/// Returned is what the page of the folder shows.
 ///
 /// # Errors
 /// A full disk or an unwritable folder.
-pub fn write_gap(folder: &Path, gap: &StudyGap) -> Result<()> {
+pub fn write_gap(folder: &Path, gap: &StudyGap) -> Result<ResultsPage> {
     make(folder)?;
     publish(folder, Kind::Gap, |draft| {
-        write_report(draft, file::GAP, gap)?;
-        let drawn = [("confidence", confidence(gap)), ("rmse", rmse(gap))];
-        for (stem, plot) in drawn {
-            if let Some(plot) = plot {
-                both(draft, stem, |path| draw_lines(&plot, path))?;
-            }
+        write_report(draft.folder(), file::GAP, gap)?;
+        if let Some(confidence) = &gap.confidence {
+            let dropped = confidence.drop_in_words();
+            let title = format!("{}: simulation confidence, {dropped}", gap.study);
+            let caption = Caption::new(title, subtitle(gap));
+            let plot = confidence_chart(confidence);
+            draft.draw("confidence", &LinePlot { caption, ..plot })?;
         }
-        Ok(())
+        if let Some(plot) = over_time_chart(&gap.over_time) {
+            let title = format!("{}: error over time", gap.study);
+            let caption = Caption::new(title, subtitle(gap));
+            draft.draw("rmse", &LinePlot { caption, ..plot })?;
+        }
+        ResultsPage::of_gap(gap, draft.take_pictures())
     })
 }
 
-/// Writes the noise floor of recordings alone, `gap.json`, in place of an earlier gap.
+/// Writes the noise floor of recordings alone, `gap.json`, in place of an earlier gap. Returned is what the page of the folder
+/// shows.
 ///
 /// # Errors
 /// A full disk or an unwritable folder.
-pub fn write_floor(folder: &Path, floor: &FloorReport) -> Result<()> {
+pub fn write_floor(folder: &Path, floor: &FloorReport) -> Result<ResultsPage> {
     make(folder)?;
     publish(folder, Kind::Gap, |draft| {
-        write_report(draft, file::GAP, floor)
+        write_report(draft.folder(), file::GAP, floor)?;
+        ResultsPage::of_gap(floor, draft.take_pictures())
     })
 }
 
@@ -52,8 +62,8 @@ fn subtitle(gap: &StudyGap) -> String {
     )
 }
 
-fn confidence(gap: &StudyGap) -> Option<LinePlot> {
-    let confidence = gap.confidence.as_ref()?;
+/// The share of recordings inside the predicted region over time.
+pub(crate) fn confidence_chart(confidence: &Confidence) -> LinePlot {
     let [low, share, high] = confidence.curves();
     let over = |values: Vec<f64>| -> Vec<(f64, f64)> {
         confidence.times_s.iter().copied().zip(values).collect()
@@ -61,27 +71,25 @@ fn confidence(gap: &StudyGap) -> Option<LinePlot> {
     let level = |value: f64| over(vec![value; confidence.times_s.len()]);
     let promise = 100.0 * confidence.level;
     let promise = format!("what the region promises ({promise:.0} %), and 50 %");
-    let dropped = confidence.drop_in_words();
-    let title = format!("{}: simulation confidence, {dropped}", gap.study);
     let series = vec![
         Series::new("95 % interval (Wilson)", SeriesKind::Band(high), over(low)),
         Series::new(promise, SeriesKind::Level, level(confidence.level)),
         Series::new("", SeriesKind::Level, level(0.5)),
         Series::new("C(t)", SeriesKind::Line, over(share)),
     ];
-    Some(LinePlot {
+    LinePlot {
         y_range: Some((0.0, 1.0)),
         ..LinePlot::new(
-            Caption::new(title, subtitle(gap)),
+            Caption::default(),
             AxisSpec::new("time", Unit::Second),
             ("share of real runs inside", Unit::One),
             series,
         )
-    })
+    }
 }
 
-fn rmse(gap: &StudyGap) -> Option<LinePlot> {
-    let over = &gap.over_time;
+/// The distance from the recordings over time; `None` where nothing was compared.
+pub(crate) fn over_time_chart(over: &OverTime) -> Option<LinePlot> {
     let all = [
         ("run without noise", &over.ideal_m),
         ("mean of the repeats under noise", &over.simulated_mean_m),
@@ -90,12 +98,16 @@ fn rmse(gap: &StudyGap) -> Option<LinePlot> {
     let all = all.into_iter().enumerate();
     let series = all.filter_map(|(colour, (label, values))| {
         let points = over.times_s.iter().copied().zip(values.clone()?).collect();
-        Some(Series::new(label, SeriesKind::Line, points).colour(colour))
+        let series = Series::new(label, SeriesKind::Line, points).colour(colour);
+        Some(match colour {
+            2 => series.recorded(),
+            _ => series,
+        })
     });
     let series: Vec<Series> = series.collect();
     (!series.is_empty()).then(|| {
         LinePlot::new(
-            Caption::new(format!("{}: error over time", gap.study), subtitle(gap)),
+            Caption::default(),
             AxisSpec::new("time", Unit::Second),
             ("RMS distance from the recordings", Unit::Metre),
             series,

@@ -20,7 +20,7 @@ pub enum Kind {
     Prediction,
 }
 
-/// Files of results folders: whoever writes or reads one takes its name from here.
+/// Names of the files of results folders, for all code that writes or reads one.
 pub(crate) mod file {
     pub(crate) const SUMMARY: &str = "summary.json";
     pub(crate) const POINTS: &str = "points.csv";
@@ -38,7 +38,7 @@ pub(crate) mod file {
     pub(crate) const GAP: &str = "gap.json";
     pub(crate) const PREDICTION: &str = "prediction.json";
     pub(crate) const TIMING: &str = "timing.json";
-    /// What a command leaves for people to open, and what it keeps for that.
+    /// The page, and the data that only the page needs.
     pub(crate) const PAGE: [&str; 2] = ["report.html", "page.json"];
 }
 
@@ -81,7 +81,7 @@ impl Kind {
     }
 
     /// Whether results of this kind are in a file of this name (its path inside of the folder).
-    pub(super) fn has(self, name: &str) -> bool {
+    pub(crate) fn has(self, name: &str) -> bool {
         let (files, pictures) = self.names();
         let is_one = |stem: &str| pictures.split(' ').any(|known| known == stem);
         let is_drawn = |stem: &str| is_one(stem) || self.draws_many(stem);

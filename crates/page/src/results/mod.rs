@@ -1,6 +1,6 @@
 //! What a results folder holds for people: tables, pictures, a report, the best values.
 //!
-//! Everything that is written here is put together elsewhere: [`write()`] takes an [`Answer`], [`write_ensemble`] an
+//! Other crates compute what is written here: [`write()`] takes an [`Answer`](realgap_lab::calibration::Answer), [`write_ensemble`] an
 //! [`EnsembleReport`](realgap_lab::prediction::EnsembleReport), [`write_gap`] a [`StudyGap`](realgap_lab::prediction::gap::StudyGap).
 //!
 //! ```
@@ -27,81 +27,41 @@
 //! ```
 
 mod arena;
-pub(crate) mod best;
-mod cell;
-mod convergence;
-mod corner;
 mod draft;
 mod ensemble;
 mod folder;
 mod gap;
-pub(crate) mod joint;
 pub(crate) mod kind;
 mod odds;
 mod over_time;
-mod picture;
-mod plane;
+#[cfg(feature = "papers")]
+mod papers;
 pub mod portrait;
-#[cfg(feature = "papers")]
-mod radio;
 mod search;
-#[cfg(feature = "papers")]
-mod sensor;
-mod table;
-#[cfg(feature = "papers")]
-mod task;
+pub(crate) mod study;
+pub(crate) mod table;
 mod timing;
-#[cfg(feature = "papers")]
-mod vision;
-#[cfg(feature = "papers")]
-mod visit;
-
-use std::path::Path;
-
-use realgap_core::error::{Error, Result};
-use realgap_lab::calibration::{Answer, Method, Study};
 
 pub use arena::draw_arena;
-pub use best::draws;
+pub(crate) use ensemble::ensemble_plot;
 pub use ensemble::{write_ensemble, write_prediction, write_report};
 pub use folder::{accept, check_folder, check_seal};
+pub(crate) use gap::{confidence_chart, over_time_chart};
 pub use gap::{write_floor, write_gap};
 pub use kind::Kind;
 pub use odds::draw_odds;
 pub use over_time::{Timed, draw_over_time};
 #[cfg(feature = "papers")]
-pub use radio::{draw_error_map, draw_strength_map};
+pub use papers::radio::{draw_error_map, draw_strength_map};
+#[cfg(feature = "papers")]
+pub use papers::sensor::{draw_belief, draw_histograms, draw_segment, draw_sensor};
+#[cfg(feature = "papers")]
+pub use papers::task::{draw_task_curves, draw_task_times};
+#[cfg(feature = "papers")]
+pub use papers::vision::draw_vision;
+#[cfg(feature = "papers")]
+pub use papers::visit::{draw_visits, draw_way};
 pub use search::{BestRobot, SearchSummary, write_search};
-#[cfg(feature = "papers")]
-pub use sensor::{draw_belief, draw_histograms, draw_segment, draw_sensor};
-#[cfg(feature = "papers")]
-pub use task::{draw_task_curves, draw_task_times};
+pub(crate) use search::{History, fitness_chart};
+pub use study::{confidence_set, draws, write};
 pub use timing::{Timing, write_timing};
-#[cfg(feature = "papers")]
-pub use vision::draw_vision;
-#[cfg(feature = "papers")]
-pub use visit::{draw_visits, draw_way};
-
-/// Writes what an answer holds into `folder`, next to the store where there is one: tables, pictures, the report, the best
-/// values. They take the place of older results once all of them are written.
-///
-/// # Errors
-/// A full disk or an unwritable folder.
-pub fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
-    std::fs::create_dir_all(folder)
-        .map_err(|e| Error::io("make the results folder", folder, &e))?;
-    draft::publish(folder, Kind::Study, |draft| {
-        table::write_points(draft, study, answer)?;
-        table::write_indistinguishable(draft, study, answer)?;
-        table::write_scores(draft, study, answer)?;
-        table::write_profiles(draft, answer)?;
-        if let Method::Tune(tuned) = &answer.method {
-            convergence::write_trials(draft, study, answer, tuned)?;
-        }
-        write_report(draft, kind::file::SUMMARY, &answer.report)?;
-        best::write(draft, study, answer)?;
-        plane::write_basis(draft, answer)?;
-        picture::draw(draft, study, answer)?;
-        joint::write(draft, study, answer)
-    })
-}

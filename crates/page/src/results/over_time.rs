@@ -1,4 +1,5 @@
-//! Prepared trajectories over time: what a picture from above does not show of straight walkers and of tosses.
+//! Prepared trajectories over time. They show what a picture from above does not: the pace of straight walks, and the height of
+//! tosses.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! Portraits: what a robot looks like, for [`plot`](crate::plot).
+//! Portraits: a robot as [`plot`](crate::plot) draws it.
 
 use std::path::Path;
 
@@ -13,10 +13,10 @@ use realgap_robot::morphology::{DriveAxis, Morphology, Role, Solid, Surface};
 /// Time over which a gait is drawn, seconds, and its points.
 pub(super) const GAIT_S: f64 = 2.0;
 const GAIT_POINTS: usize = 120;
-/// More names than this hide the robot.
+/// The largest number of names in a picture: more would hide the robot.
 const NAMES_AT_MOST: usize = 12;
 
-/// What each servo is told, in the order of the hinges.
+/// The commanded angles of each servo, in the order of the hinges.
 fn commands(robot: &Morphology) -> Vec<Command> {
     let time_s = |k: usize| GAIT_S * k as f64 / (GAIT_POINTS - 1) as f64;
     let hinges = robot.assemble().hinges.into_iter();
@@ -29,7 +29,7 @@ fn commands(robot: &Morphology) -> Vec<Command> {
     told.collect()
 }
 
-/// Its surface, unless that is the box along the robot's axes around it.
+/// The surface of a solid; `None` for a box along the axes of the robot, which a block is already.
 fn surface(solid: &Solid) -> Option<Surface> {
     let turn = solid.robot_from_solid.rotation.to_rotation_matrix();
     let is_along = |v: &f64| v.abs() < 1e-9 || v.abs() > 1.0 - 1e-9;
@@ -66,7 +66,7 @@ pub fn portrait(robot: &Morphology, note: impl Into<String>) -> GalleryRobot {
     let assembly = robot.assemble();
     let parts = assembly.parts.iter().enumerate();
     let solids = parts.flat_map(|(part, cluster)| cluster.solids.iter().map(move |s| (part, s)));
-    // A plate with a module glued onto it is inside of that module; the band of its cube shows it.
+    // A plate with a module glued onto it is inside of that module; the band on its cube shows the plate.
     for (part, solid) in solids.filter(|(_, solid)| solid.has_surface()) {
         let turn = solid.robot_from_solid.rotation;
         let (lower_m, upper_m) = solid.bounds_robot_m();

@@ -1,103 +1,95 @@
-//! `points.csv` and `scores.csv`: the same bytes for the same study, however it was run.
+//! Tables of a results folder: CSV files, the same bytes for the same results, however they were computed.
 
 use std::path::Path;
 
-use super::cell::is_alike;
-use super::kind::file;
 use realgap_core::error::{Error, Result};
 use realgap_core::file::write_atomic;
 use realgap_core::text::cell;
-use realgap_lab::calibration::{Answer, Study};
 
-/// One row a point: parameters as columns, then score, unit, status and displacement error.
-pub(super) fn write_points(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
-    let header: Vec<&str> = ["score", "unit", "status", "displacement_error_m"].to_vec();
-    let header = [names(study), header, vec!["indistinguishable", "runs"]].concat();
-    let points = answer.scores.points.iter().enumerate();
-    let rows = points.map(|(position, point)| {
-        let status = if point.diverged.is_some() {
-            "diverged"
-        } else {
-            "ok"
-        };
-        let found = vec![
-            number(point.score),
-            answer.scores.unit.label().to_owned(),
-            status.to_owned(),
-            number(point.displacement_error_m),
-            is_alike(answer, position).to_string(),
-            point.runs.to_string(),
-        ];
-        [texts(&point.values), found].concat()
-    });
-    write(&folder.join(file::POINTS), &header, rows)
+/// A table as it stands in a CSV file. A command makes it once, writes it, and hands it to the page; `realgap report` reads
+/// the file into the same value.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct CsvTable {
+    header: Vec<String>,
+    rows: Vec<Vec<String>>,
 }
 
-/// Rows of `indistinguishable.csv`.
-const DRAWN: usize = 200;
-
-/// Parameter values as likely as the recordings leave them, one row a draw, with the study's fixed values.
-pub(super) fn write_indistinguishable(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
-    let Some(draws) = &answer.draws else {
-        return Ok(());
-    };
-    let varied = names(study);
-    let is_fixed = |name: &str| !varied.contains(&name) && !name.starts_with("recording.");
-    let fixed = study.definition().set.iter();
-    let fixed = fixed.filter(|a| is_fixed(a.parameter.name));
-    let (more, fixed): (Vec<&str>, Vec<f64>) = fixed.map(|a| (a.parameter.name, a.value)).unzip();
-    let header = [&varied[..], &more].concat();
-    let every = draws.rows().len().div_ceil(DRAWN);
-    let rows = draws.rows().iter().step_by(every);
-    let rows = rows.map(|values| [texts(values), texts(&fixed)].concat());
-    write(&folder.join(file::INDISTINGUISHABLE), &header, rows)
-}
-
-/// One row a point and recording, where there are several recordings.
-pub(super) fn write_scores(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
-    let recordings = &study.definition().recordings;
-    if recordings.len() < 2 {
-        return Ok(());
+impl CsvTable {
+    /// A table of these columns and rows. A text that a spreadsheet would take for a formula is marked as text.
+    pub(crate) fn new(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> Self {
+        let safe = |row: Vec<String>| row.iter().map(|text| cell(text).into_owned()).collect();
+        Self {
+            header: header.iter().map(|name| (*name).to_owned()).collect(),
+            rows: rows.map(safe).collect(),
+        }
     }
-    let header = [names(study), vec!["recording", "score", "unit"]].concat();
-    let rows = answer.scores.points.iter().flat_map(|point| {
-        let scored = recordings.iter().zip(&point.recordings);
-        scored.map(|(recording, score)| {
-            let unit = answer.scores.unit.label().to_owned();
-            let found = vec![recording.name.clone(), score.to_string(), unit];
-            [texts(&point.values), found].concat()
-        })
-    });
-    write(&folder.join(file::SCORES), &header, rows)
+
+    /// Writes the table as a CSV file.
+    ///
+    /// # Errors
+    /// A full disk or an unwritable folder.
+    pub(crate) fn write(&self, path: &Path) -> Result<()> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        let fail = |e: &dyn std::fmt::Display| {
+            Error::invalid(format!("cannot write the table: {e}")).at_file(path)
+        };
+        writer.write_record(&self.header).map_err(|e| fail(&e))?;
+        for row in &self.rows {
+            writer.write_record(row).map_err(|e| fail(&e))?;
+        }
+        write_atomic(path, &writer.into_inner().map_err(|e| fail(&e))?)
+    }
+
+    /// The table in a file of the folder; an empty one where there is no such file.
+    ///
+    /// # Errors
+    /// A file that is no table.
+    pub(crate) fn read(folder: &Path, name: &str) -> Result<Self> {
+        let path = folder.join(name);
+        if !path.is_file() {
+            return Ok(Self::default());
+        }
+        let fail =
+            |e: csv::Error| Error::invalid(format!("cannot read the table: {e}")).at_file(&path);
+        let mut reader = csv::Reader::from_path(&path).map_err(fail)?;
+        let texts = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect();
+        let header = texts(reader.headers().map_err(fail)?);
+        let rows = reader.records().map(|row| row.map(|row| texts(&row)));
+        let rows = rows.collect::<std::result::Result<_, _>>().map_err(fail)?;
+        Ok(Self { header, rows })
+    }
+
+    /// Names of the columns.
+    pub(crate) fn header(&self) -> Vec<&str> {
+        self.header.iter().map(String::as_str).collect()
+    }
+
+    /// The rows.
+    pub(crate) fn rows(&self) -> &[Vec<String>] {
+        &self.rows
+    }
+
+    /// The position of a column.
+    pub(crate) fn column(&self, name: &str) -> Option<usize> {
+        self.header.iter().position(|known| known == name)
+    }
+
+    /// The texts of a column; empty where there is no such column.
+    pub(crate) fn texts(&self, name: &str) -> Vec<&str> {
+        let Some(column) = self.column(name) else {
+            return Vec::new();
+        };
+        self.rows.iter().map(|row| row[column].as_str()).collect()
+    }
+
+    /// The numbers of a column; a cell without a number becomes NaN.
+    pub(crate) fn numbers(&self, name: &str) -> Vec<f64> {
+        let texts = self.texts(name).into_iter();
+        texts.map(|text| text.parse().unwrap_or(f64::NAN)).collect()
+    }
 }
 
-/// One row a parameter and value: the lowest score that is to be expected there, and the range that holds it with 90 %.
-pub(super) fn write_profiles(folder: &Path, answer: &Answer) -> Result<()> {
-    let header = ["parameter", "value", "lowest_score", "low", "high", "unit"];
-    let header = [&header[..], &["indistinguishable"]].concat();
-    let rows = answer.profiles.iter().flat_map(|profile| {
-        profile.values.iter().enumerate().map(|(index, value)| {
-            vec![
-                profile.parameter.name.to_owned(),
-                value.to_string(),
-                profile.scores[index].to_string(),
-                profile.bands[index].0.to_string(),
-                profile.bands[index].1.to_string(),
-                answer.scores.unit.label().to_owned(),
-                profile.indistinguishable[index].to_string(),
-            ]
-        })
-    });
-    write(&folder.join(file::PROFILES), &header, rows)
-}
-
-/// Names of the parameters that are varied.
-pub(super) fn names(study: &Study) -> Vec<&'static str> {
-    let ranges = study.definition().grid.ranges().iter();
-    ranges.map(|range| range.parameter.name).collect()
-}
-
-/// Each as [`number`].
+/// Each value as [`number`].
 pub(super) fn texts(values: &[f64]) -> Vec<String> {
     values.iter().map(f64::to_string).collect()
 }
@@ -107,19 +99,22 @@ pub(super) fn number(value: Option<f64>) -> String {
     value.map_or(String::new(), |value| value.to_string())
 }
 
-pub(super) fn write(
-    path: &Path,
-    header: &[&str],
-    rows: impl Iterator<Item = Vec<String>>,
-) -> Result<()> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let fail = |e: &dyn std::fmt::Display| {
-        Error::invalid(format!("cannot write the table: {e}")).at_file(path)
-    };
-    writer.write_record(header).map_err(|e| fail(&e))?;
-    for row in rows {
-        let cells = row.iter().map(|text| cell(text).into_owned());
-        writer.write_record(cells).map_err(|e| fail(&e))?;
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_that_is_read_back_is_the_table_that_was_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let rows = [["=1+1", "0.1"], ["a \"b\", c", ""]];
+        let rows = rows.map(|row| row.map(str::to_owned).to_vec());
+        let table = CsvTable::new(&["name", "value"], rows.into_iter());
+        table.write(&folder.path().join("t.csv")).unwrap();
+        assert_eq!(CsvTable::read(folder.path(), "t.csv").unwrap(), table);
+        assert_eq!(table.texts("name")[0], "'=1+1");
+        let numbers = table.numbers("value");
+        assert!(numbers[0] == 0.1 && numbers[1].is_nan());
+        let missing = CsvTable::read(folder.path(), "missing.csv").unwrap();
+        assert_eq!(missing, CsvTable::default());
     }
-    write_atomic(path, &writer.into_inner().map_err(|e| fail(&e))?)
 }

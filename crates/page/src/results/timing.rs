@@ -1,4 +1,4 @@
-//! `timing.json`: what a run took. Everything else in a results folder is the same for equal runs.
+//! `timing.json`: the time that a run took. All other files of a results folder are the same for equal runs.
 
 use std::path::Path;
 

@@ -1,11 +1,11 @@
-//! Studies that nobody simulated: tables of scores and outcomes as they may come, likely or not.
+//! Studies without simulations: tables of scores and outcomes drawn at random, likely or not.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::time::Duration;
 
 use nalgebra::Vector3;
 
+use crate::results::study::data::{Point, Points, StudyData};
 use realgap_core::unit::Unit;
 use realgap_lab::calibration::{
     Audit, AuditRow, Best, BestPointUncertainty, EngineWish, Fit, PointScore, PosteriorDraws,
@@ -25,7 +25,7 @@ use realgap_simulation::parameter::by_name;
 use realgap_simulation::{Noise, Outcome, Perturbation};
 
 /// Random numbers (SplitMix64).
-pub(super) struct Draw(u64);
+pub(in crate::report) struct Draw(u64);
 
 impl Draw {
     pub fn new(seed: u64) -> Self {
@@ -58,7 +58,7 @@ impl Draw {
 }
 
 /// A sweep.
-pub(super) struct Swept {
+pub(in crate::report) struct Swept {
     pub report: Report,
     scores: Scores,
     uncertainty: Uncertainty,
@@ -207,19 +207,23 @@ impl Swept {
         (self.in_set().count(), self.scores.points.len())
     }
 
-    /// The table of the points.
-    pub fn write(&self, folder: &Path) {
-        let mut text = self.names().collect::<Vec<_>>().join(",") + ",score,indistinguishable\n";
-        for (point, is_in) in self
-            .scores
-            .points
-            .iter()
-            .zip(&self.uncertainty.indistinguishable)
-        {
-            let values: Vec<String> = point.values.iter().map(f64::to_string).collect();
-            text += &format!("{},{},{is_in}\n", values.join(","), point.score.unwrap());
+    /// The points as a page shows them.
+    pub fn data(&self) -> StudyData {
+        let points = self.scores.points.iter();
+        let points = points.zip(&self.uncertainty.indistinguishable);
+        let points = points.map(|(point, is_in)| Point {
+            values: point.values.clone(),
+            score: point.score,
+            displacement_error_m: None,
+            is_indistinguishable: *is_in,
+        });
+        StudyData {
+            points: Points {
+                names: self.names().map(str::to_owned).collect(),
+                points: points.collect(),
+            },
+            ..StudyData::default()
         }
-        std::fs::write(folder.join("points.csv"), text).unwrap();
     }
 }
 
@@ -335,7 +339,7 @@ fn empty(scores: &Scores, recordings: usize) -> Report {
 }
 
 /// Recordings, and repeats under noise that are like them or not.
-pub(super) struct Repeated {
+pub(in crate::report) struct Repeated {
     pub gap: StudyGap,
     pub ensemble: EnsembleReport,
     pub card: Card,

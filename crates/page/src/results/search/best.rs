@@ -13,7 +13,7 @@ use realgap_simulation::export::{Robot, format_named};
 
 /// The folder in the results folder.
 const FOLDER: &str = "best";
-/// What the files of one robot end with.
+/// Endings of the files of one robot.
 const ENDINGS: [&str; 5] = [".ron", ".genome.ron", ".xml", ".json", ".draws.json"];
 
 pub(super) fn write(folder: &Path, search: &Search, finalist: &Finalist) -> Result<BestRobot> {

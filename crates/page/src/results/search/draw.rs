@@ -1,4 +1,4 @@
-//! The draws behind a finalist's repeats, so that another engine can walk with the same ones.
+//! The random draws behind the repeats of a finalist, so that another engine can simulate the same repeats.
 
 use std::collections::BTreeMap;
 

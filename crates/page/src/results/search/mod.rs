@@ -4,20 +4,23 @@ mod best;
 mod draw;
 mod picture;
 mod summary;
-mod table;
+pub(crate) mod table;
 
 use std::path::Path;
 
 use super::draft::publish;
 use super::kind::{Kind, file};
 use super::write_report;
+use crate::report::ResultsPage;
 use realgap_core::error::Result;
 use realgap_lab::search::{Baseline, Finalist, Search, SearchResults};
 
 pub(super) use best::is_ours;
+pub(crate) use picture::fitness_chart;
 pub use summary::{BestRobot, SearchSummary};
+pub(crate) use table::History;
 
-/// Writes everything into `folder`, next to the store, and returns the summary. Without finalists there are no best robots; `baseline` is what they
+/// Writes everything into `folder`, next to the store, and returns the summary and what the page of the folder shows. Without finalists there are no best robots; `baseline` is what they
 /// have to beat, where the search started from something.
 ///
 /// They take the place of those of an older search once all of them are written.
@@ -30,20 +33,30 @@ pub fn write_search(
     results: &SearchResults,
     finalists: &[Finalist],
     baseline: Option<&Baseline>,
-) -> Result<SearchSummary> {
+) -> Result<(SearchSummary, ResultsPage)> {
     publish(folder, Kind::Search, |draft| {
-        table::write_history(draft, search, results)?;
+        let history = table::history(search, results);
+        draft.table(file::HISTORY, &history)?;
         let archive = search.strategy().archive(&results.history())?;
-        if let Some(archive) = &archive {
-            table::write_archive(draft, search, results, archive)?;
+        let elites = archive.as_ref();
+        let elites = elites.map(|archive| table::archive(search, results, archive));
+        if let Some(elites) = &elites {
+            draft.table(file::ARCHIVE, elites)?;
         }
-        let mut best = Vec::new();
+        let (mut best, mut cards) = (Vec::new(), Vec::new());
         for finalist in finalists {
-            best.push(best::write(draft, search, finalist)?);
+            let robot = best::write(draft.folder(), search, finalist)?;
+            cards.push((robot.file.clone(), finalist.card()));
+            best.push(robot);
         }
-        picture::draw(draft, search, results, archive.as_ref(), finalists)?;
+        let history = History::of(&history);
+        let archive = archive.as_ref();
+        picture::draw(draft, search, results, &history, archive, finalists)?;
         let summary = SearchSummary::new(search, results, best, baseline)?;
-        write_report(draft, file::SUMMARY, &summary)?;
-        Ok(summary)
+        write_report(draft.folder(), file::SUMMARY, &summary)?;
+        let elites = elites.unwrap_or_default();
+        let pictures = draft.take_pictures();
+        let page = ResultsPage::of_search(&summary, history, elites, &cards, pictures)?;
+        Ok((summary, page))
     })
 }

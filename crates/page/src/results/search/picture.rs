@@ -1,11 +1,11 @@
 //! Pictures of a search: fitness over the robots, the archive, the best robots, their paths.
 
-use std::path::Path;
-
+use super::table::History;
 use crate::plot::{
-    AxisSpec, Caption, Gallery, HeatMap, LinePlot, ScoreScale, Series, SeriesKind, both,
-    draw_gallery, draw_heat_map, draw_lines, number,
+    AxisSpec, Caption, Gallery, HeatMap, LinePlot, ScoreScale, Series, SeriesKind, number,
 };
+use crate::report::odds;
+use crate::results::draft::Draft;
 use crate::results::ensemble::{EnsembleResult, draw_repeats};
 use crate::results::portrait::{GAIT_S, portrait};
 use realgap_core::error::Result;
@@ -15,24 +15,22 @@ use realgap_lab::search::{Archive, Finalist, Search, SearchResults, descriptor_n
 
 /// Draws all pictures that there is something for.
 pub(super) fn draw(
-    folder: &Path,
+    draft: &mut Draft,
     search: &Search,
     results: &SearchResults,
+    history: &History,
     elites: Option<&Archive>,
     finalists: &[Finalist],
 ) -> Result<()> {
-    let fitness = fitness(search, results);
-    let elites = elites.map(|elites| archive(search, results, elites));
-    let elites = elites.transpose()?.flatten();
-    if let Some(plot) = &fitness {
-        both(folder, "fitness", |path| draw_lines(plot, path))?;
+    if let Some(plot) = fitness(search, results, history) {
+        draft.draw("fitness", &plot)?;
     }
-    if let Some(map) = &elites {
-        both(folder, "archive", |path| draw_heat_map(map, path))?;
+    let elites = elites.map(|elites| archive(search, results, elites));
+    if let Some(map) = elites.transpose()?.flatten() {
+        draft.draw("archive", &map)?;
     }
     if !finalists.is_empty() {
-        let gallery = gallery(search, finalists);
-        both(folder, "gallery", |path| draw_gallery(&gallery, path))?;
+        draft.draw("gallery", &gallery(search, finalists))?;
     }
     let Some(best) = finalists.first() else {
         return Ok(());
@@ -48,25 +46,50 @@ pub(super) fn draw(
         real_label: "reality",
         title: format!("{}: {does}", best.robot.name()),
     };
-    draw_repeats(folder, "paths", &result)
+    draw_repeats(draft, "paths", &result)
 }
 
-/// Fitness of every robot over the batches that the strategy proposed; over their numbers where that was one batch.
-/// Nothing where every robot failed.
-fn fitness(search: &Search, results: &SearchResults) -> Option<LinePlot> {
-    let one_batch = results.batches.len() < 2;
+/// Fitness of every robot with the caption of its picture; nothing where every robot failed.
+fn fitness(search: &Search, results: &SearchResults, history: &History) -> Option<LinePlot> {
+    let strategy = search.strategy();
+    let unit = search.objective().measure.unit();
+    let plot = fitness_chart(history, strategy.batch_name(), unit)?;
+    let robots = results.robots.iter();
+    let failed = robots.filter(|robot| robot.failure().is_some()).count();
+    let is_whole = results.robots.len() >= strategy.budget();
+    let incomplete = if is_whole { "" } else { "INCOMPLETE: " };
+    let title = format!("{}: fitness over {}", search.name(), strategy.name());
+    let subtitle = format!(
+        "{incomplete}{}, {} each of {} s, {failed} failed and are not shown, seed {}",
+        counted(results.robots.len(), "robot"),
+        counted(search.repeats(), "repeat"),
+        search.duration_s(),
+        search.seed()
+    );
+    Some(LinePlot {
+        caption: Caption::new(title, subtitle),
+        ..plot
+    })
+}
+
+/// Fitness of every robot over the batches that the strategy proposed; over the numbers of the robots where there was one
+/// batch. Nothing where every robot failed.
+pub(crate) fn fitness_chart(history: &History, batch_name: &str, unit: Unit) -> Option<LinePlot> {
+    let mut batches: Vec<&str> = history.0.iter().map(|row| row.batch.as_str()).collect();
+    batches.dedup();
+    let one_batch = batches.len() < 2;
     let mut dots = Vec::new();
     let mut best: Vec<(f64, f64)> = Vec::new();
     let mut means = Vec::new();
-    for (batch, size) in results.batches.iter().enumerate() {
-        let from: usize = results.batches[..batch].iter().sum();
-        let here = results.robots.iter();
-        let here = here.filter(|robot| (from..from + size).contains(&robot.index));
+    for (number, batch) in batches.iter().enumerate() {
+        let at = batch.parse().unwrap_or(number as f64);
         let mut values = Vec::new();
-        for (robot, value) in here.filter_map(|robot| Some((robot, robot.fitness()?))) {
+        let here = history.0.iter().enumerate();
+        let here = here.filter(|(_, row)| row.batch == **batch);
+        for (robot, value) in here.filter_map(|(robot, row)| Some((robot, row.fitness?))) {
             values.push(value);
             let so_far = best.last().map_or(value, |(_, held)| held.max(value));
-            let x = if one_batch { robot.index } else { batch } as f64;
+            let x = if one_batch { robot as f64 } else { at };
             dots.push((x, value));
             match best.last_mut() {
                 Some(last) if last.0 == x => last.1 = so_far,
@@ -74,17 +97,12 @@ fn fitness(search: &Search, results: &SearchResults) -> Option<LinePlot> {
             }
         }
         if !one_batch && !values.is_empty() {
-            means.push((batch as f64, mean(&values)));
+            means.push((at, mean(&values)));
         }
     }
     if dots.is_empty() {
         return None;
     }
-    let strategy = search.strategy();
-    let robots = results.robots.iter();
-    let failed = robots.filter(|robot| robot.failure().is_some()).count();
-    let is_whole = results.robots.len() >= strategy.budget();
-    let incomplete = if is_whole { "" } else { "INCOMPLETE: " };
     let series = [
         ("a robot", dots, SeriesKind::Dots, 4),
         ("mean of those that walked", means, SeriesKind::Line, 1),
@@ -92,27 +110,15 @@ fn fitness(search: &Search, results: &SearchResults) -> Option<LinePlot> {
     ];
     let series = series.map(|(label, points, kind, n)| Series::new(label, kind, points).colour(n));
     let series = series.into_iter().filter(|s| !s.points.is_empty());
-    let batch = strategy.batch_name();
-    let axis = AxisSpec::new(if one_batch { "robot" } else { batch }, Unit::One).whole();
-    let objective = search.objective();
     Some(LinePlot::new(
-        Caption::new(
-            format!("{}: fitness over {}", search.name(), strategy.name()),
-            format!(
-                "{incomplete}{}, {} each of {} s, {failed} failed and are not shown, seed {}",
-                counted(results.robots.len(), "robot"),
-                counted(search.repeats(), "repeat"),
-                search.duration_s(),
-                search.seed()
-            ),
-        ),
-        axis,
-        ("fitness", objective.measure.unit()),
+        Caption::default(),
+        AxisSpec::new(if one_batch { "robot" } else { batch_name }, Unit::One).whole(),
+        ("fitness", unit),
         series.collect(),
     ))
 }
 
-/// The best fitness over the first two axes, whatever the others; nothing for one axis.
+/// The best fitness over the first two axes of the archive, whatever the values on the others; nothing for one axis.
 fn archive(search: &Search, results: &SearchResults, archive: &Archive) -> Result<Option<HeatMap>> {
     let [x, y, ..] = archive.axes() else {
         return Ok(None);
@@ -137,7 +143,7 @@ fn archive(search: &Search, results: &SearchResults, archive: &Archive) -> Resul
         let width = (axis.to - axis.from) / axis.cells as f64;
         let is_count = descriptor_named(&axis.name).is_ok_and(|d| d.is_count);
         let centre = |cell: usize| match is_count && (width - 1.0).abs() < 1e-9 {
-            // Where every cell holds one count, the count is what it stands for: no robot has 1.5 modules.
+            // Where every cell holds one count, its centre is that count, because no robot has 1.5 modules.
             true => (axis.from + cell as f64 * width).ceil(),
             false => axis.from + (cell as f64 + 0.5) * width,
         };
@@ -159,7 +165,7 @@ fn archive(search: &Search, results: &SearchResults, archive: &Archive) -> Resul
         best: best.map(|(cell, _)| cell),
         larger_is_better: true,
         caption: Caption::new(
-            // What fitness is does not fit beside the bar: it would be cut, and its unit lost.
+            // The label is `fitness`: the full name of the objective would not fit beside the colour bar, and its unit would be cut.
             format!("{}: the best robot of every kind", search.name()),
             format!(
                 "{} in {} of {} cells, {} simulated, seed {}",
@@ -188,9 +194,8 @@ fn gallery(search: &Search, finalists: &[Finalist]) -> Gallery {
         let far = far.unwrap_or_else(|| "every repeat diverged".to_owned());
         let success = finalist.success().map(|s| {
             let least_cm = number(100.0 * s.least_displacement_m);
-            let odds = &s.probability;
-            let [share, low, high] = [odds.share, odds.low, odds.high].map(|p| 100.0 * p);
-            format!(", P(over {least_cm} cm) {share:.0} % (95 %: {low:.0} to {high:.0} %)")
+            let share = odds(s.probability).replacen('(', "(95 %: ", 1);
+            format!(", P(over {least_cm} cm) {share}")
         });
         let success = success.unwrap_or_default();
         let survives = match finalist.finals.survives {

@@ -1,14 +1,10 @@
 //! `history.csv` and `archive.csv`: the same bytes for the same search, however it was run.
 
-use std::path::Path;
-
-use crate::results::kind::file;
-use crate::results::table::{number, texts, write};
-use realgap_core::error::Result;
+use crate::results::table::{CsvTable, number, texts};
 use realgap_lab::search::{Archive, Search, SearchResults};
 
 /// One row a robot, in the strategy's order.
-pub(super) fn write_history(folder: &Path, search: &Search, results: &SearchResults) -> Result<()> {
+pub(super) fn history(search: &Search, results: &SearchResults) -> CsvTable {
     let descriptors = search.strategy().descriptors();
     let mut header = vec![
         "robot",
@@ -46,16 +42,11 @@ pub(super) fn write_history(folder: &Path, search: &Search, results: &SearchResu
         row.extend([parents.join(" "), genes.join(" ")]);
         row
     });
-    write(&folder.join(file::HISTORY), &header, rows)
+    CsvTable::new(&header, rows)
 }
 
 /// One row an elite.
-pub(super) fn write_archive(
-    folder: &Path,
-    search: &Search,
-    results: &SearchResults,
-    archive: &Archive,
-) -> Result<()> {
+pub(super) fn archive(search: &Search, results: &SearchResults, archive: &Archive) -> CsvTable {
     let axes = archive.axes();
     let cells: Vec<String> = axes.iter().map(|a| format!("{}_cell", a.name)).collect();
     let mut header: Vec<&str> = cells.iter().map(String::as_str).collect();
@@ -72,5 +63,39 @@ pub(super) fn write_archive(
         row.extend([index, fitness, unit.to_owned()]);
         row
     });
-    write(&folder.join(file::ARCHIVE), &header, rows)
+    CsvTable::new(&header, rows)
+}
+
+/// One robot of a search.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct HistoryRow {
+    /// Number of the batch in which the strategy proposed it.
+    pub batch: String,
+    /// Number of its modules.
+    pub modules: String,
+    /// Its fitness; `None` where it failed.
+    pub fitness: Option<f64>,
+    /// Numbers of its parents, a blank between two; empty for a robot that was drawn.
+    pub parents: String,
+}
+
+/// The robots of a search in their order.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct History(pub Vec<HistoryRow>);
+
+impl History {
+    /// The robots in a table.
+    pub(crate) fn of(table: &CsvTable) -> Self {
+        let [batches, modules, parents] =
+            ["generation", "modules", "parents"].map(|name| table.texts(name));
+        let text = |column: &[&str], row: usize| (*column.get(row).unwrap_or(&"")).to_owned();
+        let fitness = table.numbers("fitness").into_iter();
+        let rows = fitness.enumerate().map(|(row, fitness)| HistoryRow {
+            batch: text(&batches, row),
+            modules: text(&modules, row),
+            fitness: Some(fitness).filter(|fitness| fitness.is_finite()),
+            parents: text(&parents, row),
+        });
+        Self(rows.collect())
+    }
 }

@@ -1,0 +1,13 @@
+//! Charts: what each shows as plain data, and how it is drawn.
+
+pub(super) mod bar;
+pub(super) mod column;
+pub(super) mod corner;
+pub(super) mod ensemble;
+pub(super) mod heatmap;
+pub(super) mod joint;
+pub(super) mod line;
+pub(super) mod overlay;
+pub(super) mod panel;
+pub(super) mod plane;
+pub(super) mod stack;

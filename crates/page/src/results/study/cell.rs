@@ -1,0 +1,66 @@
+//! Cells of the pictures of a study: which point each cell of the grid shows, and which cells belong to the confidence set.
+
+use std::collections::BTreeSet;
+
+use realgap_lab::calibration::{Answer, Method, PointScore, Study};
+
+/// The point that each cell of the grid shows: the point of the cell itself, or the nearest point that an optimizer chose.
+pub(super) fn cells<'a>(study: &Study, answer: &'a Answer) -> Vec<Option<&'a PointScore>> {
+    let grid = &study.definition().grid;
+    let points = &answer.scores.points;
+    if answer.method == Method::Sweep {
+        let mut cells = vec![None; grid.len()];
+        for point in points.iter().filter(|point| point.index < grid.len()) {
+            cells[point.index] = Some(point);
+        }
+        return cells;
+    }
+    if grid.ranges().len() > 2 {
+        return Vec::new();
+    }
+    let nearest = |values: &[f64]| {
+        let distance = |point: &PointScore| -> f64 {
+            let pairs = values.iter().zip(&point.values);
+            let steps = grid.ranges().iter().zip(pairs);
+            let steps = steps.map(|(range, (a, b))| ((a - b) / range.step()).powi(2));
+            steps.sum()
+        };
+        let points = points.iter();
+        points.min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    };
+    let cells = (0..grid.len()).map(|index| nearest(&grid.values(index)));
+    cells.collect()
+}
+
+/// Whether the point at this place of the scores cannot be told from the best.
+pub(super) fn is_alike(answer: &Answer, point: usize) -> bool {
+    let uncertainty = answer.uncertainty.as_ref();
+    uncertainty.is_some_and(|u| u.indistinguishable[point])
+}
+
+/// The cells of the grid with a point or a place that cannot be told from the best.
+pub(super) fn in_set(study: &Study, answer: &Answer) -> BTreeSet<usize> {
+    let grid = &study.definition().grid;
+    let Some(uncertainty) = &answer.uncertainty else {
+        return BTreeSet::new();
+    };
+    let points = answer.scores.points.iter();
+    let visited = points.zip(&uncertainty.indistinguishable);
+    let visited = visited.map(|(point, is_in)| (&point.values, *is_in));
+    let places = uncertainty.unvisited.iter();
+    let all = visited.chain(places.map(|place| (&place.values, place.indistinguishable)));
+    let inside = all.filter(|(_, is_in)| *is_in);
+    let inside = inside.map(|(values, _)| grid.index(&grid.nearest(values)));
+    inside.collect()
+}
+
+/// The values of all cells of a grid of two parameters that hold something that cannot be told from the best: the confidence
+/// set as a page outlines it. Empty for other studies.
+pub fn confidence_set(study: &Study, answer: &Answer) -> Vec<Vec<f64>> {
+    let grid = &study.definition().grid;
+    if grid.ranges().len() != 2 || answer.method != Method::Sweep {
+        return Vec::new();
+    }
+    let cells = in_set(study, answer).into_iter();
+    cells.map(|cell| grid.values(cell)).collect()
+}
