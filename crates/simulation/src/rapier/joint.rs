@@ -315,8 +315,8 @@ impl RapierJoint {
     /// Applies the spring of the joint during the next step.
     ///
     /// The force is constant during a step, which the solver divides into substeps. To conserve energy, the force is taken at the
-    /// position that the joint will have later in the step: with n substeps a constant acceleration a moves a body by a h² (n +
-    /// 1) / (2 n), and the amplitude of the motion is conserved if the force is that of (n − 1) / (2 n) steps ahead. If the
+    /// position that the joint will have later in the step: with n substeps a constant acceleration a moves a body by
+    /// a h² (n + 1) / (2 n), and the amplitude of the motion is conserved if the force is that of (n − 1) / (2 n) steps ahead. If the
     /// spring is too stiff for the timestep, its stiffness is limited to the value that brings the joint to its rest position
     /// within one step.
     pub fn spring(&self, bodies: &mut RigidBodySet, parameters: &IntegrationParameters) {
