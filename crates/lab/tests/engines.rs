@@ -66,7 +66,8 @@ fn an_engine_that_wants_another_friction_is_named() {
     };
     assert_eq!((rapier.engine, tree.engine), ("rapier", "tree"));
     assert_eq!((rapier.settings, tree.settings), (6, 10));
-    let [of_rapier, of_tree] = [rapier, tree].map(|wish| wish.parameters["floor.friction"]);
+    let [of_rapier, of_tree] =
+        [rapier, tree].map(|preference| preference.parameters["floor.friction"]);
     assert!((of_tree - FRICTION).abs() <= 0.026, "{tree:?}");
     assert!(of_rapier > of_tree + 0.04, "{rapier:?}");
     let said = differ(&answer);
@@ -87,9 +88,9 @@ fn engines_that_agree_are_not_said_to_differ() {
     let answer = answered(study(0.0, "rapier"));
     let engines = &answer.report.engines;
     assert_eq!(engines.len(), 2);
-    for wish in engines {
-        let off = wish.parameters["floor.friction"] - FRICTION;
-        assert!(off.abs() <= 0.026, "{wish:?}");
+    for preference in engines {
+        let off = preference.parameters["floor.friction"] - FRICTION;
+        assert!(off.abs() <= 0.026, "{preference:?}");
     }
     assert!(differ(&answer).is_empty(), "{engines:?}");
     assert!(answer.to_string().contains("the engines agree"), "{answer}");

@@ -61,7 +61,7 @@ pub use exploration::tune::TuneOptions;
 pub use goodness_of_fit::Fit;
 pub use goodness_of_fit::misfit::{Change, Misfit};
 pub use numerics::audit::{Audit, AuditRow};
-pub use numerics::engines::EngineWish;
+pub use numerics::engines::EnginePreference;
 pub use realgap_inference::sensitivity::Effect;
 pub use realgap_inference::{
     INTERVAL_LEVEL, LEVEL, LeastSquaresEstimate, PosteriorDraws, Profile, Unvisited,

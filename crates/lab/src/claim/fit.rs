@@ -2,7 +2,7 @@
 
 use super::parameter::NAMED;
 use super::{About, Claim, Conclusion, SIGNIFICANT, listed};
-use crate::calibration::{Best, BestPointUncertainty, Change, EngineWish, Fit, Misfit};
+use crate::calibration::{Best, BestPointUncertainty, Change, EnginePreference, Fit, Misfit};
 use realgap_core::unit::{Unit, counted, number, quantity};
 
 /// Whether any parameters explain the recordings.
@@ -58,7 +58,7 @@ pub(crate) fn model(fit: &Fit, recordings: usize) -> Claim {
 }
 
 /// A change that removes a smaller share of the misfit does not show its cause.
-const TELLING: f64 = 0.5;
+const HALF: f64 = 0.5;
 
 /// Where the nearest run deviates most, and what to check.
 fn worst(misfit: &Misfit) -> String {
@@ -81,7 +81,7 @@ fn worst(misfit: &Misfit) -> String {
         }
     };
     let share = number(100.0 * misfit.share);
-    let hint = match misfit.share >= TELLING {
+    let hint = match misfit.share >= HALF {
         true => format!("{changed}, it would lose {share} % of its mean square distance: check {look} first"),
         false => "neither mirroring, nor other lengths, nor another pace, nor more turning removes half of its mean square distance: check the robot and its contacts first".to_owned(),
     };
@@ -119,32 +119,32 @@ pub(crate) fn nearest(
 
 /// Whether neither of two engines rejects their common best point; `None` for one engine.
 pub(crate) fn engines(
-    wishes: &[EngineWish],
+    preferences: &[EnginePreference],
     (metric, unit): (&str, Unit),
     recordings: usize,
 ) -> Option<Claim> {
-    if wishes.is_empty() {
+    if preferences.is_empty() {
         return None;
     }
-    let there = wishes.iter().map(|wish| {
-        let score = quantity(wish.score, unit);
+    let there = preferences.iter().map(|preference| {
+        let score = quantity(preference.score, unit);
         format!(
             "{score} in {} (mean of {} runs)",
-            wish.engine, wish.settings
+            preference.engine, preference.settings
         )
     });
     let there = listed(&there.collect::<Vec<_>>());
-    let wants = |wish: &EngineWish| {
-        let values = wish.parameters.iter();
+    let wants = |preference: &EnginePreference| {
+        let values = preference.parameters.iter();
         let values = values.map(|(name, value)| format!("{name} = {}", number(*value)));
         let values = values.collect::<Vec<_>>().join(", ");
-        let expected = quantity(wish.expected, unit);
+        let expected = quantity(preference.expected, unit);
         format!(
             "{} alone is best at {values} (expected {expected})",
-            wish.engine
+            preference.engine
         )
     };
-    let against = wishes.iter().filter(|wish| !wish.allows());
+    let against = preferences.iter().filter(|preference| !preference.allows());
     let against: Vec<String> = against.map(wants).collect();
     let (says, word, text) = match against.is_empty() {
         true => (
@@ -162,16 +162,16 @@ pub(crate) fn engines(
         ),
     };
     let mut claim = Claim::new(About::Engines, says, word, text);
-    for wish in wishes {
-        let of = |what: &str| format!("{}_{what}", wish.engine);
+    for preference in preferences {
+        let of = |what: &str| format!("{}_{what}", preference.engine);
         let numbers = [
-            (of("score"), wish.score),
-            (of("implausibility"), wish.implausibility),
-            (of("expected_at_its_best"), wish.expected),
+            (of("score"), preference.score),
+            (of("implausibility"), preference.implausibility),
+            (of("expected_at_its_best"), preference.expected),
         ];
         let finite = numbers.into_iter().filter(|(_, value)| value.is_finite());
         claim.numbers.extend(finite);
-        let own = wish.parameters.iter();
+        let own = preference.parameters.iter();
         claim
             .numbers
             .extend(own.map(|(name, value)| (of(name), *value)));

@@ -1,6 +1,7 @@
 //! The Matérn 5/2 kernel: how strongly two values of a smooth function are correlated.
 
 /// Correlation of two values `distance` length scales apart (Rasmussen & Williams 2006, equation 4.17): 1 at distance 0.
+#[inline]
 pub(super) fn matern_5_2(distance: f64) -> f64 {
     let s = 5.0_f64.sqrt() * distance;
     (1.0 + s + s * s / 3.0) * libm::exp(-s)
@@ -25,6 +26,7 @@ pub struct Matern {
 
 impl Matern {
     /// Distance of two points in length scales.
+    #[inline]
     pub fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
         let axes = a.iter().zip(b).zip(&self.lengths);
         axes.map(|((a, b), length)| ((a - b) / length).powi(2))
@@ -33,6 +35,7 @@ impl Matern {
     }
 
     /// Covariance of the function's values at two points.
+    #[inline]
     pub fn covariance(&self, a: &[f64], b: &[f64]) -> f64 {
         self.variance * matern_5_2(self.distance(a, b))
     }

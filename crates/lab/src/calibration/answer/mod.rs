@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use std::fmt;
 
 use crate::calibration::answer::report::Evidence;
-use crate::calibration::exploration::wave::{leading, scored_runs, settled};
+use crate::calibration::exploration::wave::{leading, scored_runs, with_best_completed};
 use crate::calibration::{
     Audit, Fit, Method, PointScore, Report, Reproduction, Scores, Study, Uncertainty, Validation,
 };
@@ -64,7 +64,7 @@ impl Answer {
         let (mut scores, emulator) = match ending {
             Ending::Complete => {
                 let emulator = Emulator::new(&scored_runs(study, &scores))?;
-                settled(study, scores, emulator)?
+                with_best_completed(study, scores, emulator)?
             }
             // An interrupted run is not continued here, and a part of a grid allows no conclusion about the whole.
             Ending::Interrupted => (scores, None),
@@ -105,7 +105,7 @@ impl Answer {
         let engines = match (judged, emulator.as_ref()) {
             (Some((matching, best)), Some(emulator)) => {
                 let known = (uncertainty_of_observations, matching.limit());
-                study.wishes(&scores, best, emulator, known)
+                study.engine_preferences(&scores, best, emulator, known)
             }
             _ => Vec::new(),
         };

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use crate::calibration::answer::uncertainty::own_score;
 use crate::calibration::exploration::information_gain;
 use crate::calibration::{
-    Audit, EngineWish, Fit, Method, PosteriorDraws, Reproduction, Scores, Study, Tables, Transfer,
-    Tuned, Uncertainty, UncertaintySource, Validation, Verdict, by_name, few_recordings,
+    Audit, EnginePreference, Fit, Method, PosteriorDraws, Reproduction, Scores, Study, Tables,
+    Transfer, Tuned, Uncertainty, UncertaintySource, Validation, Verdict, by_name, few_recordings,
 };
 use crate::claim::{self, About, Claim, Conclusion};
 use realgap_core::unit::{Unit, counted, quantity};
@@ -59,7 +59,7 @@ pub struct Report {
     pub correlations: Vec<Correlation>,
     /// The view of each of two engines on the answer, which is one of the claims; empty where there is one engine only.
     #[serde(skip)]
-    pub engines: Vec<EngineWish>,
+    pub engines: Vec<EnginePreference>,
     /// How much the numerical settings change the best score.
     pub audit: Option<Audit>,
     /// How the best point scores on recordings that were held out of the fit.
@@ -143,7 +143,7 @@ pub(in crate::calibration) struct Evidence<'a> {
     pub scores: &'a Scores,
     pub uncertainty: Option<&'a Uncertainty>,
     pub draws: Option<&'a PosteriorDraws>,
-    pub engines: Vec<EngineWish>,
+    pub engines: Vec<EnginePreference>,
     pub audit: Option<Audit>,
     pub fit: Option<Fit>,
     pub validation: Option<Validation>,

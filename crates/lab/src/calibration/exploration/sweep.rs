@@ -46,8 +46,8 @@ impl Study {
 }
 
 /// Message for the work after the last trial.
-pub(in crate::calibration) const WEIGHING: &str =
-    "weighing what cannot be told apart, auditing the numerics";
+pub(in crate::calibration) const FINISHING: &str =
+    "computing the confidence set, auditing the numerics";
 
 fn sweep(study: &Study, place: Option<(Place<'_>, Mode)>, run: &RunOptions<'_>) -> Result<Answer> {
     let kept = RunDescription {
@@ -58,7 +58,7 @@ fn sweep(study: &Study, place: Option<(Place<'_>, Mode)>, run: &RunOptions<'_>) 
     };
     let mut sink = TrialSink::open(&kept, place)?;
     let (ending, done) = simulate(study, &mut sink, run)?;
-    run.tell_finishing(WEIGHING, done);
+    run.tell_finishing(FINISHING, done);
     let scores = Scores::new(study, &sink.trials()?)?;
     sink.score(&scores.runs)?;
     sink.end(ending)?;

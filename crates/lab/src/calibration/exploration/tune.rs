@@ -1,8 +1,8 @@
 //! Tuning: an optimizer chooses the points, and every trial is stored as soon as it is finished.
 
-use crate::calibration::exploration::sweep::WEIGHING;
+use crate::calibration::exploration::sweep::FINISHING;
 use crate::calibration::exploration::trial_sink::{RunDescription, TrialSink};
-use crate::calibration::exploration::wave::widened;
+use crate::calibration::exploration::wave::with_waves;
 use crate::calibration::study::split::fold;
 use crate::calibration::{
     Answer, InformationGain, Method, PointScore, Scores, Split, Study, Termination, Tuned,
@@ -172,11 +172,11 @@ fn tune(
         }
         _ => None,
     };
-    run.tell_finishing(WEIGHING, evaluated);
+    run.tell_finishing(FINISHING, evaluated);
     let mut answer = run.install(|| {
         let scores = match ending {
             // Least squares end at a known minimum, so that no waves are needed.
-            Ending::Complete if known.is_none() => widened(study, scores)?,
+            Ending::Complete if known.is_none() => with_waves(study, scores)?,
             _ => scores,
         };
         Answer::new(study, method, ending, scores, refits)

@@ -24,9 +24,9 @@ const PLACES: usize = 200;
 const VISITED: usize = 60;
 /// No further wave is made where the emulator has less than this share in the variance of the difference between points and the
 /// best point.
-const SETTLED: f64 = 0.1;
+const LEAST_EMULATOR_SHARE: f64 = 0.1;
 /// Most candidates for the best point whose settings are completed.
-const CHAMPIONS: usize = 5;
+const CANDIDATES: usize = 5;
 /// Points of a grid that were not simulated are candidates only where the grid has at most so many points.
 const NODES: usize = 2000;
 
@@ -73,8 +73,8 @@ pub(in crate::calibration) fn scored_runs(study: &Study, scores: &Scores) -> Vec
 }
 
 /// Least runs of the best point, and of one engine there, from which the variability of a single recording is estimated.
-const TELLING: usize = 8;
-const TELLING_OF_AN_ENGINE: usize = 4;
+const LEAST_RUNS: usize = 8;
+const LEAST_RUNS_OF_AN_ENGINE: usize = 4;
 
 /// Surrogates of a single recording: paths of the best point's runs, by engine; empty where there are more recordings, or where
 /// the metric needs more than paths.
@@ -89,10 +89,10 @@ fn surrogate_recordings(study: &Study, scores: &Scores) -> Vec<Vec<Prepared>> {
     let path = |run: &PointScore| Prepared::from_xy_m(run.path_xy_m.clone()).ok();
     let engines = scores.runs_by_engine(&study.settings(), best);
     let engines = engines.map(|runs| runs.into_iter().filter_map(path).collect());
-    let telling = |runs: &Vec<Prepared>| runs.len() >= TELLING_OF_AN_ENGINE;
-    let engines: Vec<Vec<Prepared>> = engines.into_iter().filter(telling).collect();
+    let has_enough = |runs: &Vec<Prepared>| runs.len() >= LEAST_RUNS_OF_AN_ENGINE;
+    let engines: Vec<Vec<Prepared>> = engines.into_iter().filter(has_enough).collect();
     match engines.iter().map(Vec::len).sum::<usize>() {
-        TELLING.. => engines,
+        LEAST_RUNS.. => engines,
         _ => Vec::new(),
     }
 }
@@ -157,7 +157,7 @@ pub(in crate::calibration) fn next_wave(
     let seed = definition.seed.wrapping_add(from as u64);
     let grid = &definition.grid;
     let matching = HistoryMatching::new(&emulator, grid, &visited, uncertainty, places, seed);
-    if matching.emulator_share() < SETTLED {
+    if matching.emulator_share() < LEAST_EMULATOR_SHARE {
         return Ok(Vec::new());
     }
     let mut rng = Numbered::Refinement.generator(definition.seed, from as u64);
@@ -169,7 +169,7 @@ pub(in crate::calibration) fn next_wave(
 ///
 /// # Errors
 /// As [`Study::simulate`].
-pub(in crate::calibration) fn widened(study: &Study, mut scores: Scores) -> Result<Scores> {
+pub(in crate::calibration) fn with_waves(study: &Study, mut scores: Scores) -> Result<Scores> {
     let count = runs_a_wave(study, scores.runs.len());
     for _ in 0..WAVES {
         let from = next_trial(study, &scores);
@@ -216,7 +216,7 @@ fn unvisited(study: &Study, scores: &Scores) -> impl Iterator<Item = Vec<f64>> {
 ///
 /// # Errors
 /// As [`Study::simulate`].
-pub(in crate::calibration) fn settled(
+pub(in crate::calibration) fn with_best_completed(
     study: &Study,
     mut scores: Scores,
     mut emulator: Option<Emulator>,
@@ -227,7 +227,7 @@ pub(in crate::calibration) fn settled(
         return Ok((scores, emulator));
     }
     let grid = &study.definition().grid;
-    for champion in 0..=CHAMPIONS {
+    for candidate in 0..=CANDIDATES {
         let Some(known) = &emulator else { break };
         let is_whole = |position: &usize| scores.points[*position].runs >= settings.count;
         let (whole, open): (Vec<usize>, Vec<usize>) =
@@ -240,7 +240,7 @@ pub(in crate::calibration) fn settled(
         let promising = least_by(expected, |(score, _)| *score);
         let promising = promising.filter(|(score, _)| lowest.is_none_or(|lowest| *score < lowest));
         scores.best = best.or(scores.best);
-        let Some((_, values)) = promising.filter(|_| champion < CHAMPIONS) else {
+        let Some((_, values)) = promising.filter(|_| candidate < CANDIDATES) else {
             break;
         };
         let runs = scores.runs.iter().filter(|run| run.values == values);

@@ -9,7 +9,7 @@ use realgap_inference::{Emulator, ObservationUncertainty, ScoreCovariance, impla
 
 /// The view of one engine on the answer of both.
 #[derive(Debug, Clone, PartialEq)]
-pub struct EngineWish {
+pub struct EnginePreference {
     /// Name of the engine.
     pub engine: &'static str,
     /// Mean score of the engine's settings at the common best point, in the metric's unit.
@@ -27,7 +27,7 @@ pub struct EngineWish {
     pub limit: f64,
 }
 
-impl EngineWish {
+impl EnginePreference {
     /// Whether the engine does not reject the common best point.
     pub fn allows(&self) -> bool {
         self.implausibility <= self.limit
@@ -49,17 +49,17 @@ impl Study {
     }
 
     /// The view of each engine on the point at position `best`; empty where there is one engine only.
-    pub(in crate::calibration) fn wishes(
+    pub(in crate::calibration) fn engine_preferences(
         &self,
         scores: &Scores,
         best: usize,
         emulator: &Emulator,
         (uncertainty, limit): (ObservationUncertainty, f64),
-    ) -> Vec<EngineWish> {
+    ) -> Vec<EnginePreference> {
         let grid = &self.definition().grid;
         let here = grid.place_of(&scores.points[best].values);
         let runs = scores.runs_by_engine(&self.settings(), best);
-        let wish = |(engine, runs): (f64, &Vec<&PointScore>)| {
+        let preference = |(engine, runs): (f64, &Vec<&PointScore>)| {
             let engine_name = self.engine_named(engine)?;
             let ranked = scores.ranked().into_iter().map(|position| {
                 let place = grid.place_of(&scores.points[position].values);
@@ -73,7 +73,7 @@ impl Study {
             let places: Vec<Vec<f64>> = places.chain([here.clone()]).collect();
             let field = emulator.field_in(&places, engine);
             let all = implausibility(&field, &ScoreCovariance::new(&field, uncertainty));
-            Some(EngineWish {
+            Some(EnginePreference {
                 engine: engine_name,
                 score: mean_of(runs.iter().filter_map(|run| run.score)),
                 settings: runs.len(),
@@ -83,6 +83,10 @@ impl Study {
                 limit,
             })
         };
-        ENGINES.into_iter().zip(&runs).filter_map(wish).collect()
+        ENGINES
+            .into_iter()
+            .zip(&runs)
+            .filter_map(preference)
+            .collect()
     }
 }

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use crate::results::study::data::{Point, Points, StudyData};
 use realgap_core::unit::Unit;
 use realgap_lab::calibration::{
-    Audit, AuditRow, Best, BestPointUncertainty, EngineWish, Fit, PointScore, PosteriorDraws,
+    Audit, AuditRow, Best, BestPointUncertainty, EnginePreference, Fit, PointScore, PosteriorDraws,
     Report, Scores, Tables, Uncertainty, UncertaintySource, Unvisited, Verdict,
 };
 use realgap_lab::prediction::ensemble::{Ensemble, Forecast, Motion, Reality, Repeat};
@@ -271,9 +271,9 @@ fn draws(draw: &mut Draw, ranges: &[Range], best: &[f64]) -> PosteriorDraws {
     PosteriorDraws::new(rows, gaps)
 }
 
-fn engines(draw: &mut Draw) -> Vec<EngineWish> {
+fn engines(draw: &mut Draw) -> Vec<EnginePreference> {
     let both = draw.is(0.7).then_some(["rapier", "tree"]);
-    let mut wish = |engine| EngineWish {
+    let mut preference = |engine| EnginePreference {
         engine,
         score: draw.within(0.01, 0.2),
         settings: 8,
@@ -282,7 +282,7 @@ fn engines(draw: &mut Draw) -> Vec<EngineWish> {
         implausibility: draw.within(0.0, 4.0),
         limit: 2.45,
     };
-    both.into_iter().flatten().map(&mut wish).collect()
+    both.into_iter().flatten().map(&mut preference).collect()
 }
 
 fn audit(draw: &mut Draw) -> Audit {

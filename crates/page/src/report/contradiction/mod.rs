@@ -140,7 +140,7 @@ fn a_sweep_says_one_thing_in_every_place() {
                 format!("{place} of the model: {text}")
             });
         }
-        let differ = report.engines.iter().any(|wish| !wish.allows());
+        let differ = report.engines.iter().any(|preference| !preference.allows());
         found.see("engines differ", differ);
         for (place, text) in told.places() {
             let says = text.contains("THE ENGINES DIFFER");
