@@ -66,6 +66,7 @@ pub use layout::path::PathPoint;
 pub use layout::scale::ScoreScale;
 pub use realgap_core::table::{Side, TextTable};
 pub use realgap_core::unit::{DisplayUnit, number, quantity};
+#[cfg(feature = "papers")]
 pub(crate) use render::both;
 pub use render::check_picture_path;
 pub(crate) use render::inline::{Inline, InlineChart, legend};

@@ -71,6 +71,7 @@ pub(in crate::plot) fn check_rows(field: &str, count: usize, columns: usize) -> 
 }
 
 /// Lets `draw` write `STEM.png` and `STEM.svg` of the folder.
+#[cfg(feature = "papers")]
 pub(crate) fn both(folder: &Path, stem: &str, draw: impl Fn(&Path) -> Result<()>) -> Result<()> {
     draw(&folder.join(format!("{stem}.png")))?;
     draw(&folder.join(format!("{stem}.svg")))
