@@ -95,7 +95,7 @@ impl Body {
     /// orientations. `motion` is in true lengths.
     ///
     /// The sample before the first one near the floor is left out, too, because a contact may follow it before the next sample.
-    pub fn flight_samples(&self, motion: &Trajectory) -> usize {
+    pub(crate) fn flight_samples(&self, motion: &Trajectory) -> usize {
         let Some(orientations) = motion.orientations_world_from_body() else {
             return 0;
         };

@@ -74,7 +74,7 @@ impl ScoreCovariance {
     }
 
     /// Variance of the difference of two points' scores.
-    pub fn of_difference(covariance: &DMatrix<f64>, a: usize, b: usize) -> f64 {
+    pub(crate) fn of_difference(covariance: &DMatrix<f64>, a: usize, b: usize) -> f64 {
         covariance[(a, a)] + covariance[(b, b)] - 2.0 * covariance[(a, b)]
     }
 }

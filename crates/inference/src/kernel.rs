@@ -89,7 +89,7 @@ impl RunKernel {
     }
 
     /// Minus twice the logarithm of the prior density of these hyperparameters, without its constant.
-    pub fn neg_log_prior(&self) -> f64 {
+    pub(crate) fn neg_log_prior(&self) -> f64 {
         let of = |value: f64, (median, sd): (f64, f64)| (libm::log(value / median) / sd).powi(2);
         let lengths = self.score.lengths.iter();
         let lengths = lengths.filter(|length| length.is_finite());
@@ -105,7 +105,11 @@ impl RunKernel {
     }
 
     /// Minus twice the logarithm of the posterior density of these hyperparameters given the values, without its constant.
-    pub fn neg_log_posterior(&self, runs: &[&ScoredRun], values: &DVector<f64>) -> Option<f64> {
+    pub(crate) fn neg_log_posterior(
+        &self,
+        runs: &[&ScoredRun],
+        values: &DVector<f64>,
+    ) -> Option<f64> {
         Some(self.condition(runs, values)?.deviance() + self.neg_log_prior())
     }
 }

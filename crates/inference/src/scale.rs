@@ -29,7 +29,7 @@ impl ScoreScale {
     }
 
     /// The standardised value of a score.
-    pub fn standardise(self, score: f64) -> f64 {
+    pub(crate) fn standardise(self, score: f64) -> f64 {
         (libm::log(score * score + self.offset * self.offset) - self.mean) / self.sd
     }
 

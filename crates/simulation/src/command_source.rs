@@ -60,7 +60,7 @@ impl<'a> CommandSource<'a> {
     }
 
     /// Whether the servo is switched on at `t_s`.
-    pub fn is_on(&self, t_s: f64) -> bool {
+    pub(crate) fn is_on(&self, t_s: f64) -> bool {
         match self {
             Self::None | Self::Gait(..) => true,
             Self::Track(track) => track.is_on(t_s),

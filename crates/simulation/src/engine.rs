@@ -62,7 +62,7 @@ pub struct Motion {
 
 impl Motion {
     /// No motion.
-    pub const REST: Self = Self {
+    pub(crate) const REST: Self = Self {
         about_world_m: Vector3::new(0.0, 0.0, 0.0),
         linear_world_m_s: Vector3::new(0.0, 0.0, 0.0),
         angular_world_rad_s: Vector3::new(0.0, 0.0, 0.0),

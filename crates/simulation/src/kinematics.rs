@@ -22,7 +22,7 @@ pub(super) struct Turn {
 
 impl Turn {
     /// No motion.
-    pub const REST: Self = Self {
+    pub(crate) const REST: Self = Self {
         angular_world_rad_s: Vector3::new(0.0, 0.0, 0.0),
         at_origin_world_m_s: Vector3::new(0.0, 0.0, 0.0),
     };

@@ -31,7 +31,7 @@ impl Effort {
     }
 
     /// Target speed of the motor, shifted so that with this mean friction the total torque in each direction is correct, rad/s.
-    pub fn shifted_target_rad_s(&self) -> f64 {
+    pub(crate) fn shifted_target_rad_s(&self) -> f64 {
         if self.damping_nm_s_rad == 0.0 {
             return 0.0;
         }

@@ -279,7 +279,7 @@ impl Collision {
     }
 
     /// Stores the impulse of a contact for the warm start of the next step.
-    pub fn remember(&mut self, memory: Memory, impulse_world_n_s: Vec3) {
+    pub(crate) fn remember(&mut self, memory: Memory, impulse_world_n_s: Vec3) {
         match memory {
             Memory::Corner { pair, corner } => self.pairs[pair].corners[corner] = impulse_world_n_s,
             Memory::Point {

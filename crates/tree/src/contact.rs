@@ -51,7 +51,7 @@ impl Softness {
 
     /// Smallest required speed of separation at this distance. Above the surface it is the speed with which the surfaces just
     /// touch at the end of the step.
-    pub fn wanted_speed(&self, distance: f64) -> f64 {
+    pub(crate) fn wanted_speed(&self, distance: f64) -> f64 {
         if distance > 0.0 {
             -distance / self.time_s
         } else {
@@ -298,7 +298,7 @@ impl Point {
     }
 
     /// The impulse on the first body, world frame, N s.
-    pub fn impulse_world(&self) -> Vec3 {
+    pub(crate) fn impulse_world(&self) -> Vec3 {
         let [n, t, s] = self.basis;
         n * self.impulse[0] + t * self.impulse[1] + s * self.impulse[2]
     }
@@ -382,7 +382,7 @@ impl Point {
     }
 
     /// Speed of the contact point due to a change of the impulse, m/s.
-    pub fn speed_of(&self, change: &[f64; 3]) -> f64 {
+    pub(crate) fn speed_of(&self, change: &[f64; 3]) -> f64 {
         (change[0] * self.normal_k).abs()
             + (change[1] * self.tangent_k[0]).abs()
             + (change[2] * self.tangent_k[1]).abs()

@@ -236,7 +236,7 @@ impl JointForces {
     }
 
     /// Treats the servo as a row, whatever its torque.
-    pub fn unfold(&mut self) {
+    pub(crate) fn unfold(&mut self) {
         self.saturated = true;
     }
 

@@ -66,7 +66,7 @@ impl Node {
     }
 
     /// Acceleration of a point at this arm due to velocity products, with all joint speeds constant.
-    pub fn swing_at(&self, arm_m: Vec3, root: &Self) -> Vec3 {
+    pub(crate) fn swing_at(&self, arm_m: Vec3, root: &Self) -> Vec3 {
         let w = self.velocity.angular();
         let v = self.velocity.linear() - root.velocity.linear();
         self.swing.velocity_at(arm_m) + w.cross(v + w.cross(arm_m))

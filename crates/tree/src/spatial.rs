@@ -52,7 +52,7 @@ impl Spatial {
 
     /// Adds `factor` times another.
     #[inline]
-    pub fn add_scaled(&mut self, other: &Self, factor: f64) {
+    pub(crate) fn add_scaled(&mut self, other: &Self, factor: f64) {
         for (mine, its) in self.0.iter_mut().zip(&other.0) {
             *mine += its * factor;
         }
@@ -60,7 +60,7 @@ impl Spatial {
 
     /// Rate of change of a motion vector that moves with this velocity: v × m (equation 2.31).
     #[inline]
-    pub fn cross_motion(&self, motion: &Self) -> Self {
+    pub(crate) fn cross_motion(&self, motion: &Self) -> Self {
         let (w, v) = (self.angular(), self.linear());
         Self::new(
             w.cross(motion.angular()),
@@ -186,7 +186,7 @@ impl Symmetric {
 
     /// Adds a bᵀ.
     #[inline]
-    pub fn add_outer(&mut self, a: &Spatial, b: &Spatial) {
+    pub(crate) fn add_outer(&mut self, a: &Spatial, b: &Spatial) {
         for (column, b) in self.0.iter_mut().zip(&b.0) {
             for (y, a) in column.iter_mut().zip(&a.0) {
                 *y += a * b;

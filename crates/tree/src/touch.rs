@@ -119,7 +119,7 @@ impl Pair {
     }
 
     /// Adds contacts with a half-space: the corners of a box, or the lowest point of a ball.
-    pub fn touch_plane(
+    pub(crate) fn touch_plane(
         &mut self,
         index: usize,
         plane: &Plane,
@@ -164,7 +164,7 @@ impl Pair {
     }
 
     /// Adds the contacts of any two shapes, computed by Parry.
-    pub fn touch_shape(
+    pub(crate) fn touch_shape(
         &mut self,
         index: usize,
         now: u64,

@@ -49,17 +49,17 @@ impl<'a> ByteReader<'a> {
     }
 
     /// The next two bytes as a little-endian number.
-    pub fn u16_le(&mut self) -> Option<u16> {
+    pub(crate) fn u16_le(&mut self) -> Option<u16> {
         Some(u16::from_le_bytes(self.array()?))
     }
 
     /// The next four bytes as a little-endian number.
-    pub fn u32_le(&mut self) -> Option<u32> {
+    pub(crate) fn u32_le(&mut self) -> Option<u32> {
         Some(u32::from_le_bytes(self.array()?))
     }
 
     /// The next eight bytes as a little-endian number.
-    pub fn u64_le(&mut self) -> Option<u64> {
+    pub(crate) fn u64_le(&mut self) -> Option<u64> {
         Some(u64::from_le_bytes(self.array()?))
     }
 }

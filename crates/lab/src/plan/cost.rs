@@ -26,7 +26,7 @@ impl Cost {
     }
 
     /// Bytes on the disk at the end: of the shards' stores, and of the merged one.
-    pub fn disk_bytes(&self) -> f64 {
+    pub(crate) fn disk_bytes(&self) -> f64 {
         2.0 * self.run_bytes * self.runs as f64
     }
 

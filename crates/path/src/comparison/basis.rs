@@ -164,7 +164,7 @@ impl Basis {
     }
 
     /// [`Basis::discrepancy_m`] with the first `count` components (all components if there are fewer).
-    pub fn discrepancy_with_m(&self, count: usize, a: &Prepared, b: &Prepared) -> f64 {
+    pub(crate) fn discrepancy_with_m(&self, count: usize, a: &Prepared, b: &Prepared) -> f64 {
         let difference = difference(a, b);
         let sum: f64 = self
             .components

@@ -147,7 +147,7 @@ impl<'a> Interpolator<'a> {
     }
 
     /// Angle of a joint of this trajectory at `since_start_s` seconds after the first sample, radians.
-    pub fn joint_angle_rad(&mut self, joint: &JointTrack, since_start_s: f64) -> f64 {
+    pub(crate) fn joint_angle_rad(&mut self, joint: &JointTrack, since_start_s: f64) -> f64 {
         self.place(since_start_s).mix(&joint.angles_rad)
     }
 

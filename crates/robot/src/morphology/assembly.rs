@@ -373,7 +373,7 @@ impl Assembly {
     }
 
     /// Whether the robot's file excludes contacts between two modules.
-    pub fn is_collision_excluded(&self, a: usize, b: usize) -> bool {
+    pub(crate) fn is_collision_excluded(&self, a: usize, b: usize) -> bool {
         self.collision_exclude.contains(&(a, b)) || self.collision_exclude.contains(&(b, a))
     }
 }

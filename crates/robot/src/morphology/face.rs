@@ -56,7 +56,7 @@ impl Face {
     }
 
     /// Index of the axis of the face's normal: 0 for x, 1 for y, 2 for z.
-    pub fn axis_index(self) -> usize {
+    pub(crate) fn axis_index(self) -> usize {
         match self {
             Self::PosX | Self::NegX => 0,
             Self::PosY | Self::NegY => 1,
@@ -75,7 +75,7 @@ impl Face {
     }
 
     /// True if the two faces lie at right angles.
-    pub fn is_perpendicular_to(self, other: Self) -> bool {
+    pub(crate) fn is_perpendicular_to(self, other: Self) -> bool {
         self.axis_index() != other.axis_index()
     }
 

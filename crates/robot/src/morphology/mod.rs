@@ -258,7 +258,7 @@ impl Morphology {
     /// # Errors
     /// A robot that the [module of bodies](body) cannot represent; the error names the path of the value as in a file, e.g.
     /// `joints[2].child`.
-    pub fn of_bodies(structure: Structure) -> Result<Self> {
+    pub(crate) fn of_bodies(structure: Structure) -> Result<Self> {
         Self::check_structure(structure).map_err(Flaw::without_file)
     }
 
@@ -330,7 +330,7 @@ impl Morphology {
     }
 
     /// Whether the robot's file excludes contacts between two modules.
-    pub fn is_collision_excluded(&self, a: usize, b: usize) -> bool {
+    pub(crate) fn is_collision_excluded(&self, a: usize, b: usize) -> bool {
         self.collision_exclude.contains(&(a, b)) || self.collision_exclude.contains(&(b, a))
     }
 

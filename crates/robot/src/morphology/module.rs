@@ -86,7 +86,7 @@ const MAX_ANGLE_RAD: f64 = 1000.0;
 
 impl Module {
     /// Longest name, in characters.
-    pub const MAX_NAME: usize = 64;
+    pub(crate) const MAX_NAME: usize = 64;
 
     /// A passive module: a solid cube.
     pub fn passive(name: impl Into<String>, side_m: f64, mass_kg: f64) -> Self {
@@ -123,7 +123,7 @@ impl Module {
     }
 
     /// The boxes that the module consists of, at least one.
-    pub fn solid_boxes(&self) -> Vec<ModuleBox> {
+    pub(crate) fn solid_boxes(&self) -> Vec<ModuleBox> {
         if self.boxes.is_empty() {
             return vec![ModuleBox {
                 sides_m: self.sides_m,
@@ -134,7 +134,7 @@ impl Module {
     }
 
     /// Whether all edge lengths are equal.
-    pub fn is_cube(&self) -> bool {
+    pub(crate) fn is_cube(&self) -> bool {
         self.sides_m == Vector3::repeat(self.sides_m.x)
     }
 

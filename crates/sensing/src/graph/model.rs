@@ -26,7 +26,7 @@ pub enum Frame {
 
 impl Frame {
     /// Whether the log is looked up in place of polynomials.
-    pub fn is_lookup(self) -> bool {
+    pub(crate) fn is_lookup(self) -> bool {
         matches!(self, Self::Nearest | Self::Turned)
     }
 }

@@ -304,7 +304,7 @@ impl Parameter {
     }
 
     /// Whether the parameter refers to selected modules or joints only, so that it overrides a parameter of all of them.
-    pub fn is_precise(&self) -> bool {
+    pub(crate) fn is_precise(&self) -> bool {
         self.rank() > 0
     }
 

@@ -31,7 +31,7 @@ pub(super) struct Friction {
 
 impl Friction {
     /// Recomputes the responses of the links of a multibody robot; has no effect for other robots.
-    pub fn refresh(&mut self, joints: &MultibodyJointSet) {
+    pub(crate) fn refresh(&mut self, joints: &MultibodyJointSet) {
         self.links.clear();
         for multibody in joints.multibodies() {
             let factors = multibody.inv_augmented_mass();
@@ -93,7 +93,11 @@ impl Friction {
 
 impl Friction {
     /// Corrects the friction of one contact manifold; `driven` contains the velocities of driven bodies.
-    pub fn oppose_slip(&self, context: &mut ContactModificationContext<'_>, driven: &[Driven]) {
+    pub(crate) fn oppose_slip(
+        &self,
+        context: &mut ContactModificationContext<'_>,
+        driven: &[Driven],
+    ) {
         let (first, second, bodies) = (context.rigid_body1, context.rigid_body2, context.bodies);
         let Some(manifold) = context.rigid_mut() else {
             return;

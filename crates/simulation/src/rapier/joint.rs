@@ -335,7 +335,7 @@ impl RapierJoint {
     }
 
     /// Removes the forces of motor and spring from the parts, because they are valid for one step only.
-    pub fn reset_forces(&self, bodies: &mut RigidBodySet) {
+    pub(crate) fn reset_forces(&self, bodies: &mut RigidBodySet) {
         let has_pushed = self.has_gear && matches!(self.joint, Joint::Impulse(_));
         if !has_pushed && self.bearing.spring.is_none() {
             return;

@@ -54,7 +54,7 @@ impl ActuatorNoise {
     }
 
     /// A random error that the factor for actuators does not scale.
-    pub fn normal_of(&mut self, sd: f64) -> f64 {
+    pub(crate) fn normal_of(&mut self, sd: f64) -> f64 {
         self.rng
             .as_mut()
             .map_or(0.0, |rng| sd * rng.sample::<f64, _>(StandardNormal))

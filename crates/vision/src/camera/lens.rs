@@ -22,7 +22,7 @@ const UNDISTORTING: usize = 8;
 
 impl Lens {
     /// The focal length, pixels: distance from the centre to an undistorted ray at 45 degrees.
-    pub fn focal_px(&self) -> f64 {
+    pub(crate) fn focal_px(&self) -> f64 {
         0.5 * self.width_px as f64 / (0.5 * self.field_of_view_rad).tan()
     }
 

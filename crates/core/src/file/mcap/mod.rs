@@ -17,14 +17,14 @@ const MAGIC: &[u8; 8] = b"\x89MCAP0\r\n";
 /// Kinds of records, by their first byte.
 mod opcode {
     pub const HEADER: u8 = 1;
-    pub const FOOTER: u8 = 2;
-    pub const SCHEMA: u8 = 3;
-    pub const CHANNEL: u8 = 4;
-    pub const MESSAGE: u8 = 5;
-    pub const CHUNK: u8 = 6;
-    pub const MESSAGE_INDEX: u8 = 7;
-    pub const CHUNK_INDEX: u8 = 8;
-    pub const STATISTICS: u8 = 11;
-    pub const SUMMARY_OFFSET: u8 = 14;
-    pub const DATA_END: u8 = 15;
+    pub(crate) const FOOTER: u8 = 2;
+    pub(crate) const SCHEMA: u8 = 3;
+    pub(crate) const CHANNEL: u8 = 4;
+    pub(crate) const MESSAGE: u8 = 5;
+    pub(crate) const CHUNK: u8 = 6;
+    pub(crate) const MESSAGE_INDEX: u8 = 7;
+    pub(crate) const CHUNK_INDEX: u8 = 8;
+    pub(crate) const STATISTICS: u8 = 11;
+    pub(crate) const SUMMARY_OFFSET: u8 = 14;
+    pub(crate) const DATA_END: u8 = 15;
 }

@@ -47,7 +47,7 @@ impl TrialSink<'_> {
     }
 
     /// The store, for writing.
-    pub fn rows_mut(&mut self) -> &mut dyn Storage<Trial> {
+    pub(crate) fn rows_mut(&mut self) -> &mut dyn Storage<Trial> {
         match self {
             Self::Memory(memory) => memory,
             Self::Folder(store) => &mut **store,

@@ -73,7 +73,7 @@ impl Settings {
 
     /// Code of the engine of trial number `index`: 1 for the study's own, −1 for the second, 0 where there is one engine only.
     /// The deviation of an engine from the mean of both is this code times half of their difference.
-    pub fn engine_of_trial(&self, index: usize) -> f64 {
+    pub(crate) fn engine_of_trial(&self, index: usize) -> f64 {
         self.engine_of(self.of_trial(index).0 as usize)
     }
 
@@ -96,7 +96,7 @@ impl Settings {
     }
 
     /// The mean of each engine's runs: of the study's own engine, and of the second.
-    pub fn engine_means(&self, runs: &[(usize, f64)]) -> [Option<f64>; 2] {
+    pub(crate) fn engine_means(&self, runs: &[(usize, f64)]) -> [Option<f64>; 2] {
         let of = |is_own: bool| {
             let here = |index: usize| (self.engine_of_trial(index) >= 0.0) == is_own;
             let values = runs.iter().filter(|(index, _)| here(*index));
@@ -107,7 +107,7 @@ impl Settings {
 
     /// Mean cost of a run over all settings, of the study's own engine and of the second, in runs of that engine with the study's
     /// own steps. A substep costs as much as a step.
-    pub fn mean_costs(&self, own: &Experiment) -> [f64; 2] {
+    pub(crate) fn mean_costs(&self, own: &Experiment) -> [f64; 2] {
         let steps = |experiment: &Experiment| {
             experiment.solver.substeps as f64 / experiment.solver.timestep_s
         };

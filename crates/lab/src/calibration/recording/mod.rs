@@ -29,7 +29,7 @@ pub(in crate::calibration) struct Found {
 
 impl Found {
     /// Cuts every recording into windows.
-    pub fn cut_into(&mut self, horizon: Horizon) -> Result<()> {
+    pub(crate) fn cut_into(&mut self, horizon: Horizon) -> Result<()> {
         let whole = std::mem::take(self);
         for (recording, sha256) in whole.recordings.iter().zip(whole.sha256) {
             for window in horizon.windows(recording)? {
@@ -41,7 +41,7 @@ impl Found {
     }
 
     /// Leaves out recordings in which something still moves at the end, with a warning.
-    pub fn keep_those_at_rest(&mut self) -> Result<Option<Warning>> {
+    pub(crate) fn keep_those_at_rest(&mut self) -> Result<Option<Warning>> {
         let all = self.recordings.len();
         let rests = self.recordings.iter().map(|r| is_at_rest(&r.trajectory));
         let rests: Vec<bool> = rests.collect();

@@ -63,7 +63,7 @@ impl Space {
     ///
     /// # Errors
     /// A genome or a robot to start from.
-    pub fn must_be_free(&self) -> Result<()> {
+    pub(crate) fn must_be_free(&self) -> Result<()> {
         if self.start.is_none() && matches!(self.body, Body::Developed(_)) {
             return Ok(());
         }
@@ -94,7 +94,7 @@ impl Space {
     ///
     /// # Errors
     /// A number of the body.
-    pub fn must_leave_the_body(&self, searched: &[Locus]) -> Result<()> {
+    pub(crate) fn must_leave_the_body(&self, searched: &[Locus]) -> Result<()> {
         match self.body {
             Body::Fixed(..) => self.must_be_gait(searched),
             Body::Developed(_) => Ok(()),
@@ -105,7 +105,7 @@ impl Space {
     ///
     /// # Errors
     /// A number of the body.
-    pub fn must_be_gait(&self, searched: &[Locus]) -> Result<()> {
+    pub(crate) fn must_be_gait(&self, searched: &[Locus]) -> Result<()> {
         match searched.iter().find(|locus| locus.is_body()) {
             None => Ok(()),
             Some(locus) => Err(Error::invalid("the body is fixed here")

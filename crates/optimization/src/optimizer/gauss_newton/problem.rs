@@ -164,7 +164,7 @@ impl LinearisedProblem {
     }
 
     /// The loss at the point at which the problem was linearised.
-    pub fn loss_here(&self) -> f64 {
+    pub(crate) fn loss_here(&self) -> f64 {
         self.loss(&self.at, self.errors.as_slice())
     }
 

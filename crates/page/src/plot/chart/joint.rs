@@ -35,7 +35,7 @@ pub struct JointPanel {
 
 impl JointPanel {
     /// Simulated angles minus recorded ones, radians.
-    pub fn residuals_rad(&self) -> impl Iterator<Item = f64> + '_ {
+    pub(crate) fn residuals_rad(&self) -> impl Iterator<Item = f64> + '_ {
         let both = self.simulated_rad.iter().zip(&self.recorded_rad);
         both.map(|(simulated, recorded)| simulated - recorded)
     }

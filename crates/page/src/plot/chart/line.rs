@@ -115,7 +115,7 @@ impl LinePlot {
 
     /// A score over the values of one parameter: one line with the best point and the confidence set. `scores` has one
     /// entry a value, `None` where the simulation diverged.
-    pub fn over_parameter(
+    pub(crate) fn over_parameter(
         caption: Caption,
         x: AxisSpec,
         score: (&str, Unit),

@@ -30,7 +30,7 @@ impl RenderedTexts {
     }
 
     /// A page's first sentences are claims, and nothing else.
-    pub fn only_claims(&self, contradictions: &mut Vec<String>) {
+    pub(crate) fn only_claims(&self, contradictions: &mut Vec<String>) {
         let mut rest = self.answer.clone();
         for claim in &self.claims {
             rest = rest.replacen(&claim.text, "", 1);

@@ -314,7 +314,7 @@ fn away(arena: &Arena, pose: Pose, rng: &mut Generator) -> f64 {
 impl ScanLog {
     /// The log that ideal beams would give at the same poses in an arena.
     #[must_use]
-    pub fn cast_in(&self, arena: &Arena) -> Self {
+    pub(crate) fn cast_in(&self, arena: &Arena) -> Self {
         let scans = self.scans.iter().map(|scan| Scan {
             ranges_m: self
                 .beams_rad
