@@ -119,6 +119,19 @@ fn told(args: &[&str], browser: Option<&mut Browser>) -> String {
         text(&output.stderr)
     );
     let page = std::fs::read_to_string(folder.join("report.html")).unwrap();
+    // The page was made from what the command had in memory; the files of the folder say the same.
+    let again = out.path().join("again.html");
+    realgap()
+        .arg("report")
+        .arg(&folder)
+        .arg("-o")
+        .arg(&again)
+        .assert()
+        .success();
+    let again = std::fs::read_to_string(again).unwrap();
+    let before_command = again.split("<dt>this page</dt>").next().unwrap();
+    let is_same = page.starts_with(before_command.trim_end_matches("</dl>"));
+    assert!(is_same, "{args:?}: another page of the same folder");
     if let Some(browser) = browser {
         browser.open(&folder.join("report.html"), "");
         browser.wait("realgap.ready === true");

@@ -11,7 +11,7 @@ mod number;
 use std::fmt;
 
 pub use file_unit::{AngleUnit, LengthUnit, TimeUnit};
-pub use number::{DisplayUnit, decimals, number, quantity};
+pub use number::{DisplayUnit, decimals, number, percent_change_range, percent_range, quantity};
 
 /// The default acceleration of gravity, in m/s², along −z of the world.
 pub const GRAVITY_M_S2: f64 = 9.81;

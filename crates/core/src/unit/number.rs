@@ -65,6 +65,53 @@ impl DisplayUnit {
     }
 }
 
+/// A range of shares in percent with the fewest decimals (at most three) at which both ends differ; one number where they do not
+/// differ at three decimals.
+///
+/// ```
+/// use realgap_core::unit::percent_range;
+/// assert_eq!(percent_range(0.15, 0.85), "15 to 85 %");
+/// assert_eq!(percent_range(0.9998, 1.0), "99.98 to 100 %");
+/// assert_eq!(percent_range(0.5, 0.5), "50 %");
+/// ```
+pub fn percent_range(low: f64, high: f64) -> String {
+    range_in_percent([low, high], |text| text)
+}
+
+/// As [`percent_range`], of changes: both ends have a sign.
+///
+/// ```
+/// use realgap_core::unit::percent_change_range;
+/// assert_eq!(percent_change_range(-0.1512, -0.1511), "-15.12 to -15.11 %");
+/// assert_eq!(percent_change_range(-0.02, 0.3), "-2 to +30 %");
+/// ```
+pub fn percent_change_range(low: f64, high: f64) -> String {
+    range_in_percent([low, high], |text| match text.starts_with(['-', '0']) {
+        true if text.starts_with('-') || text == "0" => text,
+        _ => format!("+{text}"),
+    })
+}
+
+fn range_in_percent(ends: [f64; 2], sign: impl Fn(String) -> String) -> String {
+    let text = |share: f64, decimals: usize| {
+        let text = format!("{:.decimals$}", 100.0 * share);
+        let is_zero = text.chars().all(|c| "-0.".contains(c));
+        let text = if is_zero { "0" } else { text.as_str() };
+        // An end that is a whole number needs no decimals.
+        match text.split_once('.') {
+            Some((whole, rest)) if rest.chars().all(|c| c == '0') => whole.to_owned(),
+            _ => text.to_owned(),
+        }
+    };
+    let pairs = (0..=3).map(|decimals| ends.map(|share| text(share, decimals)));
+    let pairs: Vec<[String; 2]> = pairs.collect();
+    let different = pairs.iter().find(|[low, high]| low != high);
+    match different.unwrap_or(&pairs[0]).clone() {
+        [low, high] if low != high => format!("{} to {} %", sign(low), sign(high)),
+        [both, _] => format!("{} %", sign(both)),
+    }
+}
+
 /// The value in a unit that suits its size, with the unit's symbol: `quantity(0.0123, Unit::Metre)` is `1.23 cm`.
 ///
 /// ```

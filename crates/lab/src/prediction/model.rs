@@ -15,7 +15,7 @@ use super::ensemble::{self, Ensemble, Forecast, Motion, rms_m};
 use super::{OtherEngine, OwnEngines};
 use realgap_core::Result;
 use realgap_core::statistics::{mean, mean_of, quantile, standard_deviation};
-use realgap_core::unit::{Unit, quantity};
+use realgap_core::unit::{Unit, percent_change_range, percent_range, quantity};
 use realgap_optimization::RunOptions;
 use realgap_path::trajectory::{Prepared, prepare};
 use realgap_simulation::parameter::ParameterSet;
@@ -407,7 +407,7 @@ fn metres(range: &Range) -> String {
 
 /// `40 to 85 %`.
 pub(super) fn percent(range: &Range) -> String {
-    format!("{:.0} to {:.0} %", 100.0 * range.low, 100.0 * range.high)
+    percent_range(range.low, range.high)
 }
 
 impl fmt::Display for ModelError {
@@ -424,10 +424,10 @@ impl fmt::Display for ModelError {
         for &source in Source::ALL {
             let of_source = || self.models.iter().filter(|m| m.source == source);
             if let Some(range) = Range::of(of_source().filter_map(|model| model.ratio)) {
-                let [low, high] = [range.low, range.high].map(|ratio| 100.0 * (ratio - 1.0));
+                let change = percent_change_range(range.low - 1.0, range.high - 1.0);
                 write!(
                     f,
-                    "\n    {:<15} {low:+.0} to {high:+.0} % of the displacement",
+                    "\n    {:<15} {change} of the displacement",
                     source.label()
                 )?;
             }

@@ -302,7 +302,7 @@ fn curves() {
 
 #[test]
 fn panels() {
-    let svg = check("panels", |p| draw_panels(&nine_panels(), p));
+    let svg = check("panels", |p| render::write(&nine_panels(), p));
     for text in [
         "tripod_floor",
         "x (cm)",
@@ -319,7 +319,7 @@ fn panels() {
         .collect();
     many.panels.truncate(5);
     many.columns = 2;
-    check("panels_two_columns", |p| draw_panels(&many, p));
+    check("panels_two_columns", |p| render::write(&many, p));
 
     let mut still = nine_panels();
     still.reality_m = vec![vec![[0.0, 0.0]; 182], Vec::new()];
@@ -329,12 +329,12 @@ fn panels() {
             vec![[f64::NAN, 0.0], [f64::INFINITY, 1.0]],
         ];
     }
-    check("panels_still", |p| draw_panels(&still, p));
+    check("panels_still", |p| render::write(&still, p));
 
     let mut one = nine_panels();
     one.panels.truncate(1);
     one.panels[0].score = None;
-    check("panels_one", |p| draw_panels(&one, p));
+    check("panels_one", |p| render::write(&one, p));
 
     // A straight walker is a flat line from above, whatever its pace: it is shown over time.
     let mut straight = nine_panels();
@@ -342,7 +342,7 @@ fn panels() {
     for (k, panel) in (0..).zip(&mut straight.panels) {
         panel.simulated_m = vec![curved_path(0.5 + 0.05 * f64::from(k), 0.02, 0.01)];
     }
-    let svg = check("panels_straight", |p| draw_panels(&straight, p));
+    let svg = check("panels_straight", |p| render::write(&straight, p));
     assert!(svg.contains("time (% of the run)") && !svg.contains("y (cm)"));
 
     let mut upright = nine_panels();
@@ -358,7 +358,7 @@ fn panels() {
         .iter_mut()
         .for_each(|panel| panel.note = panel.note.repeat(5));
     upright.columns = 5;
-    check("panels_upright", |p| draw_panels(&upright, p));
+    check("panels_upright", |p| render::write(&upright, p));
 }
 
 #[test]
@@ -399,7 +399,7 @@ fn wrong_data_are_refused() {
     grid.panels.clear();
     let mut nothing = overlay(0);
     nothing.reference.points_m.clear();
-    let others = [draw_panels(&grid, path), draw_overlay(&nothing, path)];
+    let others = [render::write(&grid, path), draw_overlay(&nothing, path)];
     for drawn in maps.into_iter().chain(others) {
         assert_eq!(drawn.unwrap_err().kind(), ErrorKind::Invalid);
     }

@@ -5,12 +5,15 @@ use std::fmt;
 use super::{Forecast, Reality};
 use realgap_core::statistics::Proportion;
 use realgap_core::table::{Side, TextTable};
-use realgap_core::unit::{Unit, decimals, quantity};
+use realgap_core::unit::{Unit, decimals, percent_range, quantity};
 
 /// `62 % (sampling error, 95 %: 55 to 68 %)`.
 pub fn percent(p: &Proportion) -> String {
-    let [share, low, high] = [p.share, p.low, p.high].map(|share| 100.0 * share);
-    format!("{share:.0} % (sampling error, 95 %: {low:.0} to {high:.0} %)")
+    let interval = percent_range(p.low, p.high);
+    format!(
+        "{:.0} % (sampling error, 95 %: {interval})",
+        100.0 * p.share
+    )
 }
 
 impl fmt::Display for Forecast {
@@ -83,14 +86,14 @@ impl Forecast {
             let mut row = vec![
                 behaviour.name.clone(),
                 format!("{:.1} %", 100.0 * p.share),
-                format!("{:.0} to {:.0} %", 100.0 * p.low, 100.0 * p.high),
+                percent_range(p.low, p.high),
                 quantity(behaviour.mean_displacement_m, Unit::Metre),
                 behaviour
                     .representative
                     .map_or("-".to_owned(), |n| n.to_string()),
             ];
             if let Some((low, high)) = over_models.and_then(|ranges| ranges.get(index)) {
-                row.push(format!("{:.0} to {:.0} %", 100.0 * low, 100.0 * high));
+                row.push(percent_range(*low, *high));
             }
             if let Some(reality) = reality {
                 row.push(reality.showing(Some(&behaviour.name)).to_string());
@@ -128,7 +131,7 @@ impl fmt::Display for Reality {
                 format!("{:.0} %", 100.0 * coverage.level),
                 format!("{:.0} %", 100.0 * coverage.over_time),
                 format!("{} of {}", end.count, end.trials),
-                format!("{:.0} to {:.0} %", 100.0 * end.low, 100.0 * end.high),
+                percent_range(end.low, end.high),
                 coverage.claim().word,
                 coverage.whole_path.map_or("-".to_owned(), |held| {
                     format!("{} of {}", held.count, held.trials)

@@ -34,15 +34,6 @@ pub struct Corner {
     pub truth: Option<(Vec<Option<f64>>, String)>,
 }
 
-/// Draws a corner into a PNG or SVG file: on the diagonal how often each value was drawn, below it two quantities together, above it
-/// their correlation.
-///
-/// # Errors
-/// Fewer than two quantities or draws, a row of another length, a value that is not finite, a path that is no picture's, a full disk.
-pub fn draw_corner(corner: &Corner, path: impl AsRef<Path>) -> Result<()> {
-    picture::write(corner, path.as_ref())
-}
-
 struct Layout {
     surround: HeadingAndLegend,
     scales: Vec<Scale>,
@@ -389,7 +380,7 @@ mod tests {
     #[test]
     fn every_pair_has_a_panel_and_its_correlation() {
         let three = corner(&["floor.friction", "floor.restitution", "servo.gain_1_s"]);
-        let svg = check("corner", |path| draw_corner(&three, path));
+        let svg = check("corner", |path| picture::write(&three, path));
         assert!(three.correlation(0, 1) < -0.95 && three.correlation(0, 2).abs() < 0.3);
         let r = format!(">\n{:.2}\n<", three.correlation(0, 1)).replace('-', "−");
         assert!(svg.contains(&r), "{r}");
@@ -403,7 +394,7 @@ mod tests {
             truth: Some(truth),
             ..two
         };
-        assert!(check("corner_two", |path| draw_corner(&known, path)).contains("hidden value"));
+        assert!(check("corner_two", |path| picture::write(&known, path)).contains("hidden value"));
     }
 
     #[test]
@@ -412,7 +403,9 @@ mod tests {
             .map(|k| format!("servo.joint_{k:02}.stiffness_nm_rad"))
             .collect();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let svg = check("corner_thirty", |path| draw_corner(&corner(&names), path));
+        let svg = check("corner_thirty", |path| {
+            picture::write(&corner(&names), path)
+        });
         for name in names {
             assert_eq!(svg.matches(name).count(), 2, "{name}");
         }
@@ -423,9 +416,9 @@ mod tests {
         let mut still = corner(&["a", "b"]);
         still.draws.iter_mut().for_each(|draw| draw[1] = 2.0);
         assert_eq!(still.correlation(0, 1), 0.0);
-        check("corner_still", |path| draw_corner(&still, path));
+        check("corner_still", |path| picture::write(&still, path));
         still.draws[3][0] = f64::NAN;
-        assert!(draw_corner(&still, "x.png").is_err());
-        assert!(draw_corner(&corner(&["a"]), "x.png").is_err());
+        assert!(picture::write(&still, Path::new("x.png")).is_err());
+        assert!(picture::write(&corner(&["a"]), Path::new("x.png")).is_err());
     }
 }

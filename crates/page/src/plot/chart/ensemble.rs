@@ -66,14 +66,6 @@ pub struct EnsemblePlot {
     pub whole_paths: Option<EnsembleBand>,
 }
 
-/// Draws an ensemble into a PNG or SVG file.
-///
-/// # Errors
-/// Nothing to draw, bands of another length than the times, an unwritable file.
-pub fn draw_ensemble(plot: &EnsemblePlot, path: impl AsRef<Path>) -> Result<()> {
-    picture::write(plot, path.as_ref())
-}
-
 /// The colour of a band: the more repeats it should contain, the paler. From 45 % of blue for half of them to 10 % for 90 %.
 fn shade(level: f64) -> RGBColor {
     tint(BLUE, (0.45 - 0.875 * (level - 0.5)).clamp(0.08, 0.6))
@@ -293,7 +285,7 @@ mod tests {
         for groups in [1, 5] {
             let plot = plot(groups);
             let name = format!("ensemble_{groups}");
-            let svg = check(&name, |file| draw_ensemble(&plot, file));
+            let svg = check(&name, |file| picture::write(&plot, file));
             for words in [
                 "time (s)",
                 "x (cm)",
@@ -316,7 +308,7 @@ mod tests {
         for band in still.bands.iter_mut().chain(&mut still.whole_paths) {
             (band.low_m, band.high_m) = (nowhere.clone(), nowhere.clone());
         }
-        check("ensemble_still", |file| draw_ensemble(&still, file));
+        check("ensemble_still", |file| picture::write(&still, file));
     }
 
     #[test]
@@ -324,10 +316,10 @@ mod tests {
         let file = std::env::temp_dir().join("never.png");
         let mut short = plot(1);
         short.bands[0].low_m.pop();
-        assert!(draw_ensemble(&short, &file).is_err());
+        assert!(picture::write(&short, &file).is_err());
         let mut nobody = plot(1);
         nobody.groups.clear();
-        assert!(draw_ensemble(&nobody, &file).is_err());
+        assert!(picture::write(&nobody, &file).is_err());
         assert!(!file.exists());
     }
 }

@@ -80,14 +80,6 @@ pub struct JointPlot {
     pub reality_label: String,
 }
 
-/// Draws the joints into a PNG or SVG file.
-///
-/// # Errors
-/// No joint or more than 60, columns of different lengths, a value that is not finite, a path that is no picture's, a full disk.
-pub fn draw_joints(plot: &JointPlot, path: impl AsRef<Path>) -> Result<()> {
-    picture::write(plot, path.as_ref())
-}
-
 /// From the least to the greatest of these, at least so much, with some room.
 fn around(values: impl Iterator<Item = f64>, least: f64) -> Scale {
     let (low, high) = ends_of(values);
@@ -237,7 +229,7 @@ mod tests {
             joints: names.map(|name| joint(name, 0.02)).to_vec(),
             reality_label: "reality".to_owned(),
         };
-        let svg = check("joints", |path| draw_joints(&plot, path));
+        let svg = check("joints", |path| picture::write(&plot, path));
         for text in names.iter().copied().chain(["90 % of the residuals"]) {
             assert!(svg.contains(text), "{text}");
         }
@@ -247,9 +239,9 @@ mod tests {
             joints: vec![joint("still", 0.0)],
             ..plot.clone()
         };
-        check("joints_one", |path| draw_joints(&one, path));
+        check("joints_one", |path| picture::write(&one, path));
         let mut broken = plot;
         broken.joints[1].simulated_rad[3] = f64::NAN;
-        assert!(draw_joints(&broken, "x.png").is_err());
+        assert!(picture::write(&broken, Path::new("x.png")).is_err());
     }
 }

@@ -10,4 +10,5 @@ pub(super) mod line;
 pub(super) mod overlay;
 pub(super) mod panel;
 pub(super) mod plane;
+pub(super) mod series;
 pub(super) mod stack;

@@ -54,11 +54,6 @@ pub struct PanelGrid {
     pub unit: Unit,
 }
 
-/// Draws a grid of panels into a PNG or SVG file.
-pub fn draw_panels(grid: &PanelGrid, path: impl AsRef<Path>) -> Result<()> {
-    picture::write(grid, path.as_ref())
-}
-
 struct Layout {
     is_over_time: bool,
     heading: Heading,

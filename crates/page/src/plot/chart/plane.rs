@@ -1,6 +1,7 @@
 //! Dots in the plane of two principal components.
 
-use super::line::{LinePlot, Series, SeriesKind};
+use super::line::LinePlot;
+use super::series::{Series, SeriesKind};
 use crate::plot::layout::axis::AxisSpec;
 use crate::plot::layout::heading::Caption;
 use realgap_core::unit::Unit;

@@ -1,6 +1,6 @@
 //! Several quantities over the same axis, one above the other.
 
-use super::line::{Series, check_bands, check_points, draw_series, finite_points, legend};
+use super::series::{Series, check_bands, check_points, draw_series, finite_points, legend};
 use crate::plot::kit::*;
 use realgap_core::statistics::ends_of;
 

@@ -2,7 +2,7 @@
 
 use crate::report::document::page::html;
 use realgap_core::statistics::Proportion;
-use realgap_core::unit::{Unit, number, quantity};
+use realgap_core::unit::{Unit, number, percent_range, quantity};
 
 /// The text for a missing value.
 pub(in crate::report) const NOTHING: &str = "–";
@@ -36,8 +36,7 @@ pub(in crate::report) fn percent(share: impl Into<Option<f64>>) -> String {
     share.into().map_or_else(|| NOTHING.to_owned(), shown)
 }
 
-/// An observed share with its interval, or a dash. An interval whose ends would read the same has as many digits as tell them
-/// apart.
+/// An observed share with its interval, or a dash.
 pub(crate) fn odds(found: impl Into<Option<Proportion>>) -> String {
     let Some(found) = found.into() else {
         return NOTHING.to_owned();
@@ -45,32 +44,8 @@ pub(crate) fn odds(found: impl Into<Option<Proportion>>) -> String {
     format!(
         "{} ({})",
         percent(found.share),
-        percent_span(found.low, found.high)
+        percent_range(found.low, found.high)
     )
-}
-
-/// `low % to high %` with as few decimals as tell both apart, at most three.
-fn percent_span(low: f64, high: f64) -> String {
-    let text = |share: f64, decimals: usize| {
-        let text = format!("{:.decimals$}", 100.0 * share);
-        let is_zero = text
-            .trim_start_matches('-')
-            .chars()
-            .all(|c| "0.".contains(c));
-        let text = if is_zero { "0" } else { text.as_str() };
-        // An end that is 0 or 1 needs no decimals.
-        match text.split_once('.') {
-            Some((whole, rest)) if rest.chars().all(|c| c == '0') => whole.to_owned(),
-            _ => text.to_owned(),
-        }
-    };
-    let pairs = (0..=3).map(|decimals| [low, high].map(|share| text(share, decimals)));
-    let pairs: Vec<[String; 2]> = pairs.collect();
-    let told_apart = pairs.iter().find(|[low, high]| low != high);
-    match told_apart {
-        Some([low, high]) => format!("{low} % to {high} %"),
-        None => format!("{} %", pairs[0][0]),
-    }
 }
 
 /// The count and the number of trials.
@@ -181,14 +156,12 @@ mod tests {
         assert_eq!(percent(-0.004), "0 %");
         assert_eq!(odds(None), "–");
         let half = Proportion::new(2, 4, 0.95);
-        assert_eq!(odds(half), "50 % (15 % to 85 %)");
+        assert_eq!(odds(half), "50 % (15 to 85 %)");
         // Of many trials both ends are near: they are never the same text.
         let all = Proportion::new(20_000, 20_000, 0.95);
-        assert_eq!(odds(all), "100 % (99.98 % to 100 %)");
+        assert_eq!(odds(all), "100 % (99.98 to 100 %)");
         let none = Proportion::new(0, 20_000, 0.95);
-        assert_eq!(odds(none), "0 % (0 % to 0.02 %)");
-        assert_eq!(percent_span(-0.1512, -0.1511), "-15.12 % to -15.11 %");
-        assert_eq!(percent_span(0.5, 0.5), "50 %");
+        assert_eq!(odds(none), "0 % (0 to 0.02 %)");
     }
 
     #[test]

@@ -155,7 +155,8 @@ pub(crate) fn profile(profile: &ProfileCurve, score: &ScoreName) -> LinePlot {
     let [low, high] = &profile.bands;
     let edge = profile.values.iter().copied().zip(low.iter().copied());
     let band = SeriesKind::Band(high.clone());
-    let band = Series::new("90 % interval of the score", band, edge.collect());
+    let label = "90 % interval of the score";
+    let band = Series::new(label, band, edge.collect()).colour(5);
     plot.series.insert(0, band);
     plot
 }

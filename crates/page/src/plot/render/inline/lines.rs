@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::{Inline, InlineChart, LABEL, axis_names, label, set_width, star, widest};
 use crate::markup::html;
-use crate::plot::chart::line::{finite_points, is_finite, stepped};
+use crate::plot::chart::series::{finite_points, is_finite, stepped};
 use crate::plot::kit::*;
 use crate::plot::{LinePlot, Series, SeriesKind};
 use realgap_core::statistics::ends_of;
