@@ -343,7 +343,7 @@ fn pictures(folder: &Path) {
     )
     .unwrap();
     let tune = [
-        "vision", "tune", scene, &real, "--budget", "20", "-o", &found,
+        "sense", "vision", "tune", scene, &real, "--budget", "20", "-o", &found,
     ];
     answer(
         "vision-tune",

@@ -178,7 +178,11 @@ fn bad_logs_arenas_and_models_are_refused_with_the_allowed_values() {
         &write("d.csv", "x_m,y_m,anchor_1_dbm\n0,1,5\n1,1,0\n1,1,100\n"),
         flat,
         &[],
-        &["nothing was heard", "3 of 0 dBm or more", "-120 and 0 dBm"],
+        &[
+            "no signal was received",
+            "3 of 0 dBm or more",
+            "-120 and 0 dBm",
+        ],
     );
     refused(&write("empty.csv", ""), flat, &[], &["the log is empty"]);
     refused(

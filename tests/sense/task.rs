@@ -31,8 +31,8 @@ fn the_command_compares_draws_and_times_and_its_errors_name_the_allowed_values()
     let [plot, curves] =
         ["p.svg", "c.svg"].map(|name| folder.path().join(name).to_str().unwrap().to_owned());
     let (code, json, said) = run(&[
-        "tasks", "compare", &real, &simulated, "--plot", &plot, "--curves", &curves, "--format",
-        "json",
+        "sense", "tasks", "compare", &real, &simulated, "--plot", &plot, "--curves", &curves,
+        "--format", "json",
     ]);
     assert_eq!(code, 0, "{said}");
     for warning in ["columns-ignored", "unmatched-conditions", "few-repeats"] {

@@ -129,7 +129,12 @@ fn folders_without_pictures_of_the_views_are_refused() {
             "--extractor",
             "text",
         ],
-        &["good", "nothing to look for", "text", "views.ron says"],
+        &[
+            "good",
+            "nothing that the extractors could search for",
+            "text",
+            "views.ron states",
+        ],
     );
     desk.refused(
         &["sense", "vision", "compare", "good", "small"],
@@ -173,7 +178,7 @@ fn one_pixel_and_sixteen_bits_are_compared_and_pictures_without_edges_give_a_war
     );
     desk.warned(
         &["sense", "vision", "compare", "one", "one"],
-        &["no-edges", "1 view: fewer than 6"],
+        &["no-edges", "1 view: with fewer than 6"],
     );
     desk.warned(
         &[
@@ -349,7 +354,11 @@ fn invalid_scenes_and_options_are_refused() {
         "(1.2, 4.5, 0.36)",
         &["views[0]", "stands in a box"],
     );
-    scene("(3.1, 5.0, 1.5)", "(3.0, 0.6, 1.5)", &["looks nowhere"]);
+    scene(
+        "(3.1, 5.0, 1.5)",
+        "(3.0, 0.6, 1.5)",
+        &["the direction of the camera is not valid"],
+    );
     desk.write("scene.ron", &text);
     for (option, allowed) in [
         ("--view", "door, middle"),

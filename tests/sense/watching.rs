@@ -148,7 +148,7 @@ fn a_plain_motion_of_one_body_and_a_body_of_a_study_are_watched() {
         "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,5,5,0.5,1,0,0,0\n1,5.2,5,0.06,0.7,0.7,0,0.14\n",
     );
     let args = [
-        "picture", "pen.ron", "--watch", "middle", "--run", "toss.csv", "--view", "side",
+        "sense", "picture", "pen.ron", "--watch", "middle", "--run", "toss.csv", "--view", "side",
     ];
     desk.done(
         "2",
@@ -170,7 +170,7 @@ fn a_plain_motion_of_one_body_and_a_body_of_a_study_are_watched() {
          0,5000,5000,60,1,0,0,0,5000,5200,50,1,0,0,0\n1,5200,5000,60,1,0,0,0,5200,5200,50,1,0,0,0\n",
     );
     let args = [
-        "picture", "pen.ron", "--watch", "middle", "--run", "push.csv", "--view", "side",
+        "sense", "picture", "pen.ron", "--watch", "middle", "--run", "push.csv", "--view", "side",
     ];
     desk.done(
         "2",
@@ -249,7 +249,7 @@ fn runs_that_do_not_fit_the_robot_or_the_room_are_refused_before_any_picture() {
         ("nowhere.csv", &cube, ["nowhere.csv", "check the path"]),
     ] {
         let args = [
-            "picture", "pen.ron", "--watch", "middle", "--run", run, "--robot", robot,
+            "sense", "picture", "pen.ron", "--watch", "middle", "--run", run, "--robot", robot,
         ];
         let (is_done, said) = desk.run("1", &[&args[..], &["-o", "out"]].concat());
         let all_said = expected.iter().all(|word| said.contains(word));
@@ -257,7 +257,7 @@ fn runs_that_do_not_fit_the_robot_or_the_room_are_refused_before_any_picture() {
         assert!(!desk.path("out").exists());
     }
     let args = [
-        "picture", "pen.ron", "--watch", "middle", "--run", "mm.csv", "--robot", &cube,
+        "sense", "picture", "pen.ron", "--watch", "middle", "--run", "mm.csv", "--robot", &cube,
     ];
     desk.done("2", &[&args[..], &["--unit", "mm", "-o", "out"]].concat());
     for args in [
