@@ -4,7 +4,7 @@
 
 #![allow(
     clippy::expect_used,
-    reason = "shipped files are sound, and a bench has nobody to report to"
+    reason = "shipped files are sound, and a benchmark has no user to report an error to"
 )]
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};

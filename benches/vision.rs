@@ -4,7 +4,7 @@
 
 #![allow(
     clippy::expect_used,
-    reason = "settings are sound, and a bench has nobody to report to"
+    reason = "settings are sound, and a benchmark has no user to report an error to"
 )]
 
 use std::hint::black_box;

@@ -73,7 +73,7 @@ class Card:
 
 
 @dataclass(frozen=True)
-class Economy:
+class CostOfTransport:
     """The mechanical cost of transport of a robot: mean energy of its servos, per metre, and per metre and weight.
 
     >>> economy = found.finalists[0].card.economy
@@ -104,7 +104,7 @@ class Rerun:
 
 @dataclass(frozen=True)
 class FinalistCard(Card):
-    """The card of one of the best robots of a search, with its fitness in the search and with new draws.
+    """The card of one of the best robots of a search, with its fitness in the search and with fresh seeds.
 
     >>> found.finalists[0].card.rank
     1
@@ -116,5 +116,5 @@ class FinalistCard(Card):
     unit: str
     search_fitness: Optional[float]
     fitness: Optional[float]
-    economy: Optional[Economy]
+    economy: Optional[CostOfTransport]
     reruns: Tuple[Rerun, ...]

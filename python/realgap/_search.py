@@ -38,7 +38,7 @@ Objective = Callable[[List[Travel]], SupportsFloat]
 
 @dataclass(frozen=True)
 class Finalist:
-    """One of the best robots, simulated again with new draws and other solver settings.
+    """One of the best robots, simulated again with fresh seeds and other solver settings.
 
     >>> found.finalists[0].card.robot == found.finalists[0].robot.name
     True

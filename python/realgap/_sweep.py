@@ -52,7 +52,7 @@ class Verdict:
 
 
 @dataclass(frozen=True)
-class HowSure:
+class BestPointUncertainty:
     """The confidence in the best point: how many of all points are indistinguishable from it, including itself.
 
     >>> answer.summary.uncertainty.indistinguishable >= 1
@@ -187,7 +187,7 @@ class Estimated:
 
 
 @dataclass(frozen=True)
-class MotionTells:
+class InformationGain:
     """The information gain by one recording over the others, in bits: about all parameters (one bit halves their volume), and about each.
 
     For a recording that was not fitted, it is the gain that the fit would have with it.
@@ -217,7 +217,7 @@ class Tuned:
     termination: Literal["budget", "exhausted", "no_improvement", "interrupted"]
     least_squares: Tuple[Estimated, ...] = ()
     lowest_score: Optional[float] = None
-    motions: Tuple[MotionTells, ...] = ()
+    motions: Tuple[InformationGain, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -367,7 +367,7 @@ class SweepSummary:
     unit: str
     best: Optional[Best]
     fit: Optional[Fit]
-    uncertainty: Optional[HowSure]
+    uncertainty: Optional[BestPointUncertainty]
     verdicts: Tuple[Verdict, ...]
     claims: Tuple[Claim, ...]
     correlations: Tuple[Correlation, ...]

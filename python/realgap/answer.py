@@ -6,7 +6,7 @@ A number that is not finite, which JSON cannot represent, is NaN.
 'floor.friction'
 """
 
-from ._card import Card, Economy, FinalistCard, DivergenceRate, Rerun, Success, SuccessRange
+from ._card import Card, CostOfTransport, DivergenceRate, FinalistCard, Rerun, Success, SuccessRange
 from ._claim import Claim
 from ._forecast import (
     Behaviour,
@@ -28,12 +28,12 @@ from ._sweep import (
     Audit,
     AuditRow,
     Best,
+    BestPointUncertainty,
     Correlation,
     Estimated,
     Fit,
     Fold,
-    HowSure,
-    MotionTells,
+    InformationGain,
     MetricFloors,
     Misfit,
     Partner,
@@ -55,12 +55,14 @@ __all__ = [
     "Behaviour",
     "Behaviours",
     "Best",
+    "BestPointUncertainty",
     "Card",
     "Claim",
     "Confidence",
     "Correlation",
+    "CostOfTransport",
     "Coverage",
-    "Economy",
+    "DivergenceRate",
     "EnergyTest",
     "EnsembleCase",
     "EnsembleSummary",
@@ -74,9 +76,7 @@ __all__ = [
     "Forecast",
     "GapAndRatio",
     "GapSummary",
-    "DivergenceRate",
-    "HowSure",
-    "MotionTells",
+    "InformationGain",
     "Interval",
     "MetricFloors",
     "MetricGap",

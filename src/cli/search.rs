@@ -22,7 +22,7 @@ const SIDE_BY_SIDE: usize = 5;
 ///
 /// Use it to design a robot once its simulation is calibrated. Every robot is simulated several times under noise and
 /// with the posterior of the parameters (--posterior), in the tree solver unless the file says otherwise. The best
-/// are simulated again in Rapier with new draws, at half and double timestep and substeps, at the limit of hard
+/// are simulated again in Rapier with fresh seeds, at half and double timestep and substeps, at the limit of hard
 /// contact, and with the other formulation of joints at its own limit; a robot that does not walk the same there is
 /// marked and ranked last. Results are stored as they come; Ctrl-C saves them, and --resume continues with the same
 /// bits.
@@ -252,7 +252,7 @@ fn words(summary: &SearchSummary, search: &search::Search, head: &str) -> String
             ("robot", Side::Left),
             ("modules", Side::Right),
             ("in the search", Side::Right),
-            ("new draws", Side::Right),
+            ("fresh seeds", Side::Right),
             ("displacement, 90 %", Side::Right),
             ("P(half of noise-free)", Side::Right),
             ("survives", Side::Left),
@@ -299,7 +299,7 @@ fn words(summary: &SearchSummary, search: &search::Search, head: &str) -> String
                 (None, None) => "diverges".to_owned(),
             };
             lines.push(format!(
-                "  started from {}: {worth} with the new draws",
+                "  started from {}: {worth} with the same fresh seeds",
                 baseline.robot
             ));
         }

@@ -1,4 +1,4 @@
-//! Where principal components come from: everything, the recordings alone, or a file; and folds that fit again.
+//! The source of principal components (all paths, the recordings alone, or a file), and cross-validation that refits each fold.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -16,7 +16,7 @@ fn recording(number: usize) -> Recording {
     realgap_path::trajectory::read(project().join(file), LengthUnit::Metre).unwrap()
 }
 
-/// A study of a second with these recordings.
+/// A study of one second with these recordings.
 fn study(recordings: &[usize]) -> StudyBuilder {
     let robot = Morphology::read(project().join("morphologies/tripod.ron")).unwrap();
     let study = Study::builder("folds", robot)
@@ -30,7 +30,7 @@ fn study(recordings: &[usize]) -> StudyBuilder {
 }
 
 #[test]
-fn folds_of_tuning_are_what_tuning_without_them_finds() {
+fn each_fold_of_a_tuning_equals_a_tuning_without_the_held_out_recordings() {
     let options = TuneOptions {
         budget: 20,
         ..TuneOptions::default()
@@ -50,7 +50,7 @@ fn folds_of_tuning_are_what_tuning_without_them_finds() {
             .unwrap()
             .tune(&options, &run)
             .unwrap();
-        // Runs beyond the budget belong to the answer, not to the search for it.
+        // Runs beyond the budget of 20 assess the uncertainty of the answer; the optimizer did not propose them.
         let searched = alone.scores.runs.iter().filter(|run| run.index < 20);
         let best = searched.min_by(|a, b| a.score.unwrap().total_cmp(&b.score.unwrap()));
         let best = best.unwrap();
@@ -60,7 +60,7 @@ fn folds_of_tuning_are_what_tuning_without_them_finds() {
 }
 
 #[test]
-fn whitened_scores_need_repeats_and_say_so() {
+fn whitened_scores_are_refused_without_at_least_two_repeats() {
     let whitened = comparison::by_name("pca-whitened").unwrap();
     let error = study(&[0])
         .metric(whitened)
@@ -75,7 +75,7 @@ fn whitened_scores_need_repeats_and_say_so() {
         .sweep(&RunOptions::default())
         .unwrap();
     let best = &answer.scores.points[answer.scores.best.unwrap()];
-    // Another engine's tripod is farther from these recordings than they are from each other.
+    // The recordings come from another engine: the simulated tripod is farther from them than they are from each other.
     assert!(best.score.unwrap() > 1.0, "{best:?}");
     let alone = study(&[0]).basis(BasisRule::Recordings);
     let pca = comparison::by_name("pca").unwrap();

@@ -1,4 +1,5 @@
-//! Predictions carry what was fitted: repeats draw their parameters from what a fit left possible, not from its best point.
+//! Predictions propagate the uncertainty of a fit: repeats draw their parameters from its posterior instead of using its best
+//! point.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -20,7 +21,7 @@ fn friction(value: f64) -> ParameterSet {
     ParameterSet::new().with(Assignment::new("floor.friction", value).unwrap())
 }
 
-/// The tripod for two seconds with a friction that is known, and draws of it from there to there.
+/// A study of the tripod for two seconds with a best friction of 0.5 and posterior draws of the friction from `low` to `high`.
 fn study(low: f64, high: f64) -> Study {
     let root = common::project();
     let morphology = Morphology::read(root.join("morphologies/tripod.ron")).unwrap();
@@ -56,7 +57,7 @@ fn ensemble(low: f64, high: f64) -> EnsembleReport {
 }
 
 #[test]
-fn the_less_is_known_the_wider_an_ensemble_spreads() {
+fn an_ensemble_spreads_more_where_the_fit_is_more_uncertain() {
     let spread_m = |report: &EnsembleReport| {
         let far = report.cases[0].forecast.displacement_m.unwrap();
         far.q95 - far.q05
@@ -64,7 +65,7 @@ fn the_less_is_known_the_wider_an_ensemble_spreads() {
     let (point, wide) = (ensemble(0.5, 0.5), ensemble(0.1, 0.9));
     let (alone_m, carried_m) = (spread_m(&point), spread_m(&wide));
     assert!(carried_m > 1.5 * alone_m, "{alone_m} m, {carried_m} m");
-    // What is predicted without noise is the best point either way, and the reader is told.
+    // The run without noise uses the best point in both cases, and a warning says that the parameters are uncertain.
     let ideal_m = |report: &EnsembleReport| report.cases[0].forecast.noise_free_displacement_m;
     assert_eq!(ideal_m(&point), ideal_m(&wide));
     let codes = wide.warnings.iter().map(|warning| warning.code.name());
@@ -75,7 +76,7 @@ fn the_less_is_known_the_wider_an_ensemble_spreads() {
 }
 
 #[test]
-fn one_repeat_alone_is_that_of_the_ensemble_with_what_it_drew() {
+fn a_repeat_that_is_run_alone_equals_that_repeat_of_the_ensemble() {
     let study = Repeatable::new(study(0.1, 0.9)).unwrap();
     let report = EnsembleReport::new(&study, &options(), &RunOptions::default()).unwrap();
     let alone = EnsembleReport::run(&study, &options(), 0, 7).unwrap();
@@ -85,9 +86,9 @@ fn one_repeat_alone_is_that_of_the_ensemble_with_what_it_drew() {
     assert_eq!(known.net_displacement_m(), far_m);
 }
 
-/// They draw the same, so that they cannot contradict each other.
+/// Both use the same draws, so that their results cannot contradict each other.
 #[test]
-fn gap_and_ensemble_of_a_fit_find_the_same_likeness() {
+fn gap_and_ensemble_of_a_fit_have_the_same_p_value() {
     let study = study(0.1, 0.9);
     let options = GapOptions {
         noise: Some(Noise::careful_repeat()),
@@ -102,7 +103,7 @@ fn gap_and_ensemble_of_a_fit_find_the_same_likeness() {
 }
 
 #[test]
-fn what_repeats_draw_does_not_count_again_as_a_model() {
+fn a_parameter_that_repeats_draw_is_not_counted_again_as_another_model() {
     let report = ensemble(0.1, 0.9);
     let case = &report.cases[0];
     let study = Repeatable::new(study(0.1, 0.9)).unwrap();
@@ -118,7 +119,7 @@ fn what_repeats_draw_does_not_count_again_as_a_model() {
 }
 
 #[test]
-fn a_file_of_parameters_has_its_draws_and_what_is_set_after_it_is_known() {
+fn a_parameter_file_has_draws_and_a_value_set_later_replaces_its_draws() {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str, text: &str| {
         let path = folder.path().join(name);

@@ -1,4 +1,4 @@
-//! Confidence over time, likeness and intervals promise no more than they hold, and see what they should see.
+//! Confidence over time, tests of equal distribution and intervals have their nominal error rates, and detect known differences.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 #![allow(clippy::print_stdout, reason = "a table is printed")]
 
@@ -37,7 +37,8 @@ fn one_case(real: &[Sample], repeats: Vec<Sample>) -> Vec<CaseRuns> {
     }]
 }
 
-/// A run of the tripod for two seconds, cheap contacts: the question is one of statistics.
+/// A run of the tripod for two seconds, with cheap contact settings, because these tests are about statistics and not about
+/// physics.
 fn walk(friction: f64) -> Experiment {
     let robot = Morphology::read(common::project().join("morphologies/tripod.ron")).unwrap();
     let mut walk = Experiment::new(robot.assemble());
@@ -78,7 +79,7 @@ fn seen_by_a_camera() -> Noise {
 }
 
 #[test]
-fn the_confidence_of_a_true_simulation_never_surely_drops_and_of_a_wrong_floor_it_does() {
+fn the_confidence_drops_significantly_with_a_wrong_floor_and_not_with_the_true_model() {
     let noise = seen_by_a_camera();
     let reality: Vec<Vec<Sample>> = (100..105)
         .map(|seed| repeats(&walk(0.45), &noise, seed, 10))
@@ -100,16 +101,19 @@ fn the_confidence_of_a_true_simulation_never_surely_drops_and_of_a_wrong_floor_i
     for confidence in confidences(0.1, &noise) {
         assert!(confidence.surely_below_half_s.is_some(), "{confidence:?}");
     }
-    // Why the camera belongs to the noise: repeats that nobody looks at are nearer to each other at first.
-    let blind = confidences(0.45, &noise.without_camera());
+    // The camera has to be a part of the noise: without measurement noise, simulated repeats are nearer to each other at the
+    // beginning than recordings are, so that the true model would be rejected, too.
+    let without_camera = confidences(0.45, &noise.without_camera());
     assert!(
-        blind.iter().all(|c| c.surely_below_half_s.is_some()),
-        "{blind:?}"
+        without_camera
+            .iter()
+            .all(|c| c.surely_below_half_s.is_some()),
+        "{without_camera:?}"
     );
 }
 
 #[test]
-fn a_camera_changes_what_is_seen_and_not_what_happens() {
+fn a_camera_changes_the_recording_and_not_the_motion() {
     let (blind, seen) = (Noise::careful_repeat(), seen_by_a_camera());
     let base = walk(0.45);
     assert_eq!(blind.perturb(&base, 3, 1), seen.perturb(&base, 3, 1));
@@ -129,7 +133,8 @@ fn a_camera_changes_what_is_seen_and_not_what_happens() {
     let worst = |errors: &[Vector3<f64>]| errors.iter().fold(0.0_f64, |w, e| w.max(e.norm()));
     let found = worst(&errors(&recorded));
     assert!((1e-3..2e-2).contains(&found), "{found}");
-    // Position errors are the same whatever the clock does: late samples add where the robot was by then.
+    // Errors of position and of time add up: position errors do not depend on the clock, and a late sample adds the distance
+    // that the robot has moved by then.
     let only = |camera: Camera| {
         motion(&Noise {
             camera,
@@ -193,9 +198,9 @@ fn pair_distances(points: &[Vec<f64>]) -> Vec<f64> {
     pairs.map(|(i, j)| euclid(&points[i], &points[j])).collect()
 }
 
-/// tools/golden_energy.py: scipy and numpy, p by counting all ways.
+/// The golden file is made by tools/golden_energy.py with scipy and numpy; its p values count all permutations.
 #[test]
-fn the_energy_test_is_that_of_scipy_and_its_p_value_near_the_exact_one() {
+fn the_energy_test_agrees_with_scipy_and_its_p_value_with_the_exact_one() {
     let lines = golden();
     assert!(lines.len() >= 5);
     for line in lines {
@@ -206,7 +211,7 @@ fn the_energy_test_is_that_of_scipy_and_its_p_value_near_the_exact_one() {
             (found.ratio.unwrap() - line.ratio).abs() < 1e-9,
             "{found:?}"
         );
-        // 4 standard errors of a share of the permutations, and the observed one that counts.
+        // Four standard errors of the share of random permutations, and 1e-3 for the observed arrangement, which is counted, too.
         let p = line.p_value;
         let slack = 4.0 * (p * (1.0 - p) / PERMUTATIONS as f64).sqrt() + 1e-3;
         assert!((found.p_value - p).abs() < slack, "{found:?} {p}");
@@ -222,7 +227,7 @@ fn cloud(rng: &mut ChaCha8Rng, count: usize, spread: f64) -> Vec<Vec<f64>> {
 }
 
 #[test]
-fn p_values_are_uniform_where_both_samples_are_drawn_alike() {
+fn p_values_are_uniform_where_both_samples_have_one_distribution() {
     let studies = 300;
     let mut p_values: Vec<f64> = (0..studies)
         .into_par_iter()
@@ -235,7 +240,7 @@ fn p_values_are_uniform_where_both_samples_are_drawn_alike() {
         })
         .collect();
     p_values.sort_by(f64::total_cmp);
-    // Kolmogorov's distance from uniform: 1.63 / √n is passed once in a hundred times.
+    // Kolmogorov's distance from uniform: 1.63 / √n is exceeded once in a hundred times.
     let worst = p_values.iter().enumerate().fold(0.0_f64, |worst, (k, p)| {
         let [below, above] = [k, k + 1].map(|k| k as f64 / studies as f64);
         worst.max((p - below).abs()).max((p - above).abs())
@@ -257,7 +262,7 @@ fn path(far_m: f64, bend_m: f64) -> Sample {
 }
 
 #[test]
-fn repeats_that_differ_too_little_have_ratio_1_and_are_still_not_alike() {
+fn repeats_with_too_little_spread_have_ratio_1_and_are_still_found_to_differ() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let mut spread = |count: usize, far_m: f64, sd_m: f64| -> Vec<Sample> {
         let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
@@ -266,7 +271,8 @@ fn repeats_that_differ_too_little_have_ratio_1_and_are_still_not_alike() {
             .collect()
     };
     let real = spread(15, 1.0, 0.05);
-    // All repeats nearly the same, off by so much that they are as far from the recordings as these are from each other.
+    // All repeats are nearly the same, and they have an offset by which they are as far from the recordings as the recordings are
+    // from each other.
     let cases = one_case(&real, spread(60, 1.04, 0.005));
     let found = distances(&real, &cases, &scoring(&["rms"])).unwrap();
     let row = found.metrics[0];
@@ -280,7 +286,7 @@ fn repeats_that_differ_too_little_have_ratio_1_and_are_still_not_alike() {
         alike.p_value < 0.01 && alike.ratio.unwrap() > 1.1,
         "{alike:?}"
     );
-    // And where they are: nothing is seen.
+    // Where both have the same distribution, the test finds no difference.
     let cases = one_case(&real, spread(60, 1.0, 0.05));
     let found = distances(&real, &cases, &scoring(&["rms"])).unwrap();
     assert!(found.metrics[0].alike.unwrap().p_value > 0.05);
@@ -289,11 +295,11 @@ fn repeats_that_differ_too_little_have_ratio_1_and_are_still_not_alike() {
 /// How the recordings of a study of the noise floor are drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Drawn {
-    /// Lengths alone, normal: one dimension.
+    /// Only the length varies, with a normal distribution: one dimension.
     Length,
-    /// Paths whose length, bend and six finer wiggles are normal, each smaller than the one before.
+    /// The length, the bend and six finer wiggles of the path are normal, each smaller than the one before.
     Path,
-    /// As `Path`, one run in ten four times as far off.
+    /// Like `Path`, but one run in ten deviates four times as far.
     Outliers,
 }
 
@@ -326,7 +332,7 @@ fn drawn_paths(kind: Drawn, rng: &mut ChaCha8Rng, count: usize) -> Vec<Sample> {
         .collect()
 }
 
-/// How often the 95 % interval of the noise floor holds the true one, and the median of its upper over its lower end.
+/// The share of 95 % intervals of the noise floor that hold the true floor, and the median ratio of their upper to their lower end.
 fn floor_coverage(kind: Drawn, recordings: usize, studies: u64) -> (f64, f64) {
     let metric = if kind == Drawn::Length {
         "displacement"
@@ -335,7 +341,7 @@ fn floor_coverage(kind: Drawn, recordings: usize, studies: u64) -> (f64, f64) {
     };
     let scoring = scoring(&[metric]);
     let floor_of = |runs: &[Sample]| noise_floor(runs, &scoring).unwrap().metrics[0].floor;
-    // Pairs of 40 sets of 100 runs each.
+    // The true floor is the mean over 40 sets of 100 runs each.
     let sets: Vec<f64> = (0..40)
         .into_par_iter()
         .map(|seed| {
@@ -360,10 +366,10 @@ fn floor_coverage(kind: Drawn, recordings: usize, studies: u64) -> (f64, f64) {
 }
 
 #[test]
-fn the_interval_of_a_noise_floor_of_few_recordings_holds_what_it_promises() {
+fn the_interval_of_a_noise_floor_of_few_recordings_has_its_nominal_coverage() {
     for recordings in [3, 5, 10] {
         let (covered, _) = floor_coverage(Drawn::Path, recordings, 1000);
-        // A standard error of 0.7 %.
+        // The standard error of the share is 0.7 %.
         assert!((0.93..=0.97).contains(&covered), "{recordings}: {covered}");
     }
 }

@@ -1,4 +1,5 @@
-//! Are intervals and sets honest? Many studies whose truth we know, and whose reality has numerics that nobody told us.
+//! Coverage of intervals and sets: many studies with known true parameters, whose reality has numerical settings that the study
+//! does not know.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 #![allow(
     clippy::print_stdout,
@@ -16,10 +17,10 @@ use realgap_robot::morphology::Morphology;
 use realgap_simulation::parameter::by_name;
 use realgap_simulation::{Camera, Distribution, Experiment, Noise, Sampling, run};
 
-/// The robot, and what of it nobody knows.
+/// The robot, and with it the parameters that the study has to find.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Robot {
-    /// A cube that slides down a slope: its path says friction, and nothing about its mass.
+    /// A cube that slides down a slope: its path determines the friction, and contains no information about the mass.
     Slide,
     /// Two modules that walk: friction and the amplitude of their gait.
     Walk,
@@ -40,7 +41,7 @@ struct Plan {
     recordings: u64,
 }
 
-/// A parameter, and where it is searched; its truth may lie anywhere there.
+/// A parameter and its searched range; the true value may lie anywhere in this range.
 type Varied = (&'static str, (f64, f64));
 
 impl Robot {
@@ -64,7 +65,7 @@ impl Robot {
         }
     }
 
-    /// A second parameter that does nothing.
+    /// Whether the parameter of this index has no effect.
     fn is_inert(self, parameter: usize) -> bool {
         self == Self::Slide && parameter == 1
     }
@@ -77,7 +78,7 @@ impl Robot {
         Morphology::read(common::project().join(format!("morphologies/{name}.ron"))).unwrap()
     }
 
-    /// What every study of it fixes.
+    /// Parameters that every study of this robot fixes.
     fn fixed(self) -> &'static [(&'static str, f64)] {
         match self {
             Self::Slide => &[("floor.slope_rad", 0.6)],
@@ -86,7 +87,7 @@ impl Robot {
     }
 }
 
-/// Values that nobody knows: spread evenly, on and between the points of any grid.
+/// The true values, which the study does not know: they spread evenly over the ranges, on and between the points of any grid.
 fn truth(robot: Robot, seed: u64) -> [f64; 2] {
     // Roberts' R2 sequence.
     let steps = [0.754_877_666_246_693, 0.569_840_290_998_053];
@@ -97,8 +98,8 @@ fn truth(robot: Robot, seed: u64) -> [f64; 2] {
     })
 }
 
-/// Repeats of a run in that reality: put down by hand, with servos of one make, seen by a camera, and simulated with
-/// an engine, timestep, substeps and hardness of contact of its own, up to twice as fine and 1.4 times as soft or hard.
+/// Repeats of a run in that reality. The robot is put down by hand, has servos of one make and is recorded by a camera. Its engine,
+/// timestep, substeps and contact stiffness differ from those of the study: up to twice as fine, and 1.4 times as soft or hard.
 fn reality(plan: Plan, seed: u64) -> Vec<Trajectory> {
     let robot = plan.robot;
     let mut hidden = Experiment::new(robot.morphology().assemble());
@@ -114,7 +115,7 @@ fn reality(plan: Plan, seed: u64) -> Vec<Trajectory> {
     for (name, value) in all.chain([("contact.natural_frequency_hz", stiffness)]) {
         hidden = by_name(name).unwrap().apply(&hidden, value).unwrap();
     }
-    // A study takes both engines for equally valid, and so reality is of either in turn.
+    // A study regards both engines as equally valid, so reality uses one and the other in turn.
     let engine = by_name("solver.engine").unwrap();
     hidden = engine.apply(&hidden, (seed % 2) as f64).unwrap();
     hidden.solver.timestep_s *= 0.5_f64.powf(share(0.618_033_988_749_895));
@@ -165,22 +166,23 @@ fn answer(plan: Plan, seed: u64) -> Answer {
     }
 }
 
-/// What a study said about one parameter.
+/// The result of a study for one parameter.
 #[derive(Debug, Clone, Copy)]
-struct Said {
-    /// Its 90 % interval, or one of several, holds the truth.
+struct ParameterResult {
+    /// The 90 % interval, or one of several, holds the truth.
     interval: bool,
-    /// The range that fits as well holds the truth.
+    /// The range of values that fit as well as the best holds the truth.
     range: bool,
+    /// The study calls the parameter determined.
     determined: bool,
-    /// Length of the intervals, share of the searched range.
+    /// Length of the intervals, as a share of the searched range.
     width: f64,
 }
 
-fn study(plan: Plan, seed: u64) -> ([Said; 2], bool) {
+fn study(plan: Plan, seed: u64) -> ([ParameterResult; 2], bool) {
     let answer = answer(plan, seed);
     let (truth, varied) = (truth(plan.robot, seed), plan.robot.varied());
-    let said = [0, 1].map(|axis| {
+    let results = [0, 1].map(|axis| {
         let verdict = &answer.report.verdicts[axis];
         let parts: Vec<(f64, f64)> = verdict
             .interval
@@ -188,7 +190,7 @@ fn study(plan: Plan, seed: u64) -> ([Said; 2], bool) {
             .chain(verdict.intervals.clone())
             .collect();
         let (from, to) = varied[axis].1;
-        Said {
+        ParameterResult {
             interval: parts
                 .iter()
                 .any(|(low, high)| (*low..=*high).contains(&truth[axis])),
@@ -197,46 +199,53 @@ fn study(plan: Plan, seed: u64) -> ([Said; 2], bool) {
             width: parts.iter().map(|(low, high)| high - low).sum::<f64>() / (to - from),
         }
     });
-    let is_odd = |axis: usize| match plan.robot.is_inert(axis) {
-        true => said[axis].determined,
-        false => !said[axis].interval,
+    let is_wrong = |axis: usize| match plan.robot.is_inert(axis) {
+        true => results[axis].determined,
+        false => !results[axis].interval,
     };
     let contradicted = answer.report.fit.is_some_and(|fit| !fit.explains);
-    if std::env::var("REALGAP_VERBOSE").is_ok() && (is_odd(0) || is_odd(1) || contradicted) {
+    if std::env::var("REALGAP_VERBOSE").is_ok() && (is_wrong(0) || is_wrong(1) || contradicted) {
         println!("seed {seed}, truth {truth:?}: {answer}");
     }
-    (said, contradicted)
+    (results, contradicted)
 }
 
-/// What the studies of one plan said, in counts.
+/// Counts over the studies of one plan.
 struct Row {
-    /// Intervals and ranges that hold the truth, of so many.
+    /// Intervals that hold the truth.
     held: usize,
+    /// Ranges of values that fit as well as the best that hold the truth.
     ranges: usize,
+    /// Number of intervals, and of ranges.
     of: usize,
-    /// Studies that called a parameter determined that does nothing.
+    /// Studies that called a parameter without effect determined.
     inert: usize,
-    /// Studies that said that nothing explains the recordings.
+    /// Studies that found that no parameters explain the recordings.
     contradicted: usize,
+    /// Median lengths of the intervals, as shares of the searched ranges.
     widths: [f64; 2],
 }
 
 /// Runs the studies with these seeds.
 fn table_row(plan: Plan, seeds: std::ops::Range<u64>) -> Row {
-    let all: Vec<([Said; 2], bool)> = seeds.clone().map(|seed| study(plan, seed)).collect();
-    let each = || all.iter().flat_map(|(said, _)| said.iter().enumerate());
-    let asked = || each().filter(|(axis, _)| !plan.robot.is_inert(*axis));
+    let all: Vec<([ParameterResult; 2], bool)> =
+        seeds.clone().map(|seed| study(plan, seed)).collect();
+    let each = || {
+        all.iter()
+            .flat_map(|(results, _)| results.iter().enumerate())
+    };
+    let with_effect = || each().filter(|(axis, _)| !plan.robot.is_inert(*axis));
     let width = |axis: usize| {
-        let mut widths: Vec<f64> = all.iter().map(|(said, _)| said[axis].width).collect();
+        let mut widths: Vec<f64> = all.iter().map(|(results, _)| results[axis].width).collect();
         widths.sort_by(f64::total_cmp);
         widths[widths.len() / 2]
     };
     let row = Row {
-        held: asked().filter(|(_, said)| said.interval).count(),
-        ranges: asked().filter(|(_, said)| said.range).count(),
-        of: asked().count(),
+        held: with_effect().filter(|(_, result)| result.interval).count(),
+        ranges: with_effect().filter(|(_, result)| result.range).count(),
+        of: with_effect().count(),
         inert: each()
-            .filter(|(axis, said)| plan.robot.is_inert(*axis) && said.determined)
+            .filter(|(axis, result)| plan.robot.is_inert(*axis) && result.determined)
             .count(),
         contradicted: all.iter().filter(|(_, contradicted)| *contradicted).count(),
         widths: [width(0), width(1)],
@@ -261,10 +270,10 @@ fn table_row(plan: Plan, seeds: std::ops::Range<u64>) -> Row {
     row
 }
 
-/// Friction of a sliding cube, its mass that does nothing, a coarse grid: 16 studies. At a true coverage of 0.90 fewer than
-/// 12 of 16 hold in 2 % of cases.
+/// 16 studies with a coarse grid of the friction of a sliding cube and of its mass, which has no effect. At a true coverage of
+/// 0.90, fewer than 12 of 16 intervals hold the truth in 2 % of cases.
 #[test]
-fn a_coarse_sweep_finds_what_acts_and_leaves_open_what_does_not() {
+fn a_coarse_sweep_determines_parameters_with_an_effect_and_no_others() {
     if !common::is_long_run("coverage of sixteen sweeps") {
         return;
     }
@@ -277,14 +286,15 @@ fn a_coarse_sweep_finds_what_acts_and_leaves_open_what_does_not() {
     assert!(row.held >= 12, "{} of {}", row.held, row.of);
     assert!(row.ranges >= 14, "{} of {}", row.ranges, row.of);
     assert!(row.inert <= 2, "{} stated", row.inert);
-    // Everything holds the truth; an answer is less than everything.
+    // An interval over the whole range would always hold the truth; a useful interval is shorter.
     assert!(row.widths[0] < 0.3, "{} of the range", row.widths[0]);
 }
 
-/// Repeats of points that crowd where an optimizer ended, or of one point with many settings, are alike, and reality, which lies off
-/// them by what its numerics do, is not. At one false alarm in twenty more than 3 of 12 come in 2 of a thousand cases.
+/// An optimizer ends in a crowd of points whose repeats are similar, as are those of one point with many settings. Reality differs
+/// from them because of its numerical settings, and must not be rejected therefore. At one false alarm in twenty, more than 3 of 12
+/// occur with a probability of 0.2 %.
 #[test]
-fn points_that_crowd_together_do_not_contradict_the_right_model() {
+fn a_correct_model_is_not_contradicted_by_points_that_crowd_together() {
     if !common::is_long_run("coverage of twelve searches") {
         return;
     }
@@ -298,9 +308,9 @@ fn points_that_crowd_together_do_not_contradict_the_right_model() {
     assert!(row.held >= 18, "{} of {}", row.held, row.of);
 }
 
-/// The table of docs/validation/intervals.md, with its command.
+/// Prints the table of docs/validation/intervals.md, which also has the command.
 #[test]
-#[ignore = "most of an hour: the whole table"]
+#[ignore = "the whole table takes most of an hour"]
 fn the_table_of_coverage() {
     let text =
         |name: &str, default: &str| std::env::var(name).unwrap_or_else(|_| default.to_owned());
@@ -321,7 +331,7 @@ fn the_table_of_coverage() {
     let cells = [1, 3, 5, 10].map(|recordings| searches.map(|search| (recordings, search)));
     let cells = cells.as_flattened();
     for (cell, &(recordings, search)) in (0_u64..).zip(cells) {
-        // Realities of its own for every cell, or else all would err together.
+        // Every cell has its own realities, because with shared ones all cells would have the same errors.
         let first = first * cells.len() as u64 + cell * studies;
         for robot in [Robot::Slide, Robot::Walk] {
             let plan = Plan {

@@ -1,6 +1,6 @@
 //! Tosses of two hinged boxes.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
-#![allow(dead_code, reason = "every test binary uses its own part")]
+#![allow(dead_code, reason = "not every test uses all of it")]
 
 use nalgebra::{UnitQuaternion, Vector3};
 use realgap_path::trajectory::{Recording, State, Trajectory};

@@ -1,4 +1,4 @@
-//! Two engines in one answer: where they part, the answer says which of them wants what.
+//! Studies with two engines: where their best parameters differ, the answer states those of each engine.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -15,7 +15,7 @@ use realgap_simulation::{Experiment, Start, engine_by_name, run};
 
 const FRICTION: f64 = 0.3;
 
-/// A study of a cube that comes down flat at an angle, recorded in one engine.
+/// A study of a cube that lands flat with a horizontal velocity, recorded in one engine.
 fn study(restitution: f64, recorded_in: &str) -> StudyBuilder {
     let robot = Morphology::read(common::project().join("morphologies/cube.ron")).unwrap();
     let mut reality = Experiment::new(robot.assemble());
@@ -50,7 +50,7 @@ fn answered(study: StudyBuilder) -> Answer {
     study.sweep(&RunOptions::default()).unwrap()
 }
 
-/// The warnings that the engines differ.
+/// The messages of the warnings that the engines differ.
 fn differ(answer: &Answer) -> Vec<&str> {
     let warnings = answer.report.warnings.iter();
     let named = warnings.filter(|w| w.code.name() == "engines-differ");
@@ -58,8 +58,8 @@ fn differ(answer: &Answer) -> Vec<&str> {
 }
 
 #[test]
-fn an_engine_that_wants_another_friction_is_named() {
-    // Rapier's friction does not feel restitution, so it takes more of it to lose as much speed.
+fn engines_with_different_best_friction_are_reported_with_their_values() {
+    // Rapier's friction impulse does not grow with restitution, so Rapier needs a higher friction to lose as much speed.
     let answer = answered(study(0.5, "tree"));
     let [rapier, tree] = answer.report.engines.as_slice() else {
         panic!("{:?}", answer.report.engines);
@@ -70,21 +70,21 @@ fn an_engine_that_wants_another_friction_is_named() {
         [rapier, tree].map(|preference| preference.parameters["floor.friction"]);
     assert!((of_tree - FRICTION).abs() <= 0.026, "{tree:?}");
     assert!(of_rapier > of_tree + 0.04, "{rapier:?}");
-    let said = differ(&answer);
-    let [said] = said.as_slice() else {
+    let messages = differ(&answer);
+    let [message] = messages.as_slice() else {
         panic!("{:?}", answer.report.engines);
     };
-    assert!(said.contains("floor.friction"), "{said}");
-    // One sentence, in the report and in the warning.
-    assert!(answer.to_string().contains(said), "{answer}");
-    // Half of the score is each engine's.
+    assert!(message.contains("floor.friction"), "{message}");
+    // The report contains the same sentence as the warning.
+    assert!(answer.to_string().contains(message), "{answer}");
+    // The score is the mean of the scores of both engines.
     let best = answer.report.best.unwrap().score;
     let halves = 0.5 * (rapier.score + tree.score);
     assert!((best - halves).abs() < 1e-12, "{best} {halves}");
 }
 
 #[test]
-fn engines_that_agree_are_not_said_to_differ() {
+fn engines_that_agree_are_reported_to_agree() {
     let answer = answered(study(0.0, "rapier"));
     let engines = &answer.report.engines;
     assert_eq!(engines.len(), 2);
@@ -97,7 +97,7 @@ fn engines_that_agree_are_not_said_to_differ() {
 }
 
 #[test]
-fn a_study_that_fixes_its_engine_has_one() {
+fn a_study_with_a_fixed_engine_uses_only_that_engine() {
     let engine = by_name("solver.engine").unwrap().name;
     for (number, name) in [(0.0, "rapier"), (1.0, "tree")] {
         let answer = answered(study(0.0, "rapier").set(engine, number));

@@ -1,4 +1,4 @@
-//! What an ensemble says about repeats is exact where it can be worked out by hand, and the same on any thread.
+//! The statistics of an ensemble agree with values calculated by hand, and do not depend on the number of threads.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 #![allow(clippy::print_stdout, reason = "a table is printed")]
 
@@ -90,7 +90,7 @@ fn simulate(experiment: &Experiment, noise: &Noise, repeats: usize, jobs: usize)
 }
 
 #[test]
-fn statistics_of_a_hand_made_ensemble_are_those_worked_out_by_hand() {
+fn statistics_of_a_small_ensemble_agree_with_values_calculated_by_hand() {
     let outcomes = (1..=5)
         .map(|i| motion(path(f64::from(i), 0.0), 0.1 * f64::from(i)))
         .chain([diverged()])
@@ -135,7 +135,7 @@ fn statistics_of_a_hand_made_ensemble_are_those_worked_out_by_hand() {
 }
 
 #[test]
-fn a_diverged_repeat_is_no_success() {
+fn a_diverged_repeat_counts_as_a_failure() {
     let outcomes = vec![
         motion(path(1.0, 0.0), 0.0),
         motion(path(2.0, 0.0), 0.0),
@@ -146,7 +146,7 @@ fn a_diverged_repeat_is_no_success() {
     assert_eq!((success.count, success.trials), (2, 4));
 }
 
-/// 15 % as predicted, 60 % another path, 25 % turn in place: what paper 003 saw.
+/// Three groups: 15 % move as predicted, 60 % take another path, 25 % turn in place, as in paper 003.
 fn three_behaviours() -> Ensemble {
     let wobble = |i: usize| 0.004 * (i as f64 * 0.7).sin();
     let outcomes = (0..20)
@@ -160,7 +160,7 @@ fn three_behaviours() -> Ensemble {
 }
 
 #[test]
-fn behaviours_of_a_set_of_three_groups_are_found_named_and_counted() {
+fn three_groups_of_repeats_are_found_as_behaviours_with_names_and_counts() {
     let found = behaviours(&three_behaviours());
     let list: Vec<_> = found
         .list
@@ -179,7 +179,7 @@ fn behaviours_of_a_set_of_three_groups_are_found_named_and_counted() {
     assert!((odds.share - 0.15).abs() < 1e-12);
     // statsmodels: proportion_confint(3, 20, method="wilson").
     assert!((odds.low - 0.052_368).abs() < 1e-6 && (odds.high - 0.360_419).abs() < 1e-6);
-    // The representative belongs to its group and is as near to all others as any.
+    // The representative is a member of its group.
     assert!(
         found.list[1]
             .repeats
@@ -190,7 +190,7 @@ fn behaviours_of_a_set_of_three_groups_are_found_named_and_counted() {
 }
 
 #[test]
-fn a_prediction_that_no_repeat_follows_has_probability_0_and_still_a_name() {
+fn a_predicted_behaviour_that_no_repeat_shows_is_listed_with_probability_0() {
     let ensemble = hand_made(
         (0..10).map(|_| motion(path(1.0, 0.8), 0.0)).collect(),
         motion(path(1.0, -0.8), 0.0),
@@ -203,7 +203,7 @@ fn a_prediction_that_no_repeat_follows_has_probability_0_and_still_a_name() {
 }
 
 #[test]
-fn there_are_never_more_than_a_handful_of_behaviours() {
+fn the_number_of_behaviours_is_limited() {
     let outcomes = (0..40)
         .map(|i| motion(path(1.0, f64::from(i)), 0.0))
         .collect();
@@ -215,7 +215,7 @@ fn there_are_never_more_than_a_handful_of_behaviours() {
 }
 
 #[test]
-fn distances_are_those_of_the_metric_rms() {
+fn the_distance_of_two_paths_is_the_metric_rms() {
     let (a, b) = (path(1.0, 0.0), path(2.0, 0.0));
     let n = 182.0_f64;
     // Σ (i / 181)² / 182
@@ -242,7 +242,7 @@ fn drawn(count: usize, seed: u64, split: bool) -> Vec<Prepared> {
 }
 
 #[test]
-fn envelopes_cover_new_draws_of_the_same_distribution_as_often_as_they_promise() {
+fn envelopes_cover_new_draws_of_the_same_distribution_at_their_nominal_level() {
     for split in [false, true] {
         let mut inside = [0_usize; 3];
         let (ensembles, trials) = (20, 100);
@@ -266,7 +266,8 @@ fn envelopes_cover_new_draws_of_the_same_distribution_as_often_as_they_promise()
     }
 }
 
-/// How often the band for whole paths holds a whole path, and the regions for each time hold its end and all of it, by level.
+/// Shares by level: of whole paths in the band for whole paths, of points in the region in the middle of the run, and of whole
+/// paths in the regions of all times.
 fn band_coverage(repeats: usize, split: bool, ensembles: u64) -> [[f64; 3]; 3] {
     let trials = 20;
     let counts: Vec<[[usize; 3]; 3]> = (0..ensembles)
@@ -296,11 +297,11 @@ fn band_coverage(repeats: usize, split: bool, ensembles: u64) -> [[f64; 3]; 3] {
 }
 
 #[test]
-fn the_band_for_whole_paths_holds_them_as_often_as_it_promises() {
+fn the_band_for_whole_paths_has_its_nominal_coverage() {
     for (repeats, split) in [(20, false), (50, false), (50, true)] {
         let [band, _, _] = band_coverage(repeats, split, 600);
         for (share, level) in band.iter().zip(LEVELS) {
-            // 600 bands: how much each holds has a standard deviation of up to 0.14, so their mean one of 0.006.
+            // The coverage of one band has a standard deviation of up to 0.14, so that the mean over 600 bands has one of 0.006.
             assert!((share - level).abs() < 0.025, "{repeats}: {band:?}");
         }
     }
@@ -313,7 +314,7 @@ fn the_band_for_whole_paths_holds_them_as_often_as_it_promises() {
     );
 }
 
-/// The table of docs/validation/ensembles.md.
+/// Prints the table of docs/validation/ensembles.md.
 #[test]
 #[ignore = "a minute"]
 fn the_table_of_envelopes() {
@@ -346,7 +347,7 @@ fn against(ensemble: &Ensemble, real: &[Prepared]) -> Reality {
 }
 
 #[test]
-fn reality_that_is_one_more_draw_finds_the_ensemble_honest_and_another_robot_does_not() {
+fn coverage_is_accepted_for_recordings_of_the_same_distribution_and_rejected_for_others() {
     let ensemble = ensemble_of(drawn(200, 1, false));
     let same = against(&ensemble, &drawn(60, 2, false));
     for coverage in &same.coverage {
@@ -367,9 +368,9 @@ fn reality_that_is_one_more_draw_finds_the_ensemble_honest_and_another_robot_doe
     assert_eq!(other.showing(None), 60);
 }
 
-/// Three paths by hand: E‖X − y‖ − ½ E‖X − X′‖ with ‖·‖ proportional to the difference in length.
+/// Three paths, calculated by hand: E‖X − y‖ − ½ E‖X − X′‖ with ‖·‖ proportional to the difference in length.
 #[test]
-fn the_energy_score_is_the_one_worked_out_by_hand() {
+fn the_energy_score_agrees_with_a_value_calculated_by_hand() {
     let ensemble = ensemble_of([1.0, 2.0, 4.0].map(|far_m| path(far_m, 0.0)).to_vec());
     let unit = rms_m(&path(1.0, 0.0), &path(2.0, 0.0));
     let found = against(&ensemble, &[path(3.0, 0.0)]);
@@ -380,7 +381,7 @@ fn the_energy_score_is_the_one_worked_out_by_hand() {
 }
 
 #[test]
-fn the_same_bits_come_out_on_one_thread_and_on_two_and_for_one_repeat_alone() {
+fn repeats_are_bitwise_equal_on_one_thread_on_two_and_when_run_alone() {
     let experiment = tripod(1.5);
     let noise = Noise::unmeasured_robot();
     let one = simulate(&experiment, &noise, 6, 1);
@@ -394,25 +395,25 @@ fn the_same_bits_come_out_on_one_thread_and_on_two_and_for_one_repeat_alone() {
         .unwrap();
     let fourth = two.repeats[4].outcome.get().unwrap();
     assert_eq!(prepare(&alone).unwrap(), fourth.path);
-    // More repeats change none of the first.
+    // A larger number of repeats does not change the first ones.
     let more = simulate(&experiment, &noise, 8, 2);
     assert_eq!(more.repeats[..6], one.repeats[..]);
 }
 
 #[test]
-fn a_stopped_ensemble_says_that_it_is_incomplete() {
+fn a_stopped_ensemble_is_reported_as_incomplete() {
     let stop = AtomicBool::new(false);
-    let say = |progress: Progress| stop.store(progress.done >= 2, Ordering::Relaxed);
+    let report = |progress: Progress| stop.store(progress.done >= 2, Ordering::Relaxed);
     let options = RunOptions {
         jobs: 1,
         stop: Some(&stop),
-        progress: Some(&say),
+        progress: Some(&report),
     };
     let simulate = || run(&tripod(0.5), &Noise::careful_repeat(), 1, 10, &options);
     let found = simulate().unwrap();
     assert_eq!((found.is_complete(), found.repeats.len()), (false, 2));
     assert!(Forecast::new(&found).unwrap().displacement_m.is_some());
-    // Stopped at once.
+    // The flag is still set, so the second ensemble stops at once.
     let found = simulate().unwrap();
     assert!(!found.is_complete() && found.repeats.is_empty());
     let summary = Forecast::new(&found).unwrap();
@@ -426,12 +427,12 @@ fn a_stopped_ensemble_says_that_it_is_incomplete() {
 }
 
 #[test]
-fn an_ensemble_without_noise_says_so() {
+fn an_ensemble_without_noise_has_a_warning_and_no_spread() {
     let found = simulate(&tripod(0.5), &Noise::default(), 3, 2);
     assert!(found.warnings.iter().any(|w| w.code.name() == "no-noise"));
     assert_eq!(found.repeats[0].outcome, found.noise_free);
     let spread = Forecast::new(&found).unwrap().displacement_m.unwrap();
-    // The mean of equal numbers is rounded.
+    // The spread is not exactly zero, because the mean of equal numbers is rounded.
     assert!(
         spread.standard_deviation < 1e-15,
         "{}",
@@ -440,7 +441,7 @@ fn an_ensemble_without_noise_says_so() {
 }
 
 #[test]
-fn bad_input_is_refused() {
+fn an_ensemble_without_repeats_and_an_envelope_without_paths_are_refused() {
     let options = RunOptions::default();
     assert!(run(&tripod(0.5), &Noise::careful_repeat(), 1, 0, &options).is_err());
     let error = Envelope::new(&[], 1.0, BODY_M).unwrap_err().to_string();
@@ -448,7 +449,7 @@ fn bad_input_is_refused() {
 }
 
 #[test]
-fn a_run_without_noise_that_no_repeat_comes_near_is_called_atypical() {
+fn a_run_without_noise_that_is_far_from_all_repeats_is_called_atypical() {
     let outcomes = || {
         (1..=9)
             .map(|i| motion(path(1.0 + 0.01 * f64::from(i), 0.0), 0.0))

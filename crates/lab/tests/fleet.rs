@@ -1,5 +1,5 @@
-//! Studies of many robots: the score of all is that of each, the weights count, leaving one out leaves it out, and who does what was
-//! recorded is said to.
+//! Studies of many robots: scores of the single robots, weights, leave-one-robot-out transfer, parameters of one robot,
+//! controllers, and the report of which robots reproduce their recordings.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::path::Path;
@@ -14,7 +14,7 @@ use realgap_simulation::run;
 
 use crate::common::project;
 
-/// A study of the shipped tripod with these robots, or this robot's fields.
+/// A study of the shipped tripod. The text is a list of robots, or the fields of one robot.
 fn parse(robots: &str) -> realgap_core::Result<Study> {
     let text = format!(
         "Study({robots} start: Settled, duration_s: 2.0, metric: \"rms\", score: Single,
@@ -33,7 +33,7 @@ fn answer(robots: &str) -> Answer {
         .unwrap()
 }
 
-/// A robot with those of its recordings whose numbers match.
+/// The fields of a robot with the recordings whose numbers match the pattern.
 fn robot(numbers: &str, more: &str) -> String {
     format!(
         "morphology: \"../morphologies/tripod.ron\", recordings: [\"../real_trajectories/tripod_standin/run_{numbers}.csv\"], {more}"
@@ -55,7 +55,7 @@ fn scores(answer: &Answer) -> Vec<Vec<f64>> {
 }
 
 #[test]
-fn what_many_robots_score_is_what_each_scores_alone() {
+fn each_robot_of_many_has_the_scores_of_a_study_of_it_alone() {
     let (first, second) = (answer(&robot("00", "")), answer(&robot("0[2-3]", "")));
     let both = answer(&two("", ""));
     let alone = scores(&first).into_iter().zip(scores(&second));
@@ -63,7 +63,7 @@ fn what_many_robots_score_is_what_each_scores_alone() {
     assert_eq!(scores(&both), joined);
     assert!(first.report.transfer.is_none());
 
-    // Who is left out is answered for by the other alone.
+    // The values for a left-out robot come from the other robot alone.
     let transfer = both.report.transfer.unwrap();
     let best = |answer: &Answer| answer.scores.points[answer.scores.best.unwrap()].clone();
     assert_eq!(transfer.robots.len(), 2);
@@ -71,13 +71,14 @@ fn what_many_robots_score_is_what_each_scores_alone() {
     assert_eq!(transfer.robots[1].without_it, best(&first).values);
     assert_eq!(transfer.robots[0].own, best(&first).score.unwrap());
     assert_eq!(transfer.robots[1].recordings, 2);
-    // Nobody closes more than everybody's own best, and the default friction is a point of the grid.
+    // Common values cannot close more of the gap than the best values of each robot, and the default friction is a point of the
+    // grid.
     assert!(transfer.closed <= transfer.closable && transfer.closable <= 1.0);
     assert_eq!(transfer.untuned, [0.5]);
 }
 
 #[test]
-fn weights_count_and_each_robot_has_what_is_fixed_for_it() {
+fn weights_scale_the_scores_and_fixed_values_apply_to_their_robot_only() {
     let plain = scores(&answer(&two("", "")));
     let weighed = scores(&answer(&two("weight: 4.0,", "")));
     for (before, after) in plain.iter().zip(&weighed) {
@@ -92,7 +93,7 @@ fn weights_count_and_each_robot_has_what_is_fixed_for_it() {
     }
 }
 
-/// What the tripod does in six seconds on a floor of friction 0.5.
+/// The motion of the tripod in six seconds on a floor of friction 0.5.
 fn walk(fixed: &str) -> Trajectory {
     let study = format!("{} set: {{{fixed}}},", robot("00", ""));
     let text = study_text(&study, 6.0, "Single");
@@ -109,7 +110,8 @@ fn study_text(robots: &str, duration_s: f64, score: &str) -> String {
     )
 }
 
-/// The answer of a study of tripods: each with recordings of its own, and what is said of it besides. The first decides.
+/// The answer of a study of tripods, each with its own recordings and further fields. The first one has such a large weight that it
+/// decides which point is the best.
 fn recorded(robots: &[(&[Trajectory], &str)], score: &str) -> Answer {
     let folder = tempfile::tempdir().unwrap();
     let mut members = String::new();
@@ -131,7 +133,7 @@ fn recorded(robots: &[(&[Trajectory], &str)], score: &str) -> Answer {
 }
 
 #[test]
-fn a_robot_is_said_to_do_what_was_recorded_where_its_recordings_were_made_so() {
+fn each_robot_is_classified_by_how_well_it_reproduces_its_recordings() {
     let walked = walk("");
     let stood = walk("\"gait.amplitude_scale\": 0.0");
     let sized = |sizes: [f64; 2]| sizes.map(|size| walked.scaled(size).unwrap());
@@ -157,16 +159,16 @@ fn a_robot_is_said_to_do_what_was_recorded_where_its_recordings_were_made_so() {
     assert_eq!(found.other_path.count, 1);
     assert!(text.contains("1 of 4 (25 %, 95 %: 5 to 70)"), "{text}");
 
-    // The run is the first recording, and as far from the second as that is from the first.
+    // The run equals the first recording, and its distance from the second is the distance between both recordings.
     let first = &found.robots[0];
     let floor_m = first.floor_m.unwrap();
     assert!((first.distance_m / floor_m - 0.5).abs() < 1e-3, "{first:?}");
     let way_m = first.simulated_m;
     assert!((first.recorded_m / way_m - 1.15).abs() < 1e-3 && first.simulated_sd_m == 0.0);
-    // A quarter of the way, or half of a cube of 6 cm.
+    // The limit is a quarter of the way, or at least half of a cube of 6 cm.
     assert!((first.alike_m - (0.25 * first.recorded_m).max(0.03)).abs() < 2e-3);
     assert_eq!(found.robots[3].floor_m, None);
-    // Who has one recording has no floor, and is missing where floors are counted.
+    // A robot with one recording has no noise floor, and is not counted where floors are counted.
     for of in &found.metrics {
         assert_eq!(of.within_floor.trials, 3, "{}", of.metric);
     }
@@ -178,7 +180,7 @@ fn a_robot_is_said_to_do_what_was_recorded_where_its_recordings_were_made_so() {
 }
 
 #[test]
-fn a_recorded_displacement_is_held_against_those_of_equally_valid_runs() {
+fn a_recorded_displacement_is_compared_with_those_of_equally_valid_runs() {
     let walked = walk("");
     let around = [0.999, 1.001].map(|size| walked.scaled(size).unwrap());
     let far = [1.9, 2.1].map(|size| walked.scaled(size).unwrap());
@@ -192,7 +194,7 @@ fn a_recorded_displacement_is_held_against_those_of_equally_valid_runs() {
     assert!(found.robots[0].simulated_sd_m > 0.0);
 }
 
-/// A study of two robots of the shipped fleet that share a floor, with what varies besides and what is fixed for the second.
+/// A study of two robots of the shipped fleet that share a floor, with further varied parameters and fields of the second robot.
 fn of_fleet(varied: &str, second: &str) -> realgap_core::Result<Study> {
     let robot = |name: &str, more: &str| {
         let own = format!("../real_trajectories/fleet_mujoco/{name}");
@@ -208,7 +210,7 @@ fn of_fleet(varied: &str, second: &str) -> realgap_core::Result<Study> {
 }
 
 #[test]
-fn a_robot_may_vary_something_of_its_own_beside_what_all_share() {
+fn a_robot_can_have_a_varied_parameter_of_its_own_besides_the_shared_ones() {
     let swept = |study: Study| study.sweep(&RunOptions::default()).unwrap();
     let mass = "(name: \"robot.random_0022.body.mass_scale\", from: 0.5, to: 1.5, points: 3)";
     let own = swept(of_fleet(mass, "").unwrap());
@@ -233,11 +235,15 @@ fn a_robot_may_vary_something_of_its_own_beside_what_all_share() {
         let scores = grid.iter().map(|point| point.recordings[robot].to_bits());
         scores.collect::<std::collections::BTreeSet<u64>>().len()
     };
-    assert_eq!((of(0), of(1)), (3, 9), "the first feels the floor alone");
+    assert_eq!(
+        (of(0), of(1)),
+        (3, 9),
+        "only the shared floor affects the first robot"
+    );
     let transfer = own.report.transfer.unwrap();
     assert!((transfer.untuned[0] - 0.5).abs() < 1e-9 && (transfer.untuned[1] - 1.0).abs() < 0.05);
 
-    // Left out, it gets the floor that suits the other best, and the mass that suits itself best there.
+    // The second robot, left out, gets the best floor of the first robot, and its own best mass on that floor.
     let lowest = |robot: usize, of: &dyn Fn(&PointScore) -> bool| {
         let chosen = grid.iter().filter(|point| of(point));
         let scores = chosen.map(|point| (point.recordings[robot], point.values.clone()));
@@ -251,7 +257,7 @@ fn a_robot_may_vary_something_of_its_own_beside_what_all_share() {
     assert_eq!(among.collect::<Vec<_>>(), [1, 3]);
     assert_eq!(transfer.own_parameters, OwnParameters::Refitted);
 
-    // Points that no two of which share a floor leave nothing to fit again, and whoever reads the number is told.
+    // Where no two points have the same floor, no own parameter can be fitted again, and the report says so.
     let options = TuneOptions {
         optimizer: optimizer_by_name("random").unwrap(),
         budget: 12,
@@ -264,14 +270,15 @@ fn a_robot_may_vary_something_of_its_own_beside_what_all_share() {
     let transfer = scattered.report.transfer.unwrap();
     assert_eq!(transfer.own_parameters, OwnParameters::AsTheyCame);
 
-    let nobody = mass.replace("0022", "0023");
-    let error = of_fleet(&nobody, "").unwrap_err().to_string();
+    let unknown = mass.replace("0022", "0023");
+    let error = of_fleet(&unknown, "").unwrap_err().to_string();
     assert!(error.contains("no robot of this name"), "{error}");
     assert!(error.contains("random_0005, random_0022"), "{error}");
     assert!(of_fleet(&mass.replace("mass_scale", "mas_scale"), "").is_err());
 }
 
-/// A hall in which a wall stands beside the robot, and a controller that holds every leg still where its sensor sees that wall.
+/// Writes an arena in which a wall stands beside the robot, and two controllers that stop every leg while the sensor measures less
+/// than a limit. The limit of `sees` is larger than the distance of the wall, and that of `blind` is smaller.
 fn hall(folder: &Path) {
     let arena = "Arena(name: \"hall\", size_m: (4.0, 4.0), boundary: Open, \
         boxes: [(centre_m: (2.24, 2.0), half_m: (0.05, 0.8))], start: (x_m: 2.0, y_m: 2.0))";
@@ -289,7 +296,7 @@ fn hall(folder: &Path) {
 }
 
 #[test]
-fn what_is_swept_is_simulated_with_the_controller_that_the_study_names() {
+fn a_sweep_simulates_with_the_controller_that_the_study_names() {
     let folder = tempfile::tempdir().unwrap();
     hall(folder.path());
     let study = |robots: &str| {
@@ -309,26 +316,26 @@ fn what_is_swept_is_simulated_with_the_controller_that_the_study_names() {
     let (without, plain) = swept(&robot("00", ""));
     let (sees, seeing) = swept(&robot("00", "controller: \"sees.ron\","));
     let (blind, _) = swept(&robot("00", "controller: \"blind.ron\","));
-    // A wall that is not touched, and a rule that never holds, change nothing.
+    // A wall that the robot does not touch and a rule whose condition is never met change nothing.
     assert_eq!(scores(&blind), scores(&without));
     let (stood_m, walked_m) = (way_m(&sees), way_m(&without));
     assert!(
         stood_m < 0.3 * walked_m,
-        "ignored: {stood_m} of {walked_m} m"
+        "the controller has no effect: {stood_m} m of {walked_m} m"
     );
-    assert_ne!(plain, seeing, "two studies with one fingerprint");
+    assert_ne!(plain, seeing, "two different studies have one fingerprint");
 
-    // Of many each may have its own, or else has that of the study.
+    // Each of many robots can have its own controller, and otherwise has that of the study.
     let pair =
         |shared: &str, second: &str| scores(&swept(&format!("{} {shared}", two("", second))).0);
-    let many = pair("", "controller: \"sees.ron\",");
-    let nobody = pair("", "");
-    let all = pair("controller: \"sees.ron\",", "controller: \"blind.ron\",");
-    for ((many, nobody), all) in many.iter().zip(&nobody).zip(&all) {
-        assert_eq!(many[0], nobody[0]);
-        assert_ne!(many[1..], nobody[1..]);
-        assert_ne!(all[0], nobody[0]);
-        assert_eq!(all[1..], nobody[1..]);
+    let second_only = pair("", "controller: \"sees.ron\",");
+    let none = pair("", "");
+    let first_only = pair("controller: \"sees.ron\",", "controller: \"blind.ron\",");
+    for ((second_only, none), first_only) in second_only.iter().zip(&none).zip(&first_only) {
+        assert_eq!(second_only[0], none[0]);
+        assert_ne!(second_only[1..], none[1..]);
+        assert_ne!(first_only[0], none[0]);
+        assert_eq!(first_only[1..], none[1..]);
     }
 
     let text = study_text(&robot("00", "controller: \"sees.ron\","), 2.0, "Single");
@@ -340,7 +347,7 @@ fn what_is_swept_is_simulated_with_the_controller_that_the_study_names() {
 }
 
 #[test]
-fn one_robot_or_many_but_not_both() {
+fn a_study_of_one_robot_and_of_many_at_once_is_refused() {
     let error = |text: &str| parse(text).unwrap_err().to_string();
     let both = format!("{} {}", robot("00", ""), two("", ""));
     assert!(error(&both).contains("of many"), "{}", error(&both));

@@ -1,4 +1,5 @@
-//! Noise floors, gaps, ratios and confidences are exact where they can be worked out by hand, and honest where the truth is known.
+//! Noise floors, gaps, ratios and confidences agree with values calculated by hand, and have their nominal coverage where the
+//! truth is known.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use nalgebra::Vector3;
@@ -54,12 +55,12 @@ fn codes(found: &Distances) -> Vec<&str> {
 }
 
 #[test]
-fn floor_gap_and_ratio_of_a_hand_made_set_are_those_worked_out_by_hand() {
+fn floor_gap_and_ratio_of_a_small_set_agree_with_values_calculated_by_hand() {
     let real = straight(&[1.0, 2.0, 4.0]);
     let cases = one_case(&real, Some(path(3.0, 0.0)), straight(&[3.0, 5.0]));
     let found = distances(&real, &cases, &scoring(&["displacement"])).unwrap();
     let row = found.metrics[0];
-    // Pairs 1, 3, 2. From 3 to the recordings: 2, 1, 1; from 5: 4, 3, 1.
+    // Distances between the recordings: 1, 3, 2. Distances of the path of 3 m to them: 2, 1, 1; of the path of 5 m: 4, 3, 1.
     let (ideal, repeats) = (row.ideal.unwrap(), row.repeats.unwrap());
     for (value, expected) in [
         (row.floor.unwrap().value, 2.0),
@@ -71,8 +72,8 @@ fn floor_gap_and_ratio_of_a_hand_made_set_are_those_worked_out_by_hand() {
         assert!((value - expected).abs() < 1e-12, "{value} {expected}");
     }
     // By numpy and scipy.stats.t.ppf(0.975, 2): without each recording the gap is 1, 3/2, 3/2 and the floor 2, 3, 1, and t times
-    // the root of the variance is 4.302653 times 0.270310 (the jackknife's of the logarithms) and 0.431510 (a quarter of the jackknife's
-    // 0.411472, and that of a pair over the square of the mean, 1 / 4, over 3).
+    // the root of the variance is 4.302653 times 0.270310 (the jackknife's of the logarithms) and 0.431510 (a quarter of the
+    // jackknife's 0.411472, and that of a pair over the square of the mean, 1 / 4, over 3).
     let (gap, floor) = (ideal.gap, row.floor.unwrap());
     for (found, expected) in [
         (gap.high.unwrap() / gap.value, GAP_FACTOR),
@@ -95,7 +96,7 @@ fn two_recordings_have_a_noise_floor_and_no_interval() {
     assert_eq!(floor.warnings[0].code.name(), "few-recordings");
 }
 
-/// How far the first of the two goes, whatever the other does.
+/// A metric that is not symmetric: the net displacement of the first path, whatever the second is.
 struct First;
 
 impl Metric for First {
@@ -129,7 +130,7 @@ fn an_asymmetric_metric_is_measured_both_ways() {
         metrics: vec![&First],
         ..scoring(&[])
     };
-    // 1 one way, 3 the other.
+    // The metric is 1 in one direction and 3 in the other, so that the mean is 2.
     let floor = noise_floor(&straight(&[1.0, 3.0]), &scoring).unwrap();
     let value = floor.metrics[0].floor.value;
     assert!((value - 2.0).abs() < 1e-12, "{value}");
@@ -160,7 +161,7 @@ fn drawn(count: usize, seed: u64, longer: f64) -> Vec<Sample> {
 }
 
 #[test]
-fn a_simulation_of_the_same_distribution_has_ratio_1_and_an_honest_confidence() {
+fn a_simulation_of_the_same_distribution_has_ratio_1_and_its_nominal_confidence() {
     let sets = 100;
     let (mut ratios, mut covered, mut confidences) = (Vec::new(), 0, Vec::new());
     for seed in 0..sets {
@@ -176,9 +177,9 @@ fn a_simulation_of_the_same_distribution_has_ratio_1_and_an_honest_confidence() 
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     // Single ratios scatter by about 0.1, so their mean over 100 sets by 0.01.
     assert!((mean(&ratios) - 1.0).abs() < 0.04, "{}", mean(&ratios));
-    // Of 95 % intervals; 89 or fewer of 100 come by chance once in a hundred times.
+    // The intervals are 95 % intervals: 89 or fewer of 100 hold the truth with a probability of about 1 %.
     assert!(covered >= 89, "{covered} of {sets} intervals hold 1");
-    // 2000 recordings: a standard error of 0.007.
+    // The mean over 2000 recordings has a standard error of 0.007.
     assert!(
         (mean(&confidences) - 0.9).abs() < 0.02,
         "{}",
@@ -207,11 +208,12 @@ fn a_shifted_simulation_has_a_large_ratio_and_its_confidence_drops() {
 }
 
 #[test]
-fn errors_over_time_are_those_worked_out_by_hand() {
+fn errors_over_time_agree_with_values_calculated_by_hand() {
     let real = straight(&[1.0, 2.0, 4.0]);
     let cases = one_case(&real, Some(path(3.0, 0.0)), straight(&[3.0, 5.0]));
     let over = OverTime::new(&real, &cases);
-    // At the end: 3 against 1, 2, 4; the repeats' mean 4 against them; each against the mean of the others (3, 2.5, 1.5).
+    // At the end the ideal run is at 3 and the recordings are at 1, 2, 4. The mean of the repeats is at 4. Each recording is also
+    // compared with the mean of the other recordings (3, 2.5, 1.5).
     let at_end = [
         (over.ideal_m.unwrap(), (4.0 + 1.0 + 1.0_f64) / 3.0),
         (over.simulated_mean_m.unwrap(), (9.0 + 4.0 + 0.0_f64) / 3.0),
@@ -229,7 +231,7 @@ fn errors_over_time_are_those_worked_out_by_hand() {
 }
 
 #[test]
-fn one_recording_and_starts_of_their_own_give_no_floor_instead_of_a_wrong_one() {
+fn one_recording_or_recordings_with_different_starts_have_no_floor() {
     let alone = straight(&[1.0]);
     let cases = one_case(&alone, Some(path(2.0, 0.0)), Vec::new());
     let found = distances(&alone, &cases, &scoring(&["displacement"])).unwrap();

@@ -1,4 +1,4 @@
-//! What values were fitted on is known wherever they are used, and what was held out decides nothing.
+//! Held-out recordings influence neither the audit nor the uncertainty of a fit.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -11,7 +11,7 @@ use realgap_path::comparison::by_name;
 use realgap_path::trajectory::{self, Recording};
 use realgap_robot::morphology::Morphology;
 
-/// Four recordings, one of them held out; `scale` is how many times too long that one is.
+/// The answer of a study of four recordings, one of them held out and scaled by `scale`.
 fn answer(scale: f64) -> Answer {
     let recordings = (0..4).map(|number| {
         let file = format!("real_trajectories/tripod_standin/run_0{number}.csv");
@@ -41,7 +41,7 @@ fn answer(scale: f64) -> Answer {
 }
 
 #[test]
-fn audit_and_spread_know_nothing_of_what_was_held_out() {
+fn audit_and_uncertainty_do_not_depend_on_held_out_recordings() {
     let (truth, spoilt) = (answer(1.0), answer(50.0));
     assert_ne!(
         truth.scores.points[0].held_out,

@@ -1,4 +1,4 @@
-//! Logs of joints: commands, encoders and single joints' parameters, fitted where the truth is known.
+//! Logs of joints: parameters of single joints are fitted to commands and encoder values whose true parameters are known.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use realgap_robot::morphology::Morphology;
 use realgap_simulation::parameter::{Assignment, ParameterSet};
 use realgap_simulation::{CommandTrack, Experiment, JointState, Quantity, Sampling, run};
 
-/// An arm of two joints on a table, one of them with the name of an attitude.
+/// An arm of two joints on a table. One joint is called `pitch`, which is also the name of a rotation of the whole body.
 fn robot(law: &str) -> String {
     format!(
         r#"(name: "arm", bodies: [
@@ -33,8 +33,8 @@ fn times() -> Vec<f64> {
     (0..200).map(|k| f64::from(k) * 0.02).collect()
 }
 
-/// What each joint is told, by quantity.
-fn told(quantity: Quantity, joint: usize) -> Vec<f64> {
+/// The commands of a joint: angles or torques, by quantity.
+fn commands(quantity: Quantity, joint: usize) -> Vec<f64> {
     let size = if quantity == Quantity::Torque {
         0.5
     } else {
@@ -44,7 +44,7 @@ fn told(quantity: Quantity, joint: usize) -> Vec<f64> {
     times().into_iter().map(|t| size * wave(t)).collect()
 }
 
-/// Writes the robot and a log of it with these parameters.
+/// Writes the file of the robot and a log that is simulated with these true parameters.
 fn recorded(folder: &Path, law: &str, quantity: Quantity, truth: &[(&str, f64)], header: &str) {
     record(
         folder,
@@ -56,7 +56,7 @@ fn recorded(folder: &Path, law: &str, quantity: Quantity, truth: &[(&str, f64)],
     );
 }
 
-/// The same of any robot and file, with what each joint is told times a size; a joint of size 0 is still.
+/// Like [`recorded`], for any robot and file; `sizes` multiply the commands of each joint, and a joint of size 0 does not move.
 fn record(
     folder: &Path,
     file: &str,
@@ -67,9 +67,9 @@ fn record(
 ) {
     std::fs::write(folder.join("arm.ron"), robot).unwrap();
     let assembly = Morphology::parse(&Source::new("arm.ron", robot)).unwrap();
-    let told = |joint: usize| -> Vec<f64> {
-        let told = told(quantity, joint).into_iter();
-        told.map(|command| sizes[joint] * command).collect()
+    let commanded = |joint: usize| -> Vec<f64> {
+        let commands = commands(quantity, joint).into_iter();
+        commands.map(|command| sizes[joint] * command).collect()
     };
     let mut experiment = Experiment::new(assembly.assemble());
     let names: Vec<String> = experiment
@@ -79,7 +79,7 @@ fn record(
         .map(|h| h.name.clone())
         .collect();
     for (joint, name) in names.iter().enumerate() {
-        let track = CommandTrack::new(times(), told(joint), None).unwrap();
+        let track = CommandTrack::new(times(), commanded(joint), None).unwrap();
         experiment
             .commands
             .insert(name.clone(), Arc::new(track.of(quantity)));
@@ -103,16 +103,16 @@ fn record(
         .unwrap();
     let mut text = format!("{header},pitch_rad_s,elbow_rad_s\n");
     for (k, t) in times().iter().enumerate() {
-        // A trembling encoder, the same in every run; not where it starts.
-        let tremble = |joint: usize| 1e-3 * ((k * (7919 + joint * 104_729)) as f64).sin();
+        // Encoder noise of 1 mrad: a fixed sequence, the same in every run of the test, and zero at the start.
+        let encoder_noise_rad = |joint: usize| 1e-3 * ((k * (7919 + joint * 104_729)) as f64).sin();
         text.push_str(&t.to_string());
         for joint in 0..2 {
-            text.push_str(&format!(",{}", told(joint)[k]));
+            text.push_str(&format!(",{}", commanded(joint)[k]));
         }
         for joint in 0..2 {
             text.push_str(&format!(
                 ",{}",
-                motion.joints()[joint].angles_rad[k] + tremble(joint)
+                motion.joints()[joint].angles_rad[k] + encoder_noise_rad(joint)
             ));
         }
         for joint in motion.joints() {
@@ -146,7 +146,7 @@ const FREE: &str = r#"parameters: [
 ]"#;
 
 #[test]
-fn least_squares_find_what_a_log_was_made_with_in_few_runs() {
+fn least_squares_find_the_true_parameters_of_a_log_in_few_runs() {
     let truth = [
         ("servo.pitch.stiffness_nm_rad", 9.0),
         ("servo.elbow.stiffness_nm_rad", 6.0),
@@ -171,7 +171,7 @@ fn least_squares_find_what_a_log_was_made_with_in_few_runs() {
     let answer = study.tune(&options, &one).unwrap();
     let tuning = answer.report.tuning.clone().unwrap();
     for (known, (_, value)) in tuning.least_squares.iter().zip(truth) {
-        // Of delay and mass such a short log has less to say.
+        // Such a short log contains less information about delay and mass.
         let may_be_vague = known.parameter.contains("mass") || known.parameter.contains("latency");
         assert!(known.is_told || may_be_vague, "{known:?}");
         let wide = known.high - known.low;
@@ -191,7 +191,7 @@ fn least_squares_find_what_a_log_was_made_with_in_few_runs() {
 }
 
 #[test]
-fn torques_are_exerted_as_recorded() {
+fn recorded_torques_are_applied_to_the_joints() {
     let folder = tempfile::tempdir().unwrap();
     let truth = [
         ("hinge.pitch.viscous_nm_s_rad", 0.2),
@@ -207,12 +207,12 @@ fn torques_are_exerted_as_recorded() {
     let study = Study::read(path, &Overrides::default()).unwrap();
     let one = study.evaluate_joints(&ParameterSet::new(), &RunOptions::default());
     let mrad = one.unwrap().angle_mrad.mean;
-    // The encoder trembles by 1 mrad, at the start, too: what is fixed for a joint holds.
+    // The encoder noise is 1 mrad. An error this small shows that the values fixed for single joints are used.
     assert!(mrad < 2.0, "{mrad}");
 }
 
 #[test]
-fn joints_and_columns_that_do_not_match_are_refused_with_both_lists() {
+fn joints_and_columns_that_do_not_match_are_refused_and_the_error_lists_both() {
     let folder = tempfile::tempdir().unwrap();
     let header = POSITIONS.replace(",elbow_rad", ",jaw_rad");
     recorded(folder.path(), SPRING, Quantity::Position, &[], &header);
@@ -232,8 +232,8 @@ fn joints_and_columns_that_do_not_match_are_refused_with_both_lists() {
 }
 
 #[test]
-fn a_motion_that_does_not_move_a_joint_tells_nothing_about_it() {
-    // Two arms that do not know of each other: side by side on one base, turning about upright axes.
+fn a_motion_that_does_not_move_a_joint_has_no_information_about_its_parameters() {
+    // Two arms that do not influence each other: they stand side by side on one base and turn about vertical axes.
     let robot = robot(SPRING)
         .replace(r#"parent: "upper""#, r#"parent: "base""#)
         .replace("axis: (0, 1, 0)", "axis: (0, 0, 1)");
@@ -250,8 +250,8 @@ fn a_motion_that_does_not_move_a_joint_tells_nothing_about_it() {
         ("elbow.csv", [0.0, 1.0]),
         ("neither.csv", [0.0, 0.0]),
     ] {
-        let told = (Quantity::Position, sizes);
-        record(folder.path(), file, &robot, told, &truth, POSITIONS);
+        let commands = (Quantity::Position, sizes);
+        record(folder.path(), file, &robot, commands, &truth, POSITIONS);
     }
     let path = study(
         folder.path(),
@@ -289,18 +289,18 @@ fn a_motion_that_does_not_move_a_joint_tells_nothing_about_it() {
                 } else {
                     "elbow"
                 };
-                let right = if moves(joint) {
+                let is_correct = if moves(joint) {
                     *bits > 0.1
                 } else {
                     bits.abs() < 1e-9
                 };
-                assert!(right, "{} of {name}: {bits}", motion.recording);
+                assert!(is_correct, "{} of {name}: {bits}", motion.recording);
             }
         }
         let bits = |name: &str| motions.iter().find(|m| m.recording == name).unwrap().bits;
         assert!(bits("neither").abs() < 1e-9, "{motions:?}");
         if split.is_none() {
-            // Twice as far, in both.
+            // In this motion both joints move twice as far as in the others.
             assert!(bits("both") > bits("pitch") + bits("elbow"), "{motions:?}");
             assert!(report.contains("the others do not:\n    both "), "{report}");
         }

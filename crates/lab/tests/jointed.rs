@@ -17,7 +17,7 @@ use realgap_simulation::Start;
 use realgap_simulation::parameter::ParameterSet;
 
 #[test]
-fn joints_of_any_number_are_read_by_name_written_back_and_part_of_the_pose() {
+fn any_number_of_joints_is_read_by_name_written_back_and_compared_in_the_pose() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.csv");
     let mut text = String::from("t_s,x_m,y_m,z_m,qw,qx,qy,qz,knee_rad,elbow_rad,elbow_rad_s\n");
@@ -45,7 +45,8 @@ fn joints_of_any_number_are_read_by_name_written_back_and_part_of_the_pose() {
         motion
     );
 
-    // An elbow that is a whole turn and 0.2 rad off is 0.2 rad off; a knee that the other does not have is left out.
+    // An elbow angle that differs by a whole turn and 0.2 rad differs by 0.2 rad. The other motion has no knee, so the knee is left
+    // out of the comparison.
     let mut other = motion.joint("elbow").unwrap().clone();
     for angle in &mut other.angles_rad {
         *angle += 0.2 - std::f64::consts::TAU;
@@ -62,7 +63,7 @@ fn joints_of_any_number_are_read_by_name_written_back_and_part_of_the_pose() {
 }
 
 #[test]
-fn a_start_fitted_to_a_flight_is_the_start_that_was_flown() {
+fn a_start_fitted_to_a_flight_is_the_true_start() {
     let folder = tempfile::tempdir().unwrap();
     let motion = toss(elbow(), 3, 0.3);
     trajectory::write(folder.path().join("toss.csv"), &motion).unwrap();
@@ -149,11 +150,11 @@ fn a_body_of_the_scene_follows_its_columns_in_every_recording() {
 }
 
 #[test]
-fn what_follows_an_impact_tells_how_a_hinge_gives_way() {
+fn the_motion_after_an_impact_identifies_the_compliance_of_a_hinge() {
     let robot = Morphology::read(common::project().join("morphologies/elbow.ron")).unwrap();
     let mut builder = Study::builder("struck", robot);
     for k in 1..=6 {
-        // Dropped from 0.6 m they meet the floor after 0.4 s.
+        // The boxes are released at a height of 0.6 m and meet the floor after 0.4 s.
         let path = toss(set(&elbow(), &[("hinge.bearing_hz", 140.0)]), k, 0.5);
         builder = builder.trajectory(format!("toss_{k}"), path);
     }
@@ -173,9 +174,9 @@ fn what_follows_an_impact_tells_how_a_hinge_gives_way() {
     );
 }
 
-/// Real tosses: flight alone explains them to 3 mm and 2 degrees at the last sample before contact.
+/// The free-flight model follows real tosses to 3 mm and 2 degrees up to the last sample before contact.
 #[test]
-fn flight_alone_follows_real_tosses_of_hinged_boxes() {
+fn the_flight_model_follows_real_tosses_of_hinged_boxes() {
     let Some(data) = common::shared_data("elbow_tosses") else {
         return;
     };

@@ -1,4 +1,5 @@
-//! A prediction says how much of it belongs to the model: other steps, other joints, other values that fit as well.
+//! The model error of a prediction: how much it changes with other numerical settings, joint formulations, engines and parameter
+//! values that fit as well.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 #![allow(clippy::print_stdout, reason = "a table is printed")]
 
@@ -23,7 +24,7 @@ fn floor(friction: f64) -> ParameterSet {
     ParameterSet::new().with(assignment)
 }
 
-/// The two modules for one second, eight repeats.
+/// The robot of two modules for one second, with eight repeats.
 fn walk() -> (Experiment, Ensemble, Forecast) {
     let mut experiment = Experiment::new(robot("two_module").assemble());
     experiment.duration_s = 1.0;
@@ -42,7 +43,7 @@ fn on(jobs: usize) -> RunOptions<'static> {
 }
 
 #[test]
-fn models_get_the_draws_of_the_repeats_and_what_they_change_is_laid_on_all_of_them() {
+fn other_models_run_with_the_draws_of_the_repeats_and_widen_the_quantiles() {
     let (experiment, repeats, forecast) = walk();
     let of = |points: &[ParameterSet], jobs| {
         ModelError::new(&experiment, &repeats, &forecast, points, &on(jobs))
@@ -50,7 +51,11 @@ fn models_get_the_draws_of_the_repeats_and_what_they_change_is_laid_on_all_of_th
             .unwrap()
     };
     let plain = of(&[], 2);
-    assert_eq!(plain, of(&[], 1), "the same bits on any thread");
+    assert_eq!(
+        plain,
+        of(&[], 1),
+        "the result depends on the number of threads"
+    );
     let sources: Vec<Source> = plain.models.iter().map(|m| m.source).collect();
     assert_eq!(sources[..5], [Source::Numerics; 5]);
     assert_eq!(
@@ -65,7 +70,7 @@ fn models_get_the_draws_of_the_repeats_and_what_they_change_is_laid_on_all_of_th
     {
         assert!(range.low <= own && own <= range.high && range.low < range.high);
     }
-    // A point that is the model itself changes nothing; one that is another floor does.
+    // A point with the values of the model itself changes nothing, and a point with another floor does.
     let same = of(&[floor(0.4)], 2);
     let added = same.models.last().unwrap();
     assert_eq!(added.source, Source::Indistinguishable);
@@ -75,7 +80,7 @@ fn models_get_the_draws_of_the_repeats_and_what_they_change_is_laid_on_all_of_th
     assert_eq!(other.models.len(), plain.models.len() + 2);
     let width = |model: &ModelError| model.quantiles_m[1].high - model.quantiles_m[1].low;
     assert!(width(&other) > width(&plain), "{other:?}");
-    // What another engine may do has a sign, and half of it is in the middle of most of it.
+    // The 50 % range of a run in another engine lies inside of the range of most runs, and its lower end adds a negative distance.
     let (half, most) = (plain.half_of_runs_m.unwrap(), plain.further_run_m.unwrap());
     assert!(0.0 <= most.low && most.low < half.low && half.high < most.high);
     let adds = plain.other_engine_adds_m.unwrap();
@@ -83,7 +88,7 @@ fn models_get_the_draws_of_the_repeats_and_what_they_change_is_laid_on_all_of_th
 }
 
 #[test]
-fn a_probability_of_success_comes_with_what_other_models_say() {
+fn a_probability_of_success_has_the_range_of_other_models() {
     let (experiment, repeats, forecast) = walk();
     let model = ModelError::new(&experiment, &repeats, &forecast, &[], &on(2)).unwrap();
     let median_m = forecast.displacement_m.unwrap().q50;
@@ -96,11 +101,13 @@ fn a_probability_of_success_comes_with_what_other_models_say() {
         range.models.contains(success.probability.share),
         "{range:?}"
     );
-    // It is learned from robots that one engine took far and another did not, so that it is never sure.
+    // The probability with another engine is learned from robots of which some walk far in one engine and not in another, so that
+    // it is never 0 or 1.
     assert!((0.0..1.0).contains(&range.other_engine) && range.other_engine > 0.0);
-    // Half of the repeats get that far; a few percent of displacement decide, so that models part widely.
+    // Half of the repeats reach the median, and a change of the displacement by a few percent decides about success, so that the
+    // probabilities of the models differ widely.
     assert!(range.models.high - range.models.low > 0.2, "{range:?}");
-    let said = card.to_string();
+    let text = card.to_string();
     for words in [
         "sampling error, 95 %",
         "other models",
@@ -112,12 +119,12 @@ fn a_probability_of_success_comes_with_what_other_models_say() {
         "joint kind",
         "not covered       a robot that differs from its description",
     ] {
-        assert!(said.contains(words), "{words}: {said}");
+        assert!(text.contains(words), "{words}: {text}");
     }
 }
 
 #[test]
-fn a_stopped_run_and_a_robot_that_goes_nowhere_have_no_model_error() {
+fn a_stopped_run_and_a_robot_that_does_not_move_have_no_model_error() {
     let (experiment, repeats, forecast) = walk();
     let stop = std::sync::atomic::AtomicBool::new(true);
     let stopped = RunOptions {
@@ -136,9 +143,9 @@ fn a_stopped_run_and_a_robot_that_goes_nowhere_have_no_model_error() {
 }
 
 #[test]
-fn a_robot_that_no_second_engine_runs_is_judged_by_its_own_and_the_reader_is_told() {
+fn a_robot_that_the_second_engine_cannot_run_uses_its_own_engine_and_the_text_says_so() {
     let (experiment, repeats, forecast) = walk();
-    // Impulse joints mean something in Rapier only.
+    // Only Rapier has impulse joints, so the second engine cannot run this experiment.
     let joints = ParameterSet::new().with(Assignment::new("solver.joint", 0.0).unwrap());
     let experiment = joints.apply(&experiment);
     let model = ModelError::new(&experiment, &repeats, &forecast, &[], &on(2)).unwrap();
@@ -149,7 +156,7 @@ fn a_robot_that_no_second_engine_runs_is_judged_by_its_own_and_the_reader_is_tol
 }
 
 #[test]
-fn what_may_be_off_grows_with_what_the_own_engines_part_by_and_with_what_the_robot_feels() {
+fn the_range_for_another_engine_grows_with_every_sign_of_sensitivity() {
     let calm = OwnEngines {
         own_m: 0.4,
         second_m: Some(0.4),
@@ -168,7 +175,7 @@ fn what_may_be_off_grows_with_what_the_own_engines_part_by_and_with_what_the_rob
         |known| known.relaxed_m = Some(0.1),
         |known| known.spread_m = 0.1,
         |known| known.sensitivity_m = 0.1,
-        // One that creeps is judged by robots that creep.
+        // A robot that moves slowly is compared with robots that move slowly, which have wider ranges.
         |known| {
             known.own_m = 0.05;
             (known.second_m, known.relaxed_m) = (Some(0.05), Some(0.05));
@@ -179,7 +186,7 @@ fn what_may_be_off_grows_with_what_the_own_engines_part_by_and_with_what_the_rob
         doubt(&mut doubted);
         assert!(share(&doubted) > share(&calm), "{doubted:?}");
     }
-    // Twice as far, twice the range.
+    // The range is proportional to the displacement.
     let twice = OwnEngines {
         own_m: 0.8,
         second_m: Some(0.8),
@@ -192,9 +199,9 @@ fn what_may_be_off_grows_with_what_the_own_engines_part_by_and_with_what_the_rob
     assert!(reaches(9.0) > 0.0);
 }
 
-/// Robots of seeds from which nothing was learned (docs/validation/ensembles.md).
+/// The robots come from seeds that were not used for learning (docs/validation/ensembles.md).
 #[test]
-fn of_robots_that_it_has_not_learned_from_as_many_runs_end_where_it_says_as_is_written() {
+fn the_coverage_for_robots_not_used_for_learning_is_as_documented() {
     let table = project().join("crates/lab/tests/golden/engines_judged.csv");
     let table = std::fs::read_to_string(table).unwrap();
     let robots: Vec<Judged> = Judged::table(&table).collect();
@@ -204,7 +211,7 @@ fn of_robots_that_it_has_not_learned_from_as_many_runs_end_where_it_says_as_is_w
         let other = OtherEngine::new(known);
         let [half, most] = [0.5, 0.9].map(|level| other.central(level));
         widths.push((most.high - most.low) / known.own_m);
-        // Success as the card has it, half of what is predicted without another engine.
+        // Success is defined as in the card: half of the displacement that the robot's own engine predicts.
         let least_m = 0.5 * known.own_m;
         for m in theirs_m {
             runs += 1;

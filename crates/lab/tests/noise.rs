@@ -1,4 +1,4 @@
-//! Noise in studies.
+//! The noise settings of studies.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -6,7 +6,7 @@ use realgap_lab::calibration::{Definition, Overrides};
 use realgap_simulation::Distribution;
 
 #[test]
-fn a_study_says_in_which_line_its_noise_is_wrong() {
+fn an_error_in_the_noise_of_a_study_has_its_line_number() {
     let folder = tempfile::tempdir().unwrap();
     let root = common::project().display();
     let path = common::study(
@@ -25,7 +25,7 @@ fn a_study_says_in_which_line_its_noise_is_wrong() {
 }
 
 #[test]
-fn shipped_studies_say_how_repeats_differ() {
+fn shipped_studies_have_noise_settings() {
     for name in ["tripod_floor", "tripod_self"] {
         let path = common::project().join(format!("sweeps/{name}.ron"));
         let definition = Definition::read_without_recordings(path, &Overrides::default()).unwrap();

@@ -1,4 +1,5 @@
-//! Odds of the pose that a toss ends in: what is certain stays certain, what is known is kept, and nothing depends on threads.
+//! Probabilities of the final pose of a toss: their calibration, their limit without noise, and their independence of the number of
+//! threads.
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
 use crate::common;
@@ -14,7 +15,7 @@ use realgap_robot::morphology::Morphology;
 use realgap_simulation::parameter::{Assignment, ParameterSet};
 use realgap_simulation::{Distribution, Experiment, Noise, Start, run};
 
-/// A cube that is thrown, with a spin of its own for every number.
+/// A cube that is thrown with a different spin for every number.
 fn toss(number: u32) -> Experiment {
     let robot = Morphology::read(project().join("morphologies/cube.ron")).unwrap();
     let mut experiment = Experiment::new(robot.assemble());
@@ -37,7 +38,7 @@ fn with_noise() -> Noise {
     }
 }
 
-/// A study of tosses that are our own, drawn with this noise.
+/// A study of simulated tosses whose starts are drawn with this noise.
 fn study(count: u32, noise: &Noise) -> Study {
     let robot = Morphology::read(project().join("morphologies/cube.ron")).unwrap();
     let mut builder = Study::builder("tosses", robot);
@@ -45,7 +46,7 @@ fn study(count: u32, noise: &Noise) -> Study {
         let thrown = toss(number);
         let drawn = noise.perturb(&thrown, 99, u64::from(number));
         let path: Trajectory = run(&drawn).unwrap().outcome.completed().unwrap();
-        // What is known of the start is what was intended.
+        // The recording states the intended start and not the perturbed one.
         let Start::State(known) = thrown.start else {
             panic!("thrown")
         };
@@ -59,7 +60,7 @@ fn study(count: u32, noise: &Noise) -> Study {
         .unwrap()
 }
 
-/// The path, its first sample as stated.
+/// The path with its first sample replaced by `first`.
 fn starting_as(path: &Trajectory, first: &State) -> Trajectory {
     let mut positions = path.positions_world_m().to_vec();
     let mut turns = path.orientations_world_from_body().unwrap().to_vec();
@@ -91,7 +92,7 @@ fn odds(study: &Study, noise: Noise, runs: usize, jobs: usize) -> realgap_core::
 }
 
 #[test]
-fn odds_of_ones_own_tosses_keep_what_they_promise_and_beat_one_run() {
+fn odds_of_simulated_tosses_are_calibrated_and_score_better_than_one_run() {
     let study = study(36, &with_noise());
     let found = odds(&study, with_noise(), 16, 2).unwrap();
     assert!(found.recordings >= 30, "{found}");
@@ -112,10 +113,11 @@ fn odds_of_ones_own_tosses_keep_what_they_promise_and_beat_one_run() {
 }
 
 #[test]
-fn without_noise_only_other_numerics_make_odds() {
+fn without_noise_the_odds_come_from_other_numerical_settings_only() {
     let study = study(3, &Noise::default());
     let found = odds(&study, Noise::default(), 1, 1).unwrap();
-    // One run with the study's own numerics is the run without noise: 7/6 of 2 for what happened, 1/12 for all else.
+    // The single run with the study's own numerical settings is the run without noise. The pose that occurred has a probability of
+    // 7/6 of 1/2, that is 7/12, and every other pose 1/12.
     for row in &found.rows {
         assert_eq!(row.one_run.as_ref(), Some(&row.real));
         assert!((row.probabilities[&row.real] - 7.0 / 12.0).abs() < 1e-12);
@@ -129,7 +131,7 @@ fn without_noise_only_other_numerics_make_odds() {
 }
 
 #[test]
-fn a_single_run_without_noise_is_off_as_evaluation_says() {
+fn a_single_run_without_noise_has_the_errors_of_an_evaluation() {
     let study = study(3, &Noise::default());
     let floor = Assignment::new("floor.friction", 0.3).unwrap();
     let (set, run) = (ParameterSet::from_iter([floor]), RunOptions::default());
@@ -155,7 +157,7 @@ fn odds_without_runs_are_refused() {
 }
 
 #[test]
-fn what_a_fit_left_open_takes_odds_from_what_seemed_certain() {
+fn an_uncertain_fit_spreads_the_odds_over_more_poses() {
     let odds_of = |drawn: &[f64]| {
         let bounce = |value: &f64| Assignment::new("floor.restitution", *value).unwrap();
         let drawn = drawn

@@ -1,4 +1,5 @@
-//! The shipped stand-in was made from known floor values: the sweep must find them, and say what it cannot find.
+//! The shipped stand-in was simulated with known floor parameters: the sweep must find the friction, and must report the
+//! restitution, which the recordings do not determine, as not determined.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -10,11 +11,11 @@ const FRICTION: f64 = 0.43;
 const RESTITUTION: f64 = 0.36;
 
 #[test]
-fn the_hidden_floor_lies_in_the_indistinguishable_set() {
-    if !common::is_long_run("a sweep and a hidden floor") {
+fn the_true_floor_parameters_lie_in_the_indistinguishable_set() {
+    if !common::is_long_run("a sweep for known floor parameters") {
         return;
     }
-    // Every second point of the shipped grid; the hidden values are among them.
+    // Every second point of the shipped grid, which includes the true values.
     let overrides = Overrides {
         points: Some(11),
         ..Overrides::default()
@@ -34,14 +35,14 @@ fn the_hidden_floor_lies_in_the_indistinguishable_set() {
         .points
         .iter()
         .position(|point| point.values == [FRICTION, RESTITUTION])
-        .expect("the hidden values are points of the grid");
+        .expect("the true values are a point of the grid");
     let best = &result.scores.points[result.scores.best.unwrap()];
     assert!(
         uncertainty.indistinguishable[truth],
-        "hidden values score {:?}, best {:?} at {:?}",
+        "the true values score {:?}, best {:?} at {:?}",
         result.scores.points[truth].score, best.score, best.values
     );
-    // The set says something: it is not simply everything.
+    // The set is informative: it contains only a small part of the grid.
     let size = uncertainty
         .indistinguishable
         .iter()
@@ -49,9 +50,9 @@ fn the_hidden_floor_lies_in_the_indistinguishable_set() {
         .filter(|is_in| **is_in)
         .count();
     assert!(size < 25, "{size} of 121");
-    // Friction is found to within a step of this coarse grid, by an interval that holds it and is half of the range at
-    // most (0.41; the method before, which also stated parameters that do nothing, came to less than 0.32); restitution is
-    // honestly not determined.
+    // Friction is found to within a step of this coarse grid, and its interval holds the truth and is at most half as long as the
+    // range. (The length is 0.41. An earlier method came to less than 0.32, but it also called parameters without effect
+    // determined.) Restitution is reported as not determined.
     assert!(
         (best.values[0] - FRICTION).abs() <= 0.095 + 1e-12,
         "{:?}",

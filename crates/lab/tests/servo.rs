@@ -1,4 +1,4 @@
-//! The shipped servo and the recorded one.
+//! Compares the shipped model of a servo with recordings of the real servo.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;

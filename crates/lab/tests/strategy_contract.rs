@@ -1,4 +1,4 @@
-//! Every operator and selection keeps its contract, and strategies are pure functions of the history.
+//! The contract of every operator, selection and strategy: children are valid, and strategies are pure functions of the history.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
@@ -40,7 +40,7 @@ proptest! {
     }
 
     #[test]
-    fn at_rate_0_the_first_parent_comes_back(seed in any::<u64>(), a in 1..=6_usize, b in 1..=6_usize) {
+    fn at_rate_0_the_child_equals_the_first_parent(seed in any::<u64>(), a in 1..=6_usize, b in 1..=6_usize) {
         let (first, second) = (parent(a, seed), parent(b, seed ^ 1));
         for operator in OPERATORS {
             let child = operator.vary(&first, &second, &params(0.0, 0.5), &mut generator(seed, 1));
@@ -49,7 +49,7 @@ proptest! {
     }
 
     #[test]
-    fn a_selection_picks_one_of_those_there_are(
+    fn a_selection_picks_a_valid_index_and_the_same_for_the_same_seed(
         fitness in prop::collection::vec(prop_oneof![any::<f64>(), Just(f64::NAN), Just(f64::NEG_INFINITY)], 1..20),
         seed in any::<u64>(),
     ) {
@@ -76,14 +76,14 @@ fn at_rate_1_every_operator_changes_something() {
 }
 
 #[test]
-fn gaussian_changes_as_many_numbers_as_the_rate_says_and_by_as_much() {
+fn gaussian_mutation_has_the_stated_rate_and_standard_deviation() {
     let first = parent(5, 3);
     let operator = operator_named("gaussian").unwrap();
     let (mut changed, mut squares) = (0_u32, 0.0);
     for seed in 0..400 {
         let child = operator.vary(&first, &first, &params(0.2, 0.01), &mut generator(seed, 0));
         for (a, b) in first.genes().iter().zip(child.genes()) {
-            // Away from the ends, where a change is folded back.
+            // Only values away from the ends of the range are counted, because near an end a change is folded back.
             for locus in Locus::ALL {
                 let (a, b) = (a.get(locus), b.get(locus));
                 if (0.1..0.9).contains(&a) {
@@ -108,8 +108,9 @@ fn gaussian_changes_as_many_numbers_as_the_rate_says_and_by_as_much() {
 }
 
 #[test]
-fn selections_prefer_the_fitter_by_as_much_as_they_say() {
-    // Best, middle, failure. Tournament of two of three: 5/9, 3/9, 1/9; linear rank: 3/6, 2/6, 1/6.
+fn selections_pick_each_rank_with_its_stated_probability() {
+    // The best robot, a middle one and a failure. Probabilities of a tournament of two of three: 5/9, 3/9, 1/9; of linear rank:
+    // 3/6, 2/6, 1/6.
     let fitness = [2.0, 1.0, f64::NEG_INFINITY];
     for (name, expected) in [
         ("tournament", [5.0 / 9.0, 3.0 / 9.0, 1.0 / 9.0]),
@@ -128,7 +129,7 @@ fn selections_prefer_the_fitter_by_as_much_as_they_say() {
 }
 
 #[test]
-fn unknown_names_and_useless_settings_are_refused() {
+fn unknown_names_and_invalid_settings_are_refused() {
     let unknown = operator_named("sawing").err().unwrap().to_string();
     assert!(
         unknown.contains("sawing") && unknown.contains("one-point"),
@@ -185,7 +186,7 @@ fn unknown_names_and_useless_settings_are_refused() {
     assert!(error.contains("archive without descriptors"), "{error}");
 }
 
-/// A fitness without physics: near 0.7 in every number, and every tenth robot fails.
+/// A fitness without physics: the best genome has 0.7 in every number, and a robot fails where its first number is below 0.1.
 fn evaluate(genome: &Genome) -> Evaluated {
     let numbers = || genome.genes().iter().flat_map(|gene| gene.values());
     let distance: f64 =
@@ -231,7 +232,7 @@ fn map_elites() -> MapElites {
     }
 }
 
-/// A search by this strategy, of a size that a test can follow to its end.
+/// A search by this strategy that is small enough to run to its end in a test.
 fn small(name: &str) -> Search {
     let root = common::project().display();
     let gait = format!(
@@ -250,14 +251,14 @@ fn small(name: &str) -> Search {
             gait.as_str(),
         ),
         "CmaEs" => ("evaluations: 45, genes: [\"amplitude\", \"phase\"]", gait.as_str()),
-        other => panic!("no settings of {other}: give the contract some"),
+        other => panic!("this test has no settings of the strategy {other}: add some to `small`"),
     };
     let text = format!("Search(duration_s: 1.0, strategy: {name}({settings}), {start})");
     Search::parse(&Source::new("contract.ron", text), &Overrides::default()).unwrap()
 }
 
 #[test]
-fn every_strategy_says_who_it_is_and_spends_its_budget() {
+fn every_strategy_has_a_unique_name_and_uses_its_whole_budget() {
     let mut names = Vec::new();
     for kind in STRATEGIES {
         let search = small(kind);
@@ -276,7 +277,7 @@ fn every_strategy_says_who_it_is_and_spends_its_budget() {
                 assert!((0.0..=1.0).contains(value), "{kind}: {value}");
             }
         }
-        // An archive has the axes that the strategy asks to be described.
+        // The axes of an archive are the descriptors that the strategy requests.
         if let Some(archive) = strategy.archive(&history).unwrap() {
             let axes: Vec<&str> = archive.axes().iter().map(|a| a.name.as_str()).collect();
             assert_eq!(axes, strategy.descriptors(), "{kind}");
@@ -285,7 +286,7 @@ fn every_strategy_says_who_it_is_and_spends_its_budget() {
 }
 
 #[test]
-fn a_search_cut_off_anywhere_goes_on_as_if_nothing_had_happened() {
+fn a_search_resumed_after_any_evaluation_proposes_the_same_robots() {
     for kind in STRATEGIES {
         let search = small(kind);
         let strategy = search.strategy();
@@ -311,7 +312,7 @@ fn a_search_cut_off_anywhere_goes_on_as_if_nothing_had_happened() {
 }
 
 #[test]
-fn a_strategy_whose_robots_all_fail_goes_on_to_its_end() {
+fn a_strategy_whose_robots_all_fail_still_uses_its_whole_budget() {
     for kind in STRATEGIES {
         let search = small(kind);
         let strategy = search.strategy();
@@ -332,7 +333,7 @@ fn a_strategy_whose_robots_all_fail_goes_on_to_its_end() {
 }
 
 #[test]
-fn a_history_written_as_json_is_read_back_to_the_bit_and_checked() {
+fn a_history_written_as_json_is_read_back_exactly_and_invalid_genomes_are_refused() {
     let evolution = Evolution::default();
     let whole = follow(&evolution);
     let text = serde_json::to_string(&whole).unwrap();
@@ -382,7 +383,7 @@ fn evolution_beats_random_search_on_a_smooth_fitness() {
 }
 
 #[test]
-fn who_is_tried_again_is_its_first_parent() {
+fn a_robot_that_is_evaluated_again_is_its_own_only_parent() {
     let strategy = MapElites {
         again: 1.0,
         selection: Some("rank".to_owned()),

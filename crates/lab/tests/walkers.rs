@@ -1,7 +1,7 @@
-//! Does the shipped search find walkers, and more of them than chance? Its table, made again.
+//! Compares the shipped search for walking robots with a random search of equal CPU time, and prints the table again.
 //!
 //! `WALKER_SEEDS=10 cargo test --release -p realgap-lab --test main the_table_of_walkers -- --ignored --nocapture`, with
-//! `WALKER_ROBOTS=40` for searches of so many robots. The finalists of a seed: `realgap search sweeps/best_robot.ron --seed N`.
+//! `WALKER_ROBOTS=40` for searches of 40 robots. The finalists of a seed: `realgap search sweeps/best_robot.ron --seed N`.
 
 use std::path::Path;
 
@@ -37,7 +37,7 @@ fn search(path: &Path, text: &str, seed: usize) -> Search {
     Search::parse(&Source::new(path, text.to_owned()), &overrides).unwrap()
 }
 
-/// The text without the line that begins with this.
+/// The text without the lines that begin with `begins`.
 fn without(text: &str, begins: &str) -> String {
     let lines = text
         .lines()
@@ -71,20 +71,21 @@ fn the_table_of_walkers() {
             .and_then(|robot| robot.fitness())
             .unwrap_or(0.0);
         let spent_s = cpu_s() - started_s;
-        // The same judges, objective and ranges; bodies and gaits as they are drawn.
+        // The random search has the same evaluation, objective and ranges, and uses random bodies and gaits without tuning the
+        // gait.
         let plain = search(&path, &without(&text, "gait:"), seed);
-        let (mut luck, mut count) = (0.0_f64, 0);
+        let (mut best_random, mut count) = (0.0_f64, 0);
         let started_s = cpu_s();
         while cpu_s() - started_s < spent_s {
             let mut rng = generator(seed as u64, (1 << 20) + count as u64);
             let genome = Variation::default().random(&mut rng).unwrap();
             let fitness = plain.evaluate(count, &genome).unwrap().fitness();
-            luck = luck.max(fitness.unwrap_or(0.0));
+            best_random = best_random.max(fitness.unwrap_or(0.0));
             count += 1;
         }
-        println!("{seed} | {best:.3} m | {spent_s:.0} | {luck:.3} m | {count}");
+        println!("{seed} | {best:.3} m | {spent_s:.0} | {best_random:.3} m | {count}");
         found.push(best);
-        drawn.push(luck);
+        drawn.push(best_random);
     }
     let test = mann_whitney(&found, &drawn).unwrap();
     println!(

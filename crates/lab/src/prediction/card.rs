@@ -23,7 +23,7 @@ const NOT_COVERED: [&str; 4] = [
     "a robot that differs from its description",
     "a floor that is uneven or wears",
     "flexible parts, cables and batteries",
-    "what nobody wrote into the noise",
+    "disturbances that the noise settings do not contain",
 ];
 
 /// Which net displacement counts as success.
@@ -127,9 +127,9 @@ pub struct Finals {
     pub unit: Unit,
     /// Fitness with the draws of the search: it is the fitness of a winner and therefore too high.
     pub search_fitness: Option<f64>,
-    /// Fitness with new draws; `None` where a repeat diverged.
+    /// Fitness with fresh seeds; `None` where a repeat diverged.
     pub fitness: Option<f64>,
-    /// Cost of transport with new draws; `None` where the robot goes nowhere or no servo gives energy.
+    /// Cost of transport with fresh seeds; `None` where the robot goes nowhere or no servo gives energy.
     pub economy: Option<CostOfTransport>,
     /// The robot under other solver settings.
     pub reruns: Vec<Rerun>,
@@ -337,7 +337,7 @@ impl fmt::Display for Finals {
         };
         write!(
             f,
-            "  rank              {}, {}: {} in the search, {} with new draws",
+            "  rank              {}, {}: {} in the search, {} with fresh seeds",
             self.rank,
             self.objective,
             fitness(self.search_fitness),

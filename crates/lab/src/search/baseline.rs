@@ -14,9 +14,9 @@ use realgap_optimization::{RunOptions, pool};
 pub struct Baseline {
     /// Its name.
     pub robot: String,
-    /// Fitness with new draws; `None` where the robot failed.
+    /// Fitness with fresh seeds; `None` where the robot failed.
     pub fitness: Option<f64>,
-    /// Median net displacement with new draws, metres; `None` where every repeat diverged.
+    /// Median net displacement with fresh seeds, metres; `None` where every repeat diverged.
     pub median_displacement_m: Option<f64>,
     /// 5 % and 95 % quantile of it, metres.
     pub displacement_q05_q95_m: Option<[f64; 2]>,
@@ -25,7 +25,7 @@ pub struct Baseline {
 }
 
 impl Baseline {
-    /// The factor by which a finalist's fitness with new draws is larger; `None` where either has none, or where the baseline's
+    /// The factor by which a finalist's fitness with fresh seeds is larger; `None` where either has none, or where the baseline's
     /// is 0.
     pub fn gain(&self, finalist: &Finalist) -> Option<f64> {
         let before = self.fitness.filter(|fitness| *fitness > 0.0)?;

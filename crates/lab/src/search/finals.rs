@@ -45,7 +45,7 @@ pub struct Finalist {
     pub evaluated: EvaluatedRobot,
     /// The robot.
     pub robot: Morphology,
-    /// Repeats with new draws.
+    /// Repeats with fresh seeds.
     pub ensemble: Ensemble,
     /// Its rank, and how it did under other settings.
     pub finals: Finals,
@@ -123,7 +123,7 @@ impl Search {
         Ok(best)
     }
 
-    /// Judges the best robots again and ranks them: survivors of the reruns first, by the fitness with new draws. The progress is
+    /// Judges the best robots again and ranks them: survivors of the reruns first, by the fitness with fresh seeds. The progress is
     /// that of the finalists.
     ///
     /// # Errors
@@ -282,8 +282,8 @@ impl Search {
     }
 }
 
-/// Ranks finalists: survivors of every rerun first, by the fitness with new draws. The draws by which a robot was chosen do not
-/// count.
+/// Ranks finalists: survivors of every rerun first, by the fitness with fresh seeds. The seeds with which a robot was chosen
+/// do not count.
 pub fn rank(mut finalists: Vec<Finalist>) -> Vec<Finalist> {
     finalists.sort_by(|a, b| {
         let key = |f: &Finalist| f.finals.fitness.unwrap_or(f64::NEG_INFINITY);

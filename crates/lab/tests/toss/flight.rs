@@ -1,4 +1,4 @@
-//! What was hidden in stand-in tosses is found again in their flight.
+//! The hidden parameters of stand-in tosses are identified from the flight before contact.
 
 use nalgebra::Vector3;
 use realgap_identification::{Body, LengthReading, StartState, fit_flight, identify, refine};
@@ -58,7 +58,7 @@ fn offset_length_scale_and_lag_are_recovered_from_noisy_recordings() {
 }
 
 #[test]
-fn read_as_gravity_the_same_data_give_gravity() {
+fn the_reading_gravity_identifies_gravity_instead_of_a_length_scale() {
     let mut moon = cube();
     moon.gravity_m_s2 = 8.0;
     let recordings: Vec<_> = tosses(&moon, &EXACT, 20)
@@ -71,7 +71,7 @@ fn read_as_gravity_the_same_data_give_gravity() {
 }
 
 #[test]
-fn a_model_that_is_right_is_not_contradicted() {
+fn a_correct_model_is_not_contradicted() {
     let tracker = Tracker {
         length_scale: 1.0,
         noise_m: 5e-5,
@@ -82,7 +82,8 @@ fn a_model_that_is_right_is_not_contradicted() {
         .map(|t| t.recording)
         .collect();
     let found = identify(&heavy_bottom(), &recordings, LengthReading::LengthScale, 1).unwrap();
-    // Each interval misses the truth one time in twenty; half a millimetre off would be another matter.
+    // Each 95 % interval misses the truth one time in twenty, so one warning is allowed. The estimates below must still be exact
+    // to 0.5 mm.
     let wrong = found
         .warnings
         .iter()
@@ -94,7 +95,7 @@ fn a_model_that_is_right_is_not_contradicted() {
 }
 
 #[test]
-fn the_flight_tells_the_start_better_than_the_first_sample() {
+fn a_start_fitted_to_the_flight_is_nearer_to_the_truth_than_the_first_sample() {
     let robot = heavy_bottom();
     let tracker = Tracker {
         length_scale: 1.0,
@@ -116,7 +117,7 @@ fn the_flight_tells_the_start_better_than_the_first_sample() {
 }
 
 #[test]
-fn half_a_sample_of_gravity_is_taken_off_a_backward_difference() {
+fn the_half_sample_correction_removes_the_gravity_error_of_a_backward_difference() {
     let toss = &tosses(&cube(), &EXACT, 1)[0];
     let motion = &toss.recording.trajectory;
     let mut experiment = cube();
@@ -131,7 +132,7 @@ fn half_a_sample_of_gravity_is_taken_off_a_backward_difference() {
         (first.velocity_world_m_s.z - toss.truth.velocity_world_m_s.z).abs(),
         (state.velocity_world_m_s.z - toss.truth.velocity_world_m_s.z).abs(),
     );
-    // What remains is the half substep by which the integrator's own positions lag its velocities.
+    // The remaining error is half a substep, by which the integrator's own positions lag its velocities.
     let solver = cube().solver;
     let integrator = 9.81 * (0.5 / RATE_HZ / solver.substeps as f64) / 2.0;
     let half_sample = 9.81 * 0.5 / RATE_HZ;
@@ -145,7 +146,7 @@ fn half_a_sample_of_gravity_is_taken_off_a_backward_difference() {
 }
 
 #[test]
-fn what_never_flies_is_said_not_guessed() {
+fn recordings_without_a_flight_are_reported_and_not_used() {
     let mut all: Vec<_> = tosses(&cube(), &EXACT, 10)
         .into_iter()
         .map(|t| t.recording)

@@ -1,4 +1,4 @@
-//! Stories of tossed cubes: identification before contact, start states, evaluation, length scale, round edges.
+//! Tests with tossed cubes: identification before contact, start states, evaluation, length scale, round edges.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod flight;

@@ -1,4 +1,4 @@
-//! The real tosses, where they are present.
+//! Tests with the recorded tosses of a real cube; they are skipped where the data are absent.
 
 use realgap_identification::{LengthReading, StartState, identify};
 use realgap_lab::calibration::{Definition, Overrides, Part, Study, read_parameters};
@@ -7,7 +7,7 @@ use realgap_simulation::parameter::ParameterSet;
 
 use super::standin::study;
 
-/// The glob of the real tosses; says so where they are absent.
+/// The glob of the real tosses. Where they are absent, this prints that the test is skipped and returns `None`.
 #[allow(clippy::print_stderr)]
 fn recordings(test: &str) -> Option<String> {
     let folder = crate::common::project().join("../shared/data/cube_tosses");
@@ -19,7 +19,7 @@ fn recordings(test: &str) -> Option<String> {
 }
 
 #[test]
-fn the_real_cube_is_heavy_below_and_its_recordings_are_short() {
+fn the_real_cube_has_a_low_centre_of_mass_and_recordings_with_a_length_scale_below_1() {
     let Some(glob) = recordings("identification of the real cube") else {
         return;
     };
@@ -66,7 +66,7 @@ fn the_real_cube_is_heavy_below_and_its_recordings_are_short() {
 }
 
 #[test]
-fn the_committed_fit_reaches_the_goal_on_tosses_it_has_not_seen() {
+fn the_committed_fit_reaches_the_goal_on_held_out_tosses() {
     let Some(glob) = recordings("held-out errors of the committed fit") else {
         return;
     };

@@ -1,4 +1,4 @@
-//! Recordings of another length scale: divided by it, everything is as if they had been right.
+//! Recordings with a wrong length scale: when the study states that scale, all results are those of recordings with true lengths.
 
 use std::path::Path;
 
@@ -36,7 +36,7 @@ fn study(folder: &Path, glob: &str, metric: &str, start: StartState, scale: &str
 }
 
 #[test]
-fn scores_and_errors_are_those_of_true_lengths() {
+fn recordings_divided_by_their_length_scale_give_the_scores_and_errors_of_true_lengths() {
     let half = Tracker {
         length_scale: 0.5,
         ..EXACT
@@ -94,7 +94,7 @@ fn scores_and_errors_are_those_of_true_lengths() {
 }
 
 #[test]
-fn a_scale_that_is_not_set_right_changes_the_run() {
+fn a_wrong_length_scale_changes_the_errors() {
     let folder = tempfile::tempdir().unwrap();
     let glob = write(folder.path(), &tosses(&cube(), &EXACT, 2));
     let mean = |scale: &str| {
@@ -108,7 +108,7 @@ fn a_scale_that_is_not_set_right_changes_the_run() {
 }
 
 #[test]
-fn a_walker_or_a_settled_start_has_no_flight_to_start_from() {
+fn a_start_from_the_flight_is_refused_for_a_walker_and_for_a_settled_start() {
     let folder = tempfile::tempdir().unwrap();
     let glob = write(folder.path(), &tosses(&cube(), &EXACT, 1));
     let path = folder.path().join("walker.ron");

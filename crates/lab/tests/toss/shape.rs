@@ -1,4 +1,4 @@
-//! Round edges: they change how a cube rolls, and a cube cannot be rounder than a ball.
+//! Rounded edges: they change how a cube rolls, and their radius can be at most half of the cube's side.
 
 use realgap_simulation::parameter::by_name;
 use realgap_simulation::{Experiment, Start, run};
@@ -11,7 +11,7 @@ fn end_m(experiment: &Experiment) -> nalgebra::Vector3<f64> {
 }
 
 #[test]
-fn a_round_cube_lands_elsewhere_but_rests_at_the_same_height() {
+fn a_cube_with_rounded_edges_stops_elsewhere_but_rests_at_the_same_height() {
     let mut sharp = cube();
     sharp.start = Start::State(tosses(&cube(), &EXACT, 1)[0].truth);
     sharp.duration_s = 3.0;
@@ -27,7 +27,7 @@ fn a_round_cube_lands_elsewhere_but_rests_at_the_same_height() {
 }
 
 #[test]
-fn a_cube_rounder_than_a_ball_is_refused_with_its_limit() {
+fn an_edge_radius_above_half_of_the_side_is_refused_with_the_limit() {
     let round = by_name("body.edge_radius_m")
         .unwrap()
         .apply(&cube(), 0.06)

@@ -1,5 +1,5 @@
-//! Tosses made by the crate itself, recorded as a real tracker would: noise, another length, late velocities.
-#![allow(dead_code, reason = "every test binary uses its own part")]
+//! Simulated tosses, recorded as a real tracker would record them: with noise, a wrong length scale and late velocities.
+#![allow(dead_code, reason = "not every test uses all of it")]
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ pub fn cube() -> Experiment {
     Experiment::new(Morphology::read(path).unwrap().assemble())
 }
 
-/// What the tracker does to the truth.
+/// The errors that the tracker adds to the truth.
 pub struct Tracker {
     pub length_scale: f64,
     pub noise_m: f64,
@@ -33,7 +33,7 @@ pub const EXACT: Tracker = Tracker {
     noise_rad: 0.0,
 };
 
-/// A toss: the truth from its first sample, and what the tracker wrote down.
+/// A toss: the true state at the first recorded sample, and the tracker's recording.
 pub struct Toss {
     pub truth: State,
     pub recording: Recording,
@@ -46,7 +46,7 @@ pub fn tosses(robot: &Experiment, tracker: &Tracker, count: u64) -> Vec<Toss> {
 fn toss(robot: &Experiment, tracker: &Tracker, seed: u64) -> Toss {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut draw = |sd: f64| Vector3::from_fn(|_, _| sd * normal(&mut rng));
-    // One sample earlier than the recording begins, so that there is a difference to be taken.
+    // The throw is one sample earlier than the recording, so that the first recorded velocity can be a backward difference.
     let thrown = State {
         position_world_m: Vector3::new(0.0, 0.0, 0.28),
         orientation_world_from_body: UnitQuaternion::from_scaled_axis(draw(1.5)),

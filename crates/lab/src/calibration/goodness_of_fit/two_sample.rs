@@ -196,7 +196,7 @@ mod tests {
     /// bends it by `off`, repeats it with `real_spread`, and goes sideways by `aside_m` more.
     fn rejected(spread: f64, off: f64, real_spread: f64, aside_m: f64, recordings: usize) -> usize {
         let mut rng = Generator::seed_from_u64(3);
-        let told = (0..100).filter(|_| {
+        let alarms = (0..100).filter(|_| {
             let mut bend =
                 || -> f64 { 0.01 * Distribution::<f64>::sample(&StandardNormal, &mut rng) };
             let bends: Vec<f64> = (0..NEAR).map(|_| bend()).collect();
@@ -211,12 +211,12 @@ mod tests {
             let sets: Vec<Vec<&Prepared>> = sets.iter().map(|set| set.iter().collect()).collect();
             rank(&real.iter().collect::<Vec<_>>(), &sets) < 0.05
         });
-        told.count()
+        alarms.count()
     }
 
     /// At one false alarm in twenty, more than 11 of 100 occur with a probability of 1 %.
     #[test]
-    fn a_reality_among_the_points_is_one_more_set_however_much_repeats_differ() {
+    fn a_reality_drawn_like_the_points_is_seldom_rejected_whatever_the_spread_of_repeats() {
         for (spread, recordings) in [(0.001, 3), (0.01, 3), (0.01, 10), (0.05, 10)] {
             let alarms = rejected(spread, 0.0, spread, 0.0, recordings);
             assert!(alarms <= 11, "{spread} {recordings}: {alarms}");
@@ -224,8 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reality_that_repeats_itself_otherwise_is_told_from_all_though_each_run_might_be_one_of_it()
-    {
+    fn a_reality_whose_repeats_spread_differently_is_rejected_even_where_each_single_run_fits() {
         // Reality repeats ten times as well as the model, in the middle of the model's runs.
         assert!(rejected(0.03, 0.0, 0.003, 0.0, 10) >= 90);
         // A reality that lies beyond the model's runs.
@@ -234,8 +233,8 @@ mod tests {
 
     /// The power is below 100 %, because the positions have a rank, too, and it is uniform here.
     #[test]
-    fn a_reality_with_strides_of_its_own_is_mostly_told_though_its_ways_lie_where_all_others_lie() {
-        let told = rejected(0.05, 0.0, 0.05, 0.006, 10);
-        assert!(told >= 75, "{told}");
+    fn a_reality_with_other_strides_is_mostly_rejected_even_where_its_mean_path_is_typical() {
+        let alarms = rejected(0.05, 0.0, 0.05, 0.006, 10);
+        assert!(alarms >= 75, "{alarms}");
     }
 }

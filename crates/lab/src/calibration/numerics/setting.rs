@@ -239,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn a_large_map_asks_the_dear_engine_half_as_often_and_every_setting_of_it_alike() {
+    fn a_large_map_runs_the_expensive_engine_half_as_often_and_equally_often_with_each_setting() {
         let both = of_both();
         let large = Settings {
             of_map: LARGE_MAP,

@@ -27,9 +27,9 @@ pub struct BestRobot {
     pub servos: usize,
     /// This is the fitness with the draws of the search.
     pub search_fitness: Option<f64>,
-    /// This is the fitness with new draws.
+    /// This is the fitness with fresh seeds.
     pub fitness: Option<f64>,
-    /// Median net displacement with new draws, metres.
+    /// Median net displacement with fresh seeds, metres.
     pub median_displacement_m: Option<f64>,
     /// 5 % and 95 % quantile of it, metres.
     pub displacement_q05_q95_m: Option<[f64; 2]>,

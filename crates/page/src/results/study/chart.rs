@@ -66,7 +66,7 @@ fn nearest(values: &[f64], value: f64) -> usize {
         .unwrap_or(0)
 }
 
-/// Longer sides would have cells that nobody can point at.
+/// The most values on one side of a heat map. With more values, the cells are too small to point at with a mouse.
 const CELLS_AT_MOST: usize = 200;
 
 /// The values of both parameters of a sweep; `None` where the first `on_grid` points are no complete grid of two parameters.
