@@ -115,7 +115,9 @@ fn a_sweep_of_many_robots_in_shards_leaves_the_bytes_of_one_machine() {
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
     let page = folder.path().join("sweep_plan/results/report.html");
     let page = std::fs::read_to_string(page).unwrap();
-    let (_, table) = page.rsplit_once("In how many robots").unwrap();
+    let (_, table) = page
+        .rsplit_once("How many robots do what was recorded")
+        .unwrap();
     let (table, _) = table.split_once("</table>").unwrap();
     let rows: Vec<&str> = table.split("<tr>").skip(2).collect();
     let kinds = ["within_floor", "alike", "goes_nowhere", "other_path"];
