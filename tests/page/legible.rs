@@ -209,12 +209,12 @@ fn the_answer_is_seen_without_scrolling_and_contents_stand_beside_it() {
     ];
     run(&[&gap[..], &["-o", out.to_str().unwrap()]].concat());
     open(&mut browser, &out.join("report.html"));
-    // The p value for drawn alike stands next to the name of the metric, also on a phone.
+    // The test of whether both come from one distribution stands beside the name of the metric, on a phone, too.
     let seen = "[...document.querySelectorAll('#metrics td:nth-child(2)')].every(cell => { \
         const scroll = cell.closest('.scroll').getBoundingClientRect(), box = cell.getBoundingClientRect(); \
         return box.right <= Math.min(scroll.right, innerWidth) && box.left >= scroll.left; })";
     let head = "document.querySelector('#metrics th:nth-child(2)').textContent";
-    assert_eq!(browser.value(head), json!("drawn alike? p"));
+    assert_eq!(browser.value(head), json!("same distribution? p"));
     let beside = "document.querySelector('.contents').getBoundingClientRect().right <= document.querySelector('main').getBoundingClientRect().left";
     for width in [390, 1100, 1440] {
         browser.look([width, 900], false);

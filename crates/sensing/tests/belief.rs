@@ -64,7 +64,7 @@ fn beliefs_from_a_log_of_the_same_sensor_overlap_and_those_of_another_sensor_do_
     let error = BeliefReport::new(&ultrasonic, Some(&wrong), &options)
         .unwrap_err()
         .to_string();
-    assert!(error.contains("other units"), "{error}");
+    assert!(error.contains("different units"), "{error}");
 }
 
 #[test]

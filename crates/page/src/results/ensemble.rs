@@ -94,7 +94,7 @@ pub fn write_prediction(folder: &Path, card: &Card, ensemble: &Ensemble) -> Resu
         summary: &card.prediction,
         real_paths_m: Vec::new(),
         real_label: Source::Real.reality_label(),
-        title: format!("{}: what it will do", card.robot),
+        title: format!("{}: prediction", card.robot),
     };
     make(folder)?;
     publish(folder, Kind::Prediction, |draft| {

@@ -14,13 +14,13 @@ use realgap_store::{FolderLock, STORE_FILE};
 /// A file that has changed or is gone; a folder without check sums.
 pub fn check_seal(folder: &Path) -> Result<()> {
     let Some(seal) = Seal::read(folder)? else {
-        return Err(
-            Error::conflict("nothing says that these files are what was written")
-                .at_file(folder)
-                .found(format!("no {SEAL_FILE}"))
-                .hint("run the command that writes the folder to its end")
-                .advise(Advice::AcceptFiles),
-        );
+        return Err(Error::conflict(
+            "the folder has no check sums, so its files cannot be verified",
+        )
+        .at_file(folder)
+        .found(format!("no {SEAL_FILE}"))
+        .hint("run the command that writes the folder to its end")
+        .advise(Advice::AcceptFiles));
     };
     // The page is made from the other files, and can be made without `page.json`.
     seal.check(folder, |name| file::PAGE.contains(&name))
@@ -73,7 +73,7 @@ pub fn check_folder(folder: &Path, kind: Kind) -> Result<()> {
     match files.find(|name| name.to_str().is_some_and(|name| kind.has(name))) {
         None => Ok(()),
         Some(name) => Err(Error::conflict(
-            "this file would be replaced, and nothing says that this program wrote it",
+            "this file would be replaced, and it may not be a result of this program",
         )
         .at_file(folder.join(name))
         .hint("move it away")

@@ -1,4 +1,4 @@
-//! The reliability diagram of odds.
+//! The reliability diagram of predicted probabilities.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use realgap_core::error::Result;
 use realgap_core::unit::Unit;
 use realgap_lab::prediction::Odds;
 
-/// Draws how often poses happened over the probability that they were given, with 95 % intervals.
+/// Draws how often poses occurred over the probability that was predicted for them, with 95 % intervals.
 ///
 /// # Errors
 /// A path that is no picture's, a full disk.
@@ -20,8 +20,8 @@ pub fn draw_odds(odds: &Odds, name: &str, path: &Path) -> Result<()> {
     let kind = SeriesKind::Band(high.collect());
     let ends = vec![(0.0, 0.0), (1.0, 1.0)];
     let low = along(|observed| observed.low).collect();
-    let happened = along(|observed| observed.share).collect();
-    let title = format!("{name}: do odds keep what they promise?");
+    let observed = along(|observed| observed.share).collect();
+    let title = format!("{name}: are the predicted probabilities reliable?");
     let subtitle = format!(
         "{} recordings, {} runs each; Brier score {:.3}; bands are 95 % intervals",
         odds.recordings, odds.runs, odds.brier.mean
@@ -30,12 +30,12 @@ pub fn draw_odds(odds: &Odds, name: &str, path: &Path) -> Result<()> {
         y_range: Some((0.0, 1.0)),
         ..LinePlot::new(
             Caption::new(title, subtitle),
-            AxisSpec::new("probability given to a pose", Unit::One),
-            ("share that ended in it", Unit::One),
+            AxisSpec::new("predicted probability of a pose", Unit::One),
+            ("share of runs that ended in the pose", Unit::One),
             vec![
                 Series::new("95 % interval", kind, low),
-                Series::new("as promised", SeriesKind::Level, ends),
-                Series::new("happened", SeriesKind::Dots, happened),
+                Series::new("perfectly reliable", SeriesKind::Level, ends),
+                Series::new("observed share", SeriesKind::Dots, observed),
             ],
         )
     };

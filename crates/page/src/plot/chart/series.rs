@@ -29,7 +29,7 @@ pub enum SeriesKind {
     Dashed,
 }
 
-/// One series of a [`LinePlot`].
+/// One series of a [`LinePlot`](crate::plot::LinePlot).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     /// Text of the legend.

@@ -107,7 +107,7 @@ fn metrics(report: &GapSummary) -> String {
         })
     });
     noted(
-        "metric | drawn alike? p | gap ratio (95 %) | gap (95 %) | noise floor (95 %)",
+        "metric | same distribution? p | gap ratio (95 %) | gap (95 %) | noise floor (95 %)",
         rows,
         "A ratio of 1 means that the simulation is, on average, as far from a recording as another recording is. The p value tests whether simulations and recordings come from one distribution. More recorded repeats narrow the noise floor, from which most of the width of these intervals comes.",
     )
@@ -166,7 +166,7 @@ fn displacement(report: &GapSummary) -> String {
         return String::new();
     };
     titled(
-        "drawn alike? p (Mann-Whitney) | p (Kolmogorov-Smirnov) | recorded, mean | simulated, mean",
+        "same distribution? p (Mann-Whitney) | p (Kolmogorov-Smirnov) | recorded, mean | simulated, mean",
         [vec![
             number(found.mann_whitney.p_value),
             number(found.kolmogorov_smirnov.p_value),

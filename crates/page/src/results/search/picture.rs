@@ -13,7 +13,7 @@ use realgap_core::statistics::mean;
 use realgap_core::unit::{Unit, counted};
 use realgap_lab::search::{Archive, Finalist, Search, SearchResults, descriptor_named};
 
-/// Draws all pictures that there is something for.
+/// Draws all pictures for which there are data.
 pub(super) fn draw(
     draft: &mut Draft,
     search: &Search,
@@ -37,7 +37,7 @@ pub(super) fn draw(
     };
     let does = match best.finals.survives {
         true => "what the best robot will do",
-        false => "what the best robot does in these settings, and NOT in others",
+        false => "what the best robot does with these settings, but NOT with others",
     };
     let result = EnsembleResult {
         ensemble: &best.ensemble,
@@ -208,7 +208,7 @@ fn gallery(search: &Search, finalists: &[Finalist]) -> Gallery {
     });
     let remark = match finalists.iter().any(|finalist| finalist.finals.survives) {
         true => "",
-        false => ", none of which walks the same in other settings",
+        false => "; none of them walks the same with other settings",
     };
     Gallery {
         gait_s: GAIT_S,

@@ -170,12 +170,12 @@ fn warnings(search: &Search, best: &[BestRobot], baseline: Option<&Baseline>) ->
     let mut warnings = Vec::new();
     if search.noise().is_zero() && search.uncertain().is_empty() {
         warnings.push(Code::NoNoise.warning(
-            "all repeats are the same run: the best robot is the best at one point, and nothing says how sure that is",
+            "all repeats are the same run: the best robot is the best for one set of conditions, and its uncertainty is unknown",
         ));
     }
     if !best.is_empty() && best.iter().all(|robot| !robot.survives) {
         warnings.push(Code::NoSurvivor.warning(
-            "no finalist walks the same under other solver settings: what was found may be an artefact of the simulation",
+            "no finalist walks the same under other solver settings: the result may be an artefact of the simulation",
         ));
     }
     let fitness = baseline.and_then(|baseline| baseline.fitness);
@@ -184,7 +184,7 @@ fn warnings(search: &Search, best: &[BestRobot], baseline: Option<&Baseline>) ->
         && found <= start
     {
         warnings.push(Code::BaselineNotBeaten.warning(
-            "no finalist is better than what the search started from, with draws that chose neither",
+            "no finalist is better than the robot that the search started from, on seeds that chose neither of them",
         ));
     }
     warnings
