@@ -2,7 +2,7 @@
 //! Other modules only show claims.
 //!
 //! A report holds its claims: terminal, pages, JSON and Python show their texts, tables their words. So no two places can say
-//! different things, and no sentence is stronger than the numbers beside it (crates/page/src/report/contradiction.rs looks for
+//! different things, and no sentence is stronger than the numbers beside it (crates/page/src/report/contradiction/mod.rs looks for
 //! both).
 
 mod ensemble;
