@@ -258,7 +258,7 @@ impl Morphology {
     /// # Errors
     /// A robot that the [module of bodies](body) cannot represent; the error names the path of the value as in a file, e.g.
     /// `joints[2].child`.
-    pub(crate) fn of_bodies(structure: Structure) -> Result<Self> {
+    pub fn of_bodies(structure: Structure) -> Result<Self> {
         Self::check_structure(structure).map_err(Flaw::without_file)
     }
 
