@@ -50,10 +50,13 @@ mod robot;
 mod tests;
 
 pub use chart::bar::{Bar, BarChart, draw_bars};
+#[cfg(feature = "papers")]
 pub(crate) use chart::column::{ColumnChart, ColumnSeries, draw_columns};
 pub(crate) use chart::corner::Corner;
 pub(crate) use chart::ensemble::{EnsembleBand, EnsembleGroup, EnsemblePlot};
-pub(crate) use chart::heatmap::{HeatMap, draw_heat_map};
+pub(crate) use chart::heatmap::HeatMap;
+#[cfg(feature = "papers")]
+pub(crate) use chart::heatmap::draw_heat_map;
 pub(crate) use chart::joint::{JointPanel, JointPlot};
 pub(crate) use chart::line::BestPoint;
 pub use chart::line::{LinePlot, draw_lines};

@@ -59,7 +59,7 @@ impl Belief {
     /// (a histogram filter; Thrun, Burgard & Fox 2005, section 4.1.2). With the density at the middle of each cell alone, a reading
     /// from a distance between two middles would seem impossible, and cells with the largest standard deviation of readings would be
     /// preferred, however far away they are.
-    pub(crate) fn observe_within(&mut self, sensor: &dyn RangeSensor, reading: f64) {
+    pub fn observe_within(&mut self, sensor: &dyn RangeSensor, reading: f64) {
         let half_m = 0.5 * self.cell_m();
         let (low_m, high_m) = self.ends_m();
         for (weight, middle_m) in self.log_weights.iter_mut().zip(&self.distances_m) {
@@ -74,7 +74,7 @@ impl Belief {
 
     /// Updates the belief by a motion that reduces the distance by `closer_m` with this standard deviation. Probability that would
     /// leave the grid stays in its last cell.
-    pub(crate) fn move_by(&mut self, closer_m: f64, sd_m: f64) {
+    pub fn move_by(&mut self, closer_m: f64, sd_m: f64) {
         let old = self.probabilities();
         let least = self.cell_m() * 0.3;
         let sd = sd_m.max(least);

@@ -212,7 +212,7 @@ impl RangeModel {
     }
 
     /// A warning if a beam of this length is outside of the range of the model.
-    pub(crate) fn warning_at(&self, distance_m: f64) -> Option<Warning> {
+    pub fn warning_at(&self, distance_m: f64) -> Option<Warning> {
         let (low_m, high_m) = self.range_m();
         (distance_m < low_m - 1e-9 || distance_m > high_m + 1e-9).then(|| {
             Code::Extrapolated.warning(format!(

@@ -87,6 +87,7 @@ impl HeatMap {
 }
 
 /// Draws a heat map into a PNG or SVG file.
+#[cfg(feature = "papers")]
 pub fn draw_heat_map(map: &HeatMap, path: impl AsRef<Path>) -> Result<()> {
     picture::write(map, path.as_ref())
 }

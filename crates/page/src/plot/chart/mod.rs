@@ -1,6 +1,7 @@
 //! Charts: what each shows as plain data, and how it is drawn.
 
 pub(super) mod bar;
+#[cfg(feature = "papers")]
 pub(super) mod column;
 pub(super) mod corner;
 pub(super) mod ensemble;

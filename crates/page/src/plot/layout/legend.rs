@@ -83,7 +83,7 @@ pub(in crate::plot) fn best_text(unit: DisplayUnit, score: Option<f64>, place: &
 pub(in crate::plot) fn alike_text(indistinguishable: &[bool]) -> Option<String> {
     // The legend gives no count: a picture would count its own cells, while the report counts points.
     let any = indistinguishable.contains(&true);
-    any.then(|| "cannot be told from the best".to_owned())
+    any.then(|| "95 % confidence set".to_owned())
 }
 
 fn letter() -> Letter {

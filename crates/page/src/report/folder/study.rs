@@ -169,7 +169,7 @@ fn scores(points: &Points, report: &StudySummary, map: Option<&HeatMap>, path: &
         key(a.score).total_cmp(&key(b.score))
     });
     let mut head: Vec<&str> = points.names.iter().map(String::as_str).collect();
-    head.extend(["score", "cannot be told from the best"]);
+    head.extend(["score", "in the confidence set"]);
     let rows = order.iter().map(|point| {
         let mut row: Vec<String> = point.values.iter().map(|v| number(*v)).collect();
         row.push(measured(point.score, unit));
@@ -198,7 +198,7 @@ fn scores(points: &Points, report: &StudySummary, map: Option<&HeatMap>, path: &
         let alt = format!("Score over {x} and {y}; the same numbers are in the table of points");
         let svg = map.inline(&Inline::new(&alt).id("heat"));
         format!(
-            "<figure>{svg}<figcaption>Bright cells are near to the recordings. The star is the best point. The outline encloses the confidence set: values that cannot be told from the best.{choose} More recordings, or finer numerics where the audit says so, would make the set smaller.</figcaption></figure>"
+            "<figure>{svg}<figcaption>Bright cells are near to the recordings. The star is the best point. The outline encloses the 95 % confidence set: values that fit as well as the best within the uncertainty.{choose} More recordings, or finer numerics where the audit says so, would make the set smaller.</figcaption></figure>"
         )
     });
     format!("{set}<div class=\"pair\">{map}{path}</div>{table}")
@@ -232,7 +232,7 @@ fn verdicts(report: &StudySummary, found: &StudyData) -> String {
     let note = match profiles.is_empty() {
         true => "",
         false => {
-            "<p class=\"note\">Each chart shows the lowest score to be expected at each value of a parameter, whatever the other parameters, and the interval that holds that score with 90 %. Shaded values cannot be told from the best. Recordings that react more to the parameter would make the valley steeper.</p>"
+            "<p class=\"note\">Each chart shows the lowest score to be expected at each value of a parameter, whatever the other parameters, and the interval that holds that score with 90 %. Shaded values are in the confidence set. Recordings that react more to the parameter would make the valley steeper.</p>"
         }
     };
     figures(&profiles) + note + &table

@@ -67,7 +67,7 @@ pub(super) fn draw(
         basis.plane_shares(),
         vec![
             cloud("simulated", 4, others),
-            cloud("simulated, cannot be told from the best", 2, alike),
+            cloud("simulated, in the confidence set", 2, alike),
             cloud("simulated, best values", 0, best),
             cloud(definition.source().reality_label(), 1, reality),
         ],

@@ -355,7 +355,7 @@ mod tests {
         let keys = legend(&plot);
         for text in [
             "best: 1.00 m",
-            "cannot be told",
+            "95 % confidence set",
             "hidden value",
             "diverged (1)",
         ] {

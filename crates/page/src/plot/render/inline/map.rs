@@ -72,7 +72,7 @@ impl<'a> Layout<'a> {
                     None => ("cell lost", "#888888".to_owned(), map.missing.clone()),
                 };
                 let in_set = match map.is_indistinguishable(ix, iy) {
-                    true => ", cannot be told from the best",
+                    true => ", in the confidence set",
                     false => "",
                 };
                 let row = map.table_rows.get(index).copied().flatten();
@@ -230,7 +230,7 @@ mod tests {
         let svg = map.inline(&Inline::new("Score").id("heat"));
         assert_eq!(svg.matches("data-point=").count(), 6);
         assert_eq!(svg.matches("cell lost").count(), 1);
-        assert_eq!(svg.matches("cannot be told from the best").count(), 2);
+        assert_eq!(svg.matches("in the confidence set").count(), 2);
         assert_eq!(svg.matches("class=\"outline\"").count(), 1);
         assert_eq!(svg.matches("class=\"star\"").count(), 1);
         assert!(!svg.contains("a<b") && svg.contains(&hex(score_colour(0.0))));

@@ -76,7 +76,7 @@
       if (marker) for (const name of ["x", "y", "width", "height"]) marker.setAttribute(name, cellOf.has(k) ? cellOf.get(k).getAttribute(name) : 0);
       const score = points.rows[k][1];
       $("chosen").textContent = words(k) + ": " + (isBest ? "the best point" : score === null ? "diverged"
-        : "score " + Number(score.toPrecision(3)) + (points.rows[k][2] ? ", cannot be told from the best" : ""))
+        : "score " + Number(score.toPrecision(3)) + (points.rows[k][2] ? ", in the confidence set" : ""))
         + (path.t.length ? "." : "; no path is stored.");
       $("legend-best").hidden = isBest;
       live.forEach(one => one.renew(realgap.state().time));
