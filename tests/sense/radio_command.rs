@@ -232,7 +232,12 @@ fn bad_logs_arenas_and_models_are_refused_with_the_allowed_values() {
         "twice.ron",
         r#"Arena(name: "a", size_m: (5, 5), boundary: Open, anchors: [(name: "1", position_m: (1, 1, 1)), (name: "1", position_m: (2, 1, 1))])"#,
     );
-    refused(&good, &twice, &[], &["twice.ron:1", "name of its own"]);
+    refused(
+        &good,
+        &twice,
+        &[],
+        &["twice.ron:1", "a name that no other anchor has"],
+    );
     let bad = write("bad.ron", r#"(propagation: "walls", values: [-40, 2])"#);
     let (code, _, said) = run(&[
         "sense",
