@@ -84,9 +84,9 @@ pub enum JointFormulation {
 impl JointFormulation {
     /// Largest number of hinges for which [`JointFormulation::Auto`] chooses multibody joints: their cost grows with the square
     /// of the number of hinges or faster.
-    pub(crate) const MOST_HINGES: usize = 12;
+    pub const MOST_HINGES: usize = 12;
     /// A part counts as light if its mass is below this fraction of the mass of the part that it is hinged to.
-    pub(crate) const LIGHT: f64 = 0.25;
+    pub const LIGHT: f64 = 0.25;
 
     /// The formulation for this robot: never [`JointFormulation::Auto`].
     pub fn resolved(self, assembly: &Assembly) -> Self {

@@ -86,7 +86,7 @@ const MAX_ANGLE_RAD: f64 = 1000.0;
 
 impl Module {
     /// Longest name, in characters.
-    pub(crate) const MAX_NAME: usize = 64;
+    pub const MAX_NAME: usize = 64;
 
     /// A passive module: a solid cube.
     pub fn passive(name: impl Into<String>, side_m: f64, mass_kg: f64) -> Self {
