@@ -4,8 +4,8 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod documentation;
-mod house;
 mod licence;
 mod readme;
+mod rule;
 mod schema;
 mod tutorial;
