@@ -86,24 +86,24 @@ pub fn percent_range(low: f64, high: f64) -> String {
 /// assert_eq!(percent_change_range(-0.02, 0.3), "-2 to +30 %");
 /// ```
 pub fn percent_change_range(low: f64, high: f64) -> String {
-    range_in_percent([low, high], |text| match text.starts_with(['-', '0']) {
-        true if text.starts_with('-') || text == "0" => text,
-        _ => format!("+{text}"),
+    range_in_percent([low, high], |text| {
+        match text.starts_with('-') || text == "0" {
+            true => text,
+            false => format!("+{text}"),
+        }
     })
 }
 
 fn range_in_percent(ends: [f64; 2], sign: impl Fn(String) -> String) -> String {
-    let text = |share: f64, decimals: usize| {
-        let text = format!("{:.decimals$}", 100.0 * share);
-        let is_zero = text.chars().all(|c| "-0.".contains(c));
-        let text = if is_zero { "0" } else { text.as_str() };
+    let text = |share: f64, places: usize| {
+        let text = decimals(100.0 * share, places);
         // An end that is a whole number needs no decimals.
         match text.split_once('.') {
             Some((whole, rest)) if rest.chars().all(|c| c == '0') => whole.to_owned(),
-            _ => text.to_owned(),
+            _ => text,
         }
     };
-    let pairs = (0..=3).map(|decimals| ends.map(|share| text(share, decimals)));
+    let pairs = (0..=3).map(|places| ends.map(|share| text(share, places)));
     let pairs: Vec<[String; 2]> = pairs.collect();
     let different = pairs.iter().find(|[low, high]| low != high);
     match different.unwrap_or(&pairs[0]).clone() {
