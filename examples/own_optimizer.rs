@@ -42,6 +42,7 @@ fn main() -> Result<()> {
         budget: 80,
         seed: 1,
         priors: Vec::new(),
+        error_blocks: Vec::new(),
     };
     // One line in OPTIMIZERS does the same for `realgap tune --optimizer compass`.
     let evaluated = minimise(&Compass, &problem, |point| {

@@ -123,6 +123,7 @@ codes! {
     NoSuccessRule "no-success-rule" "No success rule was given." "state the distance that counts as success";
     NoSurvivor "no-survivor" "No finalist keeps its performance under other numerical settings." "check these robots further before you build one; search with finer numerical settings";
     NoWalls "no-walls" "No link of a log crosses a wall." "log links through walls, if walls matter";
+    NotConverged "not-converged" "A fit by least squares had not ended when its budget did." "tune with a larger budget";
     NotNormal "not-normal" "Readings are not normally distributed." "use the histogram or a mixture in place of a normal distribution";
     NotSettled "not-settled" "A robot did not come to rest before its run." "lift the robot less, or give it longer to settle";
     NotWritten "not-written" "A result could not be written." "check the folder and the disk, then run the command again";
@@ -162,6 +163,7 @@ codes! {
     Toppled "toppled" "A robot fell over before its run." "turn the robot, or start it lower";
     TrackNotExported "track-not-exported" "A format cannot store which module is tracked." "choose the tracked body by hand in the other simulator";
     UncertainParameters "uncertain-parameters" "Parameters that calibration did not determine were drawn at random." "fit with more recordings, so that more values are determined";
+    UnconfirmedPosterior "unconfirmed-posterior" "Runs at draws of a posterior fit worse than the posterior promises." "tune with another seed or a larger budget, and compare the intervals";
     UndefinedHeading "undefined-heading" "A path that goes nowhere has no heading." "compare with a metric that needs no heading, or let the robot walk farther";
     UnequalMoments "unequal-moments" "Moments of inertia differ although a method assumes that they are equal." "use a body whose moments are equal, or do not rely on spins";
     UnknownAxes "unknown-axes" "A recording does not state the directions of its axes, or its motion contradicts them." "state them when reading: `axes: \"world\"` (z up), `y-up`, `z-down` or `camera` (z forward, y down)";

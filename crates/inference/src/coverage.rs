@@ -111,6 +111,7 @@ fn chosen(optimizer: &str, seed: u64, mut score: impl FnMut(&UnitPoint) -> f64) 
         budget: BUDGET - first.len(),
         seed,
         priors: Vec::new(),
+        error_blocks: Vec::new(),
     };
     let mut evaluate = |point: UnitPoint| EvaluatedPoint {
         score: Some(score(&point)),

@@ -63,6 +63,7 @@ impl KernelData<'_> {
             budget: TRIES * count,
             seed: 1,
             priors: Vec::new(),
+            error_blocks: Vec::new(),
         };
         let evaluated = minimise(default_optimizer(), &problem, |at| {
             self.neg_log_posterior(at, &active)

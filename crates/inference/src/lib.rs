@@ -7,7 +7,8 @@
 //! - An [`Emulator`] is a Gaussian process that predicts the score of points without a run.
 //! - [`HistoryMatching`] finds the points that are not implausible and gives [`PosteriorDraws`], a [`Profile`] and a [`Marginal`] per
 //!   parameter; it also chooses the points of the next runs.
-//! - [`LeastSquaresEstimate`] has the intervals of a fit by least squares, [`added_information`] what each group of errors added to it.
+//! - [`LeastSquaresPosterior`] is the posterior of a fit by least squares, checked by runs at its own draws; [`LeastSquaresEstimate`] is
+//!   what its draws tell about a parameter, [`added_information`] what each group of errors added to it.
 //! - [`sensitivity`] has the effects of small changes, one parameter at a time.
 
 mod candidate_sampler;
@@ -31,7 +32,9 @@ pub use emulator::{Emulator, ScoreField};
 pub use history_matching::{HistoryMatching, LEVEL, Unvisited};
 pub use implausibility::{ObservationUncertainty, ScoreCovariance, implausibility};
 pub use information::{AddedInformation, added_information};
-pub use least_squares::LeastSquaresEstimate;
+pub use least_squares::{
+    Agreement, Combination, Evaluate, LeastSquaresEstimate, LeastSquaresPosterior, most_checks,
+};
 pub use marginal::{Determination, Marginal};
 pub use posterior::{INTERVAL_LEVEL, PosteriorDraws};
 pub use profile::Profile;

@@ -1,6 +1,7 @@
 //! The lowest score that each value of one parameter allows.
 
 use crate::emulator::Emulator;
+use crate::least_squares::LeastSquaresPosterior;
 use realgap_core::quantity::Quantity;
 use realgap_core::statistics::ends_of;
 use realgap_optimization::Range;
@@ -51,6 +52,27 @@ impl Profile {
             scores,
             bands,
             indistinguishable: (0..values.len()).map(inside).collect(),
+            values,
+        }
+    }
+
+    /// Profile along the parameter number `axis` of a fit by least squares, whose best point has this score. Its bands are the scores
+    /// themselves: the approximation does not state how uncertain it is.
+    pub fn of_least_squares(
+        posterior: &LeastSquaresPosterior,
+        (axis, range): (usize, &Range),
+        best_score: f64,
+        inside: impl Fn(f64) -> bool,
+    ) -> Self {
+        let values = range.values();
+        let score =
+            |value: &f64| best_score * posterior.relative_profile(axis, range.coordinate(*value));
+        let scores: Vec<f64> = values.iter().map(score).collect();
+        Self {
+            parameter: range.parameter,
+            bands: scores.iter().map(|score| (*score, *score)).collect(),
+            indistinguishable: values.iter().map(|value| inside(*value)).collect(),
+            scores,
             values,
         }
     }

@@ -13,7 +13,8 @@ pub use driver::{Batch, Ending, drive};
 pub use grid::{Grid, MAX_POINTS, Range};
 pub use minimise::minimise;
 pub use optimizer::{
-    EvaluatedPoint, History, OPTIMIZERS, OptimizationProblem, Optimizer, Proposal, Quadratic,
-    UnitPoint, default_optimizer, optimizer_by_name, slopes, space_filling, thin,
+    ErrorBlock, EvaluatedPoint, History, Linearisation, OPTIMIZERS, OptimizationProblem, Optimizer,
+    Proposal, UnitPoint, blocks_of, default_optimizer, optimizer_by_name, slopes, space_filling,
+    thin,
 };
 pub use options::{Progress, RunOptions, pool};

@@ -29,6 +29,7 @@ fn minimise(
         budget: budget - design,
         seed,
         priors: Vec::new(),
+        error_blocks: Vec::new(),
     };
     let mut all: Vec<EvaluatedPoint> = space_filling(dimensions, 0, design, seed)
         .into_iter()
@@ -212,6 +213,7 @@ fn simplex_and_swarm_choose_the_same_points_as_argmin() {
             budget: rows.len(),
             seed,
             priors: Vec::new(),
+            error_blocks: Vec::new(),
         };
         let design: Vec<EvaluatedPoint> = space_filling(dimensions, 0, design, seed)
             .into_iter()

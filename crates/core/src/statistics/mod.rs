@@ -14,6 +14,7 @@ mod proportion;
 mod rank;
 mod significance;
 mod survival;
+mod truncated_normal;
 
 pub use autocorrelation::{autocorrelation_time, independent_pairs};
 pub use bootstrap::{Resample, percentile_interval, resamples, smaller_resamples};
@@ -33,3 +34,4 @@ pub use significance::{
     PValueMethod, SampleTest, kolmogorov_smirnov, mann_whitney, spearman, spearman_effective,
 };
 pub use survival::{Duration, KaplanMeier, log_rank};
+pub use truncated_normal::truncated_normal_quantile;

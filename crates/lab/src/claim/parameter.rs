@@ -171,42 +171,79 @@ fn with_numbers(mut claim: Claim, found: &Found) -> Claim {
         .at_level(found.level)
 }
 
-/// Whether least squares determine a parameter; the ends of the interval are given as the compatible values.
-pub(crate) fn least_squares(known: &LeastSquaresEstimate, recordings: usize) -> Claim {
-    let (low, high) = (number(known.low), number(known.high));
+/// Whether least squares determine a parameter; `parts` are the parts of its interval, one for each mode of the posterior.
+pub(crate) fn least_squares(
+    known: &LeastSquaresEstimate,
+    parts: &[(f64, f64)],
+    recordings: usize,
+) -> Claim {
+    let parts = match parts {
+        [] => &[(known.low, known.high)],
+        parts => parts,
+    };
+    let spans = parts.iter();
+    let spans = spans.map(|(low, high)| format!("{} to {}", number(*low), number(*high)));
+    let span = spans.collect::<Vec<_>>().join(" or ");
     let (says, word) = match known.is_told {
         true => (
             Conclusion::Supported,
-            format!("narrowed down to {low} to {high} (90 %)"),
+            format!("narrowed down to {span} (90 %)"),
         ),
         false => (Conclusion::Inconclusive, "not determined".to_owned()),
     };
-    let numbers = [
-        ("best", known.value),
-        ("interval_1_low", known.low),
-        ("interval_1_high", known.high),
-    ];
-    Claim::new(About::Parameter, says, word, least_squares_sentence(known))
+    let mut claim = Claim::new(
+        About::Parameter,
+        says,
+        word,
+        least_squares_sentence(known, &span, parts),
+    );
+    for (index, (low, high)) in parts.iter().enumerate() {
+        let part = index + 1;
+        let ends = [
+            (format!("interval_{part}_low"), *low),
+            (format!("interval_{part}_high"), *high),
+        ];
+        claim.numbers.extend(ends);
+    }
+    claim
         .of(known.parameter)
-        .resting_on(recordings, &numbers)
+        .resting_on(recordings, &[("best", known.value)])
         .at_level(0.9)
 }
 
 /// The sentence about a parameter that least squares estimated.
-fn least_squares_sentence(known: &LeastSquaresEstimate) -> String {
+fn least_squares_sentence(
+    known: &LeastSquaresEstimate,
+    span: &str,
+    parts: &[(f64, f64)],
+) -> String {
     let (name, value) = (known.parameter, number(known.value));
-    let (low, high) = (number(known.low), number(known.high));
+    let holds = |(low, high): &(f64, f64)| (*low..=*high).contains(&known.value);
+    let beside = match parts.iter().any(holds) {
+        true => "",
+        false => " (the best run lies outside: the rest of the posterior is elsewhere)",
+    };
     let determined = match known.is_told {
         true => "",
         false => ": not determined by these recordings",
     };
+    let combination = match &known.combination {
+        Some(known) => format!(
+            "; they determine {} = {} (90 % {} to {})",
+            known.name,
+            number(known.value),
+            number(known.low),
+            number(known.high)
+        ),
+        None => String::new(),
+    };
     let partner = match known.partner {
-        Some((other, correlation)) if correlation.abs() > 0.9 => {
+        Some((other, correlation)) if combination.is_empty() && correlation.abs() > 0.9 => {
             format!("; correlated with {other} ({correlation:.2})")
         }
         _ => String::new(),
     };
-    format!("{name} = {value}, 90 % {low} to {high}{determined}{partner}")
+    format!("{name} = {value}{beside}, 90 % {span}{determined}{combination}{partner}")
 }
 
 /// Most parameters that are named in a sentence; more are counted, because a list of them would be too long to read.

@@ -118,6 +118,7 @@ impl Search {
             budget: tuning.runs,
             seed,
             priors: Vec::new(),
+            error_blocks: Vec::new(),
         };
         let mut told: Vec<EvaluatedPoint> = Vec::new();
         let can_walk = design.iter().any(|told| told.score.is_some());

@@ -484,6 +484,7 @@ mod tests {
             budget: 1000,
             seed: 1,
             priors: Vec::new(),
+            error_blocks: Vec::new(),
         };
         let mut evaluated = Vec::new();
         let mut sizes = Vec::new();

@@ -1,6 +1,6 @@
 //! The optimizer `gauss-newton`: damped nonlinear least squares on residuals, with derivatives by finite differences.
 
-mod log;
+mod channel;
 mod problem;
 
 use nalgebra::{DMatrix, DVector};
@@ -12,7 +12,8 @@ use problem::LinearisedProblem;
 use realgap_core::error::Result;
 use realgap_core::warning::{Code, Warning};
 
-pub use problem::{Quadratic, slopes};
+pub use channel::{ErrorBlock, blocks_of};
+pub use problem::{Linearisation, slopes};
 
 /// Gauss–Newton with Marquardt's damping, from the middle of the ranges and then from further space-filling points.
 pub(super) struct GaussNewton;
@@ -44,17 +45,15 @@ enum End {
     NoStart,
 }
 
-/// The state of a search: how each finished descent ended, and the best point that has finite differences around it.
+/// The state of a search: how each finished descent ended, and the points that have finite differences around them.
 struct SearchState {
     ends: Vec<End>,
-    best: Option<Linearisation>,
-}
-
-/// A linearised problem, and the indices of its points in the history.
-struct Linearisation {
-    linearised: LinearisedProblem,
-    /// Index of the point itself, and index of the first of the points that are moved along one coordinate each.
-    indices: (usize, usize),
+    /// The best point of all descents.
+    best: Option<(LinearisedProblem, Linearisation)>,
+    /// The point where each descent ended.
+    ended: Vec<Linearisation>,
+    /// The last point of the current descent.
+    last: Option<Linearisation>,
 }
 
 /// The errors of these points, in order; `None` for a point without errors. All coordinates are within 0 to 1 already.
@@ -75,7 +74,7 @@ fn descend(
     replay: &Replay<'_>,
     problem: &OptimizationProblem,
     start: (UnitPoint, &[f64]),
-    best: &mut Option<Linearisation>,
+    state: &mut SearchState,
 ) -> std::result::Result<End, Unknown> {
     let (mut point, mut errors) = (start.0, start.1.to_vec());
     let mut at = replay.answered() - 1;
@@ -94,15 +93,19 @@ fn descend(
         let here = linearised.loss(&point, &errors);
         // Both points are compared by the loss of the known point, because the width of a robust loss depends on the errors at
         // the point for which it was made.
-        let is_better = |known: &Linearisation| {
-            known.linearised.loss(&point, &errors) < known.linearised.loss_here()
+        let is_better = |(known, _): &(LinearisedProblem, Linearisation)| {
+            known.loss(&point, &errors) < known.loss_here()
         };
-        if best.as_ref().is_none_or(is_better) {
-            let linearised = linearised.clone();
-            *best = Some(Linearisation {
-                linearised,
-                indices,
-            });
+        let known = Linearisation {
+            at: point.clone(),
+            errors: errors.clone(),
+            jacobian: slopes(&point, &errors, moved.iter().zip(shifted.iter().copied())),
+            scales: linearised.scales().to_vec(),
+            indices,
+        };
+        state.last = Some(known.clone());
+        if state.best.as_ref().is_none_or(is_better) {
+            state.best = Some((linearised.clone(), known));
         }
         let mut promised = 0.0_f64;
         let mut reached: Option<(f64, UnitPoint, &[f64], usize)> = None;
@@ -139,6 +142,7 @@ fn descend(
                 continue;
             }
             let is_smooth = promised < SMOOTH * here.max(f64::MIN_POSITIVE);
+            state.ended.extend(state.last.take());
             return Ok(if is_smooth {
                 End::Converged
             } else {
@@ -150,6 +154,14 @@ fn descend(
         let has_converged = here - loss < CONVERGED_LOSS * here && longest < CONVERGED_STEP;
         (point, errors, at) = (to, after.to_vec(), index);
         if has_converged {
+            // The last step is so short that the derivatives before it serve after it.
+            let ended = state.last.take().map(|last| Linearisation {
+                at: point,
+                errors,
+                indices: (at, last.indices.1),
+                ..last
+            });
+            state.ended.extend(ended);
             return Ok(End::Converged);
         }
         step = (0.5 * longest).clamp(LEAST_STEP, step);
@@ -178,7 +190,7 @@ fn search(
         };
         let end = match known {
             None => Ok(End::NoStart),
-            Some(errors) => descend(&replay, problem, (start, errors), &mut state.best),
+            Some(errors) => descend(&replay, problem, (start, errors), state),
         };
         match end {
             Ok(end) => state.ends.push(end),
@@ -192,6 +204,8 @@ fn replayed(problem: &OptimizationProblem, history: &History<'_>) -> (SearchStat
     let mut state = SearchState {
         ends: Vec::new(),
         best: None,
+        ended: Vec::new(),
+        last: None,
     };
     let unknown = search(problem, history, &mut state);
     (state, unknown)
@@ -233,23 +247,23 @@ impl Optimizer for GaussNewton {
         })
     }
 
-    fn quadratic(
+    fn linearisations(
         &self,
         problem: &OptimizationProblem,
         history: &History<'_>,
-        logs: &[usize],
-    ) -> Option<Quadratic> {
-        let Linearisation {
-            linearised,
-            indices,
-        } = replayed(problem, history).0.best?;
-        // The budget may end before there are finite differences around the last step. Therefore all simulated points are
-        // compared, by the same loss function.
-        let known = history.evaluated.iter().filter(|one| one.score.is_some());
-        let known = known.filter(|one| one.errors.len() == linearised.errors());
-        let losses = known.map(|one| (linearised.loss(&one.point, &one.errors), &one.point));
-        let (loss, at) = losses.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        Some(linearised.quadratic((at.clone(), loss), indices, logs))
+    ) -> Vec<Linearisation> {
+        let state = replayed(problem, history).0;
+        let Some((linearised, best)) = state.best else {
+            return Vec::new();
+        };
+        let loss = |known: &Linearisation| linearised.loss(&known.at, &known.errors);
+        let mut all = state.ended;
+        // The budget may end before the descent from the best point does.
+        if all.iter().all(|known| known.at != best.at) {
+            all.push(best);
+        }
+        all.sort_by(|a, b| loss(a).total_cmp(&loss(b)));
+        all
     }
 }
 
@@ -268,7 +282,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_best_point_is_the_best_of_all_simulated_points_wherever_the_budget_ends() {
+    fn the_best_point_with_differences_is_found_wherever_the_budget_ends() {
         // There is one parameter, and all errors grow with its distance from the truth, so that the order of points is the same
         // for all of them.
         let truth = 0.83;
@@ -279,6 +293,7 @@ mod tests {
                 budget,
                 seed: 1,
                 priors: Vec::new(),
+                error_blocks: Vec::new(),
             };
             let mut evaluated: Vec<EvaluatedPoint> = Vec::new();
             while evaluated.len() < budget {
@@ -305,11 +320,14 @@ mod tests {
                 design: &[],
                 evaluated: &evaluated,
             };
-            let known = GaussNewton.quadratic(&problem, &history, &[]).unwrap();
-            let nearest = evaluated.iter().map(|one| one.score.unwrap());
-            let nearest = nearest.fold(f64::INFINITY, f64::min);
-            assert_eq!(error(&known.at).abs(), nearest, "{budget}");
-            let (at, moved) = known.indices;
+            let known = GaussNewton.linearisations(&problem, &history);
+            let least = evaluated.iter().map(|one| one.score.unwrap());
+            let least = least.fold(f64::INFINITY, f64::min);
+            // The budget may end before there are finite differences around the best point.
+            let at = error(&known[0].at).abs();
+            assert!(at <= 1.2 * least || budget < 9, "{budget}: {at} {least}");
+            let (at, moved) = known[0].indices;
+            assert_eq!(evaluated[at].point, known[0].at, "{budget}");
             assert_ne!(evaluated[at].point, evaluated[moved].point, "{budget}");
         }
     }

@@ -25,7 +25,7 @@ use particle_swarm::Swarm;
 use random::Random;
 
 pub use bayesian::thin;
-pub use gauss_newton::{Quadratic, slopes};
+pub use gauss_newton::{ErrorBlock, Linearisation, blocks_of, slopes};
 pub use random::space_filling;
 
 use realgap_core::error::Result;
@@ -60,6 +60,9 @@ pub struct OptimizationProblem {
     /// Prior of every parameter, as median and variance of its coordinate; `None` if only the range is known. Only the least-squares
     /// optimizer uses it.
     pub priors: Vec<Option<(f64, f64)>>,
+    /// The channels and logs of the errors, in their order; empty if all errors are of one channel and log. Only the least-squares
+    /// optimizer uses it.
+    pub error_blocks: Vec<ErrorBlock>,
 }
 
 impl OptimizationProblem {
@@ -141,16 +144,15 @@ pub trait Optimizer: Sync {
         None
     }
 
-    /// A quadratic approximation of the loss near its minimum, if the algorithm computes one. `logs` states how many of the errors
-    /// belong to each log, in the order of the errors, and is empty if all errors belong to one log.
-    fn quadratic(
+    /// The errors and their derivatives at the points where searches ended, the best point first; empty for an algorithm that takes no
+    /// derivatives of errors.
+    fn linearisations(
         &self,
         problem: &OptimizationProblem,
         history: &History<'_>,
-        logs: &[usize],
-    ) -> Option<Quadratic> {
-        let _ = (problem, history, logs);
-        None
+    ) -> Vec<Linearisation> {
+        let _ = (problem, history);
+        Vec::new()
     }
 
     /// The next batch.

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
-use crate::trajectory::{Interpolator, JointTrack, Trajectory};
+use crate::trajectory::{Interpolator, JointTrack, Trajectory, resolution};
 use realgap_core::constant_methods;
 use realgap_core::error::{Error, Result};
 use realgap_core::unit::Unit;
@@ -31,10 +31,8 @@ impl Metric for Joints {
     fn errors(&self, pair: &Pair<'_>, most: usize) -> Result<Option<Vec<f64>>> {
         let joints = common(pair.real, pair.simulated);
         let times_s = pair.real.times_s();
-        let each = (times_s.len() * joints.len()).div_ceil(most.max(1)).max(1);
         let mut at = Interpolator::new(pair.simulated);
-        // The first sample is left out, because the simulation starts with the recorded angles.
-        let samples = || (each / 2 + 1..times_s.len()).step_by(each);
+        let samples = || samples(times_s.len(), joints.len(), most);
         let mut errors = Vec::with_capacity(joints.len() * samples().count());
         for joint in &joints {
             for sample in samples() {
@@ -49,6 +47,41 @@ impl Metric for Joints {
         let (mean_rad, samples) = joint_error_rad(pair.real, pair.simulated)?;
         Ok(Measurement::new(mean_rad, samples))
     }
+}
+
+/// Indices of the samples whose errors are kept, so that there are about `most` errors of all joints. The first sample is left out,
+/// because the simulation starts with the recorded angles.
+fn samples(recorded: usize, joints: usize, most: usize) -> impl Iterator<Item = usize> {
+    let each = (recorded * joints).div_ceil(most.max(1)).max(1);
+    (each / 2 + 1..recorded).step_by(each)
+}
+
+/// The errors of one joint among those of [`Joints`], which come joint after joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointErrorSeries<'a> {
+    /// Name of the joint.
+    pub joint: &'a str,
+    /// Number of errors.
+    pub count: usize,
+    /// Step between the recorded angles, radians; 0 where none shows.
+    pub resolution_rad: f64,
+}
+
+/// How the errors of the metric [`Joints`] are ordered: by joint, for the recorded joints that are simulated.
+pub fn joint_error_series<'a>(
+    real: &'a Trajectory,
+    is_simulated: impl Fn(&str) -> bool,
+    most: usize,
+) -> Vec<JointErrorSeries<'a>> {
+    let joints = real.joints().iter();
+    let joints: Vec<&JointTrack> = joints.filter(|joint| is_simulated(&joint.name)).collect();
+    let count = samples(real.times_s().len(), joints.len(), most).count();
+    let series = joints.iter().map(|joint| JointErrorSeries {
+        joint: &joint.name,
+        count,
+        resolution_rad: resolution(&joint.angles_rad).unwrap_or(0.0),
+    });
+    series.collect()
 }
 
 /// The joints that both trajectories have, matched by name.

@@ -24,7 +24,10 @@ pub use basis::{Basis, Components};
 pub use cluster::PcaCluster;
 pub use compare::compare;
 pub use evo::{Ape, Rpe, UmeyamaApe};
-pub use joint::{JointError, JointSamples, Joints, joint_error_rad, joint_errors, joint_samples};
+pub use joint::{
+    JointError, JointErrorSeries, JointSamples, Joints, joint_error_rad, joint_error_series,
+    joint_errors, joint_samples,
+};
 pub use metric::{Context, Measurement, Metric, Needs, Pair, Score};
 pub use pca::Pca;
 pub use pointwise::{Displacement, Rms};

@@ -29,6 +29,7 @@ mod recording;
 mod registry;
 mod relabel;
 mod resample;
+mod resolution;
 mod sample;
 #[cfg(feature = "schema")]
 mod schema;
@@ -58,6 +59,7 @@ pub use registry::{
     read_groups, read_sets, write, write_with_bodies,
 };
 pub use resample::{Interpolator, resample};
+pub use resolution::resolution;
 pub use state::{JointTrack, Signal, State, Trajectory};
 pub use text::{MAX_COLUMNS, MAX_FILE_BYTES, MAX_ROWS};
 pub use tum::Tum;

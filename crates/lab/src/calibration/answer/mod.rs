@@ -8,15 +8,18 @@ pub(super) mod verdict;
 
 use std::collections::BTreeSet;
 use std::fmt;
+use std::sync::Arc;
 
 use crate::calibration::answer::report::Evidence;
+use crate::calibration::exploration::least_squares::LeastSquaresFit;
 use crate::calibration::exploration::wave::{leading, scored_runs, with_best_completed};
 use crate::calibration::{
     Audit, Fit, Method, PointScore, Report, Reproduction, Scores, Study, Uncertainty, Validation,
 };
 use realgap_core::Result;
 use realgap_inference::{
-    Emulator, HistoryMatching, ObservationUncertainty, PosteriorDraws, Profile,
+    Emulator, HistoryMatching, LeastSquaresPosterior, ObservationUncertainty, PosteriorDraws,
+    Profile,
 };
 use realgap_optimization::{Ending, Grid, space_filling};
 
@@ -37,8 +40,17 @@ pub struct Answer {
     pub profiles: Vec<Profile>,
     /// The report: the best point, verdicts, the effect of numerics, the check by held-out recordings.
     pub report: Report,
-    /// The emulator of the score, and the grid of its parameters.
-    emulator: Option<(Emulator, Grid)>,
+    /// What the score is expected to be at any point, and the grid of its parameters.
+    surface: Option<(Surface, Grid)>,
+}
+
+/// What the score is expected to be at points without a run.
+#[derive(Debug, Clone)]
+enum Surface {
+    /// From an emulator.
+    Emulator(Emulator),
+    /// From a fit by least squares, as a multiple of this score of its best point.
+    LeastSquares(Arc<LeastSquaresPosterior>, f64),
 }
 
 impl fmt::Display for Answer {
@@ -53,27 +65,23 @@ const VISITED: usize = 200;
 
 impl Answer {
     /// Computes the uncertainty of the best of these scores; simulations run on the current rayon pool. `refits`: as
-    /// [`Validation::new`] takes them.
+    /// [`Validation::new`] takes them. A fit by least squares has a posterior of its own and needs no emulator.
     pub(in crate::calibration) fn new(
         study: &Study,
         method: Method,
         ending: Ending,
         scores: Scores,
         refits: Option<Vec<PointScore>>,
+        least_squares: Option<LeastSquaresFit>,
     ) -> Result<Self> {
-        let (mut scores, emulator) = match ending {
-            Ending::Complete => {
+        let (scores, emulator) = match ending {
+            Ending::Complete if least_squares.is_none() => {
                 let emulator = Emulator::new(&scored_runs(study, &scores))?;
                 with_best_completed(study, scores, emulator)?
             }
             // An interrupted run is not continued here, and a part of a grid allows no conclusion about the whole.
-            Ending::Interrupted => (scores, None),
+            _ => (scores, None),
         };
-        if let Some(fitted) = method.fitted() {
-            // Least squares choose the point with the smallest robust loss, even where another point has a lower score.
-            let chosen = scores.points.iter().position(|p| p.values == fitted);
-            scores.best = chosen.or(scores.best);
-        }
         let emulator = match study.fitted_recordings() {
             // The surrogates of a single recording are runs of the best point, which is known only now.
             1 => emulator.map(|known| known.conditioned_on(&scored_runs(study, &scores))),
@@ -102,6 +110,9 @@ impl Answer {
         let uncertainty = judged
             .map(|(matching, best)| Uncertainty::new(study, &scores, best, (matching, &positions)));
         let draws = judged.map(|(matching, _)| matching.draws(grid, definition.seed));
+        let fitted = least_squares.as_ref();
+        let uncertainty = uncertainty.or_else(|| fitted?.uncertainty(study));
+        let draws = draws.or_else(|| Some(fitted?.draws.clone()));
         let engines = match (judged, emulator.as_ref()) {
             (Some((matching, best)), Some(emulator)) => {
                 let known = (uncertainty_of_observations, matching.limit());
@@ -109,7 +120,10 @@ impl Answer {
             }
             _ => Vec::new(),
         };
-        let profiles = profiles(study, &scores, emulator.as_ref(), uncertainty.as_ref());
+        let profiles = match fitted {
+            Some(fitted) => fitted.profiles(study),
+            None => profiles(study, &scores, emulator.as_ref(), uncertainty.as_ref()),
+        };
         // No more simulations are made after an interruption.
         let (audit, reproduction) = match ending {
             Ending::Complete => (
@@ -131,6 +145,14 @@ impl Answer {
             reproduction,
         };
         let report = Report::new(study, &evidence)?;
+        let best_score = scores.best.and_then(|best| scores.points[best].score);
+        let surface = match (emulator, least_squares) {
+            (Some(emulator), _) => Some(Surface::Emulator(emulator)),
+            (None, Some(fitted)) => {
+                best_score.map(|score| Surface::LeastSquares(Arc::new(fitted.posterior), score))
+            }
+            (None, None) => None,
+        };
         Ok(Self {
             method,
             ending,
@@ -139,14 +161,18 @@ impl Answer {
             draws,
             profiles,
             report,
-            emulator: emulator.map(|emulator| (emulator, grid.clone())),
+            surface: surface.map(|surface| (surface, grid.clone())),
         })
     }
 
     /// The expected score at these parameter values, whether they were simulated or not; `None` where there are too few runs.
     pub fn expected_score(&self, values: &[f64]) -> Option<f64> {
-        let (emulator, grid) = self.emulator.as_ref()?;
-        Some(emulator.mean(&grid.place_of(values)))
+        let (surface, grid) = self.surface.as_ref()?;
+        let point = grid.place_of(values);
+        Some(match surface {
+            Surface::Emulator(emulator) => emulator.mean(&point),
+            Surface::LeastSquares(posterior, score) => score * posterior.relative_score(&point),
+        })
     }
 }
 

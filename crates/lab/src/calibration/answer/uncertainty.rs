@@ -3,7 +3,10 @@
 use crate::calibration::numerics::setting::Setting;
 use crate::calibration::{Scores, Study};
 use realgap_core::statistics::{mean_of_any, standard_deviation};
-use realgap_inference::{HistoryMatching, LEVEL, Unvisited};
+use realgap_inference::{HistoryMatching, LEVEL, PosteriorDraws, Unvisited};
+
+/// Of the draws of a fit by least squares, one in so many is kept as a point beside those that were simulated.
+const EVERY_DRAW: usize = 2;
 
 realgap_core::labelled_enum! {
     /// Where the uncertainty of the scores comes from.
@@ -69,6 +72,50 @@ impl Uncertainty {
             emulator_share: matching.emulator_share(),
             indistinguishable,
             unvisited: matching.unvisited(&study.definition().grid),
+        }
+    }
+
+    /// The set of a fit by least squares: whether each simulated point belongs to it, and some draws of the posterior beside them.
+    pub(in crate::calibration) fn of_draws(
+        study: &Study,
+        scores: &Scores,
+        (best, mut indistinguishable): (usize, Vec<bool>),
+        draws: &PosteriorDraws,
+    ) -> Self {
+        indistinguishable[best] = true;
+        let fitted = study.part_of(&scores.points[best].recordings, false);
+        let (source, best_score_sd) = match fitted.len() {
+            0 | 1 => (UncertaintySource::Runs, 0.0),
+            n => (
+                UncertaintySource::Recordings,
+                standard_deviation(&fitted) / (n as f64).sqrt(),
+            ),
+        };
+        let level = LEVEL;
+        let axes = 0..study.definition().grid.ranges().len();
+        let parts: Vec<_> = axes.map(|axis| draws.intervals(axis, level)).collect();
+        let in_set = |values: &Vec<f64>| {
+            let mut axes = values.iter().zip(&parts);
+            axes.all(|(value, parts)| {
+                parts
+                    .iter()
+                    .any(|(low, high)| (*low..=*high).contains(value))
+            })
+        };
+        let some = draws.rows().iter().step_by(EVERY_DRAW);
+        Self {
+            source,
+            level,
+            best_score_sd,
+            simulation_sd: 0.0,
+            emulator_share: 0.0,
+            indistinguishable,
+            unvisited: some
+                .map(|values| Unvisited {
+                    values: values.clone(),
+                    indistinguishable: in_set(values),
+                })
+                .collect(),
         }
     }
 

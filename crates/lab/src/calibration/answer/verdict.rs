@@ -87,12 +87,17 @@ impl Verdict {
         tables: &Tables<'_>,
         known: &[LeastSquaresEstimate],
     ) -> Vec<Self> {
-        let verdict = |(known, range): (&LeastSquaresEstimate, &Range)| {
+        let verdict = |(axis, (known, range)): (usize, (&LeastSquaresEstimate, &Range))| {
             let ends = (known.value, known.low, known.high);
-            let claim = claim::least_squares(known, tables.recordings);
-            Self::new(range, ends, vec![(known.low, known.high)], claim)
+            let parts = tables
+                .draws
+                .map(|draws| draws.intervals(axis, INTERVAL_LEVEL));
+            let parts = parts.unwrap_or_default();
+            let claim = claim::least_squares(known, &parts, tables.recordings);
+            Self::new(range, ends, parts, claim)
         };
-        known.iter().zip(tables.ranges).map(verdict).collect()
+        let all = known.iter().zip(tables.ranges);
+        all.enumerate().map(verdict).collect()
     }
 
     /// One verdict per parameter; none where no point has a score.

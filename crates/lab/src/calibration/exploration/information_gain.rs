@@ -5,12 +5,14 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
+use crate::calibration::study::case::Case;
 use crate::calibration::{Horizon, Study};
 use realgap_inference::added_information;
-use realgap_optimization::{Quadratic, UnitPoint, slopes};
+use realgap_optimization::{ErrorBlock, UnitPoint, slopes};
+use realgap_path::comparison::joint_error_series;
 use realgap_store::Trial;
 
 /// Information that one recording adds to all others that are fitted, as if errors were independent noise and linear in the
@@ -36,6 +38,17 @@ struct LogErrors<'a> {
     name: &'a str,
     is_fitted: bool,
     errors: Vec<f64>,
+    /// The joints of the errors, in their order; the channel is the number of the robot's joint.
+    blocks: Vec<ErrorBlock>,
+}
+
+/// What is known about the errors and parameters of a fit beside the runs.
+#[derive(Debug, Clone)]
+pub(in crate::calibration) struct FitPrecision {
+    /// Variance of the errors of each channel that counts as one independent error; `None` where no fitted error is of the channel.
+    pub channel_variances: Vec<Option<f64>>,
+    /// Precision of each parameter's coordinate before the recordings.
+    pub prior: Vec<f64>,
 }
 
 impl Study {
@@ -46,6 +59,7 @@ impl Study {
         let mut logs: Vec<LogErrors<'_>> = Vec::new();
         for (case, row) in self.cases().iter().zip(&trial.cases) {
             let own = row.completed()?.scores.get(case.targets.len()..)?;
+            let own_blocks = self.error_blocks(case);
             let is_fitted = case.targets.iter().any(|t| !self.is_held_out(t.recording));
             let recording = &definition.recordings[case.targets[0].recording];
             let path = recording.path.as_path();
@@ -57,34 +71,63 @@ impl Study {
             let known = logs.iter_mut().rev();
             let mut known = known.filter(|log| (log.path, log.name, log.is_fitted) == key);
             match known.next() {
-                Some(log) => log.errors.extend_from_slice(own),
+                Some(log) => {
+                    log.errors.extend_from_slice(own);
+                    log.blocks.extend(own_blocks);
+                }
                 None => logs.push(LogErrors {
                     path,
                     name,
                     is_fitted,
                     errors: own.to_vec(),
+                    blocks: own_blocks,
                 }),
             }
         }
         Some(logs)
     }
 
-    /// Single errors of the fitted recordings in one list, and their number in each recording; `None` where a case has none.
+    /// The joints whose errors a case has, in their order.
+    fn error_blocks(&self, case: &Case) -> Vec<ErrorBlock> {
+        let hinges = &case.experiment.assembly.hinges;
+        let channel = |name: &str| hinges.iter().position(|hinge| hinge.name == name);
+        let blocks = case.targets.iter().flat_map(|target| {
+            let is_simulated = |name: &str| channel(name).is_some();
+            let series = joint_error_series(&target.motion, is_simulated, self.most_errors());
+            series.into_iter().map(|series| ErrorBlock {
+                channel: channel(series.joint).unwrap_or(0),
+                log: 0,
+                count: series.count,
+                resolution: series.resolution_rad,
+            })
+        });
+        blocks.collect()
+    }
+
+    /// Single errors of the fitted recordings in one list, with their joints and recordings; `None` where a case has none.
     pub(in crate::calibration) fn errors_of(
         &self,
         trial: &Trial,
-    ) -> Option<(Vec<f64>, Vec<usize>)> {
+    ) -> Option<(Vec<f64>, Vec<ErrorBlock>)> {
         let fitted = self.logs_of(trial)?.into_iter().filter(|log| log.is_fitted);
-        let fitted: Vec<Vec<f64>> = fitted.map(|log| log.errors).collect();
-        let errors = fitted.concat();
-        (!errors.is_empty()).then(|| (errors, fitted.iter().map(Vec::len).collect()))
+        let (mut errors, mut blocks) = (Vec::new(), Vec::new());
+        for (log, known) in fitted.enumerate() {
+            errors.extend(known.errors);
+            blocks.extend(
+                known
+                    .blocks
+                    .into_iter()
+                    .map(|block| ErrorBlock { log, ..block }),
+            );
+        }
+        (!errors.is_empty()).then_some((errors, blocks))
     }
 
     /// The information gain of each recording, largest first. `around` is the point where least squares ended, followed by the
     /// points that differ from it in one coordinate each, as they were simulated.
     pub(in crate::calibration) fn motions(
         &self,
-        known: &Quadratic,
+        known: &FitPrecision,
         around: &[(&UnitPoint, &Trial)],
     ) -> Vec<InformationGain> {
         let Some(((at, trial), moved)) = around.split_first() else {
@@ -99,11 +142,18 @@ impl Study {
             let errors = there
                 .iter()
                 .map(|logs| Some(&*logs.as_ref()?[number].errors));
-            let jacobian = slopes(at, &log.errors, points.zip(errors));
-            (jacobian.tr_mul(&jacobian) / known.noise, log.is_fitted)
+            let mut jacobian = slopes(at, &log.errors, points.zip(errors));
+            let channels = log.blocks.iter();
+            let channels =
+                channels.flat_map(|block| std::iter::repeat_n(block.channel, block.count));
+            for (mut row, channel) in jacobian.row_iter_mut().zip(channels) {
+                let variance = known.channel_variances.get(channel).copied().flatten();
+                row *= variance.map_or(0.0, |variance| 1.0 / variance.sqrt());
+            }
+            (jacobian.tr_mul(&jacobian), log.is_fitted)
         });
         let informations: Vec<(DMatrix<f64>, bool)> = informations.collect();
-        let prior = DMatrix::from_diagonal(&known.prior_information());
+        let prior = DMatrix::from_diagonal(&DVector::from_column_slice(&known.prior));
         let added = added_information(&informations, &prior);
         let ranges = self.definition().grid.ranges();
         let gains = here.iter().zip(added).filter_map(|(log, added)| {

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::calibration::InformationGain;
-use realgap_inference::LeastSquaresEstimate;
+use realgap_inference::{Agreement, LeastSquaresEstimate};
 
 /// How the points of an answer were chosen.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,16 +15,6 @@ pub enum Method {
 }
 
 impl Method {
-    /// The values that least squares chose; `None` for every other method.
-    pub(in crate::calibration) fn fitted(&self) -> Option<Vec<f64>> {
-        match self {
-            Self::Tune(tuned) if !tuned.least_squares.is_empty() => {
-                Some(tuned.least_squares.iter().map(|e| e.value).collect())
-            }
-            _ => None,
-        }
-    }
-
     /// Whether an optimizer chose the point of the run with this index because of scores. Such points crowd around the best
     /// point, so they are no random sample.
     pub(in crate::calibration) fn crowds(&self, run: usize) -> bool {
@@ -67,6 +57,10 @@ pub struct Tuned {
     /// What least squares tell about each parameter where they ended; empty for other optimizers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub least_squares: Vec<LeastSquaresEstimate>,
+    /// How well runs at some draws of the posterior of least squares fit, beside what the posterior promises; `None` for other
+    /// optimizers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub agreement: Option<Agreement>,
     /// Lowest score of all points, where least squares chose a point with a higher score: their robust loss weighs large errors
     /// less and contains prior knowledge.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -62,7 +62,7 @@ fn sweep(study: &Study, place: Option<(Place<'_>, Mode)>, run: &RunOptions<'_>) 
     let scores = Scores::new(study, &sink.trials()?)?;
     sink.score(&scores.runs)?;
     sink.end(ending)?;
-    run.install(|| Answer::new(study, Method::Sweep, ending, scores, None))?
+    run.install(|| Answer::new(study, Method::Sweep, ending, scores, None, None))?
 }
 
 /// Points of the grid.

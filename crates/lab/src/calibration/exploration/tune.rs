@@ -1,5 +1,9 @@
 //! Tuning: an optimizer chooses the points, and every trial is stored as soon as it is finished.
 
+use std::borrow::Cow;
+
+use crate::calibration::exploration::information_gain::FitPrecision;
+use crate::calibration::exploration::least_squares::LeastSquaresFit;
 use crate::calibration::exploration::sweep::FINISHING;
 use crate::calibration::exploration::trial_sink::{RunDescription, TrialSink};
 use crate::calibration::exploration::wave::with_waves;
@@ -9,10 +13,9 @@ use crate::calibration::{
 };
 use realgap_core::statistics::median;
 use realgap_core::{Advice, Error, Result};
-use realgap_inference::LeastSquaresEstimate;
 use realgap_optimization::{
-    Batch, Ending, EvaluatedPoint, History, OptimizationProblem, Optimizer, Proposal, Quadratic,
-    RunOptions, UnitPoint, default_optimizer, drive, space_filling,
+    Batch, Ending, EvaluatedPoint, History, OptimizationProblem, Optimizer, Proposal, RunOptions,
+    UnitPoint, default_optimizer, drive, space_filling,
 };
 use realgap_path::comparison::Basis;
 use realgap_store::{Fingerprint, Mode, Part, Place, Trial};
@@ -98,7 +101,8 @@ impl Study {
         options: &TuneOptions,
         run: &RunOptions<'_>,
     ) -> Result<Ending> {
-        let mut tuning = Tuning::with(self, TrialSink::Part(part), options, run)?;
+        let study = tuned(self, options);
+        let mut tuning = Tuning::with(&study, TrialSink::Part(part), options, run)?;
         Ok(match tuning.search()? {
             Termination::Interrupted => Ending::Interrupted,
             _ => Ending::Complete,
@@ -119,12 +123,21 @@ fn first_design(study: &Study, options: &TuneOptions) -> usize {
     options.optimizer.design(dimensions).max(basis)
 }
 
+/// The study as it is tuned: with its own setting alone where an optimizer takes differences of runs.
+fn tuned<'a>(study: &'a Study, options: &TuneOptions) -> Cow<'a, Study> {
+    match options.optimizer.needs_errors() {
+        true => Cow::Owned(study.with_own_setting()),
+        false => Cow::Borrowed(study),
+    }
+}
+
 fn tune(
     study: &Study,
     place: Option<(Place<'_>, Mode)>,
     options: &TuneOptions,
     run: &RunOptions<'_>,
 ) -> Result<Answer> {
+    let study = &*tuned(study, options);
     let mut tuning = Tuning::open(study, place, options, run)?;
     let folds = match study.definition().split {
         Some(Split::Folds(folds)) => folds,
@@ -141,28 +154,31 @@ fn tune(
     tuning.sink.end(ending)?;
     let evaluated = tuning.told.len();
     let history = tuning.history();
-    let known = options
-        .optimizer
-        .quadratic(&tuning.brief, &history, &tuning.logs);
+    let linearisations = options.optimizer.linearisations(&tuning.brief, &history);
     let warning = options.optimizer.warning(&tuning.brief, &history);
+    run.tell_finishing(FINISHING, evaluated);
+    let known = run.install(|| {
+        let problem = (&tuning.brief, history.evaluated);
+        LeastSquaresFit::new(study, problem, &linearisations, (&scores, ending))
+    })??;
     let method = Method::Tune(Tuned {
         optimizer: options.optimizer.name(),
         budget: tuning.budget,
         design: tuning.design.len(),
         evaluated,
         termination,
-        least_squares: match &known {
-            Some(known) => LeastSquaresEstimate::all(&study.definition().grid, known),
-            None => Vec::new(),
-        },
+        least_squares: known
+            .as_ref()
+            .map_or_else(Vec::new, |known| known.estimates.clone()),
+        agreement: known.as_ref().map(LeastSquaresFit::agreement),
         lowest_score: known.as_ref().and_then(|known| {
-            let chosen = study.definition().grid.values_at(&known.at);
-            let lowest = scores.best.map(|best| &scores.points[best])?;
-            lowest.score.filter(|_| lowest.values != chosen)
+            let lowest = known.scores.ranked().first().copied()?;
+            let lowest = (known.scores.best != Some(lowest)).then_some(lowest)?;
+            known.scores.points[lowest].score
         }),
-        motions: match &known {
-            Some(known) => tuning.motions(known)?,
-            None => Vec::new(),
+        motions: match (&known, linearisations.first()) {
+            (Some(known), Some(best)) => tuning.motions(&known.precision, best.indices)?,
+            _ => Vec::new(),
         },
     });
     let refits = match ending {
@@ -172,16 +188,24 @@ fn tune(
         }
         _ => None,
     };
-    run.tell_finishing(FINISHING, evaluated);
+    let doubts = known
+        .as_ref()
+        .map_or_else(Vec::new, LeastSquaresFit::warnings);
     let mut answer = run.install(|| {
         let scores = match ending {
             // Least squares end at a known minimum, so that no waves are needed.
             Ending::Complete if known.is_none() => with_waves(study, scores)?,
-            _ => scores,
+            _ => match &known {
+                Some(known) => known.scores.clone(),
+                None => scores,
+            },
         };
-        Answer::new(study, method, ending, scores, refits)
+        Answer::new(study, method, ending, scores, refits, known)
     })??;
-    answer.report.warnings.extend(warning);
+    answer
+        .report
+        .warnings
+        .extend(warning.into_iter().chain(doubts));
     Ok(answer)
 }
 
@@ -254,6 +278,7 @@ fn brief(study: &Study, options: &TuneOptions) -> Result<OptimizationProblem> {
         budget: options.budget.saturating_sub(design),
         seed: definition.seed,
         priors: definition.priors.clone(),
+        error_blocks: Vec::new(),
     };
     check_errors(study, options)?;
     let batch = options.optimizer.batch(&brief).max(1);
@@ -293,8 +318,6 @@ struct Tuning<'a> {
     told: Vec<EvaluatedPoint>,
     /// Scores so far, with the numbers of their trials.
     seen: Vec<(usize, f64)>,
-    /// Number of the errors of each recording.
-    logs: Vec<usize>,
     best: Option<f64>,
     since_best: usize,
     /// Trials of the same study by an earlier tuning, by index.
@@ -339,7 +362,6 @@ impl<'a> Tuning<'a> {
             basis: None,
             told: Vec::new(),
             seen: Vec::new(),
-            logs: Vec::new(),
             best: None,
             since_best: 0,
             known: &[],
@@ -386,12 +408,16 @@ impl<'a> Tuning<'a> {
     }
 
     /// The information gain of each recording, from the finite differences that least squares took.
-    fn motions(&self, known: &Quadratic) -> Result<Vec<InformationGain>> {
+    fn motions(
+        &self,
+        known: &FitPrecision,
+        indices: (usize, usize),
+    ) -> Result<Vec<InformationGain>> {
         let first = self.design.len();
-        let (at, moved) = (first + known.indices.0, first + known.indices.1);
+        let (at, moved) = (first + indices.0, first + indices.1);
         let rows = self.sink.rows();
         let mut trials = rows.rows_within(at..at + 1)?;
-        trials.extend(rows.rows_within(moved..moved + known.point.len())?);
+        trials.extend(rows.rows_within(moved..moved + self.brief.dimensions())?);
         let around = trials.iter();
         let around = around.map(|trial| (&self.told[trial.index].point, trial));
         Ok(self.study.motions(known, &around.collect::<Vec<_>>()))
@@ -448,9 +474,9 @@ impl<'a> Tuning<'a> {
             self.notice(score);
             let mut errors = Vec::new();
             if self.options.optimizer.needs_errors()
-                && let Some((own, logs)) = self.study.errors_of(trial)
+                && let Some((own, blocks)) = self.study.errors_of(trial)
             {
-                (errors, self.logs) = (own, logs);
+                (errors, self.brief.error_blocks) = (own, blocks);
             }
             self.told.push(EvaluatedPoint {
                 point: point.clone(),

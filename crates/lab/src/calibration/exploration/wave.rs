@@ -194,7 +194,7 @@ fn simulated(study: &Study, chosen: Vec<(usize, Vec<f64>)>) -> Result<Vec<realga
 }
 
 /// A number after those of all trials and of the grid, with the study's own setting.
-fn next_trial(study: &Study, scores: &Scores) -> usize {
+pub(in crate::calibration) fn next_trial(study: &Study, scores: &Scores) -> usize {
     let settings = study.settings();
     let last = scores.runs.iter().map(|run| run.index).max().unwrap_or(0);
     (last + 1)

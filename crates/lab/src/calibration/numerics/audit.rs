@@ -67,7 +67,7 @@ impl Audit {
         let solver = study.experiment(0, &point.values)?.solver;
         let mut rows = Vec::new();
         for (setting, coarser, change) in changes(&solver) {
-            let trial = study.simulate_changed(&point.values, change)?;
+            let trial = study.simulate_changed(&point.values, change, false)?;
             let score = Scores::with_basis(study, &[trial], scores.basis.clone())?.points[0].score;
             rows.push(AuditRow {
                 setting,

@@ -325,11 +325,12 @@ impl Study {
         &self,
         values: &[f64],
         change: impl Fn(&mut Experiment) + Sync,
+        has_errors: bool,
     ) -> Result<Trial> {
         let cases = self.each_case(|case| {
             let mut experiment = self.experiment(case, values)?;
             change(&mut experiment);
-            self.simulate_case(case, &experiment, false)
+            self.simulate_case(case, &experiment, has_errors)
         })?;
         Ok(Trial {
             index: 0,
@@ -369,6 +370,18 @@ impl Study {
         self.held_out.iter().filter(|held_out| !**held_out).count()
     }
 
+    /// Most single errors that are kept of a case.
+    pub(in crate::calibration) fn most_errors(&self) -> usize {
+        (MOST_ERRORS / self.cases.len()).max(LEAST_ERRORS)
+    }
+
+    /// The study with its own setting alone: least squares take differences of runs, which other settings would distort.
+    pub(in crate::calibration) fn with_own_setting(&self) -> Self {
+        let mut study = self.clone();
+        study.definition.score = ScoreRule::Single;
+        study
+    }
+
     fn simulate_case(
         &self,
         case: usize,
@@ -392,7 +405,7 @@ impl Study {
         let spread = spread.map(|spread| spread.scaled(1.0 / experiment.recording_length_scale));
         let context = context(&self.cases[case], spread.as_ref());
         let (mut scores, mut errors) = (Vec::new(), Vec::new());
-        let most = (MOST_ERRORS / self.cases.len()).max(LEAST_ERRORS);
+        let most = self.most_errors();
         if !needs_basis {
             for target in &self.cases[case].targets {
                 let target = target.in_true_lengths(experiment.recording_length_scale)?;

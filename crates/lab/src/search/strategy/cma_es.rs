@@ -106,6 +106,7 @@ impl Strategy for CmaEs {
             budget: self.evaluations,
             seed: self.seed,
             priors: Vec::new(),
+            error_blocks: Vec::new(),
         };
         let history = History {
             design: &[],

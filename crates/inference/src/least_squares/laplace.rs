@@ -1,0 +1,267 @@
+//! A Gaussian approximation of the posterior around a point (Laplace's method), in principal directions.
+
+use nalgebra::{DMatrix, DVector};
+use realgap_core::statistics::{jackknife_variance, student_quantile};
+use realgap_optimization::{Linearisation, OptimizationProblem, UnitPoint, blocks_of};
+
+use super::noise::ResidualNoise;
+
+/// Half of a 90 % interval of a normal distribution, in standard deviations.
+const NINETY: f64 = 1.644_853_626_951;
+/// With fewer logs than this, their disagreement cannot be estimated, and only the noise is used.
+const FEWEST_LOGS: usize = 3;
+/// Precision of a uniform distribution from 0 to 1. It keeps steps along directions without information within the range.
+const RANGE_PRECISION: f64 = 12.0;
+
+/// A Gaussian approximation around a centre, in coordinates from 0 to 1.
+///
+/// Information that differences of runs cannot show is left out: where the derivatives to both sides of the centre differ, a direction
+/// without effect seems to have one, and many errors make it seem certain.
+#[derive(Debug, Clone)]
+pub(super) struct Laplace {
+    /// The point at which the deviance was last found to be lowest.
+    pub centre: UnitPoint,
+    /// The errors there.
+    pub errors: Vec<f64>,
+    noise: ResidualNoise,
+    /// Derivatives of the whitened errors.
+    jacobian: DMatrix<f64>,
+    /// Median and variance of the prior of each coordinate.
+    prior: Vec<Option<(f64, f64)>>,
+    /// Principal directions, a column each, the best determined last.
+    pub directions: DMatrix<f64>,
+    /// Information along each direction, as if errors were independent.
+    information: DVector<f64>,
+    /// By how much the variance along each direction is larger, because errors are correlated or logs disagree.
+    inflation: DVector<f64>,
+}
+
+impl Laplace {
+    /// Around a linearised point, with its derivatives as they are.
+    pub fn new(problem: &OptimizationProblem, known: &Linearisation) -> Self {
+        let dimensions = known.at.len();
+        let blocks = blocks_of(&problem.error_blocks, known.errors.len());
+        let noise = ResidualNoise::new(&known.errors, &known.scales, &blocks, dimensions);
+        let mut prior = problem.priors.clone();
+        prior.resize(dimensions, None);
+        let one = DVector::from_element(dimensions, 1.0);
+        let mut laplace = Self {
+            centre: known.at.clone(),
+            errors: known.errors.clone(),
+            jacobian: noise.whitened(&known.jacobian),
+            noise,
+            prior,
+            directions: DMatrix::identity(dimensions, dimensions),
+            inflation: one.clone(),
+            information: one,
+        };
+        laplace.decompose(&vec![0.0; dimensions]);
+        laplace
+    }
+
+    /// The same around the centre with derivatives from differences to both sides, which come as the two Jacobians of steps to one
+    /// side and to the other, each in two steps of the same length.
+    ///
+    /// The derivative of the parabola through three points is off by a share of about the square of the asymmetry: half of the
+    /// difference between the two slopes, relative to the slope (Nocedal & Wright 2006, section 8.1).
+    pub fn with_both_sides(&mut self, central: &DMatrix<f64>, asymmetry: &DMatrix<f64>) {
+        self.jacobian = self.noise.whitened(central);
+        let asymmetry = self.noise.whitened(asymmetry);
+        let doubts = asymmetry.column_iter().zip(self.jacobian.column_iter());
+        let doubts = doubts.map(|(change, slope)| {
+            let (change, slope) = (change.norm(), slope.norm());
+            let share = (change / slope.max(f64::MIN_POSITIVE)).min(1.0);
+            (change * share).powi(2)
+        });
+        let doubts: Vec<f64> = doubts.collect();
+        self.decompose(&doubts);
+    }
+
+    /// Computes principal directions and their information. `doubts` has by coordinate the squared norm of the errors of its
+    /// derivatives, which look like information and are none.
+    fn decompose(&mut self, doubts: &[f64]) {
+        let dimensions = self.centre.len();
+        let mut information = self.jacobian.tr_mul(&self.jacobian);
+        for (axis, (prior, doubt)) in self.prior.iter().zip(doubts).enumerate() {
+            // The error of a sum over the coordinates is at most the sum of their errors (Cauchy and Schwarz).
+            information[(axis, axis)] -= dimensions as f64 * doubt;
+            information[(axis, axis)] += prior.map_or(0.0, |(_, variance)| 1.0 / variance);
+        }
+        let eigen = information.symmetric_eigen();
+        let mut order: Vec<usize> = (0..dimensions).collect();
+        order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
+        self.directions = DMatrix::from_fn(dimensions, dimensions, |row, column| {
+            eigen.eigenvectors[(row, order[column])]
+        });
+        self.information =
+            DVector::from_fn(dimensions, |k, _| eigen.eigenvalues[order[k]].max(0.0));
+        self.inflation = self.inflations();
+    }
+
+    /// The inflation along each direction: from the disagreement between logs where there are three or more, otherwise from the
+    /// autocorrelation of the errors.
+    fn inflations(&self) -> DVector<f64> {
+        let slopes = self.noise.slopes(&self.errors);
+        let along = &self.jacobian * &self.directions;
+        let from_noise = DVector::from_fn(self.centre.len(), |k, _| {
+            let column = along.column(k);
+            let scores = column.component_mul(&slopes);
+            self.noise.inflation(&scores, column.norm_squared())
+        });
+        let logs = self.noise.logs();
+        if logs.len() < FEWEST_LOGS {
+            return from_noise;
+        }
+        // Leaving out one log after the other (Tukey 1958); each fit without a log is one linear step.
+        let dimensions = self.centre.len();
+        let mut parts = Vec::new();
+        for ranges in &logs {
+            let mut part = DMatrix::zeros(dimensions, dimensions);
+            let mut pull = DVector::zeros(dimensions);
+            for range in ranges {
+                let own = along.rows(range.start, range.len());
+                part += own.tr_mul(&own);
+                pull += own.tr_mul(&slopes.rows(range.start, range.len()));
+            }
+            parts.push((part, pull));
+        }
+        let mut all = DMatrix::from_diagonal_element(dimensions, dimensions, RANGE_PRECISION);
+        parts.iter().for_each(|(part, _)| all += part);
+        let shifts = parts.iter().map(|(part, pull)| {
+            let rest = (&all - part).cholesky();
+            rest.map_or_else(|| DVector::zeros(dimensions), |rest| rest.solve(pull))
+        });
+        let shifts: Vec<DVector<f64>> = shifts.collect();
+        let student = student_quantile(0.95, logs.len() as f64 - 1.0) / NINETY;
+        DVector::from_fn(dimensions, |k, _| {
+            let left_out: Vec<f64> = shifts.iter().map(|shift| shift[k]).collect();
+            let variance = jackknife_variance(&left_out) * student.powi(2);
+            (variance * self.information[k]).max(1.0)
+        })
+    }
+
+    /// Precision along each direction; 0 where nothing is known but the range.
+    pub fn precision(&self, direction: usize) -> f64 {
+        self.information[direction] / self.inflation[direction]
+    }
+
+    /// Information along each direction as if errors were independent.
+    pub fn information(&self, direction: usize) -> f64 {
+        self.information[direction]
+    }
+
+    /// Inflation of the variance of all errors together: that of the directions, weighted by nothing.
+    pub fn mean_inflation(&self) -> f64 {
+        self.inflation.mean()
+    }
+
+    /// Inflation along one direction, at least that of all directions together: errors that a direction hardly changes do not show
+    /// their own correlation.
+    pub fn inflation_along(&self, direction: usize) -> f64 {
+        self.inflation[direction].max(self.mean_inflation())
+    }
+
+    /// Variance of each error, as if errors were independent.
+    pub fn variances(&self) -> Vec<f64> {
+        self.noise.variances()
+    }
+
+    /// Twice the negative log-posterior of a point with these errors, as if errors were independent.
+    pub fn deviance(&self, point: &[f64], errors: &[f64]) -> f64 {
+        let priors = self.prior.iter().zip(point);
+        let priors = priors.filter_map(|(prior, at)| {
+            let (median, variance) = (*prior)?;
+            Some((at - median).powi(2) / variance)
+        });
+        self.noise.deviance(errors) + priors.sum::<f64>()
+    }
+
+    /// The derivatives of the whitened errors at the centre.
+    pub fn jacobian(&self) -> &DMatrix<f64> {
+        &self.jacobian
+    }
+
+    /// Errors, each divided by its standard deviation.
+    pub fn whitened(&self, errors: &[f64]) -> DVector<f64> {
+        self.noise.whitened_errors(errors)
+    }
+
+    /// The step towards the lowest deviance from a point with these errors.
+    pub fn step(&self, point: &[f64], errors: &[f64]) -> DVector<f64> {
+        self.step_down(&self.slope(&self.jacobian, point, errors))
+    }
+
+    /// Derivative of half the deviance at a point, with these derivatives of the whitened errors.
+    fn slope(&self, jacobian: &DMatrix<f64>, point: &[f64], errors: &[f64]) -> DVector<f64> {
+        let mut slope = jacobian.tr_mul(&self.noise.slopes(errors));
+        for (axis, prior) in self.prior.iter().enumerate() {
+            if let Some((median, variance)) = prior {
+                slope[axis] += (point[axis] - median) / variance;
+            }
+        }
+        slope
+    }
+
+    /// The step towards the lowest deviance across a direction, with these derivatives of the whitened errors, and by how much it
+    /// promises to reduce the deviance.
+    pub fn step_across(
+        &self,
+        jacobian: &DMatrix<f64>,
+        (point, errors): (&[f64], &[f64]),
+        direction: usize,
+    ) -> (DVector<f64>, f64) {
+        let across = self.directions.clone().remove_column(direction);
+        let slope = across.tr_mul(&self.slope(jacobian, point, errors));
+        let change = jacobian * &across;
+        let size = across.ncols();
+        // Large errors weigh less, as in iteratively reweighted least squares; otherwise steps would be too short.
+        let mut weighted = change.clone();
+        let ratios = self
+            .noise
+            .slopes(errors)
+            .component_div(&self.whitened(errors));
+        for (mut row, ratio) in weighted.row_iter_mut().zip(ratios.iter()) {
+            row *= if ratio.is_finite() { *ratio } else { 1.0 };
+        }
+        let curvature =
+            change.tr_mul(&weighted) + DMatrix::from_diagonal_element(size, size, RANGE_PRECISION);
+        let step = match curvature.cholesky() {
+            Some(cholesky) => -cholesky.solve(&slope),
+            None => DVector::zeros(size),
+        };
+        let gain = -slope.dot(&step);
+        (across * step, gain)
+    }
+
+    /// The deviance above that of the centre that the approximation expects at a point, as if errors were independent.
+    pub fn beyond(&self, point: &[f64]) -> f64 {
+        let from = point.iter().zip(&self.centre).map(|(a, b)| a - b);
+        let from = DVector::from_iterator(point.len(), from);
+        let along = self.directions.tr_mul(&from);
+        along.component_mul(&along).dot(&self.information)
+    }
+
+    /// The lowest deviance above that of the centre of all points with this coordinate along one axis.
+    pub fn beyond_along(&self, axis: usize, coordinate: f64) -> f64 {
+        let variances = (0..self.centre.len()).map(|k| {
+            let share = self.directions[(axis, k)];
+            share * share / (self.information[k] + RANGE_PRECISION)
+        });
+        (coordinate - self.centre[axis]).powi(2) / variances.sum::<f64>()
+    }
+
+    /// How far the lowest deviance moves where the errors at the centre become these.
+    pub fn shift(&self, errors: &[f64]) -> DVector<f64> {
+        let change = self.noise.slopes(errors) - self.noise.slopes(&self.errors);
+        self.step_down(&self.jacobian.tr_mul(&change))
+    }
+
+    fn step_down(&self, slope: &DVector<f64>) -> DVector<f64> {
+        let mut step = DVector::zeros(slope.len());
+        for (k, direction) in self.directions.column_iter().enumerate() {
+            let precision = self.information[k] + RANGE_PRECISION;
+            step -= direction * (direction.dot(slope) / precision);
+        }
+        step
+    }
+}

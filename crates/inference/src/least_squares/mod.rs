@@ -1,0 +1,383 @@
+//! The posterior of a fit by least squares.
+//!
+//! Around the lowest deviance it is a Gaussian approximation (Laplace's method) whose noise has a scale for each channel and counts
+//! correlated errors once (`noise`, `laplace`). Along directions that are hardly determined it is followed by runs (`ridge`). Other
+//! descents that ended as low are modes of their own (`mode`). Draws are then run: where their errors are larger than promised, the
+//! draws get weights, and the agreement is part of the result (importance sampling; Kloek & van Dijk 1978).
+
+mod combination;
+mod estimate;
+mod laplace;
+mod mode;
+mod noise;
+mod ridge;
+mod runs;
+#[cfg(test)]
+mod tests;
+
+use rand::RngExt;
+use serde::Serialize;
+
+use crate::posterior::PosteriorDraws;
+use laplace::Laplace;
+use mode::Mode;
+use realgap_core::error::Result;
+use realgap_core::random::{Generator, Once};
+use realgap_core::statistics::{chi_squared_quantile, ends_of, mean, median, standard_deviation};
+use realgap_optimization::{EvaluatedPoint, Grid, Linearisation, OptimizationProblem, UnitPoint};
+use runs::CheckRuns;
+
+pub use combination::Combination;
+pub use estimate::LeastSquaresEstimate;
+pub use runs::Evaluate;
+
+/// Draws of the posterior.
+const DRAWS: usize = 1000;
+/// Draws that are run.
+const CHECKED: usize = 24;
+/// Most runs that check a posterior of a few parameters, and how many parameters these are. Of more parameters, the check costs at most
+/// as many runs as the fit did.
+const MOST_CHECKS: usize = 120;
+const FEW: usize = 20;
+
+/// Most runs that check a posterior of so many parameters after so many runs.
+pub fn most_checks(parameters: usize, evaluated: usize) -> usize {
+    match parameters {
+        ..=FEW => MOST_CHECKS,
+        _ => evaluated,
+    }
+}
+
+/// A mode whose deviance is larger than the lowest by more than this is left out: its weight is below 0.003.
+const FARTHEST: f64 = 12.0;
+/// The numerics move the truth by between these multiples of the shift that half a timestep makes: a method of first order moves by
+/// twice that shift in the limit, and the study's own timestep lies within.
+const SHIFTS: (f64, f64) = (-0.5, 2.0);
+/// A larger excess says no more than this one.
+const MOST_EXCESS: f64 = 50.0;
+/// Weight of the median excess beside those of the draws that were run; a draw at the same place has 1.
+const NEARNESS: f64 = 0.1;
+/// Draws that are run agree with the approximation where the mean of the deviance above the promised one is below this for each
+/// parameter.
+const AGREEMENT: f64 = 1.0;
+/// A fit has converged where its next step would be shorter than so many standard deviations.
+const CONVERGED: f64 = 3.0;
+/// The truth is between these multiples of the remaining step from the point where the budget ended.
+const REMAINING: (f64, f64) = (-0.5, 2.0);
+
+/// What is known about how good the approximation of a posterior is.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Agreement {
+    /// Length of the step that the descent would have gone on with, in standard deviations of the posterior: large where the budget
+    /// ended before the fit did.
+    pub remaining: f64,
+    /// Draws that were run.
+    pub checked: usize,
+    /// Of these, the effective number once weighted by how well they fit (Kish 1965).
+    pub effective: f64,
+    /// Mean deviance beyond what was promised, for each parameter: 0 where the approximation holds; `None` where no draw was run.
+    pub excess: Option<f64>,
+}
+
+impl Agreement {
+    /// The same with the excess deviance of some draws that were run.
+    fn with_checks(self, excesses: &[f64], parameters: usize) -> Self {
+        let weights: Vec<f64> = excesses.iter().map(|e| libm::exp(-0.5 * e)).collect();
+        let total: f64 = weights.iter().sum();
+        let squares: f64 = weights.iter().map(|w| w * w).sum();
+        Self {
+            checked: excesses.len(),
+            effective: if squares > 0.0 {
+                total * total / squares
+            } else {
+                0.0
+            },
+            excess: Some(mean(excesses) / parameters as f64),
+            ..self
+        }
+    }
+
+    /// Whether the fit had ended when the budget did.
+    pub fn has_converged(&self) -> bool {
+        self.remaining < CONVERGED
+    }
+
+    /// Whether runs at draws confirm the approximation.
+    pub fn holds(&self) -> bool {
+        self.excess.is_none_or(|excess| excess < AGREEMENT)
+    }
+}
+
+/// A draw, before the numerics move it.
+#[derive(Debug, Clone)]
+struct Draw {
+    point: UnitPoint,
+    /// Number of its mode.
+    mode: usize,
+    /// The deviance above that of the mode's centre that is promised for it, as if errors were independent.
+    promised: f64,
+}
+
+/// The posterior of a fit by least squares.
+#[derive(Debug)]
+pub struct LeastSquaresPosterior {
+    /// The modes, with their deviance above that of the first.
+    modes: Vec<(Mode, f64)>,
+    agreement: Agreement,
+    draws: Vec<Draw>,
+}
+
+impl LeastSquaresPosterior {
+    /// From the points where descents ended, the best first; `None` without one. `evaluated` are the points that are known, and
+    /// `evaluate` runs at most `most` further ones.
+    ///
+    /// # Errors
+    /// Those of the runs.
+    pub fn new<'a>(
+        problem: &OptimizationProblem,
+        evaluated: &[EvaluatedPoint],
+        linearisations: &[Linearisation],
+        (evaluate, most): (&'a mut Evaluate<'a>, usize),
+    ) -> Result<Option<Self>> {
+        let Some(first) = linearisations.first() else {
+            return Ok(None);
+        };
+        let mut runs = CheckRuns::new(evaluate, most, first.errors.len());
+        let mut modes: Vec<(Mode, f64)> = Vec::new();
+        for known in linearisations {
+            let mut laplace = Laplace::new(problem, known);
+            if modes.is_empty() {
+                // The budget may end before there are differences around the last step.
+                let known = evaluated.iter().filter(|one| one.score.is_some());
+                let known = known.filter(|one| one.errors.len() == first.errors.len());
+                let deviance = |one: &&EvaluatedPoint| laplace.deviance(&one.point, &one.errors);
+                let lowest = known.min_by(|a, b| deviance(a).total_cmp(&deviance(b)));
+                if let Some(lowest) = lowest {
+                    (laplace.centre, laplace.errors) =
+                        (lowest.point.clone(), lowest.errors.clone());
+                }
+            }
+            let (excess, is_new) = match modes.first() {
+                Some((best, _)) => {
+                    let reference = &best.laplace;
+                    let excess = reference.deviance(&laplace.centre, &laplace.errors)
+                        - reference.deviance(&reference.centre, &reference.errors);
+                    let excess = excess / reference.mean_inflation();
+                    let is_new = modes.iter().all(|(mode, _)| mode.is_apart(&laplace.centre));
+                    (excess, is_new)
+                }
+                None => (0.0, true),
+            };
+            if is_new && excess < FARTHEST {
+                modes.push((Mode::new(laplace, &mut runs)?, excess));
+            }
+        }
+        let mut posterior = Self {
+            agreement: Agreement {
+                remaining: modes[0].0.remaining_deviations(),
+                checked: 0,
+                effective: 0.0,
+                excess: None,
+            },
+            modes,
+            draws: Vec::new(),
+        };
+        posterior.check(problem.seed, &mut runs)?;
+        Ok(Some(posterior))
+    }
+
+    /// The share of each mode.
+    fn shares(&self) -> Vec<f64> {
+        let logs = self
+            .modes
+            .iter()
+            .map(|(mode, excess)| mode.log_volume() - 0.5 * excess);
+        let logs: Vec<f64> = logs.collect();
+        let largest = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let shares: Vec<f64> = logs.iter().map(|log| libm::exp(log - largest)).collect();
+        let total: f64 = shares.iter().sum();
+        shares.iter().map(|share| share / total).collect()
+    }
+
+    /// Runs some draws and weighs all of them by how far these runs fall short of what was promised.
+    fn check(&mut self, seed: u64, runs: &mut CheckRuns<'_>) -> Result<()> {
+        let mut rng = Once::BestPoint.generator(seed);
+        for (mode, share) in self.shares().into_iter().enumerate() {
+            let count = (share * DRAWS as f64).round() as usize;
+            let draws = self.modes[mode].0.draws(count, &mut rng).into_iter();
+            let draws = draws.map(|(point, promised)| Draw {
+                point,
+                mode,
+                promised,
+            });
+            self.draws.extend(draws);
+        }
+        let checked = CHECKED.min(self.draws.len());
+        if checked == 0 || !runs.has_left(checked) {
+            return Ok(());
+        }
+        let step = self.draws.len() / checked;
+        let chosen: Vec<Draw> = (0..checked)
+            .map(|k| self.draws[k * step + step / 2].clone())
+            .collect();
+        let points = chosen.iter().map(|draw| draw.point.clone()).collect();
+        let excesses = chosen.iter().zip(runs.run(points)?).map(|(draw, errors)| {
+            let laplace = &self.modes[draw.mode].0.laplace;
+            let here = laplace.deviance(&laplace.centre, &laplace.errors);
+            let excess = errors.map_or(f64::INFINITY, |errors| {
+                laplace.deviance(&draw.point, &errors) - here - draw.promised
+            });
+            (excess / laplace.mean_inflation()).min(MOST_EXCESS)
+        });
+        let excesses: Vec<f64> = excesses.collect();
+        let dimensions = self.modes[0].0.laplace.centre.len();
+        self.agreement = self.agreement.with_checks(&excesses, dimensions);
+        self.draws = reweighted(&self.draws, (&chosen, &excesses), &mut rng);
+        Ok(())
+    }
+
+    /// The simulated point with the lowest deviance.
+    pub fn best(&self) -> &UnitPoint {
+        &self.modes[0].0.laplace.centre
+    }
+
+    /// What is known about how good the approximation is.
+    pub fn agreement(&self) -> Agreement {
+        self.agreement
+    }
+
+    /// Variance of each fitted error, as if errors were independent, and how many of them count as one.
+    pub fn noise(&self) -> (Vec<f64>, f64) {
+        let laplace = &self.modes[0].0.laplace;
+        (laplace.variances(), laplace.mean_inflation())
+    }
+
+    /// Whether a point with these errors belongs to the confidence set at this level (likelihood ratio).
+    pub fn is_in_set(&self, point: &[f64], errors: &[f64], level: f64) -> bool {
+        let laplace = &self.modes[0].0.laplace;
+        let limit = chi_squared_quantile(level, point.len() as f64);
+        let excess =
+            laplace.deviance(point, errors) - laplace.deviance(&laplace.centre, &laplace.errors);
+        errors.len() == laplace.errors.len() && excess / laplace.mean_inflation() <= limit
+    }
+
+    /// The score that the approximation expects at a point, as a multiple of that at the best point. A score is about proportional to
+    /// the root of the deviance.
+    pub fn relative_score(&self, point: &[f64]) -> f64 {
+        let of_mode = |(mode, excess): &(Mode, f64)| {
+            excess * mode.laplace.mean_inflation() + mode.laplace.beyond(point)
+        };
+        let beyond = self.modes.iter().map(of_mode).fold(f64::INFINITY, f64::min);
+        self.relative(beyond)
+    }
+
+    /// The lowest relative score of all points with this coordinate along one axis.
+    pub fn relative_profile(&self, axis: usize, coordinate: f64) -> f64 {
+        let of_mode = |(mode, excess): &(Mode, f64)| {
+            excess * mode.laplace.mean_inflation() + mode.laplace.beyond_along(axis, coordinate)
+        };
+        let beyond = self.modes.iter().map(of_mode).fold(f64::INFINITY, f64::min);
+        self.relative(beyond)
+    }
+
+    fn relative(&self, beyond: f64) -> f64 {
+        let laplace = &self.modes[0].0.laplace;
+        let here = laplace.deviance(&laplace.centre, &laplace.errors);
+        (1.0 + beyond / here.max(f64::MIN_POSITIVE)).sqrt()
+    }
+
+    /// Adds what the numerics leave open: `errors` are those at the best point with half of the timestep.
+    #[must_use]
+    pub fn with_numerics(mut self, errors: &[f64]) -> Self {
+        // The shift of the best mode stands for that of the others, which are not run.
+        let best = &mut self.modes[0].0;
+        if best.laplace.errors.len() == errors.len() {
+            best.set_shift(errors);
+        }
+        self
+    }
+
+    /// The draws, in parameter values.
+    pub fn posterior(&self, grid: &Grid, seed: u64) -> PosteriorDraws {
+        let mut rng = Once::WithinCell.generator(seed);
+        let shift = &self.modes[0].0.shift;
+        let draws = self.draws.iter().map(|draw| {
+            let mut factor = |(from, to): (f64, f64)| from + rng.random::<f64>() * (to - from);
+            let remaining = &self.modes[draw.mode].0.remaining;
+            let moves = shift * factor(SHIFTS) + remaining.map(|step| step * factor(REMAINING));
+            let moved = draw.point.iter().zip(moves.iter());
+            let moved: UnitPoint = moved.map(|(at, by)| (at + by).clamp(0.0, 1.0)).collect();
+            grid.values_at(&moved)
+        });
+        let draws: Vec<Vec<f64>> = draws.collect();
+        let gaps = (0..grid.ranges().len()).map(|axis| self.gaps(axis, grid));
+        PosteriorDraws::new(draws, gaps.collect())
+    }
+
+    /// Values along a parameter that lie between the draws of one mode and those of another.
+    fn gaps(&self, axis: usize, grid: &Grid) -> Vec<f64> {
+        let of_mode = |mode: usize| {
+            let own = self.draws.iter().filter(|draw| draw.mode == mode);
+            ends_of(own.map(|draw| draw.point[axis]))
+        };
+        let mut parts: Vec<(f64, f64)> = (0..self.modes.len()).map(of_mode).collect();
+        parts.retain(|(low, high)| low <= high);
+        parts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut gaps = Vec::new();
+        let mut end = f64::NEG_INFINITY;
+        for (low, high) in parts {
+            if end.is_finite() && low > end {
+                gaps.push(grid.ranges()[axis].at(0.5 * (end + low)));
+            }
+            end = end.max(high);
+        }
+        gaps
+    }
+}
+
+/// The draws resampled by weights: the excess of the runs near a draw, in standard deviations of the draws, tells its own.
+fn reweighted(
+    draws: &[Draw],
+    (chosen, excesses): (&[Draw], &[f64]),
+    rng: &mut Generator,
+) -> Vec<Draw> {
+    let dimensions = draws[0].point.len();
+    let spread = |axis: usize| {
+        let values: Vec<f64> = draws.iter().map(|draw| draw.point[axis]).collect();
+        standard_deviation(&values).max(1e-12)
+    };
+    let spreads: Vec<f64> = (0..dimensions).map(spread).collect();
+    let middle = median(excesses);
+    let near = |draw: &Draw| {
+        let (mut sum, mut total) = (NEARNESS * middle, NEARNESS);
+        for (other, excess) in chosen
+            .iter()
+            .zip(excesses)
+            .filter(|(other, _)| other.mode == draw.mode)
+        {
+            let axes = draw.point.iter().zip(&other.point).zip(&spreads);
+            let squares = axes.map(|((a, b), spread)| ((a - b) / spread).powi(2));
+            let weight = libm::exp(-squares.sum::<f64>() / dimensions as f64);
+            sum += weight * excess;
+            total += weight;
+        }
+        sum / total
+    };
+    let expected: Vec<f64> = draws.iter().map(near).collect();
+    let least = ends_of(expected.iter().copied()).0;
+    let weights = expected
+        .iter()
+        .map(|excess| libm::exp(-0.5 * (excess - least)));
+    let weights: Vec<f64> = weights.collect();
+    let total: f64 = weights.iter().sum();
+    let first: f64 = rng.random();
+    let (mut kept, mut sum) = (Vec::with_capacity(draws.len()), 0.0);
+    for (draw, weight) in draws.iter().zip(&weights) {
+        sum += weight / total * draws.len() as f64;
+        while (kept.len() as f64 + first) < sum {
+            kept.push(draw.clone());
+        }
+    }
+    kept
+}

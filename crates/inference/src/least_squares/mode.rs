@@ -1,0 +1,315 @@
+//! One mode of the posterior of a fit by least squares: a Gaussian approximation with its ridges, from which draws are made.
+
+use nalgebra::{DMatrix, DVector};
+use rand::RngExt;
+use realgap_core::error::Result;
+use realgap_core::random::Generator;
+use realgap_core::statistics::truncated_normal_quantile;
+use realgap_optimization::UnitPoint;
+
+use super::laplace::Laplace;
+use super::ridge::{Follower, Ridge, room};
+use super::runs::CheckRuns;
+
+/// A direction with a larger standard deviation than this, as a share of a range, is followed by runs; at most so many are.
+const WIDE: f64 = 0.03;
+const MOST_RIDGES: usize = 3;
+/// So is one with less than this share of the information about the best determined direction: so little may be a rounding error of
+/// the differences.
+const WEAK: f64 = 1e-5;
+/// Step of the differences to both sides, as a share of a range.
+const STEP: f64 = 0.01;
+/// Steps of the last descent before the centre is taken as it is.
+const LAST_STEPS: usize = 3;
+/// A step that promises to reduce the deviance by less is not made.
+const SMALL_GAIN: f64 = 0.1;
+/// Sweeps over all directions between two draws.
+const SWEEPS: usize = 3;
+/// How far a point of a ridge may lie outside of the range, as a share of it, before it is refused; it is then moved to the end of the
+/// range. Between the points that were run a ridge is known to about so much.
+const OUTSIDE: f64 = 0.02;
+
+/// A mode of the posterior.
+#[derive(Debug)]
+pub(super) struct Mode {
+    pub laplace: Laplace,
+    ridges: Vec<Ridge>,
+    /// How far the numerics move the mode when the timestep is halved.
+    pub shift: DVector<f64>,
+    /// The step that the descent would go on with: what the budget left open.
+    pub remaining: DVector<f64>,
+}
+
+/// A point is outside of a mode that lies farther from it than so many standard deviations, and than this share of a range.
+const APART: f64 = 4.0;
+const BESIDE: f64 = 0.05;
+
+/// A position in a mode: a coordinate for each direction.
+type Position = DVector<f64>;
+
+/// Takes differences to both sides of the centre; at an end of the range, differences over one and two steps to the inside. Where there
+/// are too few runs for both sides, one side is taken.
+fn differences(laplace: &mut Laplace, runs: &mut CheckRuns<'_>) -> Result<()> {
+    let dimensions = laplace.centre.len();
+    if !runs.has_left(dimensions) {
+        return Ok(());
+    }
+    let has_both = runs.has_left(2 * dimensions);
+    let steps = |axis: usize| match laplace.centre[axis] {
+        low if low < STEP => (STEP, 2.0 * STEP),
+        high if high > 1.0 - STEP => (-STEP, -2.0 * STEP),
+        _ => (STEP, -STEP),
+    };
+    let moved = |axis: usize, step: f64| {
+        let mut moved = laplace.centre.clone();
+        moved[axis] += step;
+        moved
+    };
+    let one = (0..dimensions).map(|axis| moved(axis, steps(axis).0));
+    let other = (0..dimensions).map(|axis| moved(axis, steps(axis).1));
+    let one = runs.run(one.collect())?;
+    let other = match has_both {
+        true => runs.run(other.collect())?,
+        false => vec![None; dimensions],
+    };
+    let slope = |errors: &Option<Vec<f64>>, step: f64| {
+        let after = errors.as_ref()?.iter().zip(&laplace.errors);
+        let slopes = after.map(|(after, before)| (after - before) / step);
+        Some(DVector::from_iterator(laplace.errors.len(), slopes))
+    };
+    let mut central = DMatrix::zeros(laplace.errors.len(), dimensions);
+    let mut asymmetry = central.clone();
+    for axis in 0..dimensions {
+        let (a, b) = steps(axis);
+        match (slope(&one[axis], a), slope(&other[axis], b)) {
+            (Some(near), Some(far)) => {
+                central.set_column(axis, &((&near * b - &far * a) / (b - a)));
+                asymmetry.set_column(axis, &((near - far) * (STEP / (a - b))));
+            }
+            (Some(only), None) | (None, Some(only)) => {
+                central.set_column(axis, &only);
+                // Where one of two runs diverged, nothing shows how far the other slope can be trusted.
+                asymmetry.set_column(axis, &(only * f64::from(u8::from(has_both))));
+            }
+            (None, None) => (),
+        }
+    }
+    laplace.with_both_sides(&central, &asymmetry);
+    Ok(())
+}
+
+impl Mode {
+    /// Moves the centre to the lowest deviance and follows its ridges.
+    ///
+    /// # Errors
+    /// Those of the runs.
+    pub fn new(mut laplace: Laplace, runs: &mut CheckRuns<'_>) -> Result<Self> {
+        let dimensions = laplace.centre.len();
+        differences(&mut laplace, runs)?;
+        for _ in 0..LAST_STEPS {
+            let step = laplace.step(&laplace.centre, &laplace.errors);
+            let inflation = laplace.mean_inflation();
+            let gain = (0..step.len()).map(|k| {
+                let part = laplace.directions.column(k).dot(&step);
+                laplace.information(k) * part * part
+            });
+            if gain.sum::<f64>() / inflation < SMALL_GAIN {
+                break;
+            }
+            let target = laplace.centre.iter().zip(step.iter());
+            let target: UnitPoint = target
+                .map(|(at, step)| (at + step).clamp(0.0, 1.0))
+                .collect();
+            let Some(errors) = runs.run(vec![target.clone()])?.pop().flatten() else {
+                break;
+            };
+            if laplace.deviance(&target, &errors)
+                >= laplace.deviance(&laplace.centre, &laplace.errors)
+            {
+                break;
+            }
+            (laplace.centre, laplace.errors) = (target, errors);
+        }
+        let deviation = |k: usize| 1.0 / laplace.precision(k).sqrt().max(1e-9);
+        let best_known = laplace.information(dimensions - 1);
+        let is_weak = |k: usize| laplace.information(k) < WEAK * best_known;
+        let wide: Vec<usize> = (0..dimensions)
+            .filter(|k| deviation(*k) > WIDE || is_weak(*k))
+            .take(MOST_RIDGES)
+            .collect();
+        let sides = wide.iter().flat_map(|k| [(*k, -1.0), (*k, 1.0)]);
+        let mut followers: Vec<Follower> = sides
+            .map(|(k, side)| Follower::new(&laplace, k, side))
+            .collect();
+        loop {
+            let asking: Vec<usize> = (0..followers.len())
+                .filter(|index| followers[*index].next.is_some())
+                .collect();
+            let points = asking
+                .iter()
+                .filter_map(|index| followers[*index].next.clone());
+            let points: Vec<UnitPoint> = points.collect();
+            if points.is_empty() || !runs.has_left(points.len()) {
+                break;
+            }
+            for (index, errors) in asking.into_iter().zip(runs.run(points)?) {
+                followers[index].tell(&laplace, errors.as_deref());
+            }
+        }
+        let mut ridges = Vec::new();
+        let mut sides = followers.into_iter();
+        while let (Some(one), Some(other)) = (sides.next(), sides.next()) {
+            // A ridge that was not followed to its ends would seem to end where the runs did.
+            if one.is_finished() && other.is_finished() {
+                ridges.push(Ridge::new([one, other], dimensions));
+            }
+        }
+        let mut remaining = laplace.step(&laplace.centre, &laplace.errors);
+        for ridge in &ridges {
+            // Where the posterior lies along a ridge is known from the runs along it.
+            let along = laplace.directions.column(ridge.direction);
+            remaining -= along * along.dot(&remaining);
+        }
+        let within = laplace.centre.iter().zip(remaining.iter());
+        let within = within.map(|(at, step)| (at + step).clamp(0.0, 1.0) - at);
+        Ok(Self {
+            shift: DVector::zeros(dimensions),
+            remaining: DVector::from_iterator(dimensions, within),
+            laplace,
+            ridges,
+        })
+    }
+
+    /// Whether a point lies elsewhere than this mode and its ridges.
+    pub fn is_apart(&self, point: &[f64]) -> bool {
+        let from = point.iter().zip(&self.laplace.centre).map(|(a, b)| a - b);
+        let mut position = self
+            .laplace
+            .directions
+            .tr_mul(&DVector::from_iterator(point.len(), from));
+        let mut is_beside = false;
+        for ridge in &self.ridges {
+            let (from, to) = ridge.ends();
+            let along = position[ridge.direction];
+            is_beside |= along < from - BESIDE || along > to + BESIDE;
+            let off = self.laplace.directions.tr_mul(&ridge.off(along));
+            position -= off;
+            position[ridge.direction] = 0.0;
+        }
+        let distances = position.iter().enumerate();
+        let distances = distances.map(|(k, at)| {
+            let deviation = 1.0 / self.laplace.precision(k).sqrt().max(1e-9);
+            at.abs() / (APART * deviation).max(BESIDE)
+        });
+        is_beside || distances.fold(0.0, f64::max) > 1.0
+    }
+
+    /// How many standard deviations the remaining step is long.
+    pub fn remaining_deviations(&self) -> f64 {
+        let parts = (0..self.remaining.len()).map(|k| {
+            let part = self.laplace.directions.column(k).dot(&self.remaining);
+            self.laplace.precision(k) * part * part
+        });
+        parts.sum::<f64>().sqrt()
+    }
+
+    /// Sets how far the numerics move the mode, from the errors at its centre with half of the timestep.
+    pub fn set_shift(&mut self, errors: &[f64]) {
+        self.shift = self.laplace.shift(errors);
+        for ridge in &self.ridges {
+            let along = self.laplace.directions.column(ridge.direction);
+            self.shift -= along * along.dot(&self.shift);
+        }
+    }
+
+    fn ridge(&self, direction: usize) -> Option<&Ridge> {
+        self.ridges
+            .iter()
+            .find(|ridge| ridge.direction == direction)
+    }
+
+    fn point(&self, position: &Position) -> DVector<f64> {
+        let centre = DVector::from_column_slice(&self.laplace.centre);
+        let mut point = centre + &self.laplace.directions * position;
+        for ridge in &self.ridges {
+            point += ridge.off(position[ridge.direction]);
+        }
+        point
+    }
+
+    /// The promised deviance of a position relative to the centre, as if errors were independent.
+    fn promised(&self, position: &Position) -> f64 {
+        let all = position
+            .iter()
+            .enumerate()
+            .map(|(k, at)| match self.ridge(k) {
+                Some(ridge) => self.laplace.inflation_along(k) * ridge.deviance(*at),
+                None => self.laplace.information(k) * at * at,
+            });
+        all.sum()
+    }
+
+    /// Logarithm of the share of the unit cube that the mode takes, up to a constant.
+    pub fn log_volume(&self) -> f64 {
+        let centre = &self.laplace.centre;
+        let widths = (0..centre.len()).map(|k| {
+            let line = self.laplace.directions.column(k).into_owned();
+            let extent = room(centre, &line) + room(centre, &-line);
+            let deviation = 1.0 / self.laplace.precision(k).sqrt().max(1e-9);
+            (std::f64::consts::TAU.sqrt() * deviation).min(extent.max(1e-6))
+        });
+        widths.map(libm::log).sum()
+    }
+
+    /// So many draws, with the deviance that is promised for each (Gibbs sampling along the principal directions, within the range).
+    /// The shift by the numerics is not in them.
+    pub fn draws(&self, count: usize, rng: &mut Generator) -> Vec<(UnitPoint, f64)> {
+        let dimensions = self.laplace.centre.len();
+        let mut position = Position::zeros(dimensions);
+        let is_within =
+            |point: &DVector<f64>| point.iter().all(|c| (-OUTSIDE..=1.0 + OUTSIDE).contains(c));
+        let mut draws = Vec::with_capacity(count);
+        for _ in 0..count {
+            for _ in 0..SWEEPS {
+                for k in 0..dimensions {
+                    let share: f64 = rng.random();
+                    match self.ridge(k) {
+                        Some(ridge) => {
+                            let mut other = position.clone();
+                            other[k] = ridge.at_share(share);
+                            if is_within(&self.point(&other)) {
+                                position = other;
+                            }
+                        }
+                        None => {
+                            let point = self.point(&position);
+                            position[k] = self.along(k, &point, position[k], share);
+                        }
+                    }
+                }
+            }
+            let point = self
+                .point(&position)
+                .iter()
+                .map(|c| c.clamp(0.0, 1.0))
+                .collect();
+            draws.push((point, self.promised(&position)));
+        }
+        draws
+    }
+
+    /// A normal number along a direction, truncated to the range.
+    fn along(&self, k: usize, point: &DVector<f64>, now: f64, share: f64) -> f64 {
+        let line = self.laplace.directions.column(k).into_owned();
+        let inside: Vec<f64> = point.iter().map(|c| c.clamp(0.0, 1.0)).collect();
+        let (low, high) = (
+            now - room(&inside, &-line.clone()),
+            now + room(&inside, &line),
+        );
+        let precision = self.laplace.precision(k).sqrt();
+        if precision * (high - low) < 1e-6 {
+            return low + share * (high - low);
+        }
+        truncated_normal_quantile(low * precision, high * precision, share) / precision
+    }
+}

@@ -1,0 +1,162 @@
+//! The noise of residuals: a variance for each channel, and the autocorrelation along each direction of the parameters.
+
+use nalgebra::{DMatrix, DVector};
+use realgap_optimization::ErrorBlock;
+
+/// Variance of values that are rounded to steps of 1.
+const ROUNDING: f64 = 1.0 / 12.0;
+/// The least variance of an error in squares of its typical size: errors that are all zero show no noise, but not that there is none.
+const LEAST_VARIANCE: f64 = 1e-4;
+/// Autocorrelations are summed up to at most this share of a block.
+const LARGEST_LAG: f64 = 0.25;
+
+/// The noise of the errors at one point.
+#[derive(Debug, Clone)]
+pub(super) struct ResidualNoise {
+    blocks: Vec<ErrorBlock>,
+    /// Size of a typical error of each error's channel.
+    scales: Vec<f64>,
+    /// By error, the factor that turns its robust loss into a log-likelihood.
+    likelihood: Vec<f64>,
+    /// By error, the information about a parameter per squared derivative (in typical errors).
+    information: Vec<f64>,
+}
+
+/// Charbonnier loss of an error in typical errors, and its derivative.
+fn loss(error: f64) -> (f64, f64) {
+    let root = (1.0 + error * error).sqrt();
+    (root - 1.0, error / root)
+}
+
+impl ResidualNoise {
+    /// Of these errors after a fit of so many parameters. The variance of each channel is that of a robust estimate (Huber 1981,
+    /// section 7.6), at least that of the sensor's steps.
+    pub fn new(errors: &[f64], scales: &[f64], blocks: &[ErrorBlock], parameters: usize) -> Self {
+        let count = errors.len() as f64;
+        let freedom = count / (count - parameters as f64).max(1.0);
+        let channels = blocks.iter().map(|block| block.channel + 1).max();
+        // By channel: number of errors, sum of the squared derivatives of the loss, sum of its second derivatives, largest step.
+        let mut sums = vec![(0.0, 0.0, 0.0, 0.0_f64); channels.unwrap_or(0)];
+        for (block, range) in ranges(blocks) {
+            let (number, squares, curvature, step) = &mut sums[block.channel];
+            for (error, scale) in errors[range.clone()].iter().zip(&scales[range]) {
+                let (ratio, (_, slope)) = (error / scale, loss(error / scale));
+                *number += 1.0;
+                *squares += slope * slope;
+                *curvature += (1.0 + ratio * ratio).powf(-1.5);
+                *step = step.max(block.resolution / scale);
+            }
+        }
+        let of_channel = |(number, squares, curvature, step): &(f64, f64, f64, f64)| {
+            let curvature = curvature / number;
+            let variance = freedom * squares / number / curvature.powi(2);
+            let variance = variance.max(ROUNDING * step * step).max(LEAST_VARIANCE);
+            (1.0 / (variance * curvature), 1.0 / variance)
+        };
+        let channels: Vec<(f64, f64)> = sums.iter().map(of_channel).collect();
+        let by_error = |of: &dyn Fn(&(f64, f64)) -> f64| -> Vec<f64> {
+            let blocks = blocks.iter();
+            let values = blocks
+                .flat_map(|block| std::iter::repeat_n(of(&channels[block.channel]), block.count));
+            values.collect()
+        };
+        Self {
+            blocks: blocks.to_vec(),
+            scales: scales.to_vec(),
+            likelihood: by_error(&|(likelihood, _)| *likelihood),
+            information: by_error(&|(_, information)| *information),
+        }
+    }
+
+    /// Variance of each error, as if errors were independent.
+    pub fn variances(&self) -> Vec<f64> {
+        let all = self.scales.iter().zip(&self.information);
+        all.map(|(scale, information)| scale * scale / information)
+            .collect()
+    }
+
+    /// Twice the negative log-likelihood of these errors, as if they were independent.
+    pub fn deviance(&self, errors: &[f64]) -> f64 {
+        let all = errors.iter().zip(&self.scales).zip(&self.likelihood);
+        all.map(|((error, scale), factor)| 2.0 * factor * loss(error / scale).0)
+            .sum()
+    }
+
+    /// The errors, each divided by its standard deviation.
+    pub fn whitened_errors(&self, errors: &[f64]) -> DVector<f64> {
+        let factors = self.scales.iter().zip(&self.information);
+        let all = errors.iter().zip(factors);
+        let all = all.map(|(error, (scale, information))| error * information.sqrt() / scale);
+        DVector::from_iterator(errors.len(), all)
+    }
+
+    /// The derivatives, each divided by the standard deviation of its error.
+    pub fn whitened(&self, jacobian: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut whitened = jacobian.clone();
+        let factors = self.scales.iter().zip(&self.information);
+        for (mut row, (scale, information)) in whitened.row_iter_mut().zip(factors) {
+            row *= information.sqrt() / scale;
+        }
+        whitened
+    }
+
+    /// The derivative of half the deviance by every error, in whitened errors.
+    pub fn slopes(&self, errors: &[f64]) -> DVector<f64> {
+        let factors = self.likelihood.iter().zip(&self.information);
+        let all = errors.iter().zip(&self.scales).zip(factors);
+        let slopes = all.map(|((error, scale), (likelihood, information))| {
+            likelihood * loss(error / scale).1 / information.sqrt()
+        });
+        DVector::from_iterator(errors.len(), slopes)
+    }
+
+    /// By how much the variance of an estimate along one direction exceeds that of independent errors of equal variance. `scores` are
+    /// the products of each error's slope and derivative along the direction, and `information` the sum of the squared derivatives.
+    /// Autocorrelations within blocks are summed up to the first one that is not significantly positive (Geyer 1992).
+    pub fn inflation(&self, scores: &DVector<f64>, information: f64) -> f64 {
+        let product = |lag: usize| -> f64 {
+            let blocks = ranges(&self.blocks).map(|(_, range)| {
+                let own = &scores.as_slice()[range];
+                let pairs = own.iter().zip(own.iter().skip(lag));
+                pairs.map(|(a, b)| a * b).sum::<f64>()
+            });
+            blocks.sum()
+        };
+        let variance = product(0);
+        if variance <= 0.0 || information <= 0.0 {
+            return 1.0;
+        }
+        let longest = self.blocks.iter().map(|block| block.count).max();
+        let longest = (LARGEST_LAG * longest.unwrap_or(0) as f64) as usize;
+        let significant = 2.0 / (scores.len() as f64).sqrt();
+        let mut sum = variance;
+        for lag in 1..longest.max(1) {
+            let covariance = product(lag);
+            if covariance < significant * variance {
+                break;
+            }
+            sum += 2.0 * covariance;
+        }
+        (sum / information).max(1.0)
+    }
+
+    /// Index ranges of the errors of each log, in order.
+    pub fn logs(&self) -> Vec<Vec<std::ops::Range<usize>>> {
+        let logs = self.blocks.iter().map(|block| block.log + 1).max();
+        let mut all = vec![Vec::new(); logs.unwrap_or(0)];
+        for (block, range) in ranges(&self.blocks) {
+            all[block.log].push(range);
+        }
+        all.retain(|ranges| !ranges.is_empty());
+        all
+    }
+}
+
+/// Each block with the range of its errors.
+fn ranges(blocks: &[ErrorBlock]) -> impl Iterator<Item = (&ErrorBlock, std::ops::Range<usize>)> {
+    blocks.iter().scan(0, |first, block| {
+        let range = *first..*first + block.count;
+        *first = range.end;
+        Some((block, range))
+    })
+}

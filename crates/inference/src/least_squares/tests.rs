@@ -1,0 +1,264 @@
+//! Tests of the posterior on formulas whose exact posterior is known.
+#![allow(clippy::print_stdout, reason = "a table is printed")]
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use rand::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::*;
+use realgap_core::quantity::{Quantity, Scale};
+use realgap_core::unit::Unit;
+use realgap_optimization::{ErrorBlock, History, Proposal, Range, optimizer_by_name};
+
+/// A grid of parameters with these ranges.
+fn grid(ranges: &[(&'static str, f64, f64)]) -> Grid {
+    let range = |(name, from, to): &(&'static str, f64, f64)| {
+        let parameter = Quantity {
+            name,
+            unit: Unit::One,
+            bounds: (*from, *to),
+            whole: false,
+            scale: Scale::Linear,
+        };
+        Range::new(parameter, *from, *to, 7).unwrap()
+    };
+    Grid::new(ranges.iter().map(range).collect()).unwrap()
+}
+
+/// Fits a model by least squares with this budget and returns the estimates.
+fn fitted(
+    grid: &Grid,
+    model: &dyn Fn(&[f64]) -> Vec<f64>,
+    recorded: &[f64],
+    blocks: Vec<ErrorBlock>,
+    budget: usize,
+) -> (Vec<LeastSquaresEstimate>, Agreement) {
+    let optimizer = optimizer_by_name("gauss-newton").unwrap();
+    let problem = OptimizationProblem {
+        points: vec![7; grid.ranges().len()],
+        budget,
+        seed: 1,
+        priors: Vec::new(),
+        error_blocks: blocks,
+    };
+    let errors = |point: &UnitPoint| -> Vec<f64> {
+        let simulated = model(&grid.values_at(point));
+        simulated.iter().zip(recorded).map(|(a, b)| a - b).collect()
+    };
+    let mut evaluated: Vec<EvaluatedPoint> = Vec::new();
+    while evaluated.len() < budget {
+        let history = History {
+            design: &[],
+            evaluated: &evaluated,
+        };
+        let Proposal::Evaluate(mut points) = optimizer.propose(&problem, &history).unwrap() else {
+            break;
+        };
+        points.truncate(budget - evaluated.len());
+        evaluated.extend(points.into_iter().map(|point| {
+            let errors = errors(&point);
+            let score = errors.iter().map(|e| e.abs()).sum::<f64>();
+            EvaluatedPoint {
+                score: Some(score),
+                point,
+                errors,
+            }
+        }));
+    }
+    let history = History {
+        design: &[],
+        evaluated: &evaluated,
+    };
+    let known = optimizer.linearisations(&problem, &history);
+    let most = most_checks(grid.ranges().len(), evaluated.len());
+    let mut runs = |points: &[UnitPoint]| Ok(points.iter().map(|p| Some(errors(p))).collect());
+    let posterior =
+        LeastSquaresPosterior::new(&problem, &evaluated, &known, (&mut runs, most)).unwrap();
+    let posterior = posterior.unwrap();
+    let draws = posterior.posterior(grid, 1);
+    let best = grid.values_at(posterior.best());
+    (
+        LeastSquaresEstimate::all(grid, &best, &draws, posterior.agreement().has_converged()),
+        posterior.agreement(),
+    )
+}
+
+/// A swing that loses height by viscous and dry friction, which act through their ratios to the mass.
+fn swing(values: &[f64]) -> Vec<f64> {
+    let (viscous, dry) = (values[0] / values[2], values[1] / values[2]);
+    let angle = |k: usize| {
+        let t = 0.01 * k as f64;
+        let height = libm::exp(-12.0 * viscous * t) - 4.0 * dry * t;
+        height * libm::cos(7.0 * t * (1.0 + 0.05 * height * height))
+    };
+    (0..400).map(angle).collect()
+}
+
+#[test]
+fn parameters_that_act_through_their_ratio_alone_are_not_determined_whatever_the_budget() {
+    let grid = grid(&[
+        ("viscous", 0.0, 0.03),
+        ("dry", 0.0, 0.05),
+        ("mass", 0.5, 2.0),
+    ]);
+    let truth = [0.021, 0.0345, 1.558];
+    let numerics = |k: usize| 1e-4 * libm::sin(0.05 * k as f64);
+    let recorded = swing(&truth);
+    let recorded: Vec<f64> = recorded
+        .iter()
+        .enumerate()
+        .map(|(k, a)| a + numerics(k))
+        .collect();
+    for budget in [20, 40, 100, 300] {
+        let (estimates, agreement) = fitted(&grid, &swing, &recorded, Vec::new(), budget);
+        assert!(
+            agreement.holds() && agreement.has_converged(),
+            "{agreement:?}"
+        );
+        for (known, truth) in estimates.iter().zip(truth) {
+            assert!(!known.is_told, "{budget}: {known:?}");
+            assert!(
+                known.low < truth && truth < known.high,
+                "{budget}: {known:?}"
+            );
+        }
+        let ratio = estimates[2].combination.as_ref().unwrap();
+        assert!(
+            ["mass / viscous", "mass / dry"].contains(&ratio.name.as_str()),
+            "{budget}: {ratio:?}"
+        );
+    }
+}
+
+#[test]
+fn a_joint_that_stands_still_and_an_encoder_leave_intervals_that_hold_the_truth() {
+    let names = [("stiffness", 10.0, 100.0), ("damping", 0.3, 5.0)];
+    let grid = grid(&names);
+    let step = std::f64::consts::TAU / 4096.0;
+    let model = |values: &[f64]| -> Vec<f64> {
+        let angle = |k: usize| {
+            let t = 0.02 * k as f64;
+            let frequency = values[0].sqrt();
+            libm::exp(-values[1] * t) * libm::cos(frequency * t) * 0.3
+        };
+        // Two of three joints do not move.
+        (0..150).map(angle).chain([0.0; 300]).collect()
+    };
+    let blocks: Vec<ErrorBlock> = (0..3)
+        .map(|channel| ErrorBlock {
+            channel,
+            log: 0,
+            count: 150,
+            resolution: step,
+        })
+        .collect();
+    let mut held = 0;
+    for seed in 0..20 {
+        let share = |k: u64| ((seed * 7 + k * 11) % 20) as f64 / 20.0;
+        let truth = [10.0 + 90.0 * share(1), 0.3 + 4.7 * share(2)];
+        let read = |angle: &f64| (angle / step).round() * step;
+        let recorded: Vec<f64> = model(&truth).iter().map(read).collect();
+        let (estimates, _) = fitted(&grid, &model, &recorded, blocks.clone(), 60);
+        for (known, truth) in estimates.iter().zip(truth) {
+            let width = known.high - known.low;
+            assert!(width > 0.0 && width < 0.5 * 90.0, "{seed}: {known:?}");
+            let outside = (known.low - truth).max(truth - known.high);
+            assert!(outside < 3.0 * width, "{seed}: {known:?} {truth}");
+            held += usize::from(outside <= 0.0);
+        }
+    }
+    // Of forty intervals of 90 %, fewer than 31 hold with a probability of 1 in 200.
+    assert!(held >= 31, "{held} of 40");
+}
+
+/// `count` readings of a smooth nonlinear model; each reading depends on all parameters.
+fn readings(point: &[f64], count: usize) -> Vec<f64> {
+    let reading = |index: usize| -> f64 {
+        let axes = point.iter().enumerate();
+        axes.map(|(axis, c)| {
+            let phase = 0.37 * (index * (axis + 1)) as f64 + axis as f64;
+            libm::sin(phase) * (c + 0.2 * c * c)
+        })
+        .sum()
+    };
+    (0..count).map(reading).collect()
+}
+
+const NAMES: [&str; 30] = ["a"; 30];
+
+/// Number of 90 % intervals that contain the truth, and number of intervals, for `fits` fits. The recorded values come from several
+/// logs. In each log the true parameters differ by a standard deviation of `spread`, as they seem to do if a model lacks an effect.
+fn covered(dimensions: usize, fits: u64, logs: usize, spread: f64) -> (usize, usize) {
+    let ranges: Vec<_> = NAMES[..dimensions]
+        .iter()
+        .map(|name| (*name, 0.0, 1.0))
+        .collect();
+    let grid = grid(&ranges);
+    let count = 20 * dimensions;
+    let mut held = 0;
+    for seed in 0..fits {
+        let mut random = Generator::seed_from_u64(1000 + seed);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        let truth: UnitPoint = (0..dimensions).map(|_| 0.5 + 0.1 * normal()).collect();
+        let each = count / logs;
+        let mut recorded: Vec<f64> = Vec::new();
+        for log in 0..logs {
+            let own: UnitPoint = truth.iter().map(|c| c + spread * normal()).collect();
+            let clean = &readings(&own, count)[log * each..(log + 1) * each];
+            recorded.extend(clean.iter().map(|value| value + 0.05 * normal()));
+        }
+        let blocks = (0..logs).map(|log| ErrorBlock {
+            channel: 0,
+            log,
+            count: each,
+            resolution: 0.0,
+        });
+        let model = |values: &[f64]| readings(values, each * logs);
+        let budget = 8 * (dimensions + 6);
+        let (estimates, _) = fitted(&grid, &model, &recorded, blocks.collect(), budget);
+        let all = estimates.iter().zip(&truth);
+        held += all
+            .filter(|(known, at)| (known.low..=known.high).contains(*at))
+            .count();
+    }
+    (held, dimensions * fits as usize)
+}
+
+#[test]
+fn most_of_a_few_90_percent_intervals_contain_the_truth() {
+    let (held, all) = covered(5, 12, 1, 0.0);
+    assert!((46..=60).contains(&held), "{held} of {all}");
+}
+
+#[test]
+fn intervals_are_wide_enough_for_logs_that_contradict_each_other() {
+    let (held, all) = covered(5, 12, 10, 0.05);
+    assert!((46..=60).contains(&held), "{held} of {all}");
+}
+
+/// 1,000 intervals and more: `cargo test --release -p realgap-inference least_squares -- --ignored --nocapture`.
+#[test]
+#[ignore = "minutes"]
+fn intervals_contain_the_truth_as_often_for_logs_that_contradict_each_other() {
+    for (logs, spread) in [(3, 0.05), (5, 0.05), (10, 0.02), (10, 0.05), (20, 0.05)] {
+        let (held, all) = covered(5, 400, logs, spread);
+        let percent = 100.0 * held as f64 / all as f64;
+        println!("{logs} logs, spread {spread}: {held} of {all}, {percent:.1} %");
+        assert!(
+            (86.0..=95.0).contains(&percent),
+            "{logs}, {spread}: {percent}"
+        );
+    }
+}
+
+/// The same coverage for logs that agree.
+#[test]
+#[ignore = "minutes"]
+fn intervals_of_90_percent_contain_the_truth_in_88_to_92_percent() {
+    for (dimensions, fits, logs) in [(5, 400, 1), (30, 67, 1), (5, 400, 10), (30, 67, 20)] {
+        let (held, all) = covered(dimensions, fits, logs, 0.0);
+        let percent = 100.0 * held as f64 / all as f64;
+        println!("{dimensions} parameters, {logs} logs: {held} of {all}, {percent:.1} %");
+        assert!((88.0..=92.0).contains(&percent), "{dimensions}: {percent}");
+    }
+}

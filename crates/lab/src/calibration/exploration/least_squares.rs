@@ -1,0 +1,190 @@
+//! The answer of a fit by least squares: runs that check its posterior, and what follows from it.
+
+use rayon::prelude::*;
+
+use crate::calibration::exploration::information_gain::FitPrecision;
+use crate::calibration::exploration::wave::next_trial;
+use crate::calibration::{PosteriorDraws, Profile, Scores, Study, Uncertainty};
+use realgap_core::{Code, Result, Warning};
+use realgap_inference::{
+    Agreement, LEVEL, LeastSquaresEstimate, LeastSquaresPosterior, most_checks,
+};
+use realgap_optimization::{Ending, EvaluatedPoint, Linearisation, OptimizationProblem, UnitPoint};
+use realgap_store::Trial;
+
+/// A fit by least squares with its posterior.
+#[derive(Debug)]
+pub(in crate::calibration) struct LeastSquaresFit {
+    pub posterior: LeastSquaresPosterior,
+    /// The posterior's draws; every interval, correlation and picture of the answer is one of these.
+    pub draws: PosteriorDraws,
+    pub estimates: Vec<LeastSquaresEstimate>,
+    /// The scores with the runs that checked the posterior; the best point is that of the smallest robust loss.
+    pub scores: Scores,
+    /// For the information of each recording.
+    pub precision: FitPrecision,
+    /// Values of the simulated points that belong to the confidence set.
+    in_set: Vec<Vec<f64>>,
+}
+
+impl LeastSquaresFit {
+    /// From the points where descents ended; `None` without one. No runs are made after an interruption.
+    ///
+    /// # Errors
+    /// Those of the runs.
+    pub fn new(
+        study: &Study,
+        (problem, evaluated): (&OptimizationProblem, &[EvaluatedPoint]),
+        linearisations: &[Linearisation],
+        (scores, ending): (&Scores, Ending),
+    ) -> Result<Option<Self>> {
+        let grid = &study.definition().grid;
+        let mut checks: Vec<Trial> = Vec::new();
+        let mut known = evaluated.to_vec();
+        let most = match ending {
+            Ending::Complete => most_checks(problem.dimensions(), evaluated.len()),
+            Ending::Interrupted => 0,
+        };
+        let mut evaluate = |points: &[UnitPoint]| {
+            let from = next_trial(study, scores) + checks.len();
+            let mut open: Vec<UnitPoint> = points.to_vec();
+            open.retain(|point| known.iter().all(|one: &EvaluatedPoint| one.point != *point));
+            open.dedup();
+            let trials = open.par_iter().enumerate().map(|(number, point)| {
+                study.simulate_trial(from + number, grid.values_at(point), true)
+            });
+            for (point, trial) in open.iter().zip(trials.collect::<Result<Vec<Trial>>>()?) {
+                known.push(EvaluatedPoint {
+                    point: point.clone(),
+                    score: None,
+                    errors: study
+                        .errors_of(&trial)
+                        .map_or_else(Vec::new, |known| known.0),
+                });
+                checks.push(trial);
+            }
+            let errors = points.iter().map(|point| {
+                let one = known.iter().find(|one| one.point == *point)?;
+                (!one.errors.is_empty()).then(|| one.errors.clone())
+            });
+            Ok(errors.collect())
+        };
+        let posterior =
+            LeastSquaresPosterior::new(problem, evaluated, linearisations, (&mut evaluate, most))?;
+        let Some(mut posterior) = posterior else {
+            return Ok(None);
+        };
+        let best = grid.values_at(posterior.best());
+        if ending == Ending::Complete {
+            let half = |e: &mut realgap_simulation::Experiment| e.solver.timestep_s *= 0.5;
+            let finer = study.simulate_changed(&best, half, true)?;
+            if let Some((errors, _)) = study.errors_of(&finer) {
+                posterior = posterior.with_numerics(&errors);
+            }
+        }
+        let mut scores = scores.with_more(study, &checks)?;
+        let chosen = scores.points.iter().position(|point| point.values == best);
+        scores.best = chosen.or(scores.best);
+        let draws = posterior.posterior(grid, problem.seed);
+        let in_set = known
+            .iter()
+            .filter(|one| posterior.is_in_set(&one.point, &one.errors, LEVEL));
+        let in_set = in_set.map(|one| grid.values_at(&one.point)).collect();
+        Ok(Some(Self {
+            estimates: LeastSquaresEstimate::all(
+                grid,
+                &best,
+                &draws,
+                posterior.agreement().has_converged(),
+            ),
+            precision: precision(problem, &posterior),
+            posterior,
+            draws,
+            scores,
+            in_set,
+        }))
+    }
+
+    /// The confidence set: of the simulated points those whose deviance is low enough, and draws beside them.
+    pub fn uncertainty(&self, study: &Study) -> Option<Uncertainty> {
+        let best = self.scores.best?;
+        let is_in = |values: &Vec<f64>| self.in_set.contains(values);
+        let set = self.scores.points.iter().map(|point| is_in(&point.values));
+        let set: Vec<bool> = set.collect();
+        Some(Uncertainty::of_draws(
+            study,
+            &self.scores,
+            (best, set),
+            &self.draws,
+        ))
+    }
+
+    /// The profile of every parameter.
+    pub fn profiles(&self, study: &Study) -> Vec<Profile> {
+        let best = self
+            .scores
+            .best
+            .and_then(|best| self.scores.points[best].score);
+        let Some(score) = best else {
+            return Vec::new();
+        };
+        let ranges = study.definition().grid.ranges().iter().enumerate();
+        let profiles = ranges.map(|(axis, range)| {
+            let parts = self.draws.intervals(axis, LEVEL);
+            let inside = |value: f64| {
+                parts
+                    .iter()
+                    .any(|(low, high)| (*low..=*high).contains(&value))
+            };
+            Profile::of_least_squares(&self.posterior, (axis, range), score, inside)
+        });
+        profiles.collect()
+    }
+
+    /// What the reader should know about the posterior.
+    pub fn warnings(&self) -> Vec<Warning> {
+        let agreement = self.agreement();
+        let open = (!agreement.has_converged()).then(|| {
+            Code::NotConverged.warning(format!(
+                "the fit had not ended when its budget did: its next step would be {:.0} standard deviations long, so no parameter is called determined",
+                agreement.remaining
+            ))
+        });
+        let doubted = agreement.excess.filter(|_| !agreement.holds()).map(|excess| {
+            Code::UnconfirmedPosterior.warning(format!(
+                "{} runs at draws of the posterior fit worse than it promises, by {excess:.1} per parameter (twice the log-likelihood): its shape is known roughly only",
+                agreement.checked
+            ))
+        });
+        open.into_iter().chain(doubted).collect()
+    }
+
+    /// How well runs at some draws agree with the posterior.
+    pub fn agreement(&self) -> Agreement {
+        self.posterior.agreement()
+    }
+}
+
+/// The precision of errors and parameters that the fit rests on.
+fn precision(problem: &OptimizationProblem, posterior: &LeastSquaresPosterior) -> FitPrecision {
+    let (variances, inflation) = posterior.noise();
+    let mut channel_variances = Vec::new();
+    let mut first = 0;
+    for block in &problem.error_blocks {
+        if channel_variances.len() <= block.channel {
+            channel_variances.resize(block.channel + 1, None);
+        }
+        let variance = variances.get(first).copied();
+        channel_variances[block.channel] = variance.map(|variance| variance * inflation);
+        first += block.count;
+    }
+    // Where only the range is known, the precision is that of a uniform distribution from 0 to 1.
+    let prior = |axis: usize| {
+        let prior = problem.priors.get(axis).copied().flatten();
+        prior.map_or(12.0, |(_, variance)| 1.0 / variance)
+    };
+    FitPrecision {
+        channel_variances,
+        prior: (0..problem.dimensions()).map(prior).collect(),
+    }
+}
