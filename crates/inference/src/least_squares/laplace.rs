@@ -10,6 +10,8 @@ use super::noise::ResidualNoise;
 const NINETY: f64 = 1.644_853_626_951;
 /// With fewer logs than this, their disagreement cannot be estimated, and only the noise is used.
 const FEWEST_LOGS: usize = 3;
+/// Logs that agree by chance do not make an estimate more certain than this share of the noise's variance.
+const LEAST_INFLATION: f64 = 0.25;
 /// Precision of a uniform distribution from 0 to 1. It keeps steps along directions without information within the range.
 const RANGE_PRECISION: f64 = 12.0;
 
@@ -136,7 +138,7 @@ impl Laplace {
         DVector::from_fn(dimensions, |k, _| {
             let left_out: Vec<f64> = shifts.iter().map(|shift| shift[k]).collect();
             let variance = jackknife_variance(&left_out) * student.powi(2);
-            (variance * self.information[k]).max(1.0)
+            (variance * self.information[k]).max(LEAST_INFLATION)
         })
     }
 

@@ -22,6 +22,19 @@ pub(super) struct ResidualNoise {
     information: Vec<f64>,
 }
 
+/// Sums over the errors of one channel, in typical errors.
+#[derive(Debug, Clone, Copy, Default)]
+struct ChannelSums {
+    count: f64,
+    /// Of the squared derivatives of the loss.
+    slope_squares: f64,
+    /// Of the second derivatives of the loss, and of their squares.
+    curvatures: f64,
+    curvature_squares: f64,
+    /// Largest step of the sensor.
+    step: f64,
+}
+
 /// Charbonnier loss of an error in typical errors, and its derivative.
 fn loss(error: f64) -> (f64, f64) {
     let root = (1.0 + error * error).sqrt();
@@ -35,22 +48,27 @@ impl ResidualNoise {
         let count = errors.len() as f64;
         let freedom = count / (count - parameters as f64).max(1.0);
         let channels = blocks.iter().map(|block| block.channel + 1).max();
-        // By channel: number of errors, sum of the squared derivatives of the loss, sum of its second derivatives, largest step.
-        let mut sums = vec![(0.0, 0.0, 0.0, 0.0_f64); channels.unwrap_or(0)];
+        let mut sums = vec![ChannelSums::default(); channels.unwrap_or(0)];
         for (block, range) in ranges(blocks) {
-            let (number, squares, curvature, step) = &mut sums[block.channel];
+            let sums = &mut sums[block.channel];
             for (error, scale) in errors[range.clone()].iter().zip(&scales[range]) {
                 let (ratio, (_, slope)) = (error / scale, loss(error / scale));
-                *number += 1.0;
-                *squares += slope * slope;
-                *curvature += (1.0 + ratio * ratio).powf(-1.5);
-                *step = step.max(block.resolution / scale);
+                let curvature = (1.0 + ratio * ratio).powf(-1.5);
+                sums.count += 1.0;
+                sums.slope_squares += slope * slope;
+                sums.curvatures += curvature;
+                sums.curvature_squares += curvature * curvature;
+                sums.step = sums.step.max(block.resolution / scale);
             }
         }
-        let of_channel = |(number, squares, curvature, step): &(f64, f64, f64, f64)| {
-            let curvature = curvature / number;
-            let variance = freedom * squares / number / curvature.powi(2);
-            let variance = variance.max(ROUNDING * step * step).max(LEAST_VARIANCE);
+        let of_channel = |sums: &ChannelSums| {
+            let curvature = sums.curvatures / sums.count;
+            let spread = sums.curvature_squares / sums.count / curvature.powi(2) - 1.0;
+            let few = 1.0 + parameters as f64 / count * spread;
+            let variance = freedom * sums.slope_squares / sums.count * (few / curvature).powi(2);
+            let variance = variance
+                .max(ROUNDING * sums.step.powi(2))
+                .max(LEAST_VARIANCE);
             (1.0 / (variance * curvature), 1.0 / variance)
         };
         let channels: Vec<(f64, f64)> = sums.iter().map(of_channel).collect();

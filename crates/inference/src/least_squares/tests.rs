@@ -184,15 +184,11 @@ fn readings(point: &[f64], count: usize) -> Vec<f64> {
     (0..count).map(reading).collect()
 }
 
-const NAMES: [&str; 30] = ["a"; 30];
-
 /// Number of 90 % intervals that contain the truth, and number of intervals, for `fits` fits. The recorded values come from several
 /// logs. In each log the true parameters differ by a standard deviation of `spread`, as they seem to do if a model lacks an effect.
 fn covered(dimensions: usize, fits: u64, logs: usize, spread: f64) -> (usize, usize) {
-    let ranges: Vec<_> = NAMES[..dimensions]
-        .iter()
-        .map(|name| (*name, 0.0, 1.0))
-        .collect();
+    let name = |axis| &*Box::leak(format!("p{axis}").into_boxed_str());
+    let ranges: Vec<_> = (0..dimensions).map(|axis| (name(axis), 0.0, 1.0)).collect();
     let grid = grid(&ranges);
     let count = 20 * dimensions;
     let mut held = 0;
