@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::LeastSquaresPosterior;
 use super::combination::{Combination, combinations};
 use crate::posterior::{INTERVAL_LEVEL, PosteriorDraws};
 use realgap_optimization::Grid;
@@ -19,7 +20,8 @@ pub struct LeastSquaresEstimate {
     pub low: f64,
     /// Upper end of the 90 % interval.
     pub high: f64,
-    /// Whether the recordings determine the parameter: its interval is shorter than half of the range and does not reach an end of it.
+    /// Whether the recordings determine the parameter: its interval is shorter than half of the range, does not reach an end of it, and
+    /// does not end because the range of another parameter does.
     pub is_told: bool,
     /// The parameter that is most strongly correlated with it, and their correlation.
     pub partner: Option<(&'static str, f64)>,
@@ -34,19 +36,21 @@ const DETERMINED: f64 = 0.5;
 const AT_THE_END: f64 = 0.01;
 
 impl LeastSquaresEstimate {
-    /// The estimates of all parameters of a grid from the best point and the draws. A fit that has not converged determines none.
+    /// The estimates of all parameters of a grid from a posterior and its draws. A fit that has not converged determines none.
     pub fn all(
         grid: &Grid,
-        best: &[f64],
+        posterior: &LeastSquaresPosterior,
         draws: &PosteriorDraws,
-        has_converged: bool,
     ) -> Vec<Self> {
+        let best = grid.values_at(posterior.best());
+        let has_converged = posterior.agreement().has_converged();
         let ranges = grid.ranges();
         let told = |axis: usize| {
             let (low, high) = draws.interval(axis, INTERVAL_LEVEL);
             let ends = (ranges[axis].coordinate(low), ranges[axis].coordinate(high));
             let is_inside = ends.0 > AT_THE_END && ends.1 < 1.0 - AT_THE_END;
-            let is_narrow = ends.1 - ends.0 < DETERMINED;
+            let width = ends.1 - ends.0;
+            let is_narrow = width < DETERMINED && !posterior.is_open(axis, width);
             (low, high, has_converged && is_inside && is_narrow)
         };
         let open: Vec<usize> = (0..ranges.len()).filter(|axis| !told(*axis).2).collect();

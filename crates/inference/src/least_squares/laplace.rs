@@ -12,6 +12,8 @@ const NINETY: f64 = 1.644_853_626_951;
 const FEWEST_LOGS: usize = 3;
 /// Logs that agree by chance do not make an estimate more certain than this share of the noise's variance.
 const LEAST_INFLATION: f64 = 0.25;
+/// Factor on the error of a derivative: that of a difference to one side at an end of the range is twice that of one to both sides.
+const DOUBT: f64 = 2.0;
 /// Precision of a uniform distribution from 0 to 1. It keeps steps along directions without information within the range.
 const RANGE_PRECISION: f64 = 12.0;
 
@@ -73,7 +75,7 @@ impl Laplace {
         let doubts = doubts.map(|(change, slope)| {
             let (change, slope) = (change.norm(), slope.norm());
             let share = (change / slope.max(f64::MIN_POSITIVE)).min(1.0);
-            (change * share).powi(2)
+            (DOUBT * change * share).powi(2)
         });
         let doubts: Vec<f64> = doubts.collect();
         self.decompose(&doubts);
@@ -188,9 +190,39 @@ impl Laplace {
         self.noise.whitened_errors(errors)
     }
 
-    /// The step towards the lowest deviance from a point with these errors.
+    /// The step towards the lowest deviance within the range from a point with these errors. A coordinate that the step would move
+    /// beyond an end of the range is moved to that end, and the step of the others is computed again.
     pub fn step(&self, point: &[f64], errors: &[f64]) -> DVector<f64> {
-        self.step_down(&self.slope(&self.jacobian, point, errors))
+        let dimensions = point.len();
+        let slope = self.slope(&self.jacobian, point, errors);
+        let scaled = DMatrix::from_diagonal(&self.information.add_scalar(RANGE_PRECISION));
+        let curvature = &self.directions * scaled * self.directions.transpose();
+        let mut step = DVector::zeros(dimensions);
+        let mut held = vec![false; dimensions];
+        // Each round holds at least one more coordinate at an end.
+        for _ in 0..=dimensions {
+            let free: Vec<usize> = (0..dimensions).filter(|axis| !held[*axis]).collect();
+            let matrix = curvature.select_rows(&free).select_columns(&free);
+            let right = DVector::from_fn(free.len(), |row, _| {
+                let axes = (0..dimensions).filter(|axis| held[*axis]);
+                let moved = axes.map(|axis| curvature[(free[row], axis)] * step[axis]);
+                -slope[free[row]] - moved.sum::<f64>()
+            });
+            let Some(cholesky) = matrix.cholesky() else {
+                break;
+            };
+            let mut is_within = true;
+            for (axis, by) in free.iter().zip(cholesky.solve(&right).iter()) {
+                step[*axis] = (point[*axis] + by).clamp(0.0, 1.0) - point[*axis];
+                if step[*axis] != *by && (step[*axis] - by).abs() > 1e-12 {
+                    (held[*axis], is_within) = (true, false);
+                }
+            }
+            if is_within {
+                break;
+            }
+        }
+        step
     }
 
     /// Derivative of half the deviance at a point, with these derivatives of the whitened errors.

@@ -16,6 +16,7 @@ mod runs;
 mod tests;
 
 use rand::RngExt;
+use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
 
 use crate::posterior::PosteriorDraws;
@@ -37,7 +38,7 @@ const DRAWS: usize = 1000;
 const CHECKED: usize = 24;
 /// Most runs that check a posterior of a few parameters, and how many parameters these are. Of more parameters, the check costs at most
 /// as many runs as the fit did.
-const MOST_CHECKS: usize = 120;
+const MOST_CHECKS: usize = 160;
 const FEW: usize = 20;
 
 /// Most runs that check a posterior of so many parameters after so many runs.
@@ -50,9 +51,9 @@ pub fn most_checks(parameters: usize, evaluated: usize) -> usize {
 
 /// A mode whose deviance is larger than the lowest by more than this is left out: its weight is below 0.003.
 const FARTHEST: f64 = 12.0;
-/// The numerics move the truth by between these multiples of the shift that half a timestep makes: a method of first order moves by
-/// twice that shift in the limit, and the study's own timestep lies within.
-const SHIFTS: (f64, f64) = (-0.5, 2.0);
+/// The numerics move the truth by between these multiples of the shift to the limit of short timesteps. Reality has no timestep, so it
+/// is at about 1; how fast the method converges is known roughly only; the best point, at 0, lies within.
+const SHIFTS: (f64, f64) = (-0.25, 2.0);
 /// A larger excess says no more than this one.
 const MOST_EXCESS: f64 = 50.0;
 /// Weight of the median excess beside those of the draws that were run; a draw at the same place has 1.
@@ -60,6 +61,10 @@ const NEARNESS: f64 = 0.1;
 /// Draws that are run agree with the approximation where the mean of the deviance above the promised one is below this for each
 /// parameter.
 const AGREEMENT: f64 = 1.0;
+/// Runs with half and with a quarter of the timestep, with which the fit is repeated.
+const REFITS: (usize, usize) = (2, 3);
+/// A parameter that changes along an open ridge by more than this share of its interval is not determined.
+const OPEN: f64 = 0.25;
 /// A fit has converged where its next step would be shorter than so many standard deviations.
 const CONVERGED: f64 = 3.0;
 /// The truth is between these multiples of the remaining step from the point where the budget ended.
@@ -222,18 +227,23 @@ impl LeastSquaresPosterior {
             .map(|k| self.draws[k * step + step / 2].clone())
             .collect();
         let points = chosen.iter().map(|draw| draw.point.clone()).collect();
-        let excesses = chosen.iter().zip(runs.run(points)?).map(|(draw, errors)| {
-            let laplace = &self.modes[draw.mode].0.laplace;
+        let (mut excesses, mut along) = (Vec::new(), Vec::new());
+        for (draw, errors) in chosen.iter().zip(runs.run(points)?) {
+            let mode = &self.modes[draw.mode].0;
+            let laplace = &mode.laplace;
             let here = laplace.deviance(&laplace.centre, &laplace.errors);
-            let excess = errors.map_or(f64::INFINITY, |errors| {
-                laplace.deviance(&draw.point, &errors) - here - draw.promised
+            let (excess, gain) = errors.map_or((f64::INFINITY, 0.0), |errors| {
+                let excess = laplace.deviance(&draw.point, &errors) - here - draw.promised;
+                (excess, mode.gain_across(&draw.point, &errors))
             });
-            (excess / laplace.mean_inflation()).min(MOST_EXCESS)
-        });
-        let excesses: Vec<f64> = excesses.collect();
+            let inflation = laplace.mean_inflation();
+            excesses.push((excess / inflation).min(MOST_EXCESS));
+            // Draws that are beside a ridge are no less likely than their neighbours on it.
+            along.push(((excess - gain.min(excess.max(0.0))) / inflation).min(MOST_EXCESS));
+        }
         let dimensions = self.modes[0].0.laplace.centre.len();
         self.agreement = self.agreement.with_checks(&excesses, dimensions);
-        self.draws = reweighted(&self.draws, (&chosen, &excesses), &mut rng);
+        self.draws = reweighted(&self.draws, (&chosen, &along), &mut rng);
         Ok(())
     }
 
@@ -251,6 +261,14 @@ impl LeastSquaresPosterior {
     pub fn noise(&self) -> (Vec<f64>, f64) {
         let laplace = &self.modes[0].0.laplace;
         (laplace.variances(), laplace.mean_inflation())
+    }
+
+    /// Whether the values of a parameter end where a range does, and not because of the recordings; `width` is the length of its
+    /// interval, in coordinates.
+    pub fn is_open(&self, axis: usize, width: f64) -> bool {
+        self.modes
+            .iter()
+            .any(|(mode, _)| mode.is_open(axis, OPEN * width))
     }
 
     /// Whether a point with these errors belongs to the confidence set at this level (likelihood ratio).
@@ -287,25 +305,51 @@ impl LeastSquaresPosterior {
         (1.0 + beyond / here.max(f64::MIN_POSITIVE)).sqrt()
     }
 
-    /// Adds what the numerics leave open: `errors` are those at the best point with half of the timestep.
-    #[must_use]
-    pub fn with_numerics(mut self, errors: &[f64]) -> Self {
+    /// Adds what the numerics leave open: `run` gives the errors at a point with a timestep that is multiplied by a factor.
+    ///
+    /// # Errors
+    /// Those of the runs.
+    pub fn with_numerics(
+        mut self,
+        run: &mut dyn FnMut(&UnitPoint, f64) -> Result<Option<Vec<f64>>>,
+    ) -> Result<Self> {
         // The shift of the best mode stands for that of the others, which are not run.
         let best = &mut self.modes[0].0;
-        if best.laplace.errors.len() == errors.len() {
-            best.set_shift(errors);
+        let half = best.refitted(REFITS.0, &mut |point| run(point, 0.5))?;
+        let quarter = best.refitted(REFITS.1, &mut |point| run(point, 0.25))?;
+        if let (Some(half), Some(quarter)) = (half, quarter) {
+            best.set_shift(&half, &quarter);
         }
+        Ok(self)
+    }
+
+    /// Adds what the start states leave open: each item is the errors at the best point with other starts, drawn from their noise.
+    #[must_use]
+    pub fn with_starts(mut self, others: &[Vec<f64>]) -> Self {
+        let best = &mut self.modes[0].0;
+        let others = others.iter();
+        let others = others.filter(|errors| errors.len() == best.laplace.errors.len());
+        best.starts = others
+            .map(|errors| best.across_ridges(best.laplace.shift(errors)))
+            .collect();
         self
     }
 
     /// The draws, in parameter values.
     pub fn posterior(&self, grid: &Grid, seed: u64) -> PosteriorDraws {
         let mut rng = Once::WithinCell.generator(seed);
-        let shift = &self.modes[0].0.shift;
+        let best = &self.modes[0].0;
+        let (shift, starts) = (&best.shift, &best.starts);
         let draws = self.draws.iter().map(|draw| {
             let mut factor = |(from, to): (f64, f64)| from + rng.random::<f64>() * (to - from);
             let remaining = &self.modes[draw.mode].0.remaining;
-            let moves = shift * factor(SHIFTS) + remaining.map(|step| step * factor(REMAINING));
+            let mut moves = shift * factor(SHIFTS) + remaining.map(|step| step * factor(REMAINING));
+            // The drawn shifts are a sample of a normal distribution around 0, and so are their random sums.
+            let share = 1.0 / (starts.len().max(1) as f64).sqrt();
+            for start in starts {
+                let normal: f64 = StandardNormal.sample(&mut rng);
+                moves += start * (normal * share);
+            }
             let moved = draw.point.iter().zip(moves.iter());
             let moved: UnitPoint = moved.map(|(at, by)| (at + by).clamp(0.0, 1.0)).collect();
             grid.values_at(&moved)

@@ -7,18 +7,22 @@ use realgap_core::random::Generator;
 use realgap_core::statistics::truncated_normal_quantile;
 use realgap_optimization::UnitPoint;
 
+use super::CHECKED;
 use super::laplace::Laplace;
 use super::ridge::{Follower, Ridge, room};
 use super::runs::CheckRuns;
 
-/// A direction with a larger standard deviation than this, as a share of a range, is followed by runs; at most so many are.
+/// A direction with a larger standard deviation than this, as a share of a range, is followed by runs, and so is the least determined
+/// one; at most so many are.
 const WIDE: f64 = 0.03;
 const MOST_RIDGES: usize = 3;
 /// So is one with less than this share of the information about the best determined direction: so little may be a rounding error of
 /// the differences.
-const WEAK: f64 = 1e-5;
+const WEAK: f64 = 1e-4;
 /// Step of the differences to both sides, as a share of a range.
 const STEP: f64 = 0.01;
+/// Length of a ridge, as a share of a range, up to which it needs no treatment of its own.
+const SHORT: f64 = 0.1;
 /// Steps of the last descent before the centre is taken as it is.
 const LAST_STEPS: usize = 3;
 /// A step that promises to reduce the deviance by less is not made.
@@ -34,8 +38,10 @@ const OUTSIDE: f64 = 0.02;
 pub(super) struct Mode {
     pub laplace: Laplace,
     ridges: Vec<Ridge>,
-    /// How far the numerics move the mode when the timestep is halved.
+    /// How far the numerics move the mode in the limit of short timesteps.
     pub shift: DVector<f64>,
+    /// How far other start states move the mode, one row each.
+    pub starts: Vec<DVector<f64>>,
     /// The step that the descent would go on with: what the budget left open.
     pub remaining: DVector<f64>,
 }
@@ -134,7 +140,7 @@ impl Mode {
         let best_known = laplace.information(dimensions - 1);
         let is_weak = |k: usize| laplace.information(k) < WEAK * best_known;
         let wide: Vec<usize> = (0..dimensions)
-            .filter(|k| deviation(*k) > WIDE || is_weak(*k))
+            .filter(|k| *k == 0 || deviation(*k) > WIDE || is_weak(*k))
             .take(MOST_RIDGES)
             .collect();
         let sides = wide.iter().flat_map(|k| [(*k, -1.0), (*k, 1.0)]);
@@ -149,7 +155,7 @@ impl Mode {
                 .iter()
                 .filter_map(|index| followers[*index].next.clone());
             let points: Vec<UnitPoint> = points.collect();
-            if points.is_empty() || !runs.has_left(points.len()) {
+            if points.is_empty() || !runs.has_left(points.len() + CHECKED) {
                 break;
             }
             for (index, errors) in asking.into_iter().zip(runs.run(points)?) {
@@ -161,7 +167,9 @@ impl Mode {
         while let (Some(one), Some(other)) = (sides.next(), sides.next()) {
             // A ridge that was not followed to its ends would seem to end where the runs did.
             if one.is_finished() && other.is_finished() {
-                ridges.push(Ridge::new([one, other], dimensions));
+                let ridge = Ridge::new([one, other], dimensions);
+                // A short one is what the Gaussian approximation says already.
+                ridges.extend(Some(ridge).filter(|ridge| ridge.length() > SHORT));
             }
         }
         let mut remaining = laplace.step(&laplace.centre, &laplace.errors);
@@ -174,6 +182,7 @@ impl Mode {
         let within = within.map(|(at, step)| (at + step).clamp(0.0, 1.0) - at);
         Ok(Self {
             shift: DVector::zeros(dimensions),
+            starts: Vec::new(),
             remaining: DVector::from_iterator(dimensions, within),
             laplace,
             ridges,
@@ -213,13 +222,66 @@ impl Mode {
         parts.sum::<f64>().sqrt()
     }
 
-    /// Sets how far the numerics move the mode, from the errors at its centre with half of the timestep.
-    pub fn set_shift(&mut self, errors: &[f64]) {
-        self.shift = self.laplace.shift(errors);
+    /// Whether a ridge reaches an end of the range on which the parameter changes by at least this much: its values end there because
+    /// the range of some parameter does, and not because the recordings say so.
+    pub fn is_open(&self, axis: usize, change: f64) -> bool {
+        self.ridges.iter().any(|ridge| {
+            let (from, to) = ridge.open_ends();
+            let at = |along: f64| {
+                let line = self.laplace.directions[(axis, ridge.direction)] * along;
+                line + ridge.off(along)[axis]
+            };
+            let ends = [from, to].into_iter().flatten();
+            ends.map(at).any(|moved| moved.abs() > change)
+        })
+    }
+
+    /// By how much steps across the first ridge would reduce the deviance of a point with these errors: between the runs along it a
+    /// ridge is not known exactly. 0 where there is no ridge.
+    pub fn gain_across(&self, point: &[f64], errors: &[f64]) -> f64 {
+        let Some(ridge) = self.ridges.first() else {
+            return 0.0;
+        };
+        let jacobian = self.laplace.jacobian();
+        self.laplace
+            .step_across(jacobian, (point, errors), ridge.direction)
+            .1
+    }
+
+    /// How far the lowest deviance lies from the centre for another black box, by so many steps with the derivatives at the centre;
+    /// `None` where a run diverges.
+    pub fn refitted(
+        &self,
+        steps: usize,
+        run: &mut dyn FnMut(&UnitPoint) -> Result<Option<Vec<f64>>>,
+    ) -> Result<Option<DVector<f64>>> {
+        let centre = DVector::from_column_slice(&self.laplace.centre);
+        let mut at = centre.clone();
+        for _ in 0..steps {
+            let point: UnitPoint = at.iter().map(|c| c.clamp(0.0, 1.0)).collect();
+            let errors = run(&point)?;
+            let whole = errors.filter(|errors| errors.len() == self.laplace.errors.len());
+            let Some(errors) = whole else {
+                return Ok(None);
+            };
+            at = DVector::from_vec(point) + self.across_ridges(self.laplace.shift(&errors));
+        }
+        Ok(Some(at - centre))
+    }
+
+    /// Sets how far the numerics move the mode, from how far it moves with half and with a quarter of the timestep. The limit is as far
+    /// from the quarter as the quarter is from the half (extrapolation of first order; Richardson 1911).
+    pub fn set_shift(&mut self, half: &DVector<f64>, quarter: &DVector<f64>) {
+        self.shift = quarter * 2.0 - half;
+    }
+
+    /// A move without its parts along ridges, which the runs along them show.
+    pub fn across_ridges(&self, mut by: DVector<f64>) -> DVector<f64> {
         for ridge in &self.ridges {
             let along = self.laplace.directions.column(ridge.direction);
-            self.shift -= along * along.dot(&self.shift);
+            by -= along * along.dot(&by);
         }
+        by
     }
 
     fn ridge(&self, direction: usize) -> Option<&Ridge> {

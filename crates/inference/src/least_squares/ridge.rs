@@ -12,7 +12,7 @@ use super::laplace::Laplace;
 /// Steps back to the ridge at each distance along it.
 const STEPS_BACK: usize = 10;
 /// Distances that are tried on each side.
-const DISTANCES: usize = 6;
+const DISTANCES: usize = 8;
 /// A step back that promises less is not made, in units of the deviance over its inflation.
 const SMALL_GAIN: f64 = 0.3;
 /// Deviance, relative to the centre, beyond which a distance is too far, and below which the ridge goes on.
@@ -26,6 +26,8 @@ const AIM: f64 = 2.7;
 const APART: f64 = 0.05;
 /// Points of a ridge through which it is interpolated.
 const NEAREST: usize = 4;
+/// Deviance at which steps back have not found the ridge.
+const LOST: f64 = 30.0;
 /// Cells along a ridge, from which draws are made.
 const CELLS: usize = 400;
 
@@ -38,6 +40,8 @@ struct RidgePoint {
     off: DVector<f64>,
     /// Deviance relative to the centre.
     deviance: f64,
+    /// Whether the ridge leaves the range here.
+    leaves: bool,
 }
 
 /// A ridge through the centre of a Gaussian approximation.
@@ -162,6 +166,7 @@ impl Follower {
                 along,
                 off,
                 deviance,
+                leaves: false,
             });
         }
         self.correct(&at, laplace.whitened(errors));
@@ -175,6 +180,12 @@ impl Follower {
             return;
         };
         let deviance = lowest.deviance;
+        let reached = self.found.last().map_or(0.0, |last| last.along);
+        if deviance > LOST {
+            // The steps back did not find the ridge, so a distance nearer to where it was last found is tried.
+            self.go_to(laplace, 0.5 * (reached + self.along));
+            return;
+        }
         let is_new = self
             .found
             .last()
@@ -183,11 +194,15 @@ impl Follower {
         if reached {
             self.found.push(lowest);
         }
-        let factor = (AIM / deviance.max(0.05)).sqrt().clamp(0.1, 3.0);
+        let factor = (AIM / deviance.max(0.05)).sqrt().clamp(0.1, 2.5);
         let line = direction * self.along.signum();
         // A bent ridge leaves the range elsewhere than a straight line does.
         self.room = along.abs() + room(&point, &line);
-        let goes_on = deviance < TOO_NEAR && self.along.abs() < self.room - AT_THE_END;
+        let is_inside = self.along.abs() < self.room - AT_THE_END;
+        if let Some(last) = self.found.last_mut() {
+            last.leaves = !is_inside;
+        }
+        let goes_on = deviance < TOO_NEAR && is_inside;
         if deviance > TOO_FAR || goes_on {
             self.go_to(laplace, factor * self.along);
         }
@@ -223,6 +238,7 @@ impl Ridge {
             along: 0.0,
             off: DVector::zeros(dimensions),
             deviance: 0.0,
+            leaves: false,
         });
         points.sort_by(|a, b| a.along.total_cmp(&b.along));
         let length = points[points.len() - 1].along - points[0].along;
@@ -251,6 +267,12 @@ impl Ridge {
         Self { direction, points }
     }
 
+    /// Length of the ridge as far as it was followed.
+    pub fn length(&self) -> f64 {
+        let (from, to) = self.ends();
+        to - from
+    }
+
     /// The ends up to which the ridge was followed.
     pub fn ends(&self) -> (f64, f64) {
         let (first, last) = (self.points.first(), self.points.last());
@@ -258,6 +280,15 @@ impl Ridge {
             first.map_or(0.0, |p| p.along),
             last.map_or(0.0, |p| p.along),
         )
+    }
+
+    /// The ends at which the ridge leaves the range and is not much less likely than at its top.
+    pub fn open_ends(&self) -> (Option<f64>, Option<f64>) {
+        let open = |point: Option<&RidgePoint>| {
+            let point = point.filter(|point| point.leaves && point.deviance < AIM)?;
+            Some(point.along)
+        };
+        (open(self.points.first()), open(self.points.last()))
     }
 
     /// The two points around a distance along the ridge, and the share of the second.

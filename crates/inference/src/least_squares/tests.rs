@@ -76,9 +76,8 @@ fn fitted(
         LeastSquaresPosterior::new(&problem, &evaluated, &known, (&mut runs, most)).unwrap();
     let posterior = posterior.unwrap();
     let draws = posterior.posterior(grid, 1);
-    let best = grid.values_at(posterior.best());
     (
-        LeastSquaresEstimate::all(grid, &best, &draws, posterior.agreement().has_converged()),
+        LeastSquaresEstimate::all(grid, &posterior, &draws),
         posterior.agreement(),
     )
 }

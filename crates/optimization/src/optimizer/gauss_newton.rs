@@ -18,6 +18,9 @@ pub use problem::{Linearisation, slopes};
 /// Gauss–Newton with Marquardt's damping, from the middle of the ranges and then from further space-filling points.
 pub(super) struct GaussNewton;
 
+/// Space-filling points of which the best is the start of a descent, and most parameters for which the first descent has them, too.
+const STARTS: usize = 12;
+const FEW: usize = 8;
 /// Step of the finite differences as a share of a range: the initial step, and the smallest step. Differences over smaller steps are
 /// dominated by the discrete steps of the solver and by stick and slip.
 const FIRST_STEP: f64 = 0.02;
@@ -73,11 +76,11 @@ fn errors_of<'r>(
 fn descend(
     replay: &Replay<'_>,
     problem: &OptimizationProblem,
-    start: (UnitPoint, &[f64]),
+    start: (UnitPoint, &[f64], usize),
     state: &mut SearchState,
 ) -> std::result::Result<End, Unknown> {
     let (mut point, mut errors) = (start.0, start.1.to_vec());
-    let mut at = replay.answered() - 1;
+    let mut at = start.2;
     let (mut step, mut damping) = (FIRST_STEP, FIRST_DAMPING);
     loop {
         let moved: Vec<UnitPoint> = (0..point.len())
@@ -178,19 +181,34 @@ fn search(
     let dimensions = problem.dimensions();
     let mut begun = 0;
     loop {
-        // The first start is the median of the priors or the middle of the ranges; the others are space-filling points.
-        let start = match begun {
-            0 => problem.middle(),
-            n => space_filling(dimensions, n - 1, n, problem.seed).remove(0),
+        // The first start is the median of the priors or the middle of the ranges, or, of a few parameters without priors, the best of
+        // the middle and some space-filling points; each further one is the best of more such points. A descent costs several times
+        // as many runs as these do.
+        let starts = match begun {
+            0 => {
+                let mut starts = vec![problem.middle()];
+                if dimensions <= FEW && problem.priors.iter().all(Option::is_none) {
+                    starts.extend(space_filling(dimensions, 0, STARTS, problem.seed));
+                }
+                starts
+            }
+            n => space_filling(dimensions, n * STARTS, (n + 1) * STARTS, problem.seed),
         };
         begun += 1;
-        let known = match errors_of(&replay, std::slice::from_ref(&start)) {
-            Ok(errors) => errors[0],
+        let known = match errors_of(&replay, &starts) {
+            Ok(errors) => errors,
             Err(unknown) => return unknown,
         };
-        let end = match known {
+        let first = replay.answered() - starts.len();
+        let size = |errors: &[f64]| errors.iter().map(|error| error.abs()).sum::<f64>();
+        let with_errors = starts.into_iter().zip(known).enumerate();
+        let with_errors = with_errors.filter_map(|(index, (start, errors))| {
+            let errors = errors?;
+            Some((size(errors), (start, errors, first + index)))
+        });
+        let end = match with_errors.min_by(|a, b| a.0.total_cmp(&b.0)) {
             None => Ok(End::NoStart),
-            Some(errors) => descend(&replay, problem, (start, errors), state),
+            Some((_, start)) => descend(&replay, problem, start, state),
         };
         match end {
             Ok(end) => state.ends.push(end),

@@ -10,6 +10,7 @@ use realgap_inference::{
     Agreement, LEVEL, LeastSquaresEstimate, LeastSquaresPosterior, most_checks,
 };
 use realgap_optimization::{Ending, EvaluatedPoint, Linearisation, OptimizationProblem, UnitPoint};
+use realgap_simulation::Experiment;
 use realgap_store::Trial;
 
 /// A fit by least squares with its posterior.
@@ -76,11 +77,12 @@ impl LeastSquaresFit {
         };
         let best = grid.values_at(posterior.best());
         if ending == Ending::Complete {
-            let half = |e: &mut realgap_simulation::Experiment| e.solver.timestep_s *= 0.5;
-            let finer = study.simulate_changed(&best, half, true)?;
-            if let Some((errors, _)) = study.errors_of(&finer) {
-                posterior = posterior.with_numerics(&errors);
-            }
+            posterior = posterior.with_numerics(&mut |point, factor| {
+                let finer = |e: &mut Experiment| e.solver.timestep_s *= factor;
+                let trial = study.simulate_changed(&grid.values_at(point), finer, true)?;
+                Ok(study.errors_of(&trial).map(|(errors, _)| errors))
+            })?;
+            posterior = posterior.with_starts(&study.errors_of_other_starts(&best)?);
         }
         let mut scores = scores.with_more(study, &checks)?;
         let chosen = scores.points.iter().position(|point| point.values == best);
@@ -91,12 +93,7 @@ impl LeastSquaresFit {
             .filter(|one| posterior.is_in_set(&one.point, &one.errors, LEVEL));
         let in_set = in_set.map(|one| grid.values_at(&one.point)).collect();
         Ok(Some(Self {
-            estimates: LeastSquaresEstimate::all(
-                grid,
-                &best,
-                &draws,
-                posterior.agreement().has_converged(),
-            ),
+            estimates: LeastSquaresEstimate::all(grid, &posterior, &draws),
             precision: precision(problem, &posterior),
             posterior,
             draws,

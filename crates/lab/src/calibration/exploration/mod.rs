@@ -3,6 +3,7 @@
 pub(super) mod information_gain;
 pub(super) mod least_squares;
 pub(super) mod method;
+pub(super) mod other_start;
 pub(super) mod sweep;
 pub(super) mod trial_sink;
 pub(super) mod tune;

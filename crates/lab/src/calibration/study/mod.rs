@@ -327,9 +327,19 @@ impl Study {
         change: impl Fn(&mut Experiment) + Sync,
         has_errors: bool,
     ) -> Result<Trial> {
+        self.simulate_changed_each(values, |_, experiment| change(experiment), has_errors)
+    }
+
+    /// As [`Study::simulate_changed`], with a change that may differ between cases.
+    pub(in crate::calibration) fn simulate_changed_each(
+        &self,
+        values: &[f64],
+        change: impl Fn(usize, &mut Experiment) + Sync,
+        has_errors: bool,
+    ) -> Result<Trial> {
         let cases = self.each_case(|case| {
             let mut experiment = self.experiment(case, values)?;
-            change(&mut experiment);
+            change(case, &mut experiment);
             self.simulate_case(case, &experiment, has_errors)
         })?;
         Ok(Trial {

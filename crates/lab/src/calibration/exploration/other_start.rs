@@ -1,0 +1,126 @@
+//! Runs from other starts than those that recordings state: a recorded angle is known to the noise of its sensor only.
+
+use rand_distr::{Distribution, StandardNormal};
+
+use crate::calibration::Study;
+use realgap_core::Result;
+use realgap_core::random::Numbered;
+use realgap_core::statistics::median;
+use realgap_path::trajectory::{JointTrack, Trajectory, resolution};
+use realgap_simulation::Experiment;
+
+/// Other starts that are run.
+const STARTS: u64 = 6;
+/// Orders of the differences that show noise.
+const LOWEST_ORDER: usize = 2;
+const HIGHEST_ORDER: usize = 6;
+/// Median of the absolute value of a normal number of standard deviation 1.
+const MEDIAN: f64 = 0.674_49;
+
+impl Study {
+    /// Single errors at these values from some other starts, each drawn from the noise of the recorded joints; empty where no run
+    /// starts from recorded joints.
+    ///
+    /// # Errors
+    /// Settings that cannot be simulated.
+    pub(in crate::calibration) fn errors_of_other_starts(
+        &self,
+        values: &[f64],
+    ) -> Result<Vec<Vec<f64>>> {
+        let mut all = Vec::new();
+        for number in 0..STARTS {
+            let changed = self.simulate_changed_each(
+                values,
+                |case, experiment| {
+                    let real = &self.cases()[case].targets[0].motion;
+                    let seed = self.definition().seed.wrapping_add(case as u64);
+                    disturb(experiment, real, seed, number);
+                },
+                true,
+            )?;
+            all.extend(self.errors_of(&changed).map(|(errors, _)| errors));
+        }
+        Ok(all)
+    }
+}
+
+/// Moves the start of each recorded joint by its noise.
+fn disturb(experiment: &mut Experiment, real: &Trajectory, seed: u64, number: u64) {
+    let times_s = real.times_s();
+    if times_s.len() < 3 {
+        return;
+    }
+    let mut rng = Numbered::StartMotion.generator(seed, number);
+    let dt_s = times_s[1] - times_s[0];
+    for (hinge, start) in experiment
+        .assembly
+        .hinges
+        .iter()
+        .zip(&mut experiment.start_joints)
+    {
+        let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+        let moves = (normal(), normal());
+        let Some(joint) = real.joint(&hinge.name) else {
+            continue;
+        };
+        let angle_rad = noise(&joint.angles_rad);
+        start.angle_rad += angle_rad * moves.0;
+        start.speed_rad_s += speed_noise_rad_s(joint, angle_rad, dt_s) * moves.1;
+    }
+}
+
+/// Standard deviation of the noise of a recorded start speed: its own, or that of a difference of two angles.
+fn speed_noise_rad_s(joint: &JointTrack, angle_rad: f64, dt_s: f64) -> f64 {
+    match &joint.speeds_rad_s {
+        Some(speeds) => noise(speeds),
+        None => std::f64::consts::SQRT_2 * angle_rad / dt_s,
+    }
+}
+
+/// Standard deviation of the noise of values that change smoothly, and at least that of rounding to the step of the sensor.
+///
+/// Differences of order k are taken, whose coefficients have squares that sum up to (2k)!/(k!)². A smooth signal contributes less the
+/// higher the order, and noise contributes the same, so the smallest estimate of several orders is taken (Gasser, Sroka &
+/// Jennen-Steinmetz 1986 take the second order).
+fn noise(values: &[f64]) -> f64 {
+    let (mut differences, mut squares) = (values.to_vec(), 1.0);
+    let mut rough = f64::INFINITY;
+    for order in 1..=HIGHEST_ORDER {
+        differences = differences.windows(2).map(|v| v[1] - v[0]).collect();
+        squares *= (4.0 * order as f64 - 2.0) / order as f64;
+        if order >= LOWEST_ORDER && !differences.is_empty() {
+            let sizes: Vec<f64> = differences.iter().map(|d| d.abs()).collect();
+            rough = rough.min(median(&sizes) / MEDIAN / squares.sqrt());
+        }
+    }
+    let rough = if rough.is_finite() { rough } else { 0.0 };
+    match resolution(values) {
+        // Differences of rounded values that change slowly are mostly 0, or one step.
+        Some(step) => rough.min(step).max(step / 12f64.sqrt()),
+        None => rough,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use realgap_core::random::Generator;
+
+    #[test]
+    fn noise_is_told_from_a_smooth_signal_and_is_at_least_that_of_an_encoder() {
+        let mut rng = Generator::seed_from_u64(3);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+        let smooth = |k: usize| libm::sin(0.14 * k as f64);
+        let noisy: Vec<f64> = (0..400).map(|k| smooth(k) + 0.004 * normal()).collect();
+        let found = noise(&noisy);
+        assert!((0.0032..0.0048).contains(&found), "{found}");
+        let clean: Vec<f64> = (0..400).map(smooth).collect();
+        assert!(noise(&clean) < 1e-4, "{}", noise(&clean));
+        let step = 0.0015;
+        let read: Vec<f64> = clean.iter().map(|a| (a / step).round() * step).collect();
+        let found = noise(&read);
+        assert!((step / 12f64.sqrt()..=step).contains(&found), "{found}");
+        assert_eq!(noise(&[1.0, 1.0]), 0.0);
+    }
+}
