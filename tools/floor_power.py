@@ -26,13 +26,19 @@ def cells(verdicts):
     return [f"{len(told)}/{len(verdicts)}", f"{sum(v.held for v in told)}/{len(told)}", f"{sum(v.held for v in verdicts)}/{len(verdicts)}"]
 
 
+def said(verdict):
+    """The interval in words."""
+    text = " or ".join(f"{low:.3f} to {high:.3f}" for low, high in verdict.pieces)
+    return text if verdict.identified else f"{text} (not determined)"
+
+
 def floors(rows):
-    """One line per floor: what was said about friction."""
+    """One line per answer."""
     lines = []
     for row in sorted(rows, key=lambda row: (int(row["seed"]), row["method"])):
         friction, restitution = interval_worlds.verdicts_of([row])
-        said = lambda v: f"{' or '.join(f'{low:.3f} to {high:.3f}' for low, high in v.pieces)}{'' if v.identified else ' (not determined)'}"
-        lines.append([row["seed"], row["method"], f"{friction.truth:.3f}", said(friction), f"{restitution.truth:.3f}", said(restitution), row["explains"]])
+        lines.append([row["seed"], row["method"], f"{friction.truth:.3f}", said(friction), f"{restitution.truth:.3f}", said(restitution),
+                      row["explains"]])
     return interval_worlds.table(["seed", "method", "friction", "said", "restitution", "said", "explains"], lines)
 
 
@@ -65,8 +71,9 @@ def main():
     seeds = range(options.first, options.first + options.floors)
     if not options.summary:
         program, out, world = options.program.resolve(), options.out.resolve(), hidden_worlds.WORLDS["floor"]
-        interval_worlds.run_all([(("floor", seed, method), lambda s=seed, m=method: interval_worlds.ask(program, world, s, m, out, options.budget, True))
-                                 for seed in seeds for method in METHODS], path, options.jobs)
+        tasks = [(("floor", seed, method), lambda s=seed, m=method: interval_worlds.ask(program, world, s, m, out, options.budget, True))
+                 for seed in seeds for method in METHODS]
+        interval_worlds.run_all(tasks, path, options.jobs)
     rows = [row for row in interval_worlds.read_rows(path) if int(row["seed"]) in seeds]
     print(summary(rows))
     if options.each:

@@ -11,7 +11,8 @@ physics in this file. Those of the others come from the program itself with a ti
 factor from 2 to 5, with other substeps, and in worlds of cubes and wheels with either engine in turn. A camera errs by 1 mm and
 0.3 degrees, an encoder has 4096 steps a turn. The first sample of `puck`, `ball` and `pend` is exact, because runs start from it.
 
-This file is imported by interval_worlds.py, floor_power.py, peers.py and reference_posterior.py.
+This file is imported by interval_worlds.py, floor_power.py, peers.py, reference_posterior.py
+and reference_chain.py.
 """
 
 import csv
@@ -69,7 +70,8 @@ class Parameter:
 
 @dataclass(frozen=True)
 class World:
-    """How studies of one kind are made. `record(world, truth, rng, folder, program)` writes FOLDER/rec."""
+    """How studies of one kind are made. `record(world, truth, rng, folder, program)` writes FOLDER/rec and returns the settings of the
+    program with which it did so; None where it was not the program."""
 
     name: str
     parameters: tuple
@@ -269,6 +271,7 @@ def record_arm(world, truth, rng, folder, program):
     if len(kept) < len(times_s) - 1:
         raise RuntimeError(f"joints.csv of {folder} holds {len(kept)} of {len(times_s)} samples: make the recordings of `arm` shorter")
     write_csv(folder / "rec" / "run_00.csv", *arm_table(times_s[kept], commands[kept], encoded(rng, angles)))
+    return settings
 
 
 def record_repeats(world, truth, rng, folder, program):
@@ -278,11 +281,12 @@ def record_repeats(world, truth, rng, folder, program):
     values = [word for name, value in settings.items() for word in ("--set", f"{name}={value}")]
     run_program([program, "study", "record", folder / "robot.ron", "-o", folder / "rec", "--repeats", world.repeats, "--duration", world.duration_s,
                  "--rate-hz", 30, "--seed", int(rng.integers(1, 2**31)), *values])
+    return settings
 
 
 def record_rapier(world, truth, rng, folder, program):
     """As `record_repeats`, always by Rapier."""
-    record_repeats(World(**{**world.__dict__, "fixed": {**world.fixed, "solver.engine": 0}}), truth, rng, folder, program)
+    return record_repeats(World(**{**world.__dict__, "fixed": {**world.fixed, "solver.engine": 0}}), truth, rng, folder, program)
 
 
 MASS = Parameter("body.mass_scale", 0.5, 2.0, 5, "inert")
@@ -325,7 +329,8 @@ LAST = ("chain5", "tripod")
 
 
 def make(world, seed, folder, program):
-    """Writes FOLDER/robot.ron, study.ron, rec/ and truth.json, unless they are there; returns the truth. Studies of odd seeds state no noise."""
+    """Writes FOLDER/robot.ron, study.ron, rec/, settings.json and truth.json, unless they are there; returns the truth. Studies of odd seeds
+    state no noise."""
     done = folder / "truth.json"
     if done.exists():
         return json.loads(done.read_text())
@@ -334,6 +339,7 @@ def make(world, seed, folder, program):
     truth = {parameter.name: float(f"{rng.uniform(parameter.low, parameter.high):.7g}") for parameter in world.parameters}
     (folder / "robot.ron").write_text(world.robot_ron())
     (folder / "study.ron").write_text(world.study_ron(seed % 2 == 0))
-    world.record(world, truth, rng, folder, program)
+    settings = world.record(world, truth, rng, folder, program)
+    (folder / "settings.json").write_text(json.dumps(settings) + "\n")
     done.write_text(json.dumps(truth) + "\n")
     return truth

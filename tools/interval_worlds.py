@@ -8,8 +8,8 @@
 
 tools/hidden_worlds.py says what the worlds are. Every study is asked by every method, at default settings (optimizers with a budget of
 100). OUT/studies.csv gets one row per answer, so that a run that was interrupted goes on; OUT/WORLD_SEED keeps the study with its
-recordings and answers (--lean deletes the answers). --summary prints the tables from OUT/studies.csv and asks nothing; `--by seed`
-and further filters are a matter of that file. A row belongs to the program that made it: use another OUT for another program.
+recordings and answers (--lean deletes the answers). --summary prints the tables from OUT/studies.csv and asks nothing. A row belongs to
+the program that made it: use another OUT for another program.
 
 What is counted, for parameters that change the recordings:
 - held: the truth is in the interval of the verdict, or in one of its pieces;
@@ -52,34 +52,39 @@ def pieces(verdict):
 
 
 def draws(folder):
-    """Draws of the posterior by parameter: a table beside the answer."""
+    """Draws of the posterior: (values by parameter, weights), from the table beside the answer."""
     path = folder / "indistinguishable.csv"
     if not path.exists():
-        return {}
+        return {}, []
     with open(path) as file:
         rows = list(csv.DictReader(file))
-    return {name: [float(row[name]) for row in rows] for name in (rows[0] if rows else [])}
+    weights = [float(row.get("weight") or 1.0) for row in rows]
+    return {name: [float(row[name]) for row in rows] for name in (rows[0] if rows else []) if name != "weight"}, weights
 
 
-def rank(values, truth):
-    """Share of the draws below the truth; draws that equal it count half."""
-    return (sum(v < truth for v in values) + 0.5 * sum(v == truth for v in values)) / len(values) if values else None
+def rank(values, weights, truth):
+    """Share of the draws below the truth; draws that equal it count half. None where there are no draws."""
+    if not values:
+        return None
+    below = sum(w for v, w in zip(values, weights) if v < truth) + 0.5 * sum(w for v, w in zip(values, weights) if v == truth)
+    return below / sum(weights)
 
 
 def read_answer(world, truth, answer, folder):
     """One dict per parameter of the study."""
-    drawn = draws(folder)
+    drawn, weights = draws(folder)
     rows = []
     for verdict in answer["verdicts"]:
         parameter = next(p for p in world.parameters if p.name == verdict["parameter"])
         feasible = world.feasible(parameter, truth)
         rows.append({"name": parameter.name, "kind": parameter.kind, "range": [parameter.low, parameter.high], "feasible": feasible,
                      "truth": truth[parameter.name], "best": answer["best"]["parameters"][parameter.name], "pieces": pieces(verdict),
-                     "identified": verdict["identified"], "rank": rank(drawn.get(parameter.name), truth[parameter.name]), "text": verdict["text"]})
+                     "identified": verdict["identified"], "rank": rank(drawn.get(parameter.name), weights, truth[parameter.name]),
+                     "text": verdict["text"]})
     return rows
 
 
-def ask(program, world, seed, method, out, budget, lean=True):
+def ask(program, world, seed, method, out, budget, lean):
     """One answer of the program to one study; a row of studies.csv."""
     row = {"world": world.name, "seed": seed, "method": method, "family": METHODS[method], "states_noise": int(seed % 2 == 0 and bool(world.noise))}
     here = out / f"{world.name}_{seed}"
@@ -88,8 +93,8 @@ def ask(program, world, seed, method, out, budget, lean=True):
         truth = hidden_worlds.make(world, seed, here, program)
         how = ["sweep"] if method == "sweep" else ["tune", "--optimizer", method, "--budget", budget]
         answer_folder = here / method
-        text = hidden_worlds.run_program([program, how[0], here / "study.ron", *how[1:], "--jobs", 1, "--no-report", "--restart", "-o", answer_folder,
-                                          "--format", "json"])
+        text = hidden_worlds.run_program([program, how[0], here / "study.ron", *how[1:], "--jobs", 1, "--no-report", "--restart",
+                                          "-o", answer_folder, "--format", "json"])
         answer = json.loads(text)
         fit = answer.get("fit") or {}
         row.update(explains=fit.get("explains"), score=answer["best"]["score"], cpu_s=json.loads((answer_folder / "timing.json").read_text())["cpu_s"],
@@ -107,7 +112,9 @@ def read_rows(path):
         return []
     csv.field_size_limit(10**8)
     with open(path, newline="") as file:
-        return list(csv.DictReader(file))
+        rows = list(csv.DictReader(file))
+    # A study that failed is asked again by the next run: its last row counts.
+    return list({(row["world"], int(row["seed"]), row["method"]): row for row in rows}.values())
 
 
 def run_all(tasks, path, jobs):
@@ -197,7 +204,8 @@ def line(world, family, rows):
             "-" if chi is None else f"{chi:.0f}", f"{statistics.mean(cpu_s):.1f}" if cpu_s else "-"]
 
 
-HEAD = ["world", "methods", "held", "share", "90 % possible", "determined: held", "far", "false", "best outside", "wide", "width", "ranks", "CPU s"]
+HEAD = ["world", "methods", "held", "share", "90 % possible", "determined: held", "far", "false", "best outside", "wide", "width", "ranks",
+        "CPU s"]
 
 
 def summary(rows):
@@ -215,9 +223,9 @@ def summary(rows):
     alarms = []
     for family in FAMILIES:
         for states in ("1", "0"):
-            judged = [row for row in rows if row["family"] == family and row["states_noise"] == states and row["explains"] in ("True", "False")]
+            judged = [row["explains"] for row in rows if row["family"] == family and row["states_noise"] == states and row["explains"]]
             if judged:
-                alarms.append([family, "stated" if states == "1" else "not stated", f"{sum(row['explains'] == 'False' for row in judged)}/{len(judged)}"])
+                alarms.append([family, "stated" if states == "1" else "not stated", f"{judged.count('False')}/{len(judged)}"])
     text += "\n\nRight models of which it was said that they do not explain the recordings:\n\n" + table(["methods", "noise", "flagged"], alarms)
     seeds = sorted({int(row["seed"]) for row in rows})
     text += f"\n\nSeeds {seeds[0]} to {seeds[-1]}, {len(rows)} answers." if seeds else "\n\nNo answers yet."
@@ -232,8 +240,10 @@ def main():
     parser.add_argument("program", type=pathlib.Path, help="the binary `realgap`")
     parser.add_argument("out", type=pathlib.Path, help="folder of the studies and of studies.csv")
     parser.add_argument("--worlds", nargs="+", choices=list(hidden_worlds.WORLDS), default=named, metavar="WORLD",
-                        help=f"of {', '.join(hidden_worlds.WORLDS)} [default: all but {', '.join(hidden_worlds.LAST)}, which are kept for a last look, and floor]")
-    parser.add_argument("--methods", nargs="+", choices=list(METHODS), default=list(METHODS), metavar="METHOD", help=f"of {', '.join(METHODS)} [default: all]")
+                        help=f"of {', '.join(hidden_worlds.WORLDS)} [default: all but floor and {', '.join(hidden_worlds.LAST)}, which are kept "
+                        "for a last look]")
+    parser.add_argument("--methods", nargs="+", choices=list(METHODS), default=list(METHODS), metavar="METHOD",
+                        help=f"of {', '.join(METHODS)} [default: all]")
     parser.add_argument("--seeds", nargs=2, type=int, default=[1, 6], metavar=("A", "B"), help="first and last seed [default: 1 6]")
     parser.add_argument("--budget", type=int, default=100, help="of optimizers [default: 100]")
     parser.add_argument("--jobs", type=int, default=1, help="studies at a time [default: 1]")
@@ -248,7 +258,8 @@ def main():
             for world in (hidden_worlds.WORLDS[name] for name in options.worlds):
                 for method in options.methods:
                     if METHODS[method] in world.families:
-                        tasks.append(((world.name, seed, method), lambda w=world, s=seed, m=method: ask(program, w, s, m, out, options.budget, options.lean)))
+                        tasks.append(((world.name, seed, method),
+                                      lambda w=world, s=seed, m=method: ask(program, w, s, m, out, options.budget, options.lean)))
         run_all(tasks, path, options.jobs)
     chosen = [row for row in read_rows(path) if row["world"] in options.worlds and row["method"] in options.methods]
     print(summary(chosen))

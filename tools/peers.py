@@ -2,7 +2,7 @@
 """Fits the same recordings with as many runs by `realgap` and by others: scipy's least squares, CMA-ES (pycma) and Optuna's TPE.
 
     cargo build --release && pip install maturin && maturin build --release -m python/Cargo.toml
-    python3 -m pip install target/wheels/realgap-*.whl numpy==2.4.6 scipy==1.17.1 cma==4.5.0 optuna==5.0.0
+    python3 -m pip install target/wheels/realgap-*.whl -r tools/requirements-peers.txt
     python3 tools/peers.py target/release/realgap results/peers --seeds 1 6
     python3 tools/peers.py target/release/realgap results/peers --summary
 
@@ -10,7 +10,7 @@ Worlds and recordings are those of tools/hidden_worlds.py. All peers call the si
 study's own settings for each point, and minimise the squares of the errors (of the path in the plane, or of the joints), which least
 squares sees one by one. A method that is done before its runs are spent starts again elsewhere (least squares) or goes on. Least squares
 has forward differences of 1e-3 of the range and states intervals of 90 % from its Jacobian (Gaussian, errors taken as independent);
-the other peers state none. `realgap` is asked as tools/interval_worlds.py asks it.
+the other peers state none. `realgap` is asked as tools/interval_worlds.py asks it; `sweep` spends the runs of its grid.
 
 The error of the best is the root mean square of (best - truth) / range over the parameters that change the recordings. OUT/studies.csv
 gets one row per fit, so that a run that was interrupted goes on. A peer that is not installed is named as SKIPPED. `sbi` is not
@@ -50,7 +50,7 @@ class Simulator:
     for, and it waits for the errors in `told`.
     """
 
-    def __init__(self, world, folder, budget, seed):
+    def __init__(self, world, folder, budget, seed, settings=None):
         import realgap
 
         self.realgap, self.budget, self.dimensions, self.runs = realgap, budget, len(world.parameters), 0
@@ -61,7 +61,7 @@ class Simulator:
             pose_joints(folder)
             text = text.replace("rec/*.csv", "rec_posed/*.csv")
         metric = realgap.Metric("errors", self.errors, whole=True)
-        self.study = realgap.Study.from_text(text, folder=folder, metric=metric, seed=seed)
+        self.study = realgap.Study.from_text(text, folder=folder, metric=metric, seed=seed, set=settings)
         self.recordings = len(self.study.recordings)
 
     def errors(self, real, simulated):
