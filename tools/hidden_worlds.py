@@ -8,7 +8,7 @@ A world names the parameters that a study varies, how recordings are made for tr
 
 Truths are uniform anywhere in the range that is searched. Recordings of `puck`, `ball`, `pend` and `pendm` come from closed-form
 physics in this file. Those of the others come from the program itself with a timestep that is finer than the study's by a random
-factor from 2 to 5, with other substeps, and in worlds of cubes and wheels with either engine in turn. A camera errs by 1 mm and
+factor from 2 to 5, with other substeps, and in worlds of cubes and wheels with either engine by chance. A camera errs by 1 mm and
 0.3 degrees, an encoder has 4096 steps a turn. The first sample of `puck`, `ball` and `pend` is exact, because runs start from it.
 
 This file is imported by interval_worlds.py, floor_power.py, peers.py, reference_posterior.py
@@ -30,8 +30,9 @@ ROBOTS = pathlib.Path(__file__).resolve().parent.parent / "morphologies"
 GRAVITY_M_S2 = 9.81
 CAMERA_M, CAMERA_RAD = 0.001, 0.005
 ENCODER_RAD = 2 * math.pi / 4096
-# Standard deviation of an encoder before it rounds, in its steps: an idle joint flickers now and then, as real ones do.
+# Standard deviation of an encoder before it rounds, in its steps. That of the arm is hidden, too: some idle joints hardly ever flicker.
 ENCODER_NOISE_STEPS = 0.4
+ARM_NOISE_STEPS = (0.1, 0.45)
 
 BALL_RADIUS_M = 0.05
 BALL = """(name: "ball", description: "a solid ball", track: "ball", joints: [],
@@ -200,9 +201,9 @@ def pendulum_angles_rad(times_s, start_rad, viscous_nm_s_rad, dry_nm, mass_scale
     return np.array(found)
 
 
-def encoded(rng, angles_rad):
-    """What an encoder reads."""
-    return ENCODER_RAD * np.rint(angles_rad / ENCODER_RAD + rng.normal(0, ENCODER_NOISE_STEPS, np.shape(angles_rad)))
+def encoded(rng, angles_rad, noise_steps):
+    """What an encoder reads that has this noise before it rounds."""
+    return ENCODER_RAD * np.rint(angles_rad / ENCODER_RAD + rng.normal(0, noise_steps, np.shape(angles_rad)))
 
 
 def record_pendulum(world, truth, rng, folder, _program):
@@ -211,7 +212,7 @@ def record_pendulum(world, truth, rng, folder, _program):
     start_rad = ENCODER_RAD * round(rng.uniform(0.8, 1.2) * rng.choice([-1, 1]) / ENCODER_RAD)
     angles = pendulum_angles_rad(times_s, start_rad, truth["hinge.viscous_nm_s_rad"], truth["hinge.dry_nm"],
                                  truth.get("body.mass_scale", 1.0), 1e-4)
-    read = encoded(rng, angles)
+    read = encoded(rng, angles, ENCODER_NOISE_STEPS)
     read[0] = start_rad
     speeds = np.gradient(read, times_s)
     speeds[0] = 0.0
@@ -261,8 +262,8 @@ def arm_angles_rad(world, settings, times_s, commands, start_rad, folder, progra
 
 
 def record_arm(world, truth, rng, folder, program):
-    factor = rng.uniform(2, 5)
-    settings = {**world.fixed, **truth, "timestep_s": world.timestep_s / factor}
+    settings = {**world.fixed, **truth, "timestep_s": world.timestep_s / rng.uniform(2, 5)}
+    noise_steps = rng.uniform(*ARM_NOISE_STEPS)
     times_s, commands = arm_commands_rad(rng, world.duration_s)
     # The arm first comes to rest under its first command.
     held = np.tile(commands[0], (101, 1))
@@ -270,8 +271,8 @@ def record_arm(world, truth, rng, folder, program):
     kept, angles = arm_angles_rad(world, settings, times_s, commands, resting[-1], folder, program)
     if len(kept) < len(times_s) - 1:
         raise RuntimeError(f"joints.csv of {folder} holds {len(kept)} of {len(times_s)} samples: make the recordings of `arm` shorter")
-    write_csv(folder / "rec" / "run_00.csv", *arm_table(times_s[kept], commands[kept], encoded(rng, angles)))
-    return settings
+    write_csv(folder / "rec" / "run_00.csv", *arm_table(times_s[kept], commands[kept], encoded(rng, angles, noise_steps)))
+    return {**settings, "encoder_noise_steps": noise_steps}
 
 
 def record_repeats(world, truth, rng, folder, program):

@@ -11,7 +11,7 @@ tools/hidden_worlds.py says what the worlds are. Every study is asked by every m
 recordings and answers (--lean deletes the answers). --summary prints the tables from OUT/studies.csv and asks nothing. A row belongs to
 the program that made it: use another OUT for another program.
 
-What is counted, for parameters that change the recordings:
+What is counted, for parameters that change the recordings, alone or by a ratio:
 - held: the truth is in the interval of the verdict, or in one of its pieces;
 - far: the truth is more than three widths outside;
 - best outside: the best point lies outside of its own interval;
@@ -191,7 +191,7 @@ def table(head, rows):
 def line(world, family, rows):
     """The numbers of one row of the first table."""
     all_of = verdicts_of(rows)
-    acting = [v for v in all_of if v.kind == "acts"]
+    acting = [v for v in all_of if v.kind != "inert"]
     still = [v for v in all_of if v.kind != "acts"]
     held = sum(v.held for v in acting)
     told = [v for v in acting if v.identified]

@@ -5,9 +5,9 @@
     python3 -m pip install target/wheels/realgap-*.whl -r tools/requirements-peers.txt
     python3 tools/reference_chain.py target/release/realgap results/chains --studies arm:1 arm:2 chain3:1 chain3:2
 
-`arm`: a Markov chain (adaptive Metropolis, Haario et al. 2001) of runs with the hidden timestep, whose likelihood has the noise that the
-encoders were given (0.4 steps and rounding, independent from sample to sample; the first 0.3 s, in which the start's own rounding lasts,
-are left out). Other worlds, whose repeats differ by their starts so that no likelihood can be written down: recordings of as many
+`arm`: a Markov chain (adaptive Metropolis, Haario et al. 2001) of runs with the hidden timestep, whose likelihood is that of encoders with
+the hidden noise that round (independent from sample to sample; the first 0.3 s, in which the start's own rounding lasts, are left out).
+No program that does not know the timestep can be as sure; `--timestep study` has the chain run with the study's, and trust it. Other worlds, whose repeats differ by their starts so that no likelihood can be written down: recordings of as many
 truths as `--worlds-drawn` says are made exactly as the study's were, with hidden engine, timestep and substeps; those that come nearest
 are kept and regressed on their distance (approximate Bayesian computation with regression adjustment, Beaumont et al. 2002).
 
@@ -32,18 +32,25 @@ DRAWS = 200
 KEPT_SHARE = 0.05
 FEATURES = 8
 PATH_POINTS = 40
+# Least probability of a reading: one sample that the model cannot make does not end a chain.
+LEAST = 1e-9
 
 
-def chain(world, folder, seed, steps, burn_in):
+def cumulative(values):
+    """Of the standard normal distribution."""
+    return 0.5 * (1 + np.vectorize(math.erf)(values / math.sqrt(2)))
+
+
+def chain(world, folder, seed, steps, burn_in, is_hidden_timestep):
     """Draws of the parameters, one row each."""
     import peers
 
     settings = json.loads((folder / "settings.json").read_text())
-    simulator = peers.Simulator(world, folder, CHUNK, seed, {"timestep_s": settings["timestep_s"]})
+    simulator = peers.Simulator(world, folder, CHUNK, seed, {"timestep_s": settings["timestep_s"] if is_hidden_timestep else world.timestep_s})
     names = [p.name for p in world.parameters]
     with open(next((folder / "rec").glob("*.csv"))) as file:
         is_used = np.array([float(row["t_s"]) >= SKIPPED_S for row in csv.DictReader(file)])
-    sd_rad = hidden_worlds.ENCODER_RAD * math.sqrt(hidden_worlds.ENCODER_NOISE_STEPS**2 + 1 / 12)
+    noise_steps = settings["encoder_noise_steps"]
 
     def values(point):
         found = simulator.values(point)
@@ -52,10 +59,11 @@ def chain(world, folder, seed, steps, burn_in):
     def log_posterior(point):
         if np.any(point <= 1e-6) or np.any(point >= 1 - 1e-6):
             return -math.inf
-        errors = simulator(point).reshape(-1, len(is_used))[:, is_used]
+        off = simulator(point).reshape(-1, len(is_used))[:, is_used] / hidden_worlds.ENCODER_RAD
+        read = cumulative((0.5 - off) / noise_steps) - cumulative((-0.5 - off) / noise_steps)
         # The prior is uniform in values; a coordinate may follow their logarithm.
         stretch = np.log(values(point + 1e-6) - values(point - 1e-6)).sum()
-        return float(-0.5 * ((errors / sd_rad) ** 2).sum() + stretch)
+        return float(np.log(np.maximum(read, LEAST)).sum() + stretch)
 
     # It starts from the truth, which a reference may know: what it takes to get there is not the question.
     truth = json.loads((folder / "truth.json").read_text())
@@ -184,6 +192,8 @@ def main():
     parser.add_argument("--studies", nargs="+", default=["arm:1", "arm:2", "chain3:1", "chain3:2"], metavar="WORLD:SEED",
                         help="[default: arm:1 arm:2 chain3:1 chain3:2]")
     parser.add_argument("--steps", type=int, default=20000, help="of a chain, a fifth of which is left out [default: 20000]")
+    parser.add_argument("--timestep", choices=["hidden", "study"], default="hidden",
+                        help="of the chain's runs: the one of the recordings, or the study's own [default: hidden]")
     parser.add_argument("--worlds-drawn", type=int, default=4000, help="recordings for worlds without a likelihood [default: 4000]")
     options = parser.parse_args()
     program, out = options.program.resolve(), options.out.resolve()
@@ -192,12 +202,12 @@ def main():
         name, seed = word.split(":")
         world, seed, folder = hidden_worlds.WORLDS[name], int(seed), out / f"{name}_{seed}"
         truth = hidden_worlds.make(world, seed, folder, program)
-        kept = folder / "reference.json"
+        kept = folder / f"reference_{options.timestep}.json"
         if kept.exists():
             reference = np.array(json.loads(kept.read_text()))
         else:
-            reference = chain(world, folder, seed, options.steps, options.steps // 5) if name == "arm" else nearest(
-                world, folder, out, program, options.worlds_drawn, seed)
+            reference = (chain(world, folder, seed, options.steps, options.steps // 5, options.timestep == "hidden") if name == "arm" else
+                         nearest(world, folder, out, program, options.worlds_drawn, seed))
             kept.write_text(json.dumps(reference.tolist()) + "\n")
         found = {"reference": {p.name: reference[:, k] for k, p in enumerate(world.parameters)}}
         for method, family in interval_worlds.METHODS.items():
