@@ -7,9 +7,11 @@
 
 `arm`: a Markov chain (adaptive Metropolis, Haario et al. 2001) of runs with the hidden timestep, whose likelihood is that of encoders with
 the hidden noise that round (independent from sample to sample; the first 0.3 s, in which the start's own rounding lasts, are left out).
-No program that does not know the timestep can be as sure; `--timestep study` has the chain run with the study's, and trust it. Other worlds, whose repeats differ by their starts so that no likelihood can be written down: recordings of as many
-truths as `--worlds-drawn` says are made exactly as the study's were, with hidden engine, timestep and substeps; those that come nearest
-are kept and regressed on their distance (approximate Bayesian computation with regression adjustment, Beaumont et al. 2002).
+No program that does not know the timestep can be as sure; `--timestep study` has the chain run with the study's, and trust it.
+
+Other worlds, whose repeats differ by their starts so that no likelihood can be written down: recordings of as many truths as
+`--worlds-drawn` says are made exactly as the study's were, with hidden engine, timestep and substeps; those that come nearest are kept
+and regressed on their distance (approximate Bayesian computation with regression adjustment, Beaumont et al. 2002).
 
 The log score is the mean, over parameters that change the recordings, of the log density at the truth in units of the range: 0 is a
 flat density over the range, larger is better. Densities are kernel estimates of 200 draws, with the same rule for all.
