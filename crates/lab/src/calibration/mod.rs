@@ -60,6 +60,8 @@ pub use exploration::method::{Method, Termination, Tuned};
 pub use exploration::tune::TuneOptions;
 pub use goodness_of_fit::Fit;
 pub use goodness_of_fit::misfit::{Change, Misfit};
+pub use goodness_of_fit::pattern::Pattern;
+pub use goodness_of_fit::residual::{ChannelFit, NoiseSource, ResidualFit, ResidualMisfit};
 pub use numerics::audit::{Audit, AuditRow};
 pub use numerics::engines::EnginePreference;
 pub use realgap_inference::sensitivity::Effect;
