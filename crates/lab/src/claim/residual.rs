@@ -1,6 +1,6 @@
 //! Whether the residuals of runs that start from recordings are noise.
 
-use super::{About, Claim, Conclusion};
+use super::{About, Claim, Conclusion, SIGNIFICANT};
 use crate::calibration::{ChannelFit, NoiseSource, Pattern, ResidualFit, ResidualMisfit};
 use realgap_core::unit::{Unit, counted, number, quantity};
 
@@ -43,7 +43,11 @@ pub(super) fn residuals(fit: &ResidualFit, recordings: usize) -> Claim {
             Conclusion::Supported,
             "explained",
             format!(
-                "fits within the noise of the recordings: yes. The systematic part of the residuals is largest in {}: {} of its noise of {} ({}; {rank})",
+                "fits within the noise of the recordings: yes{}. The systematic part of the residuals is largest in {}: {} of its noise of {} ({}; {rank})",
+                match fit.p_value < SIGNIFICANT {
+                    true => ", though not by chance: what remains is too small to matter",
+                    false => "",
+                },
                 channel.channel,
                 number(channel.systematic),
                 quantity(channel.noise, channel.unit),

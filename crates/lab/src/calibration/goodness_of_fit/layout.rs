@@ -4,7 +4,7 @@ use crate::calibration::goodness_of_fit::channel::{Quantity, Series};
 use crate::calibration::goodness_of_fit::imitation::MeasurementNoise;
 use crate::calibration::goodness_of_fit::pattern::{Difference, Pattern};
 use crate::calibration::goodness_of_fit::residual::{ChannelFit, NoiseSource, ResidualMisfit};
-use crate::calibration::goodness_of_fit::systematic_part::{Size, Slot};
+use crate::calibration::goodness_of_fit::systematic_part::{Part, Projection, Size, Slot};
 use crate::calibration::goodness_of_fit::visible_noise::{FEWEST, LEAST};
 use realgap_core::statistics::ends_of;
 use realgap_path::trajectory::Trajectory;
@@ -131,15 +131,16 @@ impl Layout {
         channels.collect()
     }
 
-    /// Describes a part; `rest` are the residuals in which it stands out.
+    /// Describes a part of the residuals.
     pub fn misfit(
         &self,
         recorded: &[Trajectory],
         series: &[Vec<Series>],
-        size: &Size,
-        rest: &[f64],
+        part: Part,
+        projection: &Projection<'_>,
     ) -> ResidualMisfit {
-        let channel = size.part.channel;
+        let channel = part.channel;
+        let rest = projection.rest(&self.errors(series), part.is_bent);
         let slots: Vec<&Slot> = self.slots.iter().filter(|slot| slot.channel == channel).collect();
         let since_start = |slot: &&Slot| -> Vec<f64> {
             let times_s = recorded[slot.case].times_s();
@@ -157,7 +158,19 @@ impl Layout {
                 })
             })
             .collect();
-        let (pattern, part, share) = Pattern::of(&differences);
+        let rest_of_channel = |own: &[f64]| {
+            let mut all = vec![0.0; rest.len()];
+            let mut from = 0;
+            for slot in &slots {
+                let count = slot.samples.len();
+                all[slot.samples.clone()].copy_from_slice(&own[from..from + count]);
+                from += count;
+            }
+            let left = projection.rest(&all, part.is_bent);
+            let left = slots.iter().flat_map(|slot| left[slot.samples.clone()].to_vec());
+            left.collect::<Vec<f64>>()
+        };
+        let (pattern, size, share) = Pattern::of(&differences, &rest_of_channel);
         let in_quarter = |quarter: usize| -> f64 {
             let squares = slots.iter().map(|slot| {
                 let own = &rest[slot.samples.clone()];
@@ -177,7 +190,7 @@ impl Layout {
             from_s: at_s(quarter),
             to_s: at_s(quarter + 1),
             pattern,
-            size: part,
+            size,
             share,
         }
     }

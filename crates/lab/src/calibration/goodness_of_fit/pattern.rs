@@ -1,7 +1,9 @@
 //! The pattern of a misfit: which simple cause the residuals of a channel look like.
 //!
 //! Each cause moves a run by one number times a series that is known from the run: a delay by its velocity, a load by its
-//! acceleration, and so on. The cause that alone takes away most of the sum of squares is named, if it takes away half.
+//! acceleration, and so on. Parameters have taken away a part of what a cause did, so each series is compared without that part,
+//! as the residuals are (partial regression: Frisch & Waugh 1933). The cause that alone takes away most of the sum of squares is
+//! named, if it takes away half.
 
 use serde::Serialize;
 
@@ -44,13 +46,42 @@ pub(in crate::calibration) struct Difference<'a> {
 const HALF: f64 = 0.5;
 /// Below this share of the mean square, the mean over recordings says nothing about one of them.
 const COMMON: f64 = 0.25;
+/// A cause of which less than this share of the mean square is left beside parameters is nothing that a model lacks.
+const EXPLAINED: f64 = 1e-3;
 /// From this number of recordings on, a drift differs from scatter.
 const DRIFTS: usize = 4;
 
 impl Pattern {
     /// The pattern of these differences, in the order in which they were recorded, its size, and the share of the mean square
-    /// that it takes away.
-    pub(in crate::calibration) fn of(all: &[Difference<'_>]) -> (Self, f64, f64) {
+    /// that it takes away. `rest` takes away what parameters could explain of a list of numbers like all residuals.
+    pub(in crate::calibration) fn of(
+        all: &[Difference<'_>],
+        rest: &dyn Fn(&[f64]) -> Vec<f64>,
+    ) -> (Self, f64, f64) {
+        let residual = rest(&all.iter().flat_map(|own| own.residual).copied().collect::<Vec<_>>());
+        let square = dot(&residual, &residual);
+        let found = Self::causes(all).into_iter().map(|(pattern, cause)| {
+            let left = rest(&cause);
+            // Parameters can do the same as this cause.
+            if dot(&left, &left) < EXPLAINED * dot(&cause, &cause) {
+                return (pattern, 0.0, 0.0);
+            }
+            let size = dot(&residual, &left) / dot(&left, &left).max(f64::MIN_POSITIVE);
+            let share = size * dot(&residual, &left) / square.max(f64::MIN_POSITIVE);
+            (pattern, size, share)
+        });
+        let best = found.max_by(|a, b| a.2.total_cmp(&b.2));
+        match best {
+            Some(best) if best.2 >= HALF => best,
+            _ if all.len() > 1 && common_share(all, &residual) < COMMON => {
+                (Self::Scatter, 0.0, 0.0)
+            }
+            best => (Self::Other, 0.0, best.map_or(0.0, |(_, _, share)| share)),
+        }
+    }
+
+    /// What each cause of size 1 would add to the differences.
+    fn causes(all: &[Difference<'_>]) -> Vec<(Self, Vec<f64>)> {
         let middle = (all.len() as f64 - 1.0) / 2.0;
         let count: usize = all.iter().map(|own| own.motion.len()).sum();
         let motions = all.iter().flat_map(|own| own.motion);
@@ -84,19 +115,7 @@ impl Pattern {
             };
             causes.push((Self::Drift, over(&number)));
         }
-        let residual = over(&|_, own| own.residual.to_vec());
-        let square = dot(&residual, &residual);
-        let found = causes.into_iter().map(|(pattern, cause)| {
-            let size = dot(&residual, &cause) / dot(&cause, &cause).max(f64::MIN_POSITIVE);
-            let share = size * dot(&residual, &cause) / square.max(f64::MIN_POSITIVE);
-            (pattern, size, share)
-        });
-        let best = found.max_by(|a, b| a.2.total_cmp(&b.2));
-        match best {
-            Some(best) if best.2 >= HALF => best,
-            _ if all.len() > 1 && common_share(all) < COMMON => (Self::Scatter, 0.0, 0.0),
-            best => (Self::Other, 0.0, best.map_or(0.0, |(_, _, share)| share)),
-        }
+        causes
     }
 }
 
@@ -116,15 +135,18 @@ fn slope(times_s: &[f64], values: &[f64]) -> Vec<f64> {
 }
 
 /// The share of the mean square that the mean difference over recordings has, at equal fractions of their durations.
-fn common_share(all: &[Difference<'_>]) -> f64 {
+fn common_share(all: &[Difference<'_>], residual: &[f64]) -> f64 {
     const PLACES: usize = 32;
-    let at = |own: &Difference<'_>, place: usize| {
-        let last = own.residual.len() - 1;
-        own.residual[place * last / (PLACES - 1)]
-    };
+    let mut from = 0;
+    let parts = all.iter().map(|own| {
+        from += own.residual.len();
+        &residual[from - own.residual.len()..from]
+    });
+    let parts: Vec<&[f64]> = parts.filter(|part| !part.is_empty()).collect();
     let (mut common, mut whole) = (0.0, 0.0);
     for place in 0..PLACES {
-        let values: Vec<f64> = all.iter().map(|own| at(own, place)).collect();
+        let at = |part: &&[f64]| part[place * (part.len() - 1) / (PLACES - 1)];
+        let values: Vec<f64> = parts.iter().map(at).collect();
         let count = values.len() as f64;
         common += (values.iter().sum::<f64>() / count).powi(2);
         whole += dot(&values, &values) / count;
@@ -162,7 +184,7 @@ mod tests {
                 motion,
             })
             .collect();
-        let (pattern, size, _) = Pattern::of(&all);
+        let (pattern, size, _) = Pattern::of(&all, &|errors| errors.to_vec());
         (pattern, size)
     }
 

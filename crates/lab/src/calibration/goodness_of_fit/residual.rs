@@ -20,7 +20,7 @@ use crate::calibration::goodness_of_fit::imitation::MeasurementNoise;
 use crate::calibration::goodness_of_fit::layout::Layout;
 use crate::calibration::goodness_of_fit::pattern::Pattern;
 use crate::calibration::goodness_of_fit::refit::Refit;
-use crate::calibration::goodness_of_fit::systematic_part::{Projection, Rank, Size, rank};
+use crate::calibration::goodness_of_fit::systematic_part::{Projection, Size, rank};
 use crate::calibration::study::Study;
 use crate::claim::SIGNIFICANT;
 use realgap_core::error::Result;
@@ -200,14 +200,17 @@ impl Bench<'_> {
         let imitated: Vec<Vec<Size>> = imitated.into_iter().flatten().collect();
         let least: Vec<f64> = layout.least(&series, &numerics);
         let matters = |size: &Size| size.deviations >= least[size.part.channel];
-        let found = rank(&real, &imitated, matters).filter(|_| imitated.len() >= FEW);
+        if imitated.len() < FEW {
+            return Ok(None);
+        }
+        let found = rank(&real, &imitated, matters);
         let is_misfit = found.as_ref().is_some_and(|found| found.p_value < SIGNIFICANT);
-        let misfit = found.as_ref().filter(|_| is_misfit).map(|Rank { part, .. }| {
-            let rest = projection.rest(&layout.errors(&series), real[*part].part.is_bent);
-            layout.misfit(&recorded, &series, &real[*part], &rest)
+        let misfit = found.as_ref().filter(|_| is_misfit).map(|found| {
+            layout.misfit(&recorded, &series, real[found.part].part, &projection)
         });
-        Ok(Some(ResidualFit {
-            p_value: found.map_or(1.0, |found| found.p_value),
+        let of_all = || rank(&real, &imitated, |_| true);
+        Ok(found.or_else(of_all).map(|found| ResidualFit {
+            p_value: found.p_value,
             imitations: imitated.len(),
             channels: layout.channels(&series, &real),
             misfit,
