@@ -34,7 +34,7 @@ pub(super) fn residuals(fit: &ResidualFit, recordings: usize) -> Claim {
             Conclusion::Rejected,
             "NOT explained",
             format!(
-                "fits within the noise of the recordings: NO. NO PARAMETERS NEAR THE BEST EXPLAIN THESE RECORDINGS, and the intervals below hold for a model that does. {}; {} ({rank})",
+                "fits within the noise of the recordings: NO. NO PARAMETERS OF THIS MODEL EXPLAIN THESE RECORDINGS near the best point, and intervals hold only for a model that does. {}; {} ({rank})",
                 differs(channel, misfit),
                 looks(channel, misfit)
             ),

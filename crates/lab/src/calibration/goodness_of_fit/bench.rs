@@ -1,6 +1,8 @@
 //! The runs of a study whose residuals are judged: at its best point, with other settings, in place of reality, and from imitated
 //! recordings.
 
+use std::collections::BTreeSet;
+
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
@@ -10,7 +12,14 @@ use crate::calibration::goodness_of_fit::imitation::{MeasurementNoise, random, w
 use crate::calibration::study::Study;
 use realgap_core::error::Result;
 use realgap_path::trajectory::Trajectory;
-use realgap_simulation::{EngineChoice, Experiment, Noise};
+use realgap_simulation::{EngineChoice, Experiment, Noise, Start};
+
+/// The start speed of a joint is changed by this share of its largest speed, which is at least this.
+const SPEED_SHARE: f64 = 0.01;
+const LEAST_SPEED_RAD_S: f64 = 0.1;
+/// The start velocity and the start spin of a body are changed by this, m/s and rad/s.
+const VELOCITY_M_S: f64 = 0.01;
+const SPIN_RAD_S: f64 = 0.05;
 
 /// The fitted recordings of a study, the point that is judged, and what stays the same for all its runs.
 pub(super) struct Bench<'a> {
@@ -119,6 +128,33 @@ impl<'a> Bench<'a> {
         (noise, Some(of_runs))
     }
 
+    /// Runs with another start speed, one list of runs for each number that a start has: each joint, or each direction and axis of
+    /// rotation. The speed at a start that was not recorded there is a difference of samples, or a mean over samples around it; both
+    /// are wrong where the motion accelerates, and a recording's noise does not say how much. Empty where speeds were recorded.
+    pub fn changed_starts(
+        &self,
+        values: &[f64],
+        own: &[Trajectory],
+    ) -> Result<Vec<Vec<Trajectory>>> {
+        let definition = self.study.definition();
+        let targets = self.cases.iter().map(|case| &self.study.cases()[*case].targets[0].motion);
+        let is_recorded = |motion: &Trajectory| match definition.metric.needs().joints {
+            true => motion.joints().iter().all(|joint| joint.speeds_rad_s.is_some()),
+            false => motion.velocities_world_m_s().is_some(),
+        };
+        if definition.horizon.is_none() && targets.clone().all(is_recorded) {
+            return Ok(Vec::new());
+        }
+        let changes: Vec<Box<dyn Fn(&mut Experiment) + Sync>> =
+            match definition.metric.needs().joints {
+                true => joint_speeds(own),
+                false => body_speeds(definition.metric.is_pose()),
+            };
+        let runs = changes.iter().map(|change| self.runs(self.study, values, change.as_ref()));
+        let runs: Vec<Option<Vec<Trajectory>>> = runs.collect::<Result<_>>()?;
+        Ok(runs.into_iter().flatten().collect())
+    }
+
     /// Runs in place of reality that differ as the study states, at half of the timestep.
     pub fn perturbed(
         &self,
@@ -162,6 +198,43 @@ impl<'a> Bench<'a> {
         }
         with_recordings(self.study, trajectories)
     }
+}
+
+/// A change of the start speed of each joint of these runs.
+fn joint_speeds(own: &[Trajectory]) -> Vec<Box<dyn Fn(&mut Experiment) + Sync>> {
+    let names = own.iter().flat_map(|run| run.joints());
+    let names: BTreeSet<String> = names.map(|joint| joint.name.clone()).collect();
+    let change = |name: String| -> Box<dyn Fn(&mut Experiment) + Sync> {
+        let speeds = own.iter().filter_map(|run| run.joint(&name)?.speeds_rad_s.as_ref());
+        let speeds = speeds.flatten().map(|speed| speed.abs());
+        let step_rad_s = SPEED_SHARE * speeds.fold(LEAST_SPEED_RAD_S, f64::max);
+        Box::new(move |experiment| {
+            let mut hinges = experiment.assembly.hinges.iter();
+            let hinge = hinges.position(|hinge| hinge.name == name);
+            if let Some(start) = hinge.and_then(|at| experiment.start_joints.get_mut(at)) {
+                start.speed_rad_s += step_rad_s;
+            }
+        })
+    };
+    names.into_iter().map(change).collect()
+}
+
+/// A change of the start velocity along each axis and of the start spin about each; of the motion in the plane alone for metrics
+/// of paths.
+fn body_speeds(is_pose: bool) -> Vec<Box<dyn Fn(&mut Experiment) + Sync>> {
+    let change = |axis: usize, is_spin: bool| -> Box<dyn Fn(&mut Experiment) + Sync> {
+        Box::new(move |experiment| {
+            if let Start::State(state) = &mut experiment.start {
+                match is_spin {
+                    true => state.angular_velocity_body_rad_s[axis] += SPIN_RAD_S,
+                    false => state.velocity_world_m_s[axis] += VELOCITY_M_S,
+                }
+            }
+        })
+    };
+    let all = [false, true].into_iter().flat_map(|spin| (0..3).map(move |axis| (axis, spin)));
+    let in_plane = |(axis, is_spin): &(usize, bool)| is_pose || (*axis == 2) == *is_spin;
+    all.filter(in_plane).map(|(axis, is_spin)| change(axis, is_spin)).collect()
 }
 
 pub(super) fn half_step(experiment: &mut Experiment) {

@@ -8,6 +8,7 @@ pub(super) mod misfit;
 pub(super) mod path;
 pub(super) mod pattern;
 mod refit;
+mod repeat_noise;
 pub(super) mod residual;
 mod systematic_part;
 pub(super) mod two_sample;

@@ -173,7 +173,10 @@ impl Bench<'_> {
         };
         let recorded = self.recorded(self.study, &values)?;
         let series = self.series(&recorded, &own);
-        let projection = Projection::new(&layout.slots, &refit.changes);
+        let of_starts = self.changed_starts(&values, &own)?;
+        let of_starts = of_starts.iter().map(|runs| layout.errors(&self.series(&own, runs)));
+        let of_starts: Vec<Vec<f64>> = of_starts.collect();
+        let projection = Projection::new(&layout.slots, &refit.changes, &of_starts);
         let real = projection.sizes(&layout.errors(&series));
         let numerics = layout.errors(&self.series(&finer, &own));
         let truths = Truths {

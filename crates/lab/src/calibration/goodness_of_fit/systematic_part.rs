@@ -54,21 +54,67 @@ pub(in crate::calibration) struct Size {
 #[derive(Debug)]
 pub(in crate::calibration) struct Projection<'a> {
     slots: &'a [Slot],
-    straight: Vec<Vec<f64>>,
-    bent: Vec<Vec<f64>>,
+    straight: Directions,
+    bent: Directions,
+}
+
+/// Directions that are removed: some of each recording alone, and then some of all recordings together.
+#[derive(Debug)]
+struct Directions {
+    own: Vec<(Range<usize>, Vec<Vec<f64>>)>,
+    common: Vec<Vec<f64>>,
+}
+
+impl Directions {
+    fn new(recordings: &[Range<usize>], own: &[Vec<f64>], common: Vec<Vec<f64>>) -> Self {
+        let own = recordings.iter().map(|samples| {
+            let parts = own.iter().map(|change| change[samples.clone()].to_vec());
+            (samples.clone(), orthonormal(parts.collect()))
+        });
+        let mut directions = Self {
+            own: own.collect(),
+            common: Vec::new(),
+        };
+        let rests = common.into_iter().map(|mut change| {
+            directions.remove(&mut change);
+            change
+        });
+        directions.common = orthonormal(rests.collect());
+        directions
+    }
+
+    fn remove(&self, errors: &mut [f64]) {
+        for (samples, own) in &self.own {
+            own.iter().for_each(|d| remove(&mut errors[samples.clone()], d));
+        }
+        self.common.iter().for_each(|d| remove(errors, d));
+    }
 }
 
 /// A direction of which less than this share is new adds nothing but rounding errors.
 const NEW: f64 = 1e-3;
 
 impl<'a> Projection<'a> {
-    /// The projection beside these changes of all residuals, one for each parameter.
-    pub fn new(slots: &'a [Slot], changes: &[Vec<f64>]) -> Self {
-        let unlined = changes.iter().map(|change| without_lines(slots, change));
+    /// The projection beside these changes of all residuals, one for each parameter, and those changes, one for each number of the
+    /// start that each recording has for itself.
+    pub fn new(slots: &'a [Slot], changes: &[Vec<f64>], of_starts: &[Vec<f64>]) -> Self {
+        let mut recordings: Vec<Range<usize>> = Vec::new();
+        for (number, slot) in slots.iter().enumerate() {
+            match recordings.last_mut() {
+                Some(last) if number > 0 && slots[number - 1].case == slot.case => {
+                    last.end = slot.samples.end;
+                }
+                _ => recordings.push(slot.samples.clone()),
+            }
+        }
+        let unlined = |all: &[Vec<f64>]| -> Vec<Vec<f64>> {
+            all.iter().map(|change| without_lines(slots, change)).collect()
+        };
+        let bent = Directions::new(&recordings, &unlined(of_starts), unlined(changes));
         Self {
             slots,
-            straight: orthonormal(changes.to_vec()),
-            bent: orthonormal(unlined.collect()),
+            straight: Directions::new(&recordings, of_starts, changes.to_vec()),
+            bent,
         }
     }
 
@@ -78,7 +124,7 @@ impl<'a> Projection<'a> {
             true => (without_lines(self.slots, errors), &self.bent),
             false => (errors.to_vec(), &self.straight),
         };
-        directions.iter().for_each(|direction| remove(&mut rest, direction));
+        directions.remove(&mut rest);
         rest
     }
 
@@ -278,7 +324,7 @@ mod tests {
     fn independent_errors_have_ratio_one_and_no_systematic_part() {
         let mut rng = Generator::seed_from_u64(2);
         let slots = slots(3);
-        let projection = Projection::new(&slots, &[]);
+        let projection = Projection::new(&slots, &[], &[]);
         let (mut ratios, mut largest) = (vec![0.0; 4], 0.0_f64);
         for _ in 0..200 {
             for (sum, size) in ratios.iter_mut().zip(projection.sizes(&noise(3 * LENGTH, &mut rng))) {
@@ -300,7 +346,7 @@ mod tests {
             (0..3 * LENGTH).map(|k| of((k % LENGTH) as f64 / LENGTH as f64)).collect()
         };
         let square = over(&|t| t * t);
-        let projection = Projection::new(&slots, std::slice::from_ref(&square));
+        let projection = Projection::new(&slots, std::slice::from_ref(&square), &[]);
         let bent = |errors: &[f64]| {
             let sizes = projection.sizes(errors);
             let bent = sizes.into_iter().filter(|size| size.part.is_bent);
@@ -312,10 +358,26 @@ mod tests {
     }
 
     #[test]
+    fn a_start_that_each_recording_has_for_itself_explains_its_own_part_of_any_size() {
+        let slots = slots(3);
+        let swing = |k: usize| libm::sin(0.2 * (k % LENGTH) as f64);
+        let change: Vec<f64> = (0..3 * LENGTH).map(swing).collect();
+        let sizes = [3.0, -5.0, 0.5];
+        let errors = (0..3 * LENGTH).map(|k| sizes[k / LENGTH] * swing(k)).collect::<Vec<f64>>();
+        let largest = |projection: &Projection<'_>| {
+            let sizes = projection.sizes(&errors);
+            sizes.iter().map(|size| size.deviations).fold(0.0, f64::max)
+        };
+        let change = std::slice::from_ref(&change);
+        assert_eq!(largest(&Projection::new(&slots, &[], change)), 0.0);
+        assert!(largest(&Projection::new(&slots, change, &[])) > 1.0);
+    }
+
+    #[test]
     fn a_right_model_is_seldom_rejected_and_a_small_shared_pattern_is_found() {
         let mut rng = Generator::seed_from_u64(4);
         let slots = slots(4);
-        let projection = Projection::new(&slots, &[]);
+        let projection = Projection::new(&slots, &[], &[]);
         let rejected = |amplitude: f64, rng: &mut Generator| {
             let mut sizes = |amplitude: f64| {
                 let mut errors = noise(4 * LENGTH, rng);

@@ -59,6 +59,12 @@ impl VisibleNoise {
         }
     }
 
+    /// The largest independent errors that a recorded series can have: all of its high frequencies, those of the motion included.
+    /// `None` for too few samples.
+    pub fn at_most(times_s: &[f64], recorded: &[f64]) -> Option<f64> {
+        (recorded.len() >= FEWEST).then(|| scale(times_s, recorded, 1))
+    }
+
     /// Standard deviation of the error of one sample; rounding is uniform within a step.
     pub fn size(&self) -> f64 {
         (self.independent.powi(2) + self.step.powi(2) / 12.0).sqrt()
