@@ -69,6 +69,7 @@ pub use realgap_inference::{
     INTERVAL_LEVEL, LEVEL, LeastSquaresEstimate, PosteriorDraws, Profile, Unvisited,
 };
 pub use realgap_store::Mode;
+pub use recording::expected_noise::{ExpectedNoise, RunStart};
 pub use recording::identity::recording_id;
 pub use recording::joints::Unmatched;
 pub use recording::noise::read_noise;

@@ -32,7 +32,13 @@ pub(crate) fn model(fit: &Fit, recordings: usize) -> Claim {
         (true, ..) => (Conclusion::Supported, "explained", "yes"),
     };
     let noise_floors = fit.noise_floors.unwrap_or(f64::NAN);
-    let floors = number(noise_floors);
+    let compared = match fit.noise_floors {
+        Some(floors) => {
+            let floors = number(floors);
+            format!("The best point is {floors} noise floors away from the recordings")
+        }
+        None => "The recording was compared with repeats under the study's noise".to_owned(),
+    };
     let engine = fit.engine.map(|engine| format!("runs of {engine}"));
     let energy = fit
         .p_value
@@ -50,7 +56,7 @@ pub(crate) fn model(fit: &Fit, recordings: usize) -> Claim {
     };
     let worst = fit.misfit.as_ref().map_or_else(String::new, worst);
     let text = format!(
-        "fits within repeatability: {verdict}. The best point is {floors} noise floors away from the recordings{details}{worst}"
+        "fits within repeatability: {verdict}. {compared}{details}{worst}"
     );
     let numbers = [
         ("noise_floors", noise_floors),

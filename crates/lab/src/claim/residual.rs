@@ -6,7 +6,7 @@ use realgap_core::unit::{Unit, counted, number, quantity};
 
 /// The sentence for recordings whose noise nothing tells.
 pub(super) fn unknown(recordings: usize) -> Claim {
-    let text = "fits within repeatability: cannot be judged, because no recording was repeated, the study states no noise, and the recordings show none by themselves; record repeats, or add `noise` to the study";
+    let text = "fits within repeatability: cannot be judged, because no recording was repeated, and neither the study's `noise` nor the recordings tell by how much a right model would differ from them; record repeats, or add `noise` to the study";
     Claim::new(
         About::Model,
         Conclusion::Inconclusive,

@@ -47,7 +47,7 @@ pub struct Report {
     pub unit: Unit,
     /// The best point; `None` when every point diverged.
     pub best: Option<Best>,
-    /// Whether the best point explains the recordings; `None` where runs start at rest and none was repeated.
+    /// Whether the best point explains the recordings; `None` where too little is known to ask.
     pub fit: Option<Fit>,
     /// How sure the best point is.
     pub uncertainty: Option<BestPointUncertainty>,

@@ -94,22 +94,18 @@ impl Layout {
         errors.flatten().collect()
     }
 
-    /// The smallest systematic part that matters in each channel, in standard deviations of its noise. `numerics` is what half of
-    /// the timestep changes.
-    pub fn least(&self, series: &[Vec<Series>], numerics: &[f64]) -> Vec<f64> {
-        let channels = 0..self.quantities.len();
-        let least = channels.map(|channel| {
-            let slots = || self.slots.iter().filter(|slot| slot.channel == channel);
-            let moved = slots().flat_map(|slot| &numerics[slot.samples.clone()]);
-            let moved: Vec<f64> = moved.copied().collect();
-            let motions = slots().filter_map(|slot| self.series_at(slot, series));
-            let (low, high) = ends_of(motions.flat_map(|own| own.motion.iter().copied()));
-            let range = (high - low) / self.scales[channel];
-            (NUMERICS * root_mean_square(&moved))
-                .max(PRACTICAL * range)
-                .max(1.0)
-        });
-        least.collect()
+    /// The smallest systematic part that matters in this part of the residuals, in standard deviations of its noise. `numerics` is
+    /// what half of the timestep changes beside what parameters can make good.
+    pub fn least(&self, series: &[Vec<Series>], channel: usize, numerics: &[f64]) -> f64 {
+        let slots = || self.slots.iter().filter(|slot| slot.channel == channel);
+        let moved = slots().flat_map(|slot| &numerics[slot.samples.clone()]);
+        let moved: Vec<f64> = moved.copied().collect();
+        let motions = slots().filter_map(|slot| self.series_at(slot, series));
+        let (low, high) = ends_of(motions.flat_map(|own| own.motion.iter().copied()));
+        let range = (high - low) / self.scales[channel];
+        (NUMERICS * root_mean_square(&moved))
+            .max(PRACTICAL * range)
+            .max(1.0)
     }
 
     pub fn channels(&self, series: &[Vec<Series>], real: &[Size]) -> Vec<ChannelFit> {

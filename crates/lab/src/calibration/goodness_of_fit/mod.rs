@@ -12,7 +12,7 @@ mod repeat_noise;
 pub(super) mod residual;
 mod systematic_part;
 pub(super) mod two_sample;
-mod visible_noise;
+pub(super) mod visible_noise;
 
 use serde::Serialize;
 
@@ -74,7 +74,8 @@ const LEAST: usize = 3;
 const ALIKE: f64 = 0.2;
 
 impl Fit {
-    /// `None` without a best point, for fewer than two recordings of one settled start, or for recordings that do not differ.
+    /// `None` without a best point, for settled starts of several robots, for recordings of one start that do not differ, and where
+    /// there are too few points for a test of one recording.
     ///
     /// # Errors
     /// Paths that cannot be compared, runs that cannot be simulated.
@@ -88,6 +89,9 @@ impl Fit {
         };
         if study.definition().start == StartRule::FromRecording {
             return Ok(Self::of_residuals(Judgement::new(study, scores)?));
+        }
+        if study.cases().len() == 1 && study.fitted_recordings() == 1 {
+            return Self::of_one_recording(study, scores, method);
         }
         let settings = study.settings();
         let path = |run: &PointScore| Prepared::from_xy_m(run.path_xy_m.clone());
@@ -110,7 +114,8 @@ impl Fit {
             b.explains.cmp(&a.explains).then(by_distance)
         };
         let fit = fits.into_iter().min_by(order);
-        let is_doubted = |fit: &Self| fit.p_value.is_some_and(|p| p < ALIKE);
+        // Two recordings are too few for the energy test.
+        let is_doubted = |fit: &Self| fit.p_value.is_none_or(|p| p < ALIKE);
         let fit = match fit {
             Some(fit) if is_doubted(&fit) => fit,
             fit => {
@@ -123,7 +128,7 @@ impl Fit {
         let runs = scores.runs.iter().filter(|run| run.score.is_some());
         let paths = runs.clone().map(path).collect::<Result<Vec<_>>>()?;
         let real = study.part_of(&study.real_paths(), false);
-        let nearest = Nearest::new(&real, &paths);
+        let nearest = Nearest::new(&real, &paths).filter(|_| real.len() >= LEAST);
         let is_far = nearest.is_some_and(|nearest| nearest.p_value < SIGNIFICANT);
         let neighbours_p_value = match !fit.explains && is_far {
             true => None,
@@ -145,6 +150,36 @@ impl Fit {
             discrepancy: if explains { 0.0 } else { fit.discrepancy },
             misfit,
             ..fit
+        }))
+    }
+
+    /// The fit to a single recording of a settled start: only the study can say how much one more recording would differ.
+    fn of_one_recording(study: &Study, scores: &Scores, method: &Method) -> Result<Option<Self>> {
+        let has_noise = study.definition().noise.is_some_and(|noise| !noise.is_zero());
+        let p_value = match has_noise {
+            false => None,
+            true => {
+                let runs = scores.runs.iter();
+                let runs = runs.filter(|run| run.score.is_some() && !method.crowds(run.index));
+                let path = |run: &PointScore| Prepared::from_xy_m(run.path_xy_m.clone());
+                let paths = runs.clone().map(path).collect::<Result<Vec<_>>>()?;
+                let real = study.part_of(&study.real_paths(), false);
+                two_sample_p_value(study, &real, &runs.zip(&paths).collect::<Vec<_>>())?
+            }
+        };
+        if has_noise && p_value.is_none() {
+            return Ok(None);
+        }
+        Ok(Some(Self {
+            judged: has_noise,
+            noise_floors: None,
+            p_value: None,
+            neighbours_p_value: p_value,
+            explains: p_value.is_none_or(|p| p >= SIGNIFICANT),
+            discrepancy: 0.0,
+            engine: None,
+            misfit: None,
+            residuals: None,
         }))
     }
 

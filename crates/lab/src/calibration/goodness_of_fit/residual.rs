@@ -201,8 +201,11 @@ impl Bench<'_> {
         let imitated: Vec<Option<Vec<Size>>> =
             (0..imitations).into_par_iter().map(imitate).collect::<Result<_>>()?;
         let imitated: Vec<Vec<Size>> = imitated.into_iter().flatten().collect();
-        let least: Vec<f64> = layout.least(&series, &numerics);
-        let matters = |size: &Size| size.deviations >= least[size.part.channel];
+        let numerics = [false, true].map(|is_bent| projection.rest(&numerics, is_bent));
+        let matters = |size: &Size| {
+            let numerics = &numerics[usize::from(size.part.is_bent)];
+            size.deviations >= layout.least(&series, size.part.channel, numerics)
+        };
         if imitated.len() < FEW {
             return Ok(None);
         }

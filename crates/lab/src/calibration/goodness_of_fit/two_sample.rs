@@ -47,10 +47,12 @@ pub(in crate::calibration) fn two_sample_p_value(
     let mut near: Vec<(&PointScore, f64)> =
         runs.iter().map(|(run, path)| (*run, far(path))).collect();
     near.sort_by(|a, b| a.1.total_cmp(&b.1));
+    // With one or two recordings this test is the only one and is always made, so it has to be cheap.
+    let most = if real.len() > 2 { NEAR } else { FEWEST };
     // Runs of one point are similar whatever their settings are, so each point is represented by its nearest run.
     let mut points: Vec<(&PointScore, f64)> = Vec::new();
     for run in near {
-        if points.len() < NEAR && points.iter().all(|(other, _)| other.values != run.0.values) {
+        if points.len() < most && points.iter().all(|(other, _)| other.values != run.0.values) {
             points.push(run);
         }
     }
@@ -81,7 +83,7 @@ pub(in crate::calibration) fn two_sample_p_value(
     };
     let sets = points.par_iter().enumerate().map(set_of);
     let mut sets = sets.collect::<Result<Vec<_>>>()?;
-    sets.retain(|set| set.len() > 1);
+    sets.retain(|set| set.len() > 1 || repeats == 1 && !set.is_empty());
     let sets: Vec<Vec<&Prepared>> = sets.iter().map(|set| set.iter().collect()).collect();
     Ok((sets.len() >= FEWEST).then(|| rank(real, &sets)))
 }
@@ -162,8 +164,11 @@ fn across_m(a: &[Vec<[f64; 2]>], b: &[Vec<[f64; 2]>]) -> f64 {
     mean(&pairs.collect::<Vec<f64>>())
 }
 
-/// Mean distance between two members of a set, corrected for the bias of few members.
+/// Mean distance between two members of a set, corrected for the bias of few members; 0 for one member, where every set has one.
 fn within_m(set: &[Vec<[f64; 2]>]) -> f64 {
+    if set.len() < 2 {
+        return 0.0;
+    }
     let pairs = set.iter().enumerate();
     let pairs = pairs.flat_map(|(i, a)| set[i + 1..].iter().map(move |b| distance_m(a, b)));
     mean(&pairs.collect::<Vec<f64>>())
