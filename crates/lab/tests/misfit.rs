@@ -54,7 +54,11 @@ impl Chance {
 }
 
 /// The states of a point at `times`, by steps of a thousandth of a second.
-fn integrated(times: &[f64], start: [f64; 2], acceleration: impl Fn([f64; 2]) -> f64) -> Vec<[f64; 2]> {
+fn integrated(
+    times: &[f64],
+    start: [f64; 2],
+    acceleration: impl Fn([f64; 2]) -> f64,
+) -> Vec<[f64; 2]> {
     let (mut at, mut t) = (start, times[0]);
     let slope = |[x, v]: [f64; 2]| [v, acceleration([x, v])];
     let moved = |[x, v]: [f64; 2], [dx, dv]: [f64; 2], h: f64| [x + h * dx, v + h * dv];
@@ -82,7 +86,14 @@ fn times(samples: usize, rate_hz: f64) -> Vec<f64> {
 }
 
 /// Recordings of a box that slides in a random direction, with `drag` in 1/s; seen with `camera_m`.
-fn slides(folder: &Path, count: usize, friction: f64, drag: f64, camera_m: f64, chance: &mut Chance) {
+fn slides(
+    folder: &Path,
+    count: usize,
+    friction: f64,
+    drag: f64,
+    camera_m: f64,
+    chance: &mut Chance,
+) {
     std::fs::write(folder.join("robot.ron"), PLANK).unwrap();
     for number in 0..count {
         let speed = chance.within(1.0, 1.5);
@@ -92,7 +103,9 @@ fn slides(folder: &Path, count: usize, friction: f64, drag: f64, camera_m: f64, 
             true => -9.81 * friction - drag * v,
             false => -50.0 * v,
         });
-        let mut text = "t_s,x_m,y_m,z_m,qw,qx,qy,qz,vx_m_s,vy_m_s,vz_m_s,wx_rad_s,wy_rad_s,wz_rad_s\n".to_owned();
+        let mut text =
+            "t_s,x_m,y_m,z_m,qw,qx,qy,qz,vx_m_s,vy_m_s,vz_m_s,wx_rad_s,wy_rad_s,wz_rad_s\n"
+                .to_owned();
         for (t, [s, v]) in times.iter().zip(states) {
             let seen = [s * way.cos(), s * way.sin(), 0.02].map(|m| m + camera_m * chance.normal());
             let [x, y, z] = seen;
@@ -104,7 +117,13 @@ fn slides(folder: &Path, count: usize, friction: f64, drag: f64, camera_m: f64, 
 }
 
 /// Recordings of a pendulum with viscous and dry friction of its joint, read by an encoder of this resolution after noise.
-fn swings(folder: &Path, count: usize, [viscous, dry]: [f64; 2], noise: [f64; 2], chance: &mut Chance) {
+fn swings(
+    folder: &Path,
+    count: usize,
+    [viscous, dry]: [f64; 2],
+    noise: [f64; 2],
+    chance: &mut Chance,
+) {
     std::fs::write(folder.join("robot.ron"), PENDULUM).unwrap();
     let inertia = 1e-3 + 0.4 * 0.2 * 0.2;
     for number in 0..count {
@@ -134,23 +153,48 @@ fn follows(folder: &Path, truth: &[(&str, f64)], noise_rad: f64, chance: &mut Ch
     let times = times(200, 50.0);
     let mut experiment = Experiment::new(robot.assemble());
     let commands = ["pitch", "elbow"].map(|name| {
-        let [a, b, phase] = [chance.within(1.0, 2.5), chance.within(4.0, 6.0), chance.within(0.0, 3.0)];
+        let [a, b, phase] = [
+            chance.within(1.0, 2.5),
+            chance.within(4.0, 6.0),
+            chance.within(0.0, 3.0),
+        ];
         let wave = |t: &f64| 0.4 * libm::sin(a * t + phase) + 0.2 * libm::cos(b * t);
         let values: Vec<f64> = times.iter().map(wave).collect();
         let track = CommandTrack::new(times.clone(), values.clone(), None).unwrap();
-        experiment.commands.insert(name.to_owned(), Arc::new(track.of(Quantity::Position)));
+        experiment
+            .commands
+            .insert(name.to_owned(), Arc::new(track.of(Quantity::Position)));
         values
     });
-    experiment.start_joints = vec![JointState { angle_rad: 0.1, speed_rad_s: 0.0 }; 2];
+    experiment.start_joints = vec![
+        JointState {
+            angle_rad: 0.1,
+            speed_rad_s: 0.0
+        };
+        2
+    ];
     experiment.sampling = Sampling::Times(times.clone().into());
     experiment.duration_s = 3.98;
     experiment.solver.timestep_s = 0.00125;
-    let set: ParameterSet = truth.iter().map(|(name, value)| Assignment::new(name, *value).unwrap()).collect();
-    let motion = run(&set.apply(&experiment)).unwrap().outcome.completed().unwrap();
+    let set: ParameterSet = truth
+        .iter()
+        .map(|(name, value)| Assignment::new(name, *value).unwrap())
+        .collect();
+    let motion = run(&set.apply(&experiment))
+        .unwrap()
+        .outcome
+        .completed()
+        .unwrap();
     let mut text = "t_s,pitch_command_rad,elbow_command_rad,pitch_rad,elbow_rad\n".to_owned();
     for (k, t) in times.iter().enumerate() {
-        let seen = [0, 1].map(|joint: usize| motion.joints()[joint].angles_rad[k] + noise_rad * chance.normal());
-        writeln!(text, "{t},{},{},{},{}", commands[0][k], commands[1][k], seen[0], seen[1]).unwrap();
+        let seen = [0, 1]
+            .map(|joint: usize| motion.joints()[joint].angles_rad[k] + noise_rad * chance.normal());
+        writeln!(
+            text,
+            "{t},{},{},{},{}",
+            commands[0][k], commands[1][k], seen[0], seen[1]
+        )
+        .unwrap();
     }
     std::fs::write(folder.join("run_0.csv"), text).unwrap();
 }
@@ -164,22 +208,31 @@ fn study(folder: &Path, more: &str) -> Study {
     Study::read(path, &Overrides::default()).unwrap()
 }
 
-const OF_SLIDES: &str = r#"metric: "rms", parameters: [(name: "floor.friction", from: 0.05, to: 0.6, points: 12)], "#;
+const OF_SLIDES: &str =
+    r#"metric: "rms", parameters: [(name: "floor.friction", from: 0.05, to: 0.6, points: 12)], "#;
 const DRY: &str = r#"metric: "joints", score: Single, timestep_s: 0.005, parameters: [(name: "hinge.dry_nm", from: 0, to: 0.05)], "#;
 const VISCOUS: &str = r#"metric: "joints", score: Single, timestep_s: 0.005, parameters: [
     (name: "hinge.viscous_nm_s_rad", from: 0, to: 0.03), (name: "hinge.dry_nm", from: 0, to: 0.05)], "#;
 const SERVO: &str = r#"metric: "joints", score: Single, timestep_s: 0.005, commands: Commands(), parameters: [
     (name: "servo.pitch.stiffness_nm_rad", from: 4, to: 16), (name: "servo.elbow.stiffness_nm_rad", from: 4, to: 16),
     (name: "servo.*.damping_nm_s_rad", from: 0.1, to: 1)], "#;
-const CAMERA: &str = "noise: Noise(camera: (position_m: Normal(0.001), angle_rad: Normal(0.005))), ";
+const CAMERA: &str =
+    "noise: Noise(camera: (position_m: Normal(0.001), angle_rad: Normal(0.005))), ";
 const ZEROS: &str = "noise: Noise(servo_zero_rad: Normal(0.002)), ";
 
 fn one() -> RunOptions<'static> {
-    RunOptions { jobs: 1, ..RunOptions::default() }
+    RunOptions {
+        jobs: 1,
+        ..RunOptions::default()
+    }
 }
 
 fn fitted(study: &Study) -> Answer {
-    let options = TuneOptions { optimizer: optimizer_by_name("gauss-newton").unwrap(), budget: 30, patience: None };
+    let options = TuneOptions {
+        optimizer: optimizer_by_name("gauss-newton").unwrap(),
+        budget: 30,
+        patience: None,
+    };
     study.tune(&options, &one()).unwrap()
 }
 
@@ -193,7 +246,14 @@ fn world(kind: usize, seed: u64, lack: f64) -> Answer {
     match kind {
         0 => {
             let (friction, camera_m) = (chance.within(0.1, 0.4), chance.within(0.0003, 0.002));
-            slides(folder.path(), 4, friction, lack * chance.within(0.8, 1.5), camera_m, chance);
+            slides(
+                folder.path(),
+                4,
+                friction,
+                lack * chance.within(0.8, 1.5),
+                camera_m,
+                chance,
+            );
             let text = format!("{OF_SLIDES}{}", stated(CAMERA));
             study(folder.path(), &text).sweep(&one()).unwrap()
         }
@@ -208,8 +268,15 @@ fn world(kind: usize, seed: u64, lack: f64) -> Answer {
                 false => [0.0, std::f64::consts::TAU / 4096.0],
             };
             swings(folder.path(), 2, [viscous, dry], noise, chance);
-            let window = if seed % 3 == 0 { "horizon: (0.8, 0.7), " } else { "" };
-            fitted(&study(folder.path(), &format!("{}{window}", if lack > 0.0 { DRY } else { VISCOUS })))
+            let window = if seed % 3 == 0 {
+                "horizon: (0.8, 0.7), "
+            } else {
+                ""
+            };
+            fitted(&study(
+                folder.path(),
+                &format!("{}{window}", if lack > 0.0 { DRY } else { VISCOUS }),
+            ))
         }
         _ => {
             let truth = [
@@ -219,7 +286,12 @@ fn world(kind: usize, seed: u64, lack: f64) -> Answer {
                 ("servo.*.latency_s", lack * chance.within(0.04, 0.08)),
             ];
             let noise_rad = chance.within(0.0005, 0.002);
-            follows(folder.path(), &truth[..if lack > 0.0 { 4 } else { 3 }], noise_rad, chance);
+            follows(
+                folder.path(),
+                &truth[..if lack > 0.0 { 4 } else { 3 }],
+                noise_rad,
+                chance,
+            );
             fitted(&study(folder.path(), &format!("{SERVO}{}", stated(ZEROS))))
         }
     }
@@ -228,7 +300,12 @@ fn world(kind: usize, seed: u64, lack: f64) -> Answer {
 const KINDS: [&str; 3] = ["slide (drag)", "pendulum (viscous)", "arm (servo lag)"];
 
 fn said(answer: &Answer) -> String {
-    answer.to_string().lines().nth(1).unwrap_or_default().to_owned()
+    answer
+        .to_string()
+        .lines()
+        .nth(1)
+        .unwrap_or_default()
+        .to_owned()
 }
 
 /// REALGAP_MISFIT=40 cargo test -p realgap-lab --test main misfit::table -- --ignored --nocapture
@@ -263,14 +340,27 @@ fn a_box_with_drag_is_no_box_with_more_friction_and_the_sentence_says_where() {
     assert_eq!(channel.channel, "the position along the way");
     assert!(misfit.from_s < misfit.to_s);
     let warnings = &answer.report.warnings;
-    assert!(warnings.iter().any(|w| w.code == realgap_core::Code::ModelContradicted));
-    assert!(said(&answer).contains("NO PARAMETERS OF THIS MODEL EXPLAIN"), "{}", said(&answer));
+    assert!(
+        warnings
+            .iter()
+            .any(|w| w.code == realgap_core::Code::ModelContradicted)
+    );
+    assert!(
+        said(&answer).contains("NO PARAMETERS OF THIS MODEL EXPLAIN"),
+        "{}",
+        said(&answer)
+    );
 }
 
 #[test]
 fn a_servo_that_lags_is_seen_as_a_lag_of_its_size() {
     let folder = tempfile::tempdir().unwrap();
-    follows(folder.path(), &[("servo.*.latency_s", 0.06)], 0.001, &mut Chance::new(8));
+    follows(
+        folder.path(),
+        &[("servo.*.latency_s", 0.06)],
+        0.001,
+        &mut Chance::new(8),
+    );
     let more = r#"metric: "joints", score: Single, timestep_s: 0.005, commands: Commands(),
         parameters: [(name: "body.lower.mass_scale", from: 0.5, to: 2)]"#;
     let answer = fitted(&study(folder.path(), more));
@@ -282,10 +372,23 @@ fn a_servo_that_lags_is_seen_as_a_lag_of_its_size() {
 
 #[test]
 fn right_models_are_not_blamed_with_and_without_stated_noise() {
-    for (kind, seed) in [(0, 0), (0, 1), (1, 1000), (1, 1002), (1, 1003), (2, 2000), (2, 2001)] {
+    for (kind, seed) in [
+        (0, 0),
+        (0, 1),
+        (1, 1000),
+        (1, 1002),
+        (1, 1003),
+        (2, 2000),
+        (2, 2001),
+    ] {
         let answer = world(kind, seed, 0.0);
         let fit = answer.report.fit.clone().unwrap();
-        assert!(fit.explains && fit.judged, "{} {seed}: {}", KINDS[kind], said(&answer));
+        assert!(
+            fit.explains && fit.judged,
+            "{} {seed}: {}",
+            KINDS[kind],
+            said(&answer)
+        );
     }
 }
 
@@ -296,20 +399,37 @@ fn without_any_noise_nothing_is_judged() {
     let answer = fitted(&study(folder.path(), DRY));
     let fit = answer.report.fit.clone().unwrap();
     assert!(fit.explains && !fit.judged, "{fit:?}");
-    assert!(said(&answer).contains("cannot be judged"), "{}", said(&answer));
+    assert!(
+        said(&answer).contains("cannot be judged"),
+        "{}",
+        said(&answer)
+    );
     let warnings = &answer.report.warnings;
-    assert!(warnings.iter().all(|w| w.code != realgap_core::Code::ModelContradicted));
+    assert!(
+        warnings
+            .iter()
+            .all(|w| w.code != realgap_core::Code::ModelContradicted)
+    );
 }
 
 #[test]
 fn the_steps_of_an_encoder_are_its_noise() {
     let folder = tempfile::tempdir().unwrap();
     let step = std::f64::consts::TAU / 4096.0;
-    swings(folder.path(), 2, [0.01, 0.005], [0.0, step], &mut Chance::new(4));
+    swings(
+        folder.path(),
+        2,
+        [0.01, 0.005],
+        [0.0, step],
+        &mut Chance::new(4),
+    );
     let fit = fitted(&study(folder.path(), VISCOUS)).report.fit.unwrap();
     let channel = fit.residuals.unwrap().channels[0].clone();
     assert_eq!(channel.noise_source, NoiseSource::Resolution);
-    assert!((channel.noise / (step / 12.0_f64.sqrt()) - 1.0).abs() < 1e-3, "{channel:?}");
+    assert!(
+        (channel.noise / (step / 12.0_f64.sqrt()) - 1.0).abs() < 1e-3,
+        "{channel:?}"
+    );
 }
 
 #[test]
@@ -331,14 +451,28 @@ fn constant_short_equal_and_contradictory_recordings_give_a_sentence() {
     for samples in [100, 3] {
         let answer = answer_of(&[still(samples)]);
         let fit = answer.report.fit.clone();
-        assert!(fit.is_none_or(|fit| fit.explains), "{samples}: {}", said(&answer));
+        assert!(
+            fit.is_none_or(|fit| fit.explains),
+            "{samples}: {}",
+            said(&answer)
+        );
     }
     // The same recording twice is as good as once.
     let folder = tempfile::tempdir().unwrap();
-    swings(folder.path(), 1, [0.0, 0.01], [0.001, 0.0], &mut Chance::new(5));
+    swings(
+        folder.path(),
+        1,
+        [0.0, 0.01],
+        [0.001, 0.0],
+        &mut Chance::new(5),
+    );
     let one = std::fs::read_to_string(folder.path().join("run_0.csv")).unwrap();
     let answer = answer_of(&[one.clone(), one]);
-    assert!(answer.report.fit.clone().unwrap().explains, "{}", said(&answer));
+    assert!(
+        answer.report.fit.clone().unwrap().explains,
+        "{}",
+        said(&answer)
+    );
     // Recordings that contradict each other: the dry friction of two is five times that of the others.
     let folder = tempfile::tempdir().unwrap();
     let mut chance = Chance::new(6);
@@ -349,5 +483,9 @@ fn constant_short_equal_and_contradictory_recordings_give_a_sentence() {
     let answer = answer_of(&files);
     let fit = answer.report.fit.clone().unwrap();
     assert!(!fit.explains, "{}", said(&answer));
-    assert!(said(&answer).contains("differ from each other"), "{}", said(&answer));
+    assert!(
+        said(&answer).contains("differ from each other"),
+        "{}",
+        said(&answer)
+    );
 }

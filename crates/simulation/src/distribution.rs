@@ -70,9 +70,9 @@ impl Distribution {
                 let square = libm::expm1(2.0 * sd * sd) - 2.0 * libm::expm1(0.5 * sd * sd);
                 square.max(0.0).sqrt()
             }
-            Self::Uniform(low, high) => {
-                ((low * low + low * high + high * high) / 3.0).max(0.0).sqrt()
-            }
+            Self::Uniform(low, high) => ((low * low + low * high + high * high) / 3.0)
+                .max(0.0)
+                .sqrt(),
         }
     }
 

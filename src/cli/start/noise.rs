@@ -16,8 +16,7 @@ pub(super) fn section(
     let expected = ExpectedNoise::of(recordings, start, has_servos);
     let fields = expected.noise.fields();
     let stated = fields.iter().filter(|(_, field)| !field.is_zero());
-    let (camera, others): (Vec<_>, Vec<_>) =
-        stated.partition(|(name, _)| name.starts_with(CAMERA));
+    let (camera, others): (Vec<_>, Vec<_>) = stated.partition(|(name, _)| name.starts_with(CAMERA));
     let text = |(name, field): &&(&str, realgap::simulation::Distribution)| {
         format!("{}: {field}", name.trim_start_matches(CAMERA))
     };

@@ -55,9 +55,7 @@ pub(crate) fn model(fit: &Fit, recordings: usize) -> Claim {
         false => format!(" ({})", details.join("; ")),
     };
     let worst = fit.misfit.as_ref().map_or_else(String::new, worst);
-    let text = format!(
-        "fits within repeatability: {verdict}. {compared}{details}{worst}"
-    );
+    let text = format!("fits within repeatability: {verdict}. {compared}{details}{worst}");
     let numbers = [
         ("noise_floors", noise_floors),
         ("p_value", fit.p_value.unwrap_or(f64::NAN)),

@@ -110,9 +110,9 @@ fn looks(channel: &ChannelFit, misfit: &ResidualMisfit) -> String {
         Pattern::Load => {
             "it follows the acceleration: check masses, loads and play of the joints".to_owned()
         }
-        Pattern::Growth => format!(
-            "it grows with time to {size}: check forces that the model lacks, such as drag"
-        ),
+        Pattern::Growth => {
+            format!("it grows with time to {size}: check forces that the model lacks, such as drag")
+        }
         Pattern::Drift => format!(
             "it drifts by {size} from one recording to the next: check what warms up, wears or runs down"
         ),

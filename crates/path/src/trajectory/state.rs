@@ -153,7 +153,9 @@ impl Trajectory {
     /// # Errors
     /// A number of positions that differs from the number of samples, or non-finite ones.
     pub fn with_positions(mut self, positions_world_m: Vec<Vector3<f64>>) -> Result<Self> {
-        let finite = positions_world_m.iter().all(|p| p.iter().all(|v| v.is_finite()));
+        let finite = positions_world_m
+            .iter()
+            .all(|p| p.iter().all(|v| v.is_finite()));
         self.check_column("positions", positions_world_m.len(), finite)?;
         self.positions_world_m = positions_world_m;
         Ok(self)

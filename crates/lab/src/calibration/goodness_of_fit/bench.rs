@@ -48,7 +48,9 @@ impl<'a> Bench<'a> {
             targets.len() == 1 && !study.is_held_out(targets[0].recording)
         };
         let cases: Vec<usize> = (0..all.len()).filter(|case| is_fitted(*case)).collect();
-        let axes = cases.iter().map(|case| axes_of(&study.cases()[*case].targets[0].motion));
+        let axes = cases
+            .iter()
+            .map(|case| axes_of(&study.cases()[*case].targets[0].motion));
         Self {
             study,
             engine,
@@ -137,9 +139,15 @@ impl<'a> Bench<'a> {
         own: &[Trajectory],
     ) -> Result<Vec<Vec<Trajectory>>> {
         let definition = self.study.definition();
-        let targets = self.cases.iter().map(|case| &self.study.cases()[*case].targets[0].motion);
+        let targets = self
+            .cases
+            .iter()
+            .map(|case| &self.study.cases()[*case].targets[0].motion);
         let is_recorded = |motion: &Trajectory| match definition.metric.needs().joints {
-            true => motion.joints().iter().all(|joint| joint.speeds_rad_s.is_some()),
+            true => motion
+                .joints()
+                .iter()
+                .all(|joint| joint.speeds_rad_s.is_some()),
             false => motion.velocities_world_m_s().is_some(),
         };
         if definition.horizon.is_none() && targets.clone().all(is_recorded) {
@@ -150,7 +158,9 @@ impl<'a> Bench<'a> {
                 true => joint_speeds(own),
                 false => body_speeds(definition.metric.is_pose()),
             };
-        let runs = changes.iter().map(|change| self.runs(self.study, values, change.as_ref()));
+        let runs = changes
+            .iter()
+            .map(|change| self.runs(self.study, values, change.as_ref()));
         let runs: Vec<Option<Vec<Trajectory>>> = runs.collect::<Result<_>>()?;
         Ok(runs.into_iter().flatten().collect())
     }
@@ -205,7 +215,9 @@ fn joint_speeds(own: &[Trajectory]) -> Vec<Box<dyn Fn(&mut Experiment) + Sync>> 
     let names = own.iter().flat_map(|run| run.joints());
     let names: BTreeSet<String> = names.map(|joint| joint.name.clone()).collect();
     let change = |name: String| -> Box<dyn Fn(&mut Experiment) + Sync> {
-        let speeds = own.iter().filter_map(|run| run.joint(&name)?.speeds_rad_s.as_ref());
+        let speeds = own
+            .iter()
+            .filter_map(|run| run.joint(&name)?.speeds_rad_s.as_ref());
         let speeds = speeds.flatten().map(|speed| speed.abs());
         let step_rad_s = SPEED_SHARE * speeds.fold(LEAST_SPEED_RAD_S, f64::max);
         Box::new(move |experiment| {
@@ -232,9 +244,13 @@ fn body_speeds(is_pose: bool) -> Vec<Box<dyn Fn(&mut Experiment) + Sync>> {
             }
         })
     };
-    let all = [false, true].into_iter().flat_map(|spin| (0..3).map(move |axis| (axis, spin)));
+    let all = [false, true]
+        .into_iter()
+        .flat_map(|spin| (0..3).map(move |axis| (axis, spin)));
     let in_plane = |(axis, is_spin): &(usize, bool)| is_pose || (*axis == 2) == *is_spin;
-    all.filter(in_plane).map(|(axis, is_spin)| change(axis, is_spin)).collect()
+    all.filter(in_plane)
+        .map(|(axis, is_spin)| change(axis, is_spin))
+        .collect()
 }
 
 pub(super) fn half_step(experiment: &mut Experiment) {
@@ -261,8 +277,13 @@ impl Truths<'_> {
 
 /// The motion that is as far from `finer` as that is from `own`, on the other side.
 fn beyond(own: &Trajectory, finer: &Trajectory) -> Result<Trajectory> {
-    let places = own.positions_world_m().iter().zip(finer.positions_world_m());
-    let mut limit = finer.clone().with_positions(places.map(|(a, b)| 2.0 * b - a).collect())?;
+    let places = own
+        .positions_world_m()
+        .iter()
+        .zip(finer.positions_world_m());
+    let mut limit = finer
+        .clone()
+        .with_positions(places.map(|(a, b)| 2.0 * b - a).collect())?;
     if let Some((a, b)) = own
         .orientations_world_from_body()
         .zip(finer.orientations_world_from_body())
@@ -281,4 +302,3 @@ fn beyond(own: &Trajectory, finer: &Trajectory) -> Result<Trajectory> {
     let joints = joints.collect();
     limit.with_joints(joints)
 }
-

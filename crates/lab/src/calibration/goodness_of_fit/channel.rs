@@ -124,11 +124,7 @@ fn joints(recorded: &Trajectory, run: &Trajectory) -> Vec<Series> {
     series.collect()
 }
 
-fn positions(
-    axes: &[Vector3<f64>; 3],
-    recorded: &Trajectory,
-    run: &Trajectory,
-) -> Vec<Series> {
+fn positions(axes: &[Vector3<f64>; 3], recorded: &Trajectory, run: &Trajectory) -> Vec<Series> {
     let (real, simulated) = (recorded.positions_world_m(), run.positions_world_m());
     let quantities = [Quantity::Along, Quantity::Left, Quantity::Up];
     let series = quantities.into_iter().zip(axes).map(|(quantity, axis)| {
@@ -142,11 +138,7 @@ fn positions(
     series.collect()
 }
 
-fn rotations(
-    axes: &[Vector3<f64>; 3],
-    recorded: &Trajectory,
-    run: &Trajectory,
-) -> Vec<Series> {
+fn rotations(axes: &[Vector3<f64>; 3], recorded: &Trajectory, run: &Trajectory) -> Vec<Series> {
     let all = recorded.orientations_world_from_body();
     let Some((real, simulated)) = all.zip(run.orientations_world_from_body()) else {
         return Vec::new();

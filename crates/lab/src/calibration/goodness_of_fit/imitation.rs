@@ -145,7 +145,10 @@ impl MeasurementNoise {
         }
         let joints = like.joints().iter().map(|joint| {
             let known = self.joints.get(&joint.name).zip(truth.joint(&joint.name));
-            known.map_or_else(|| joint.clone(), |(noise, truth)| noise.record(truth, joint, &mut rng))
+            known.map_or_else(
+                || joint.clone(),
+                |(noise, truth)| noise.record(truth, joint, &mut rng),
+            )
         });
         let joints = joints.collect();
         copy.with_joints(joints)
@@ -161,7 +164,9 @@ impl JointNoise {
         let has_speeds = like.speeds_rad_s.is_some();
         let speeds = truth.speeds_rad_s.as_ref().filter(|_| has_speeds);
         let speeds_rad_s = speeds.map(|speeds| {
-            let seen = speeds.iter().map(|speed| speed + self.speed_rad_s * normal());
+            let seen = speeds
+                .iter()
+                .map(|speed| speed + self.speed_rad_s * normal());
             seen.collect()
         });
         JointTrack {
@@ -173,7 +178,12 @@ impl JointNoise {
 }
 
 /// The random numbers of imitation number `number` of recording `case` of `cases`.
-pub(in crate::calibration) fn random(seed: u64, number: usize, case: usize, cases: usize) -> Generator {
+pub(in crate::calibration) fn random(
+    seed: u64,
+    number: usize,
+    case: usize,
+    cases: usize,
+) -> Generator {
     Numbered::ImitatedRecording.generator(seed, (number * cases + case) as u64)
 }
 
@@ -220,7 +230,9 @@ fn cut_speed(pairs: &[Pair<'_>], angle: &VisibleNoise, recorded: f64) -> f64 {
     if recorded > 0.0 {
         return recorded / 7.0_f64.sqrt();
     }
-    let intervals = pairs.iter().map(|(real, _)| real.times_s()[1] - real.times_s()[0]);
+    let intervals = pairs
+        .iter()
+        .map(|(real, _)| real.times_s()[1] - real.times_s()[0]);
     let interval_s = median(&intervals.collect::<Vec<f64>>());
     // The sum of the squares of −3, …, 3 is 28.
     angle.size() / (28.0_f64.sqrt() * interval_s)
@@ -235,7 +247,11 @@ fn quaternion_part(motion: &Trajectory, part: usize) -> Option<Vec<f64>> {
     let all = motion.orientations_world_from_body()?;
     let mut last = all[0].coords;
     let parts = all.iter().map(|turn| {
-        let near = if turn.coords.dot(&last) < 0.0 { -1.0 } else { 1.0 };
+        let near = if turn.coords.dot(&last) < 0.0 {
+            -1.0
+        } else {
+            1.0
+        };
         last = near * turn.coords;
         last[part]
     });

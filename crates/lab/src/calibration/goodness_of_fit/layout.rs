@@ -33,8 +33,11 @@ impl Layout {
         (visible, used): (&MeasurementNoise, &MeasurementNoise),
         has_stated: bool,
     ) -> Self {
-        let mut quantities: Vec<Quantity> =
-            series.iter().flatten().map(|own| own.quantity.clone()).collect();
+        let mut quantities: Vec<Quantity> = series
+            .iter()
+            .flatten()
+            .map(|own| own.quantity.clone())
+            .collect();
         quantities.sort();
         quantities.dedup();
         let mut layout = Self {
@@ -44,7 +47,10 @@ impl Layout {
             slots: Vec::new(),
         };
         for quantity in quantities {
-            let own = series.iter().flatten().filter(|own| own.quantity == quantity);
+            let own = series
+                .iter()
+                .flatten()
+                .filter(|own| own.quantity == quantity);
             let (low, high) = ends_of(own.flat_map(|own| own.motion.iter().copied()));
             let (size, source) = size_of(&quantity, used);
             let known = match (size > LEAST, has_stated) {
@@ -80,7 +86,9 @@ impl Layout {
 
     fn series_at<'a>(&self, slot: &Slot, series: &'a [Vec<Series>]) -> Option<&'a Series> {
         let quantity = &self.quantities[slot.channel];
-        series[slot.case].iter().find(|own| own.quantity == *quantity)
+        series[slot.case]
+            .iter()
+            .find(|own| own.quantity == *quantity)
     }
 
     /// All residuals in one list, each divided by the noise of its channel.
@@ -110,20 +118,24 @@ impl Layout {
 
     pub fn channels(&self, series: &[Vec<Series>], real: &[Size]) -> Vec<ChannelFit> {
         let errors = self.errors(series);
-        let channels = self.quantities.iter().enumerate().map(|(channel, quantity)| {
-            let slots = self.slots.iter().filter(|slot| slot.channel == channel);
-            let own = slots.flat_map(|slot| &errors[slot.samples.clone()]);
-            let sizes = real.iter().filter(|size| size.part.channel == channel);
-            ChannelFit {
-                channel: quantity.name(),
-                unit: quantity.unit(),
-                noise: self.scales[channel],
-                noise_source: self.sources[channel],
-                residual: self.scales[channel]
-                    * root_mean_square(&own.copied().collect::<Vec<f64>>()),
-                systematic: sizes.map(|size| size.deviations).fold(0.0, f64::max),
-            }
-        });
+        let channels = self
+            .quantities
+            .iter()
+            .enumerate()
+            .map(|(channel, quantity)| {
+                let slots = self.slots.iter().filter(|slot| slot.channel == channel);
+                let own = slots.flat_map(|slot| &errors[slot.samples.clone()]);
+                let sizes = real.iter().filter(|size| size.part.channel == channel);
+                ChannelFit {
+                    channel: quantity.name(),
+                    unit: quantity.unit(),
+                    noise: self.scales[channel],
+                    noise_source: self.sources[channel],
+                    residual: self.scales[channel]
+                        * root_mean_square(&own.copied().collect::<Vec<f64>>()),
+                    systematic: sizes.map(|size| size.deviations).fold(0.0, f64::max),
+                }
+            });
         channels.collect()
     }
 
@@ -137,7 +149,11 @@ impl Layout {
     ) -> ResidualMisfit {
         let channel = part.channel;
         let rest = projection.rest(&self.errors(series), part.is_bent);
-        let slots: Vec<&Slot> = self.slots.iter().filter(|slot| slot.channel == channel).collect();
+        let slots: Vec<&Slot> = self
+            .slots
+            .iter()
+            .filter(|slot| slot.channel == channel)
+            .collect();
         let since_start = |slot: &&Slot| -> Vec<f64> {
             let times_s = recorded[slot.case].times_s();
             times_s.iter().map(|t| t - times_s[0]).collect()
@@ -163,7 +179,9 @@ impl Layout {
                 from += count;
             }
             let left = projection.rest(&all, part.is_bent);
-            let left = slots.iter().flat_map(|slot| left[slot.samples.clone()].to_vec());
+            let left = slots
+                .iter()
+                .flat_map(|slot| left[slot.samples.clone()].to_vec());
             left.collect::<Vec<f64>>()
         };
         let (pattern, size, share) = Pattern::of(&differences, &rest_of_channel);

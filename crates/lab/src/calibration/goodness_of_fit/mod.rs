@@ -130,7 +130,9 @@ impl Fit {
         let real = study.part_of(&study.real_paths(), false);
         let nearest = Nearest::new(&real, &paths).filter(|_| real.len() >= LEAST);
         let is_far = nearest.is_some_and(|nearest| nearest.p_value < SIGNIFICANT);
-        let neighbours_p_value = match !fit.explains && is_far {
+        // A model is not rejected for noise that nobody stated, so that a careful noise has to have been tried, too.
+        let is_stated = study.definition().noise.is_some();
+        let neighbours_p_value = match !fit.explains && is_far && is_stated {
             true => None,
             false => {
                 let all = runs.zip(&paths);
@@ -138,8 +140,10 @@ impl Fit {
                 two_sample_p_value(study, &real, &spread.collect::<Vec<_>>())?
             }
         };
-        let explains =
-            neighbours_p_value.is_none_or(|p| p >= SIGNIFICANT) && (fit.explains || !is_far);
+        let explains = match neighbours_p_value {
+            Some(p) if !is_stated => p >= SIGNIFICANT,
+            p => p.is_none_or(|p| p >= SIGNIFICANT) && (fit.explains || !is_far),
+        };
         let misfit = nearest.filter(|_| !explains).map(|nearest| {
             let duration_s = study.cases()[0].experiment.duration_s;
             Misfit::new(nearest, &paths[nearest.run], &real, duration_s)
@@ -155,7 +159,10 @@ impl Fit {
 
     /// The fit to a single recording of a settled start: only the study can say how much one more recording would differ.
     fn of_one_recording(study: &Study, scores: &Scores, method: &Method) -> Result<Option<Self>> {
-        let has_noise = study.definition().noise.is_some_and(|noise| !noise.is_zero());
+        let has_noise = study
+            .definition()
+            .noise
+            .is_some_and(|noise| !noise.is_zero());
         let p_value = match has_noise {
             false => None,
             true => {

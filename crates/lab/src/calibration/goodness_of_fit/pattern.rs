@@ -58,7 +58,12 @@ impl Pattern {
         all: &[Difference<'_>],
         rest: &dyn Fn(&[f64]) -> Vec<f64>,
     ) -> (Self, f64, f64) {
-        let residual = rest(&all.iter().flat_map(|own| own.residual).copied().collect::<Vec<_>>());
+        let residual = rest(
+            &all.iter()
+                .flat_map(|own| own.residual)
+                .copied()
+                .collect::<Vec<_>>(),
+        );
         let square = dot(&residual, &residual);
         let found = Self::causes(all).into_iter().map(|(pattern, cause)| {
             let left = rest(&cause);
@@ -93,7 +98,10 @@ impl Pattern {
         let velocity = |own: &Difference<'_>| slope(own.times_s, own.motion);
         let since_start = |own: &Difference<'_>, power: i32| -> Vec<f64> {
             let last_s = own.times_s.last().copied().unwrap_or(1.0);
-            own.times_s.iter().map(|t| (t / last_s).powi(power)).collect()
+            own.times_s
+                .iter()
+                .map(|t| (t / last_s).powi(power))
+                .collect()
         };
         let mut causes = vec![
             (Self::Offset, over(&|_, own| vec![1.0; own.motion.len()])),
@@ -129,7 +137,11 @@ fn slope(times_s: &[f64], values: &[f64]) -> Vec<f64> {
     let at = |k: usize| {
         let (a, b) = (k.saturating_sub(1), (k + 1).min(last));
         let span_s = times_s[b] - times_s[a];
-        if span_s > 0.0 { (values[b] - values[a]) / span_s } else { 0.0 }
+        if span_s > 0.0 {
+            (values[b] - values[a]) / span_s
+        } else {
+            0.0
+        }
     };
     (0..values.len()).map(at).collect()
 }
@@ -201,8 +213,8 @@ mod tests {
         for (of, expected, size) in cases {
             let (found, seen) = pattern(of);
             // The acceleration of a swing is proportional to its position.
-            let is_same = found == expected
-                || (expected == Pattern::Position && found == Pattern::Load);
+            let is_same =
+                found == expected || (expected == Pattern::Position && found == Pattern::Load);
             assert!(is_same, "{expected:?}: {found:?}");
             if found == expected {
                 assert!((seen / size - 1.0).abs() < 0.05, "{expected:?}: {seen}");

@@ -68,13 +68,19 @@ impl Refit {
         let axes = 0..self.place.len();
         let change = |axis: usize| {
             let mut place = self.place.clone();
-            let step = if place[axis] + STEP > 1.0 { -STEP } else { STEP };
+            let step = if place[axis] + STEP > 1.0 {
+                -STEP
+            } else {
+                STEP
+            };
             place[axis] += step;
             let known = errors_at(&place)?;
             let known = known.filter(|moved| moved.len() == self.errors.len());
             let moved = known.unwrap_or_else(|| self.errors.clone());
             let pairs = moved.iter().zip(&self.errors);
-            Ok(pairs.map(|(after, before)| (after - before) / step).collect())
+            Ok(pairs
+                .map(|(after, before)| (after - before) / step)
+                .collect())
         };
         axes.map(change).collect()
     }
@@ -104,7 +110,8 @@ impl Refit {
         let whole = -(inverse * scaled.tr_mul(&errors));
         for share in [1.0, 0.25] {
             let moved = self.place.iter().zip(whole.iter().zip(&scales));
-            let moved = moved.map(|(at, (step, scale))| (at + share * step / scale).clamp(0.0, 1.0));
+            let moved =
+                moved.map(|(at, (step, scale))| (at + share * step / scale).clamp(0.0, 1.0));
             let place: Vec<f64> = moved.collect();
             let Some(errors) = errors_at(&place)? else {
                 continue;
@@ -128,7 +135,8 @@ mod tests {
         let runs = std::cell::Cell::new(0);
         let errors_at = |place: &[f64]| {
             runs.set(runs.get() + 1);
-            let at = |t: f64| libm::exp(-place[0] * t) - libm::exp(-0.31 * t) + place[1] * t - 0.6 * t;
+            let at =
+                |t: f64| libm::exp(-place[0] * t) - libm::exp(-0.31 * t) + place[1] * t - 0.6 * t;
             Ok(Some((0..50).map(|k| at(f64::from(k) * 0.1)).collect()))
         };
         let start = vec![0.5, 0.5];

@@ -60,7 +60,11 @@ pub(super) fn noise_of_repeats(
 
 fn mean_distance_m(paths: &[&Prepared]) -> f64 {
     let pairs = (0..paths.len()).flat_map(|i| (i + 1..paths.len()).map(move |j| (i, j)));
-    mean(&pairs.map(|(i, j)| rms_m(paths[i], paths[j])).collect::<Vec<_>>())
+    mean(
+        &pairs
+            .map(|(i, j)| rms_m(paths[i], paths[j]))
+            .collect::<Vec<_>>(),
+    )
 }
 
 /// The camera that the recordings show; where the motion hides its errors, they are at most the recordings' high frequencies.
@@ -74,7 +78,9 @@ fn camera(study: &Study, experiment: &Experiment) -> Result<Camera> {
     let at_times = |real: &Trajectory| run.as_ref().and_then(|run| sampled(run, real).ok());
     let runs: Vec<Option<Trajectory>> = recorded.iter().map(at_times).collect();
     let pairs = recorded.iter().zip(&runs);
-    let pairs: Vec<_> = pairs.filter_map(|(real, run)| Some((real, run.as_ref()?))).collect();
+    let pairs: Vec<_> = pairs
+        .filter_map(|(real, run)| Some((real, run.as_ref()?)))
+        .collect();
     let visible = MeasurementNoise::visible(&pairs, false);
     let bounds_m = recorded.iter().map(|real| {
         let axis = |axis: usize| -> Option<f64> {
@@ -88,7 +94,11 @@ fn camera(study: &Study, experiment: &Experiment) -> Result<Camera> {
         true => CAREFUL_M,
         false => median(&bounds_m).min(CAREFUL_M),
     };
-    let position_m = if visible.plane_m > 0.0 { visible.plane_m } else { most_m };
+    let position_m = if visible.plane_m > 0.0 {
+        visible.plane_m
+    } else {
+        most_m
+    };
     // Errors about three axes make one error about a random axis.
     let angle_rad = match visible.turn_rad > 0.0 {
         true => visible.turn_rad * 3.0_f64.sqrt(),

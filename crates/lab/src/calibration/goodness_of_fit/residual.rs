@@ -174,7 +174,9 @@ impl Bench<'_> {
         let recorded = self.recorded(self.study, &values)?;
         let series = self.series(&recorded, &own);
         let of_starts = self.changed_starts(&values, &own)?;
-        let of_starts = of_starts.iter().map(|runs| layout.errors(&self.series(&own, runs)));
+        let of_starts = of_starts
+            .iter()
+            .map(|runs| layout.errors(&self.series(&own, runs)));
         let of_starts: Vec<Vec<f64>> = of_starts.collect();
         let projection = Projection::new(&layout.slots, &refit.changes, &of_starts);
         let real = projection.sizes(&layout.errors(&series));
@@ -198,8 +200,10 @@ impl Bench<'_> {
             let series = self.series(&self.recorded(&study, &values)?, &runs);
             Ok(Some(projection.sizes(&layout.errors(&series))))
         };
-        let imitated: Vec<Option<Vec<Size>>> =
-            (0..imitations).into_par_iter().map(imitate).collect::<Result<_>>()?;
+        let imitated: Vec<Option<Vec<Size>>> = (0..imitations)
+            .into_par_iter()
+            .map(imitate)
+            .collect::<Result<_>>()?;
         let imitated: Vec<Vec<Size>> = imitated.into_iter().flatten().collect();
         let numerics = [false, true].map(|is_bent| projection.rest(&numerics, is_bent));
         let matters = |size: &Size| {
@@ -210,10 +214,13 @@ impl Bench<'_> {
             return Ok(None);
         }
         let found = rank(&real, &imitated, matters);
-        let is_misfit = found.as_ref().is_some_and(|found| found.p_value < SIGNIFICANT);
-        let misfit = found.as_ref().filter(|_| is_misfit).map(|found| {
-            layout.misfit(&recorded, &series, real[found.part].part, &projection)
-        });
+        let is_misfit = found
+            .as_ref()
+            .is_some_and(|found| found.p_value < SIGNIFICANT);
+        let misfit = found
+            .as_ref()
+            .filter(|_| is_misfit)
+            .map(|found| layout.misfit(&recorded, &series, real[found.part].part, &projection));
         let of_all = || rank(&real, &imitated, |_| true);
         Ok(found.or_else(of_all).map(|found| ResidualFit {
             p_value: found.p_value,

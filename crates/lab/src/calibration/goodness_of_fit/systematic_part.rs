@@ -85,7 +85,8 @@ impl Directions {
 
     fn remove(&self, errors: &mut [f64]) {
         for (samples, own) in &self.own {
-            own.iter().for_each(|d| remove(&mut errors[samples.clone()], d));
+            own.iter()
+                .for_each(|d| remove(&mut errors[samples.clone()], d));
         }
         self.common.iter().for_each(|d| remove(errors, d));
     }
@@ -108,7 +109,9 @@ impl<'a> Projection<'a> {
             }
         }
         let unlined = |all: &[Vec<f64>]| -> Vec<Vec<f64>> {
-            all.iter().map(|change| without_lines(slots, change)).collect()
+            all.iter()
+                .map(|change| without_lines(slots, change))
+                .collect()
         };
         let bent = Directions::new(&recordings, &unlined(of_starts), unlined(changes));
         Self {
@@ -136,7 +139,9 @@ impl<'a> Projection<'a> {
         for channel in 0..channels.unwrap_or(0) {
             let slots = self.slots.iter().filter(|slot| slot.channel == channel);
             for (is_bent, rest) in [false, true].into_iter().zip(&rests) {
-                let of_case = slots.clone().map(|slot| binned(&rest[slot.samples.clone()]));
+                let of_case = slots
+                    .clone()
+                    .map(|slot| binned(&rest[slot.samples.clone()]));
                 let of_case: Vec<Vec<Bin>> = of_case.collect();
                 let size = |is_shared: bool, bins: &[Bin]| Size {
                     part: Part {
@@ -205,7 +210,10 @@ fn shared(of_case: &[Vec<Bin>]) -> Option<Vec<Bin>> {
     }
     let all = (0..bins).map(|bin| {
         let count: f64 = of_case.iter().map(|own| own[bin].count).sum();
-        let sum: f64 = of_case.iter().map(|own| own[bin].mean * own[bin].count).sum();
+        let sum: f64 = of_case
+            .iter()
+            .map(|own| own[bin].mean * own[bin].count)
+            .sum();
         Bin {
             mean: sum / count,
             count,
@@ -222,7 +230,11 @@ fn without_lines(slots: &[Slot], errors: &[f64]) -> Vec<f64> {
         let middle = 0.5 * (own.len() as f64 - 1.0);
         let level = mean(own);
         let square: f64 = (0..own.len()).map(|k| (k as f64 - middle).powi(2)).sum();
-        let product: f64 = own.iter().enumerate().map(|(k, e)| (k as f64 - middle) * e).sum();
+        let product: f64 = own
+            .iter()
+            .enumerate()
+            .map(|(k, e)| (k as f64 - middle) * e)
+            .sum();
         let slope = if square > 0.0 { product / square } else { 0.0 };
         for (k, error) in own.iter_mut().enumerate() {
             *error -= level + slope * (k as f64 - middle);
@@ -249,7 +261,9 @@ fn orthonormal(changes: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     for mut change in changes {
         let whole = length(&change);
         for _ in 0..2 {
-            directions.iter().for_each(|known| remove(&mut change, known));
+            directions
+                .iter()
+                .for_each(|known| remove(&mut change, known));
         }
         let rest = length(&change);
         if rest > NEW * whole && rest > 0.0 {
@@ -278,8 +292,13 @@ pub(in crate::calibration) fn rank(
     counts: impl Fn(&Size) -> bool,
 ) -> Option<Rank> {
     let same = imitated.iter().filter(|sizes| sizes.len() == real.len());
-    let all: Vec<&[Size]> = std::iter::once(real).chain(same.map(Vec::as_slice)).collect();
-    let logs = |part: usize| all.iter().map(move |sizes| libm::log(sizes[part].ratio + 1e-12));
+    let all: Vec<&[Size]> = std::iter::once(real)
+        .chain(same.map(Vec::as_slice))
+        .collect();
+    let logs = |part: usize| {
+        all.iter()
+            .map(move |sizes| libm::log(sizes[part].ratio + 1e-12))
+    };
     let scaled: Vec<Vec<f64>> = (0..real.len())
         .map(|part| {
             let logs: Vec<f64> = logs(part).collect();
@@ -327,7 +346,10 @@ mod tests {
         let projection = Projection::new(&slots, &[], &[]);
         let (mut ratios, mut largest) = (vec![0.0; 4], 0.0_f64);
         for _ in 0..200 {
-            for (sum, size) in ratios.iter_mut().zip(projection.sizes(&noise(3 * LENGTH, &mut rng))) {
+            for (sum, size) in ratios
+                .iter_mut()
+                .zip(projection.sizes(&noise(3 * LENGTH, &mut rng)))
+            {
                 *sum += size.ratio / 200.0;
                 largest = largest.max(size.deviations);
             }
@@ -343,7 +365,9 @@ mod tests {
     fn what_a_parameter_or_a_wrong_start_explains_is_no_misfit_and_a_bend_is() {
         let slots = slots(3);
         let over = |of: &dyn Fn(f64) -> f64| -> Vec<f64> {
-            (0..3 * LENGTH).map(|k| of((k % LENGTH) as f64 / LENGTH as f64)).collect()
+            (0..3 * LENGTH)
+                .map(|k| of((k % LENGTH) as f64 / LENGTH as f64))
+                .collect()
         };
         let square = over(&|t| t * t);
         let projection = Projection::new(&slots, std::slice::from_ref(&square), &[]);
@@ -363,7 +387,9 @@ mod tests {
         let swing = |k: usize| libm::sin(0.2 * (k % LENGTH) as f64);
         let change: Vec<f64> = (0..3 * LENGTH).map(swing).collect();
         let sizes = [3.0, -5.0, 0.5];
-        let errors = (0..3 * LENGTH).map(|k| sizes[k / LENGTH] * swing(k)).collect::<Vec<f64>>();
+        let errors = (0..3 * LENGTH)
+            .map(|k| sizes[k / LENGTH] * swing(k))
+            .collect::<Vec<f64>>();
         let largest = |projection: &Projection<'_>| {
             let sizes = projection.sizes(&errors);
             sizes.iter().map(|size| size.deviations).fold(0.0, f64::max)

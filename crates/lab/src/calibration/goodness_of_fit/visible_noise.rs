@@ -25,6 +25,8 @@ const ABOVE_MOTION: f64 = 2.0;
 /// For independent errors the fourth differences over one and over two samples have the same scale; for a smooth motion the first
 /// are a sixteenth of the second. Errors are visible above this share.
 const ALIKE: f64 = 0.25;
+/// Rounding leaves deviations of a quarter of a step; this share is the least that is taken for rounding.
+const ROUNDED: f64 = 0.05;
 /// Samples between the neighbours of a difference. Errors that a filter has smoothed show over two samples only.
 const STRIDES: [usize; 2] = [1, 2];
 /// Normal errors with standard deviation 1 have this median absolute value.
@@ -38,7 +40,9 @@ impl VisibleNoise {
         if recorded.len() < FEWEST {
             return Self::default();
         }
-        let step = step(recorded).filter(|step| *step > LEAST).unwrap_or(0.0);
+        let step =
+            step(recorded).filter(|step| *step > LEAST && is_rounded(times_s, recorded, *step));
+        let step = step.unwrap_or(0.0);
         let visible = STRIDES.iter().filter_map(|&stride| {
             let own = scale(times_s, recorded, stride);
             let of_motion = scale(times_s, simulated, stride);
@@ -83,28 +87,47 @@ impl VisibleNoise {
 /// Standard deviation of independent errors whose fourth differences over this stride would have the series' median absolute
 /// size.
 fn scale(times_s: &[f64], values: &[f64], stride: usize) -> f64 {
-    let span = 4 * stride;
-    let deviations: Vec<f64> = (0..values.len().saturating_sub(span))
-        .map(|first| {
-            let at = [0, 1, 3, 4].map(|k| first + k * stride);
-            let middle = first + 2 * stride;
-            let weight = |of: usize| -> f64 {
-                let others = at.iter().filter(|other| **other != at[of]);
-                let factors = others.map(|other| {
-                    (times_s[middle] - times_s[*other]) / (times_s[at[of]] - times_s[*other])
-                });
-                factors.product()
-            };
-            let weights = [0, 1, 2, 3].map(weight);
-            let expected: f64 = weights.iter().zip(at).map(|(w, k)| w * values[k]).sum();
-            let variance = 1.0 + weights.iter().map(|w| w * w).sum::<f64>();
-            (values[middle] - expected).abs() / variance.sqrt()
-        })
-        .collect();
+    let deviations = deviations(times_s, values, stride);
     match deviations.is_empty() {
         true => 0.0,
         false => median(&deviations) / NORMAL_MEDIAN,
     }
+}
+
+/// Absolute deviations from the polynomials through neighbours, which for independent errors have their standard deviation.
+fn deviations(times_s: &[f64], values: &[f64], stride: usize) -> Vec<f64> {
+    let span = 4 * stride;
+    let all = (0..values.len().saturating_sub(span)).map(|first| {
+        let at = [0, 1, 3, 4].map(|k| first + k * stride);
+        let middle = first + 2 * stride;
+        let weight = |of: usize| -> f64 {
+            let others = at.iter().filter(|other| **other != at[of]);
+            let factors = others.map(|other| {
+                (times_s[middle] - times_s[*other]) / (times_s[at[of]] - times_s[*other])
+            });
+            factors.product()
+        };
+        let weights = [0, 1, 2, 3].map(weight);
+        let expected: f64 = weights.iter().zip(at).map(|(w, k)| w * values[k]).sum();
+        let variance = 1.0 + weights.iter().map(|w| w * w).sum::<f64>();
+        (values[middle] - expected).abs() / variance.sqrt()
+    });
+    all.collect()
+}
+
+/// Whether the series has errors of rounding to this step where it changes; a steady motion has equal steps without them.
+fn is_rounded(times_s: &[f64], values: &[f64], step: f64) -> bool {
+    let is_moving = |first: &usize| {
+        values[*first..first + 5]
+            .iter()
+            .any(|v| *v != values[*first])
+    };
+    let all = deviations(times_s, values, 1).into_iter().enumerate();
+    let moving = all
+        .filter(|(first, _)| is_moving(first))
+        .map(|(_, deviation)| deviation);
+    let moving: Vec<f64> = moving.collect();
+    !moving.is_empty() && median(&moving) > ROUNDED * step
 }
 
 /// The distance of which all differences of recorded values are multiples; `None` where there is none, or where fewer than three
@@ -164,9 +187,8 @@ mod tests {
     fn the_step_of_an_encoder_is_its_resolution_and_digits_of_a_file_are_not() {
         let (times_s, smooth) = swing(200);
         let step = std::f64::consts::TAU / 4096.0;
-        let rounded = |to: f64| -> Vec<f64> {
-            smooth.iter().map(|v| (v / to).round() * to).collect()
-        };
+        let rounded =
+            |to: f64| -> Vec<f64> { smooth.iter().map(|v| (v / to).round() * to).collect() };
         let found = VisibleNoise::of(&times_s, &rounded(step), &smooth);
         assert!((found.step / step - 1.0).abs() < 1e-6, "{found:?}");
         assert!(found.size() < 0.5 * step, "{found:?}");
@@ -177,10 +199,17 @@ mod tests {
     #[test]
     fn smooth_constant_and_short_recordings_show_no_noise() {
         let (times_s, smooth) = swing(200);
-        let damped: Vec<f64> = times_s.iter().zip(&smooth).map(|(t, v)| v * libm::exp(-t)).collect();
+        let damped: Vec<f64> = times_s
+            .iter()
+            .zip(&smooth)
+            .map(|(t, v)| v * libm::exp(-t))
+            .collect();
         assert_eq!(VisibleNoise::of(&times_s, &smooth, &damped).size(), 0.0);
         assert_eq!(VisibleNoise::of(&times_s, &damped, &[0.0; 200]).size(), 0.0);
         assert_eq!(VisibleNoise::of(&times_s, &[0.3; 200], &smooth).size(), 0.0);
+        // A steady drive that stops has equal steps and is not rounded.
+        let drive: Vec<f64> = times_s.iter().map(|t| 0.3 * t.min(2.0)).collect();
+        assert_eq!(VisibleNoise::of(&times_s, &drive, &smooth).size(), 0.0);
         let two = ([0.0, 1.0], [0.0, 0.5]);
         assert_eq!(VisibleNoise::of(&two.0, &two.1, &two.1).size(), 0.0);
     }

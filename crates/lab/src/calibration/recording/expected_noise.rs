@@ -2,7 +2,7 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 use realgap_core::statistics::{median, standard_deviation};
-use realgap_core::unit::{counted, quantity, Unit};
+use realgap_core::unit::{Unit, counted, quantity};
 use realgap_path::trajectory::{Recording, Trajectory};
 use realgap_simulation::{Camera, Distribution, Noise};
 
@@ -78,7 +78,10 @@ impl ExpectedNoise {
         }
         noise.camera = Camera {
             position_m: Distribution::Normal(rounded(position_m.unwrap_or(CAREFUL_M))),
-            angle_rad: match motions.iter().all(|m| m.orientations_world_from_body().is_some()) {
+            angle_rad: match motions
+                .iter()
+                .all(|m| m.orientations_world_from_body().is_some())
+            {
                 true => Distribution::Normal(rounded(angle_rad.unwrap_or(CAREFUL_RAD))),
                 false => Distribution::default(),
             },
@@ -103,9 +106,8 @@ impl ExpectedNoise {
 fn measure_start(noise: &mut Noise, motions: &[&Trajectory]) -> Option<String> {
     let first = motions.iter().map(|motion| motion.positions_world_m()[0]);
     let first: Vec<Vector3<f64>> = first.collect();
-    let spread = |axis: usize| {
-        standard_deviation(&first.iter().map(|p| p[axis]).collect::<Vec<f64>>())
-    };
+    let spread =
+        |axis: usize| standard_deviation(&first.iter().map(|p| p[axis]).collect::<Vec<f64>>());
     let beside = |spread: f64, camera: Distribution| {
         let rest = spread.powi(2) - camera.size().powi(2);
         (rest > 0.0).then(|| rounded(rest.sqrt()))
@@ -133,7 +135,11 @@ fn measure_start(noise: &mut Noise, motions: &[&Trajectory]) -> Option<String> {
         said.push(format!("headings by {}", quantity(rad, Unit::Radian)));
     }
     (!said.is_empty()).then(|| {
-        format!("starts differ in {} (first samples of {})", said.join(" and "), motions.len())
+        format!(
+            "starts differ in {} (first samples of {})",
+            said.join(" and "),
+            motions.len()
+        )
     })
 }
 
@@ -150,7 +156,11 @@ fn seen(
         Some(sizes.fold(0.0, f64::max))
     };
     let sizes: Vec<f64> = motions.iter().filter_map(of_motion).collect();
-    let size = if sizes.is_empty() { 0.0 } else { median(&sizes) };
+    let size = if sizes.is_empty() {
+        0.0
+    } else {
+        median(&sizes)
+    };
     (size > 0.0).then_some(size)
 }
 
@@ -167,12 +177,20 @@ fn turns(motion: &Trajectory) -> Option<Vec<Vec<f64>>> {
     let parts: Vec<[f64; 4]> = all
         .iter()
         .map(|turn: &UnitQuaternion<f64>| {
-            let near = if turn.coords.dot(&last) < 0.0 { -1.0 } else { 1.0 };
+            let near = if turn.coords.dot(&last) < 0.0 {
+                -1.0
+            } else {
+                1.0
+            };
             last = near * turn.coords;
             last.into()
         })
         .collect();
-    Some((0..4).map(|part| parts.iter().map(|p| p[part]).collect()).collect())
+    Some(
+        (0..4)
+            .map(|part| parts.iter().map(|p| p[part]).collect())
+            .collect(),
+    )
 }
 
 /// Rounds to two digits, for readability.
@@ -223,7 +241,11 @@ mod tests {
         assert!(near(noise.camera.position_m, 0.002), "{noise:?}");
         assert!(near(noise.start_position_m, 0.01), "{noise:?}");
         assert!(near(noise.start_heading_rad, 0.05), "{noise:?}");
-        assert!(expected.because().contains("first samples of 20"), "{}", expected.because());
+        assert!(
+            expected.because().contains("first samples of 20"),
+            "{}",
+            expected.because()
+        );
         assert!(noise.check().is_ok());
     }
 
