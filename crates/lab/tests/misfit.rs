@@ -268,7 +268,7 @@ fn world(kind: usize, seed: u64, lack: f64) -> Answer {
                 false => [0.0, std::f64::consts::TAU / 4096.0],
             };
             swings(folder.path(), 2, [viscous, dry], noise, chance);
-            let window = if seed % 3 == 0 {
+            let window = if seed.is_multiple_of(3) {
                 "horizon: (0.8, 0.7), "
             } else {
                 ""

@@ -108,7 +108,7 @@ fn looks(channel: &ChannelFit, misfit: &ResidualMisfit) -> String {
             if is_more { "far" } else { "short" }
         ),
         Pattern::Load => {
-            "it follows the acceleration: check masses, loads and play of the joints".to_owned()
+            "it follows the acceleration: check masses, loads, play of the joints, and forces that the model lacks, such as drag".to_owned()
         }
         Pattern::Growth => {
             format!("it grows with time to {size}: check forces that the model lacks, such as drag")

@@ -14,6 +14,9 @@ use realgap_core::error::Result;
 use realgap_path::trajectory::Trajectory;
 use realgap_simulation::{EngineChoice, Experiment, Noise, Start};
 
+/// A change of an experiment.
+type Change = Box<dyn Fn(&mut Experiment) + Sync>;
+
 /// The start speed of a joint is changed by this share of its largest speed, which is at least this.
 const SPEED_SHARE: f64 = 0.01;
 const LEAST_SPEED_RAD_S: f64 = 0.1;
@@ -153,11 +156,10 @@ impl<'a> Bench<'a> {
         if definition.horizon.is_none() && targets.clone().all(is_recorded) {
             return Ok(Vec::new());
         }
-        let changes: Vec<Box<dyn Fn(&mut Experiment) + Sync>> =
-            match definition.metric.needs().joints {
-                true => joint_speeds(own),
-                false => body_speeds(definition.metric.is_pose()),
-            };
+        let changes: Vec<Change> = match definition.metric.needs().joints {
+            true => joint_speeds(own),
+            false => body_speeds(definition.metric.is_pose()),
+        };
         let runs = changes
             .iter()
             .map(|change| self.runs(self.study, values, change.as_ref()));
@@ -211,10 +213,10 @@ impl<'a> Bench<'a> {
 }
 
 /// A change of the start speed of each joint of these runs.
-fn joint_speeds(own: &[Trajectory]) -> Vec<Box<dyn Fn(&mut Experiment) + Sync>> {
+fn joint_speeds(own: &[Trajectory]) -> Vec<Change> {
     let names = own.iter().flat_map(|run| run.joints());
     let names: BTreeSet<String> = names.map(|joint| joint.name.clone()).collect();
-    let change = |name: String| -> Box<dyn Fn(&mut Experiment) + Sync> {
+    let change = |name: String| -> Change {
         let speeds = own
             .iter()
             .filter_map(|run| run.joint(&name)?.speeds_rad_s.as_ref());
@@ -233,8 +235,8 @@ fn joint_speeds(own: &[Trajectory]) -> Vec<Box<dyn Fn(&mut Experiment) + Sync>> 
 
 /// A change of the start velocity along each axis and of the start spin about each; of the motion in the plane alone for metrics
 /// of paths.
-fn body_speeds(is_pose: bool) -> Vec<Box<dyn Fn(&mut Experiment) + Sync>> {
-    let change = |axis: usize, is_spin: bool| -> Box<dyn Fn(&mut Experiment) + Sync> {
+fn body_speeds(is_pose: bool) -> Vec<Change> {
+    let change = |axis: usize, is_spin: bool| -> Change {
         Box::new(move |experiment| {
             if let Start::State(state) = &mut experiment.start {
                 match is_spin {

@@ -54,7 +54,7 @@ pub(super) fn noise_of_repeats(
         }
     }
     let off = |(_, distance_m): &(f64, f64)| libm::log(distance_m / floor_m).abs();
-    let best = least_by(known.into_iter(), off);
+    let best = least_by(known, off);
     Ok(careful.scaled(best.map_or(1.0, |(factor, _)| factor)))
 }
 

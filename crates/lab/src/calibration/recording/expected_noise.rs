@@ -97,7 +97,7 @@ impl ExpectedNoise {
     pub fn because(&self) -> String {
         match self.measured.as_slice() {
             [] => "nothing in the recordings shows it: replace it by what you measured".to_owned(),
-            [all @ ..] => format!("measured: {}; the rest is a careful guess", all.join(", ")),
+            all => format!("measured: {}; the rest is a careful guess", all.join(", ")),
         }
     }
 }
