@@ -238,20 +238,74 @@ class Misfit:
 
 
 @dataclass(frozen=True)
-class Fit:
-    """Whether the best point explains the recordings: how far its runs are in noise floors, and the energy test's p.
+class ChannelFit:
+    """The residuals of one channel beside the noise of the recordings; `systematic` is in standard deviations of that noise.
 
-    >>> answer.summary.fit is None or answer.summary.fit.noise_floors >= 0
+    >>> fit = answer.summary.fit
+    >>> channels = fit.residuals.channels if fit and fit.residuals else ()
+    >>> all(channel.noise > 0 for channel in channels)
     True
     """
 
-    noise_floors: float
+    channel: str
+    unit: str
+    noise: float
+    noise_source: Literal["high_frequencies", "resolution", "stated"]
+    residual: float
+    systematic: float
+
+
+@dataclass(frozen=True)
+class ResidualMisfit:
+    """The part of the residuals that noise does not explain: in which channel (a position in `channels`), when, and what it follows.
+
+    >>> fit = answer.summary.fit
+    >>> fit is None or fit.residuals is None or fit.explains == (fit.residuals.misfit is None)
+    True
+    """
+
+    channel: int
+    from_s: float
+    to_s: float
+    pattern: Literal["lag", "offset", "position", "load", "growth", "drift", "scatter", "other"]
+    size: float
+    share: float
+
+
+@dataclass(frozen=True)
+class ResidualFit:
+    """Whether the residuals of runs that start from recordings are noise: their rank among imitated recordings.
+
+    >>> fit = answer.summary.fit
+    >>> fit is None or fit.residuals is None or 0 < fit.residuals.p_value <= 1
+    True
+    """
+
+    p_value: float
+    imitations: int
+    channels: Tuple[ChannelFit, ...]
+    misfit: Optional[ResidualMisfit] = None
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Whether the best point explains the recordings: how far its runs are in noise floors, and the energy test's p; or what the
+    residuals say, where runs start from recordings. `explains` is true where nothing could be `judged`.
+
+    >>> fit = answer.summary.fit
+    >>> fit is None or fit.noise_floors is None or fit.noise_floors >= 0
+    True
+    """
+
+    judged: bool
+    noise_floors: Optional[float]
     p_value: Optional[float]
     explains: bool
     discrepancy: float
     engine: Optional[str] = None
     misfit: Optional[Misfit] = None
     neighbours_p_value: Optional[float] = None
+    residuals: Optional[ResidualFit] = None
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 //! `realgap start`: makes a study of the user's files, and prints every guess with its evidence.
 
 mod joint;
+mod noise;
 mod path;
 
 use std::io::{BufRead as _, IsTerminal as _};

@@ -10,5 +10,6 @@ mod hint;
 mod kept;
 mod new;
 mod start;
+mod start_noise;
 mod verify;
 mod width;

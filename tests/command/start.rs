@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use common::{realgap, text};
 
 /// Three real tosses as another program wrote them: millimetres, milliseconds, y up, names of its own, two lines before the header.
-fn foreign_tosses(folder: &Path) -> Vec<PathBuf> {
+pub(crate) fn foreign_tosses(folder: &Path) -> Vec<PathBuf> {
     let own = common::project().join("real_trajectories/cube_tosses");
     ["toss_003", "toss_015", "toss_026"]
         .iter()
@@ -37,7 +37,7 @@ fn foreign_tosses(folder: &Path) -> Vec<PathBuf> {
         .collect()
 }
 
-fn start(words: &[&str], files: &[PathBuf], study: &Path) -> (i32, String) {
+pub(crate) fn start(words: &[&str], files: &[PathBuf], study: &Path) -> (i32, String) {
     let said = realgap()
         .arg("start")
         .args(files)
@@ -51,7 +51,7 @@ fn start(words: &[&str], files: &[PathBuf], study: &Path) -> (i32, String) {
     (said.status.code().unwrap(), all)
 }
 
-const CUBE: [&str; 3] = ["--cube", "0.1048", "0.37"];
+pub(crate) const CUBE: [&str; 3] = ["--cube", "0.1048", "0.37"];
 
 #[test]
 fn three_commands_lead_from_own_files_to_a_verdict() {

@@ -91,6 +91,8 @@ streams! {
     PictureNoise = 50;
     /// The true position of the camera of a picture.
     CameraPlace = 51;
+    /// Errors of measurement of an imitated recording.
+    ImitatedRecording = 60;
 }
 
 impl Numbered {

@@ -203,7 +203,7 @@ fn study(plan: Plan, seed: u64) -> ([ParameterResult; 2], bool) {
         true => results[axis].determined,
         false => !results[axis].interval,
     };
-    let contradicted = answer.report.fit.is_some_and(|fit| !fit.explains);
+    let contradicted = answer.report.fit.as_ref().is_some_and(|fit| !fit.explains);
     if std::env::var("REALGAP_VERBOSE").is_ok() && (is_wrong(0) || is_wrong(1) || contradicted) {
         println!("seed {seed}, truth {truth:?}: {answer}");
     }

@@ -15,6 +15,7 @@ mod gap;
 mod in_sample;
 mod joint_log;
 mod jointed;
+mod misfit;
 mod model_error;
 mod noise;
 mod odds;

@@ -61,6 +61,21 @@ impl Distribution {
         }
     }
 
+    /// Root mean square of the draws: the size of the error, whatever its sign.
+    pub fn size(&self) -> f64 {
+        match *self {
+            Self::Normal(sd) | Self::HalfNormal(sd) => sd,
+            // E(exp(sd z) − 1)² for a standard normal z.
+            Self::LogNormal(sd) => {
+                let square = libm::expm1(2.0 * sd * sd) - 2.0 * libm::expm1(0.5 * sd * sd);
+                square.max(0.0).sqrt()
+            }
+            Self::Uniform(low, high) => ((low * low + low * high + high * high) / 3.0)
+                .max(0.0)
+                .sqrt(),
+        }
+    }
+
     /// The same distribution with its spread divided by a number.
     pub(super) fn divided_by(&self, divisor: f64) -> Self {
         match *self {
@@ -173,6 +188,25 @@ mod tests {
         assert_eq!(Distribution::Normal(2.0).draw(-1.5), -3.0);
         assert_eq!(Distribution::HalfNormal(2.0).draw(-1.5), 3.0);
         assert!((Distribution::LogNormal(0.5).factor(2.0) - std::f64::consts::E).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_size_of_a_distribution_is_the_root_mean_square_of_its_draws() {
+        // Quantiles of the standard normal at the middles of 2000 equal shares.
+        let normals: Vec<f64> = (0..2000)
+            .map(|k| realgap_core::statistics::normal_quantile((f64::from(k) + 0.5) / 2000.0))
+            .collect();
+        for distribution in [
+            Distribution::Normal(0.3),
+            Distribution::HalfNormal(0.3),
+            Distribution::LogNormal(0.3),
+            Distribution::Uniform(-1.0, 4.0),
+        ] {
+            let squares = normals.iter().map(|z| distribution.draw(*z).powi(2));
+            let size = (squares.sum::<f64>() / normals.len() as f64).sqrt();
+            let error = (distribution.size() / size - 1.0).abs();
+            assert!(error < 5e-3, "{distribution}: {size}");
+        }
     }
 
     #[test]

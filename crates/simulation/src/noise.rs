@@ -202,6 +202,30 @@ impl Noise {
         }
     }
 
+    /// The same noise with all errors of start, servos, masses and friction this many times as large; the camera is the same.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        let times = |field: Distribution| field.divided_by(1.0 / factor);
+        Self {
+            start_position_m: times(self.start_position_m),
+            start_height_m: times(self.start_height_m),
+            start_tilt_rad: times(self.start_tilt_rad),
+            start_heading_rad: times(self.start_heading_rad),
+            start_velocity_m_s: times(self.start_velocity_m_s),
+            start_spin_rad_s: times(self.start_spin_rad_s),
+            servo_zero_rad: times(self.servo_zero_rad),
+            servo_gain_relative: times(self.servo_gain_relative),
+            servo_phase_rad: times(self.servo_phase_rad),
+            servo_latency_s: times(self.servo_latency_s),
+            command_jitter_s: times(self.command_jitter_s),
+            mass_relative: times(self.mass_relative),
+            friction_cube_relative: times(self.friction_cube_relative),
+            friction_plate_relative: times(self.friction_plate_relative),
+            friction_run_relative: times(self.friction_run_relative),
+            camera: self.camera,
+        }
+    }
+
     fn draw(&self, experiment: &Experiment, seed: u64, repeat: u64) -> Perturbation {
         let hinges = experiment.assembly.hinges.len();
         let modules = experiment.assembly.module_names.len();

@@ -1,13 +1,13 @@
 //! The study of joint logs: commands of the joints, and the servo parameters to fit.
 
-use realgap::calibration::{Commands, Unmatched};
+use realgap::calibration::{Commands, RunStart, Unmatched};
 use realgap::robot::import::{AssumedLaw, Options, is_foreign};
 use realgap::robot::morphology::{Freedom, Hinge, ServoLaw, Summary};
 use realgap::trajectory::{Recording, Trajectory};
 
 use super::super::import;
 use super::super::kit::*;
-use super::{Draft, Subject};
+use super::{Draft, Subject, noise};
 
 /// Words that occur in the names of command columns.
 const GOALS: [&str; 5] = ["command", "goal", "target", "setpoint", "cmd"];
@@ -99,6 +99,8 @@ pub(super) fn draft(
     let commands = only.map(|column| (recorded[0].name.as_str(), column));
     let budget = RUNS * (parameters.len() + RUNS);
     let tune = format!("tune STUDY --optimizer gauss-newton --budget {budget}");
+    let (noise, clue) = noise::section(recordings, RunStart::Joints, &subject.robot);
+    clues.push(clue);
     Ok(Draft {
         head: format!(
             "\
@@ -114,7 +116,7 @@ pub(super) fn draft(
                 format!("        (name: {name:?}, from: {from:?}, to: {to:?}),\n")
             })
             .collect(),
-        after: "    metric: \"joints\",\n    score: Single,\n".to_owned(),
+        after: format!("    metric: \"joints\",\n    score: Single,\n{noise}"),
         clues,
         next: format!("{tune}    # {}", counted(parameters.len(), "parameter")),
     })

@@ -1,11 +1,12 @@
 //! The study of recorded paths, which fits the floor.
 
+use realgap::calibration::RunStart;
 use realgap::robot::morphology::Hinge;
 use realgap::trajectory::Recording;
 
 use super::super::kit::*;
 use super::joint::is_commanded;
-use super::{Draft, Subject};
+use super::{Draft, Subject, noise};
 
 /// The study of friction and restitution; `falls` says that the recordings fall freely.
 ///
@@ -56,6 +57,11 @@ pub(super) fn draft(subject: &Subject, recordings: &[Recording], falls: bool) ->
         before += "    start_state: HalfSampleCorrected, // no velocities are recorded: they are computed from differences\n";
     }
     let metric = if is_thrown { "pose" } else { "rms" };
+    let start = match starts_as_seen {
+        true => RunStart::Recorded,
+        false => RunStart::Settled,
+    };
+    let (noise, clue) = noise::section(recordings, start, &subject.robot);
     Ok(Draft {
         head: "\
 // Which friction and restitution make the simulated robot move like the recorded one?
@@ -66,8 +72,8 @@ pub(super) fn draft(subject: &Subject, recordings: &[Recording], falls: bool) ->
         .to_owned(),
         before,
         parameters: "        (name: \"floor.friction\", from: 0.05, to: 1.0, points: 11),\n        (name: \"floor.restitution\", from: 0.0, to: 0.8, points: 11),\n".to_owned(),
-        after: format!("    metric: \"{metric}\",\n"),
-        clues: Vec::new(),
+        after: format!("    metric: \"{metric}\",\n{noise}"),
+        clues: vec![clue],
         next: "sweep STUDY".to_owned(),
     })
 }

@@ -60,6 +60,8 @@ pub use exploration::method::{Method, Termination, Tuned};
 pub use exploration::tune::TuneOptions;
 pub use goodness_of_fit::Fit;
 pub use goodness_of_fit::misfit::{Change, Misfit};
+pub use goodness_of_fit::pattern::Pattern;
+pub use goodness_of_fit::residual::{ChannelFit, NoiseSource, ResidualFit, ResidualMisfit};
 pub use numerics::audit::{Audit, AuditRow};
 pub use numerics::engines::EnginePreference;
 pub use realgap_inference::sensitivity::Effect;
@@ -67,6 +69,7 @@ pub use realgap_inference::{
     INTERVAL_LEVEL, LEVEL, LeastSquaresEstimate, PosteriorDraws, Profile, Unvisited,
 };
 pub use realgap_store::Mode;
+pub use recording::expected_noise::{ExpectedNoise, RunStart};
 pub use recording::identity::recording_id;
 pub use recording::joints::Unmatched;
 pub use recording::noise::read_noise;

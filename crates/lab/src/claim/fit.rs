@@ -1,12 +1,18 @@
 //! Whether the model explains the recordings, where it is nearest to them, and which points are as near.
 
 use super::parameter::NAMED;
+use super::residual::{residuals, unknown};
 use super::{About, Claim, Conclusion, SIGNIFICANT, listed};
 use crate::calibration::{Best, BestPointUncertainty, Change, EnginePreference, Fit, Misfit};
 use realgap_core::unit::{Unit, counted, number, quantity};
 
 /// Whether any parameters explain the recordings.
 pub(crate) fn model(fit: &Fit, recordings: usize) -> Claim {
+    match &fit.residuals {
+        Some(found) => return residuals(found, recordings),
+        None if !fit.judged => return unknown(recordings),
+        None => (),
+    }
     let (says, word, verdict) = match (fit.explains, fit.p_value, fit.neighbours_p_value) {
         (false, ..) => (
             Conclusion::Rejected,
@@ -25,7 +31,14 @@ pub(crate) fn model(fit: &Fit, recordings: usize) -> Claim {
         ),
         (true, ..) => (Conclusion::Supported, "explained", "yes"),
     };
-    let floors = number(fit.noise_floors);
+    let noise_floors = fit.noise_floors.unwrap_or(f64::NAN);
+    let compared = match fit.noise_floors {
+        Some(floors) => {
+            let floors = number(floors);
+            format!("The best point is {floors} noise floors away from the recordings")
+        }
+        None => "The recording was compared with repeats under the study's noise".to_owned(),
+    };
     let engine = fit.engine.map(|engine| format!("runs of {engine}"));
     let energy = fit
         .p_value
@@ -42,11 +55,9 @@ pub(crate) fn model(fit: &Fit, recordings: usize) -> Claim {
         false => format!(" ({})", details.join("; ")),
     };
     let worst = fit.misfit.as_ref().map_or_else(String::new, worst);
-    let text = format!(
-        "fits within repeatability: {verdict}. The best point is {floors} noise floors away from the recordings{details}{worst}"
-    );
+    let text = format!("fits within repeatability: {verdict}. {compared}{details}{worst}");
     let numbers = [
-        ("noise_floors", fit.noise_floors),
+        ("noise_floors", noise_floors),
         ("p_value", fit.p_value.unwrap_or(f64::NAN)),
         (
             "neighbours_p_value",

@@ -11,6 +11,7 @@ mod flight;
 mod forecast;
 mod gap;
 mod parameter;
+mod residual;
 
 use std::collections::BTreeMap;
 use std::fmt;

@@ -148,6 +148,19 @@ impl Trajectory {
         Ok(self)
     }
 
+    /// The same trajectory with other positions, one per sample; everything else is kept.
+    ///
+    /// # Errors
+    /// A number of positions that differs from the number of samples, or non-finite ones.
+    pub fn with_positions(mut self, positions_world_m: Vec<Vector3<f64>>) -> Result<Self> {
+        let finite = positions_world_m
+            .iter()
+            .all(|p| p.iter().all(|v| v.is_finite()));
+        self.check_column("positions", positions_world_m.len(), finite)?;
+        self.positions_world_m = positions_world_m;
+        Ok(self)
+    }
+
     /// The same trajectory with velocities: linear in the world frame (m/s), angular in the body frame (rad/s).
     ///
     /// # Errors

@@ -47,7 +47,7 @@ pub struct Report {
     pub unit: Unit,
     /// The best point; `None` when every point diverged.
     pub best: Option<Best>,
-    /// Whether the best point explains the recordings; `None` where no run was repeated.
+    /// Whether the best point explains the recordings; `None` where too little is known to ask.
     pub fit: Option<Fit>,
     /// How sure the best point is.
     pub uncertainty: Option<BestPointUncertainty>,
@@ -191,7 +191,8 @@ impl Evidence<'_> {
         let engines = claim::engines(&self.engines, (metric.name(), metric.unit()), fitted);
         let differ = engines.filter(|claim| claim.conclusion == Conclusion::Rejected);
         warnings.extend(differ.map(|claim| Code::EnginesDiffer.warning(claim.text)));
-        warnings.extend(self.fit.and_then(|fit| fit.warning(fitted)));
+        let fit = self.fit.as_ref();
+        warnings.extend(fit.and_then(|fit| fit.warning(fitted)));
         let validation = self.validation.as_ref();
         warnings.extend(validation.and_then(Validation::warning));
         warnings.extend(few_recordings(fitted));
@@ -355,7 +356,7 @@ impl Report {
             metric: definition.metric.name(),
             unit: definition.metric.unit(),
             best,
-            fit: evidence.fit,
+            fit: evidence.fit.clone(),
             uncertainty: evidence.uncertainty.map(|u| BestPointUncertainty {
                 source: u.source,
                 level: u.level,
@@ -402,7 +403,7 @@ impl Report {
     pub fn with_claims(mut self, source: Source, recordings: usize) -> Self {
         let reality = claim::called(source);
         let of_metric = (self.metric, self.unit);
-        let model = self.fit.map(|fit| claim::model(&fit, recordings));
+        let model = self.fit.as_ref().map(|fit| claim::model(fit, recordings));
         let best = self.best.as_ref();
         let best = best.map(|best| claim::nearest(best, of_metric, (reality, recordings)));
         let each: Vec<Claim> = self.verdicts.iter().map(|v| v.claim.clone()).collect();

@@ -1,8 +1,18 @@
 //! Goodness of fit: whether the model explains the recordings at all, which is judged before its numbers.
 
+mod bench;
+mod channel;
+mod imitation;
+mod layout;
 pub(super) mod misfit;
 pub(super) mod path;
+pub(super) mod pattern;
+mod refit;
+mod repeat_noise;
+pub(super) mod residual;
+mod systematic_part;
 pub(super) mod two_sample;
+pub(super) mod visible_noise;
 
 use serde::Serialize;
 
@@ -10,8 +20,10 @@ use crate::calibration::answer::score::{PointScore, Scores};
 use crate::calibration::exploration::method::Method;
 use crate::calibration::goodness_of_fit::misfit::Misfit;
 use crate::calibration::goodness_of_fit::path::Nearest;
+use crate::calibration::goodness_of_fit::residual::{Judgement, ResidualFit};
 use crate::calibration::goodness_of_fit::two_sample::two_sample_p_value;
 use crate::calibration::study::Study;
+use crate::calibration::study::definition::StartRule;
 use crate::claim::{self, SIGNIFICANT};
 use crate::prediction::ensemble::rms_m;
 use realgap_core::error::Result;
@@ -19,14 +31,17 @@ use realgap_core::statistics::{energy_test, mean};
 use realgap_core::warning::{Code, Warning};
 use realgap_path::trajectory::Prepared;
 
-/// Comparison of the best point's runs with the recordings, and of both with the differences between repeats. Distances are those
-/// of the metric `rms`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+/// Comparison of the best point's runs with the recordings, and of both with the differences between repeats, or, where runs start
+/// from recordings, with the noise of the recordings. Distances are those of the metric `rms`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Fit {
+    /// False where nothing tells how much a right model would differ from the recordings: no recording was repeated, the study
+    /// states no noise, and the recordings show none.
+    pub judged: bool,
     /// Mean distance of the best point's runs to the recordings, in noise floors; the noise floor is the mean distance between
-    /// recordings of the same run.
-    pub noise_floors: f64,
+    /// recordings of the same run. `None` without repeats.
+    pub noise_floors: Option<f64>,
     /// Energy test (Székely & Rizzo 2013): probability of so large a difference between runs and recordings if both have the same
     /// distribution; `None` for fewer than three recordings.
     pub p_value: Option<f64>,
@@ -36,7 +51,8 @@ pub struct Fit {
     pub neighbours_p_value: Option<f64>,
     /// False where no parameters of this model explain these recordings. This is so where the energy test rejects the best
     /// point's runs and no run of any point is as near to the recordings as one more recording would be; it is also so where the
-    /// two-sample test rejects every set of repeats near the recordings.
+    /// two-sample test rejects every set of repeats near the recordings, and where residuals are not noise. True where it cannot
+    /// be judged.
     pub explains: bool,
     /// Variance of the model's discrepancy, in variances of a recording, which widens the intervals; 0 where the model explains
     /// the recordings.
@@ -47,6 +63,9 @@ pub struct Fit {
     /// Where the misfit is largest, and which change would reduce it most; `None` where the model explains the recordings.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub misfit: Option<Misfit>,
+    /// What the residuals of the best point say, where runs start from recordings.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub residuals: Option<ResidualFit>,
 }
 
 /// The energy test has no power with fewer recordings than this.
@@ -55,10 +74,11 @@ const LEAST: usize = 3;
 const ALIKE: f64 = 0.2;
 
 impl Fit {
-    /// `None` without a best point, for fewer than two recordings of one start, or for recordings that do not differ.
+    /// `None` without a best point, for settled starts of several robots, for recordings of one start that do not differ, and where
+    /// there are too few points for a test of one recording.
     ///
     /// # Errors
-    /// Paths that cannot be compared.
+    /// Paths that cannot be compared, runs that cannot be simulated.
     pub(in crate::calibration) fn new(
         study: &Study,
         scores: &Scores,
@@ -67,6 +87,12 @@ impl Fit {
         let Some(best) = scores.best else {
             return Ok(None);
         };
+        if study.definition().start == StartRule::FromRecording {
+            return Ok(Self::of_residuals(Judgement::new(study, scores)?));
+        }
+        if study.cases().len() == 1 && study.fitted_recordings() == 1 {
+            return Self::of_one_recording(study, scores, method);
+        }
         let settings = study.settings();
         let path = |run: &PointScore| Prepared::from_xy_m(run.path_xy_m.clone());
         let mut engines = Vec::new();
@@ -83,11 +109,13 @@ impl Fit {
             fits.extend(fit.map(|fit| Self { engine, ..fit }));
         }
         let order = |a: &Self, b: &Self| {
-            let by_distance = a.noise_floors.total_cmp(&b.noise_floors);
+            let floors = |fit: &Self| fit.noise_floors.unwrap_or(f64::INFINITY);
+            let by_distance = floors(a).total_cmp(&floors(b));
             b.explains.cmp(&a.explains).then(by_distance)
         };
         let fit = fits.into_iter().min_by(order);
-        let is_doubted = |fit: &Self| fit.p_value.is_some_and(|p| p < ALIKE);
+        // Two recordings are too few for the energy test.
+        let is_doubted = |fit: &Self| fit.p_value.is_none_or(|p| p < ALIKE);
         let fit = match fit {
             Some(fit) if is_doubted(&fit) => fit,
             fit => {
@@ -100,9 +128,11 @@ impl Fit {
         let runs = scores.runs.iter().filter(|run| run.score.is_some());
         let paths = runs.clone().map(path).collect::<Result<Vec<_>>>()?;
         let real = study.part_of(&study.real_paths(), false);
-        let nearest = Nearest::new(&real, &paths);
+        let nearest = Nearest::new(&real, &paths).filter(|_| real.len() >= LEAST);
         let is_far = nearest.is_some_and(|nearest| nearest.p_value < SIGNIFICANT);
-        let neighbours_p_value = match !fit.explains && is_far {
+        // A model is not rejected for noise that nobody stated, so that a careful noise has to have been tried, too.
+        let is_stated = study.definition().noise.is_some();
+        let neighbours_p_value = match !fit.explains && is_far && is_stated {
             true => None,
             false => {
                 let all = runs.zip(&paths);
@@ -110,8 +140,10 @@ impl Fit {
                 two_sample_p_value(study, &real, &spread.collect::<Vec<_>>())?
             }
         };
-        let explains =
-            neighbours_p_value.is_none_or(|p| p >= SIGNIFICANT) && (fit.explains || !is_far);
+        let explains = match neighbours_p_value {
+            Some(p) if !is_stated => p >= SIGNIFICANT,
+            p => p.is_none_or(|p| p >= SIGNIFICANT) && (fit.explains || !is_far),
+        };
         let misfit = nearest.filter(|_| !explains).map(|nearest| {
             let duration_s = study.cases()[0].experiment.duration_s;
             Misfit::new(nearest, &paths[nearest.run], &real, duration_s)
@@ -123,6 +155,60 @@ impl Fit {
             misfit,
             ..fit
         }))
+    }
+
+    /// The fit to a single recording of a settled start: only the study can say how much one more recording would differ.
+    fn of_one_recording(study: &Study, scores: &Scores, method: &Method) -> Result<Option<Self>> {
+        let has_noise = study
+            .definition()
+            .noise
+            .is_some_and(|noise| !noise.is_zero());
+        let p_value = match has_noise {
+            false => None,
+            true => {
+                let runs = scores.runs.iter();
+                let runs = runs.filter(|run| run.score.is_some() && !method.crowds(run.index));
+                let path = |run: &PointScore| Prepared::from_xy_m(run.path_xy_m.clone());
+                let paths = runs.clone().map(path).collect::<Result<Vec<_>>>()?;
+                let real = study.part_of(&study.real_paths(), false);
+                two_sample_p_value(study, &real, &runs.zip(&paths).collect::<Vec<_>>())?
+            }
+        };
+        if has_noise && p_value.is_none() {
+            return Ok(None);
+        }
+        Ok(Some(Self {
+            judged: has_noise,
+            noise_floors: None,
+            p_value: None,
+            neighbours_p_value: p_value,
+            explains: p_value.is_none_or(|p| p >= SIGNIFICANT),
+            discrepancy: 0.0,
+            engine: None,
+            misfit: None,
+            residuals: None,
+        }))
+    }
+
+    /// The fit of runs that start from recordings.
+    fn of_residuals(judgement: Judgement) -> Option<Self> {
+        let (judged, residuals) = match judgement {
+            Judgement::Nothing => return None,
+            Judgement::Unknown => (false, None),
+            Judgement::Fit(fit) => (true, Some(fit)),
+        };
+        let is_misfit = residuals.as_ref().is_some_and(|fit| fit.misfit.is_some());
+        Some(Self {
+            judged,
+            noise_floors: None,
+            p_value: None,
+            neighbours_p_value: None,
+            explains: !is_misfit,
+            discrepancy: 0.0,
+            engine: None,
+            misfit: None,
+            residuals,
+        })
     }
 
     /// The comparison of these runs of the best point alone.
@@ -153,13 +239,15 @@ impl Fit {
         let (recordings, simulated) = (0.5 * over(0, 2), 0.5 * over(2, 2));
         let excess = over(1, 2) - recordings - simulated;
         Ok(Some(Self {
-            noise_floors,
+            judged: true,
+            noise_floors: Some(noise_floors),
             p_value,
             neighbours_p_value: None,
             explains: p_value.is_none_or(|p| p >= SIGNIFICANT),
             discrepancy: (excess / recordings).max(0.0),
             engine: None,
             misfit: None,
+            residuals: None,
         }))
     }
 

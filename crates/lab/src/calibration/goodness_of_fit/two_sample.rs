@@ -2,7 +2,7 @@
 //!
 //! Where repeats differ much, some run is soon as near to the recordings as one more recording would be; only the distribution
 //! can then reject the model. So the points nearest to the recordings, each with its nearest setting, are repeated under the
-//! study's noise as often as there are recordings. If the model is right, reality is one more point and setting among them, and
+//! study's noise, or a careful one where it states none, as often as there are recordings. If the model is right, reality is one more point and setting among them, and
 //! its recordings are no farther from the most similar set of repeats than these sets are from one another. The rank among the
 //! sets is a p-value (a permutation test of one set against the others). The test is conservative, because the sets were chosen
 //! around the recordings.
@@ -15,13 +15,14 @@ use rayon::prelude::*;
 
 use crate::calibration::answer::score::PointScore;
 use crate::calibration::goodness_of_fit::path::middle;
+use crate::calibration::goodness_of_fit::repeat_noise::noise_of_repeats;
 use crate::calibration::numerics::setting::Settings;
 use crate::calibration::study::Study;
 use crate::prediction::ensemble;
 use realgap_core::error::Result;
 use realgap_core::statistics::mean;
 use realgap_path::trajectory::{Prepared, mean_square_m2, prepare};
-use realgap_simulation::Noise;
+use realgap_simulation::{Experiment, Noise};
 
 /// Points that are repeated. At a level of 5 %, two of so many sets may be farther from the others than the recordings are.
 const NEAR: usize = 40;
@@ -46,10 +47,12 @@ pub(in crate::calibration) fn two_sample_p_value(
     let mut near: Vec<(&PointScore, f64)> =
         runs.iter().map(|(run, path)| (*run, far(path))).collect();
     near.sort_by(|a, b| a.1.total_cmp(&b.1));
+    // With one or two recordings this test is the only one and is always made, so it has to be cheap.
+    let most = if real.len() > 2 { NEAR } else { FEWEST };
     // Runs of one point are similar whatever their settings are, so each point is represented by its nearest run.
     let mut points: Vec<(&PointScore, f64)> = Vec::new();
     for run in near {
-        if points.len() < NEAR && points.iter().all(|(other, _)| other.values != run.0.values) {
+        if points.len() < most && points.iter().all(|(other, _)| other.values != run.0.values) {
             points.push(run);
         }
     }
@@ -60,10 +63,16 @@ pub(in crate::calibration) fn two_sample_p_value(
         ..study.settings()
     };
     let definition = study.definition();
-    let noise = definition.noise.unwrap_or_else(Noise::careful_repeat);
-    let set_of = |(rank, (run, _)): (usize, &(&PointScore, f64))| -> Result<Vec<Prepared>> {
+    let experiment = |run: &PointScore| -> Result<Experiment> {
         let own = study.experiment_with(0, &study.parameter_set(&run.values))?;
-        let own = settings.apply(settings.of_trial(run.index), &own);
+        Ok(settings.apply(settings.of_trial(run.index), &own))
+    };
+    let Some((nearest, _)) = points.first().filter(|_| points.len() >= FEWEST) else {
+        return Ok(None);
+    };
+    let noise = noise_of_repeats(study, real, &experiment(nearest)?)?;
+    let set_of = |(rank, (run, _)): (usize, &(&PointScore, f64))| -> Result<Vec<Prepared>> {
+        let own = experiment(run)?;
         // Every set has random numbers of its own, because otherwise the deviations of all sets would be the same.
         let numbers = (0..repeats).map(|repeat| (rank * repeats + repeat) as u64);
         let paths = numbers.map(|number| {
@@ -74,7 +83,7 @@ pub(in crate::calibration) fn two_sample_p_value(
     };
     let sets = points.par_iter().enumerate().map(set_of);
     let mut sets = sets.collect::<Result<Vec<_>>>()?;
-    sets.retain(|set| set.len() > 1);
+    sets.retain(|set| set.len() > 1 || repeats == 1 && !set.is_empty());
     let sets: Vec<Vec<&Prepared>> = sets.iter().map(|set| set.iter().collect()).collect();
     Ok((sets.len() >= FEWEST).then(|| rank(real, &sets)))
 }
@@ -155,8 +164,11 @@ fn across_m(a: &[Vec<[f64; 2]>], b: &[Vec<[f64; 2]>]) -> f64 {
     mean(&pairs.collect::<Vec<f64>>())
 }
 
-/// Mean distance between two members of a set, corrected for the bias of few members.
+/// Mean distance between two members of a set, corrected for the bias of few members; 0 for one member, where every set has one.
 fn within_m(set: &[Vec<[f64; 2]>]) -> f64 {
+    if set.len() < 2 {
+        return 0.0;
+    }
     let pairs = set.iter().enumerate();
     let pairs = pairs.flat_map(|(i, a)| set[i + 1..].iter().map(move |b| distance_m(a, b)));
     mean(&pairs.collect::<Vec<f64>>())

@@ -1,5 +1,6 @@
 //! Finding and reading the recordings of a study.
 
+pub(super) mod expected_noise;
 pub(super) mod file_pattern;
 pub(super) mod identity;
 pub(super) mod joints;

@@ -140,13 +140,15 @@ impl Swept {
             recordings,
         });
         let fit = (recordings > 1).then(|| Fit {
-            noise_floors: draw.within(0.5, 9.0),
+            judged: true,
+            noise_floors: Some(draw.within(0.5, 9.0)),
             p_value: (recordings > 2).then(|| draw.share()),
             neighbours_p_value: draw.is(0.3).then(|| draw.share()),
             explains: draw.is(0.7),
             discrepancy: draw.share(),
             engine: draw.is(0.5).then_some("rapier"),
             misfit: None,
+            residuals: None,
         });
         let mut report = empty(&scores, recordings);
         report.uncertainty = Some(BestPointUncertainty {

@@ -130,7 +130,7 @@ fn a_sweep_says_one_thing_in_every_place() {
             claims: report.claims.clone(),
         };
         parameters(&mut found, &told, &drawn);
-        let explains = report.fit.map(|fit| fit.explains);
+        let explains = report.fit.as_ref().map(|fit| fit.explains);
         let is_rejected = explains == Some(false);
         found.see("model rejected", is_rejected);
         found.see("model explains", explains == Some(true));
