@@ -219,9 +219,10 @@ fn least_squares_sentence(
 ) -> String {
     let (name, value) = (known.parameter, number(known.value));
     let holds = |(low, high): &(f64, f64)| (*low..=*high).contains(&known.value);
-    let beside = match parts.iter().any(holds) {
-        true => "",
-        false => " (the best run lies outside: the rest of the posterior is elsewhere)",
+    let beside = match (parts.iter().any(holds), known.is_told) {
+        (true, _) => "",
+        (false, false) => " (one of many values that fit as well)",
+        (false, true) => " (the best run, at the edge of what fits)",
     };
     let determined = match known.is_told {
         true => "",

@@ -30,7 +30,7 @@ mod tests {
     #[test]
     fn the_step_of_an_encoder_is_found_and_values_without_a_step_have_none() {
         let step = std::f64::consts::TAU / 4096.0;
-        let angle = |k: i32| libm::sin(0.05 * f64::from(k));
+        let angle = |k: i32| 0.1 * f64::from(k).sqrt();
         let smooth: Vec<f64> = (0..200).map(angle).collect();
         let read = |angle: &f64| (angle / step).round() * step;
         let encoder: Vec<f64> = smooth.iter().map(read).collect();

@@ -15,6 +15,14 @@ pub enum Method {
 }
 
 impl Method {
+    /// Whether the points end where the method would have ended by itself; false for least squares whose budget ended before.
+    pub(in crate::calibration) fn has_converged(&self) -> bool {
+        match self {
+            Self::Tune(tuned) => tuned.agreement.is_none_or(|known| known.has_converged()),
+            Self::Sweep => true,
+        }
+    }
+
     /// Whether an optimizer chose the point of the run with this index because of scores. Such points crowd around the best
     /// point, so they are no random sample.
     pub(in crate::calibration) fn crowds(&self, run: usize) -> bool {

@@ -74,7 +74,7 @@ const LEAST: usize = 3;
 const ALIKE: f64 = 0.2;
 
 impl Fit {
-    /// `None` without a best point, for settled starts of several robots, for recordings of one start that do not differ, and where
+    /// `None` without a best point, for a fit that has not ended, for settled starts of several robots, for recordings of one start that do not differ, and where
     /// there are too few points for a test of one recording.
     ///
     /// # Errors
@@ -84,7 +84,8 @@ impl Fit {
         scores: &Scores,
         method: &Method,
     ) -> Result<Option<Self>> {
-        let Some(best) = scores.best else {
+        // Where a fit has not ended, better parameters may explain the recordings.
+        let Some(best) = scores.best.filter(|_| method.has_converged()) else {
             return Ok(None);
         };
         if study.definition().start == StartRule::FromRecording {
