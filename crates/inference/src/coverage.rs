@@ -28,8 +28,21 @@ struct World {
     observation: f64,
     /// Standard deviation of either of two variants from their mean; reality is like one of them. 0 where there is one variant.
     variant: f64,
-    /// Whether the output is linear in the first parameter, so that the distance to reality has a kink.
-    straight: bool,
+    shape: Shape,
+}
+
+/// How the output depends on the parameters.
+#[derive(Clone, Copy, PartialEq)]
+enum Shape {
+    /// The first parameter bends the output, the second one changes it.
+    Bent,
+    /// Linear in the first parameter, so that the distance to reality has a kink.
+    Straight,
+    /// Linear in the distance of the first parameter from the middle, so that two values, on both sides of the middle, give the same
+    /// output; both valleys of the score are narrow beside a coarse grid.
+    TwoModes,
+    /// Both parameters act through their sum alone.
+    Ridge,
 }
 
 type Output = [f64; OUTPUTS];
@@ -44,8 +57,13 @@ fn noise(rng: &mut Generator, size: f64) -> Output {
 
 impl World {
     fn output(&self, at: &[f64]) -> Output {
-        if self.straight {
-            return std::array::from_fn(|k| at[0] * ((k + 1) as f64 / OUTPUTS as f64).powi(2));
+        let line =
+            |at: f64| std::array::from_fn(|k| at * ((k + 1) as f64 / OUTPUTS as f64).powi(2));
+        match self.shape {
+            Shape::Bent => {}
+            Shape::Straight => return line(at[0]),
+            Shape::TwoModes => return line(4.0 * (at[0] - 0.5).abs()),
+            Shape::Ridge => return line(0.5 * (at[0] + at[1])),
         }
         std::array::from_fn(|k| {
             let bend = libm::sin(3.0 * at[0] * (1.0 + 0.2 * k as f64) + 0.3 * k as f64);
@@ -137,6 +155,8 @@ struct Found {
     intervals: [bool; 2],
     set: [bool; 2],
     open: [bool; 2],
+    /// Whether an interval holds the first parameter's mirror image, which gives the same output in a world of two modes.
+    mirror: bool,
     /// Whether the second parameter is found to be active.
     active: bool,
     widths: [f64; 2],
@@ -249,18 +269,29 @@ fn study(world: &World, first: First, observations: usize, seed: u64) -> Found {
     });
     let parts = [0, 1].map(|axis| draws.intervals(axis, INTERVAL_LEVEL));
     let axes = [0, 1];
+    if std::env::var("REALGAP_VERBOSE").is_ok() {
+        println!(
+            "seed {seed}, truth {truth:?}: {parts:?}; {} of {} in the set",
+            set.len(),
+            known.unvisited(&grid).len()
+        );
+    }
     Found {
         intervals: axes.map(|a| parts[a].iter().any(|(l, h)| (*l..=*h).contains(&truth[a]))),
         set: axes.map(|a| (ends[a].0..=ends[a].1).contains(&truth[a])),
+        mirror: parts[0]
+            .iter()
+            .any(|(l, h)| (*l..=*h).contains(&(1.0 - truth[0]))),
         active: active[1],
         open: axes.map(|a| ends[a].0 <= 0.05 && ends[a].1 >= 0.95),
         widths: axes.map(|a| parts[a].iter().map(|(l, h)| h - l).sum()),
     }
 }
 
-fn row(what: &str, world: &World, first: First, observations: usize, studies: u64) -> [f64; 4] {
-    let all: Vec<Found> = (0..studies)
-        .map(|seed| study(world, first, observations, seed))
+fn row(what: &str, world: &World, design: First, observations: usize, studies: u64) -> [f64; 4] {
+    let first: u64 = std::env::var("REALGAP_FIRST").map_or(0, |n| n.parse().unwrap());
+    let all: Vec<Found> = (first..first + studies)
+        .map(|seed| study(world, design, observations, seed))
         .collect();
     let share = |of: &dyn Fn(&Found) -> bool| {
         100.0 * all.iter().filter(|found| of(found)).count() as f64 / studies as f64
@@ -277,8 +308,9 @@ fn row(what: &str, world: &World, first: First, observations: usize, studies: u6
         share(&|f| f.open[1]),
     ];
     println!(
-        "{what} | {a:.0} {b:.0} | set {set:.0} | second open {open:.0}, acts {:.0} | widths {:.4} {:.3}",
+        "{what} | {a:.0} {b:.0} | set {set:.0} | second open {open:.0}, acts {:.0} | mirror {:.0} | widths {:.4} {:.3}",
         share(&|f| f.active),
+        share(&|f| f.mirror),
         width(0),
         width(1)
     );
@@ -294,7 +326,7 @@ fn intervals_hold_and_what_does_nothing_stays_open() {
         run: 0.005,
         observation: 0.05,
         variant: 0.0,
-        straight: false,
+        shape: Shape::Bent,
     };
     let [first, _, set, open] = row("inert 7 3", &world, First::Grid(7), 3, 20);
     assert!(first >= 70.0 && set >= 85.0, "{first} {set}");
@@ -346,7 +378,7 @@ fn the_table_of_worlds() {
         run: 0.005,
         observation: 0.05,
         variant: 0.0,
-        straight: false,
+        shape: Shape::Bent,
     };
     let both = World {
         second: 0.5,
@@ -358,7 +390,7 @@ fn the_table_of_worlds() {
         run: 0.2,
         observation: 0.2,
         variant: 0.0,
-        straight: false,
+        shape: Shape::Bent,
     };
     // Like a cube that slides down a slope: nearly no noise, and a kink at the truth.
     let slide = World {
@@ -367,7 +399,15 @@ fn the_table_of_worlds() {
         run: 0.0002,
         observation: 0.004,
         variant: 0.0,
-        straight: true,
+        shape: Shape::Straight,
+    };
+    let modes = World {
+        shape: Shape::TwoModes,
+        ..slide
+    };
+    let ridge = World {
+        shape: Shape::Ridge,
+        ..slide
     };
     let moved = World {
         setting: 0.15,
@@ -386,6 +426,8 @@ fn the_table_of_worlds() {
         ("both", &both),
         ("loud", &loud),
         ("engines", &variants),
+        ("modes", &modes),
+        ("ridge", &ridge),
     ];
     for observations in [3, 1, 5, 10] {
         let chosen = ["cma-es", "nelder-mead", "bayesian"].map(|name| (name, First::Chosen(name)));

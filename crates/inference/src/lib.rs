@@ -23,6 +23,7 @@ mod least_squares;
 mod marginal;
 mod posterior;
 mod profile;
+mod run_selection;
 mod scale;
 mod scored_run;
 pub mod sensitivity;

@@ -64,7 +64,10 @@ impl Answer {
         let (mut scores, emulator) = match ending {
             Ending::Complete => {
                 let emulator = Emulator::new(&scored_runs(study, &scores))?;
-                with_best_completed(study, scores, emulator)?
+                let engine = emulator
+                    .as_ref()
+                    .map_or(0.0, |emulator| study.explaining_engine(&scores, emulator));
+                with_best_completed(study, scores.in_engine(study, engine), emulator)?
             }
             // An interrupted run is not continued here, and a part of a grid allows no conclusion about the whole.
             Ending::Interrupted => (scores, None),
@@ -105,7 +108,8 @@ impl Answer {
         let engines = match (judged, emulator.as_ref()) {
             (Some((matching, best)), Some(emulator)) => {
                 let known = (uncertainty_of_observations, matching.limit());
-                study.engine_preferences(&scores, best, emulator, known)
+                let weights = matching.variant_weights();
+                study.engine_preferences(&scores, best, (emulator, weights), known)
             }
             _ => Vec::new(),
         };
@@ -146,7 +150,7 @@ impl Answer {
     /// The expected score at these parameter values, whether they were simulated or not; `None` where there are too few runs.
     pub fn expected_score(&self, values: &[f64]) -> Option<f64> {
         let (emulator, grid) = self.emulator.as_ref()?;
-        Some(emulator.mean(&grid.place_of(values)))
+        Some(emulator.mean_in(&grid.place_of(values), self.scores.engine))
     }
 }
 
@@ -177,9 +181,8 @@ fn profiles(
         .map(|(axis, range)| {
             let inside = uncertainty.values_in_set(scores, axis);
             let inside: BTreeSet<usize> = inside.map(|value| range.nearest(value)).collect();
-            Profile::new(emulator, (axis, range), &others, |cell| {
-                inside.contains(&cell)
-            })
+            let of = (emulator, scores.engine);
+            Profile::new(of, (axis, range), &others, |cell| inside.contains(&cell))
         })
         .collect()
 }

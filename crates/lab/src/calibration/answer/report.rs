@@ -319,7 +319,7 @@ impl Report {
             point.score.map(|score| Best {
                 parameters: by_name(&study.parameter_set(&point.values)),
                 score,
-                settings: point.runs,
+                settings: scores.runs_of_mean(&study.settings(), best).len(),
                 own_score: own_score(study, scores, best),
                 displacement_error_m: point.displacement_error_m,
             })

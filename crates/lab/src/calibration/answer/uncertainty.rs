@@ -51,7 +51,7 @@ impl Uncertainty {
         }
         indistinguishable[best] = true;
         let fitted = study.part_of(&scores.points[best].recordings, false);
-        let runs = scores.runs_at(&scores.points[best].values);
+        let runs = scores.runs_of_mean(&study.settings(), best).into_iter();
         let over_settings: Vec<f64> = runs.filter_map(|run| run.score).collect();
         let simulation_sd = standard_deviation(&over_settings);
         let (source, best_score_sd) = match recordings {
@@ -87,14 +87,15 @@ impl Uncertainty {
     }
 }
 
-/// Score of a point with the study's own settings; `None` where it has not been simulated with them.
+/// Score of a point with the study's own settings; `None` where it has not been simulated with them, or where the recordings speak
+/// against the study's own engine.
 pub(in crate::calibration) fn own_score(
     study: &Study,
     scores: &Scores,
     best: usize,
 ) -> Option<f64> {
     let settings = study.settings();
-    let runs = scores.runs_at(&scores.points[best].values);
+    let runs = scores.runs_of_mean(&settings, best).into_iter();
     let own = runs.filter(|run| settings.of_trial(run.index) == Setting::OWN);
     mean_of_any(own.filter_map(|run| run.score))
 }

@@ -1,17 +1,26 @@
-//! The answer of a study of two engines, seen by each engine: whether the engine rejects the common best point, and which point
-//! it prefers.
+//! The answer of a study of two engines, seen by each engine: how well it explains the recordings, whether it rejects the best
+//! point, and which point it prefers.
 
 use std::collections::BTreeMap;
 
+use crate::calibration::exploration::wave::{VISITED, leading};
 use crate::calibration::{PointScore, Scores, Study, by_name};
 use realgap_core::statistics::mean_of;
-use realgap_inference::{Emulator, ObservationUncertainty, ScoreCovariance, implausibility};
+use realgap_inference::{
+    Emulator, HistoryMatching, ObservationUncertainty, ScoreCovariance, implausibility,
+};
 
 /// The view of one engine on the answer of both.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnginePreference {
     /// Name of the engine.
     pub engine: &'static str,
+    /// Posterior probability of this engine, when both are equally probable beforehand. The posterior of the parameters is the
+    /// mixture of both engines' posteriors with these weights.
+    pub weight: f64,
+    /// False where the recordings speak against this engine beside the other one. The best point is then the other engine's, and
+    /// its score the mean over the other engine's settings.
+    pub explains: bool,
     /// Mean score of the engine's settings at the common best point, in the metric's unit.
     pub score: f64,
     /// Number of these settings.
@@ -34,6 +43,11 @@ impl EnginePreference {
     }
 }
 
+/// The recordings speak against an engine whose posterior probability is lower than this.
+const REJECTED: f64 = 0.05;
+/// Points from which the probabilities are computed before the best point is known.
+const WEIGHED: usize = 200;
+
 /// The codes of the two engines, as
 /// [`Settings::engine_of_trial`](crate::calibration::numerics::setting::Settings::engine_of_trial) gives them.
 const ENGINES: [f64; 2] = [1.0, -1.0];
@@ -48,18 +62,43 @@ impl Study {
         Some(if engine < 0.0 { second.get() } else { own }.name())
     }
 
-    /// The view of each engine on the point at position `best`; empty where there is one engine only.
+    /// The code of the engine that alone explains the recordings; 0 where both do, or where there is one engine only.
+    pub(in crate::calibration) fn explaining_engine(
+        &self,
+        scores: &Scores,
+        emulator: &Emulator,
+    ) -> f64 {
+        if !emulator.has_two_variants() {
+            return 0.0;
+        }
+        let uncertainty = ObservationUncertainty {
+            observations: self.fitted_recordings(),
+            discrepancy: 0.0,
+        };
+        let (_, visited) = leading(self, scores, Some(emulator), VISITED);
+        let definition = self.definition();
+        let (grid, seed) = (&definition.grid, definition.seed);
+        let matching = HistoryMatching::new(emulator, grid, &visited, uncertainty, WEIGHED, seed);
+        match matching.variant_weights() {
+            [_, second] if *second < REJECTED => 1.0,
+            [own, _] if *own < REJECTED => -1.0,
+            _ => 0.0,
+        }
+    }
+
+    /// The view of each engine on the point at position `best`; empty where there is one engine only. `weights` are the engines'
+    /// posterior probabilities.
     pub(in crate::calibration) fn engine_preferences(
         &self,
         scores: &Scores,
         best: usize,
-        emulator: &Emulator,
+        (emulator, weights): (&Emulator, &[f64]),
         (uncertainty, limit): (ObservationUncertainty, f64),
     ) -> Vec<EnginePreference> {
         let grid = &self.definition().grid;
         let here = grid.place_of(&scores.points[best].values);
         let runs = scores.runs_by_engine(&self.settings(), best);
-        let preference = |(engine, runs): (f64, &Vec<&PointScore>)| {
+        let preference = |((engine, runs), weight): ((f64, &Vec<&PointScore>), &f64)| {
             let engine_name = self.engine_named(engine)?;
             let ranked = scores.ranked().into_iter().map(|position| {
                 let place = grid.place_of(&scores.points[position].values);
@@ -75,6 +114,8 @@ impl Study {
             let all = implausibility(&field, &ScoreCovariance::new(&field, uncertainty));
             Some(EnginePreference {
                 engine: engine_name,
+                weight: *weight,
+                explains: scores.engine == 0.0 || scores.engine == engine,
                 score: mean_of(runs.iter().filter_map(|run| run.score)),
                 settings: runs.len(),
                 parameters: by_name(&self.parameter_set(&grid.values_at(&own))),
@@ -86,6 +127,7 @@ impl Study {
         ENGINES
             .into_iter()
             .zip(&runs)
+            .zip(weights)
             .filter_map(preference)
             .collect()
     }

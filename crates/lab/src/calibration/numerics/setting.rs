@@ -86,13 +86,16 @@ impl Settings {
         }
     }
 
-    /// The mean of runs, each given by the number of its trial and a value: the mean of both engines' means where both have runs.
-    pub fn mean(&self, runs: &[(usize, f64)]) -> f64 {
+    /// The mean of runs, each given by the number of its trial and a value: the mean of the engine with this code, or, for 0, of both
+    /// engines' means. Runs of the other engine count where the one that is asked for has none.
+    pub fn mean(&self, engine: f64, runs: &[(usize, f64)]) -> f64 {
         let [own, second] = self.engine_means(runs);
-        match (own, second) {
-            (Some(own), Some(second)) => 0.5 * (own + second),
-            (one, other) => one.or(other).unwrap_or(f64::NAN),
-        }
+        let of_one = match engine {
+            0.0 => own.zip(second).map(|(own, second)| 0.5 * (own + second)),
+            1.0 => own,
+            _ => second,
+        };
+        of_one.or(own).or(second).unwrap_or(f64::NAN)
     }
 
     /// The mean of each engine's runs: of the study's own engine, and of the second.
@@ -233,8 +236,11 @@ mod tests {
             let some = Settings { count, ..both };
             let runs = (0..count).map(|n| (n, if own(&n) { 10.0 } else { 4.0 }));
             let runs: Vec<(usize, f64)> = runs.collect();
-            assert_eq!(some.mean(&runs), 7.0, "{count}");
-            assert_eq!(some.mean(&runs[1..2]), 4.0);
+            assert_eq!(some.mean(0.0, &runs), 7.0, "{count}");
+            assert_eq!(some.mean(1.0, &runs), 10.0, "{count}");
+            assert_eq!(some.mean(-1.0, &runs), 4.0, "{count}");
+            assert_eq!(some.mean(0.0, &runs[1..2]), 4.0);
+            assert_eq!(some.mean(1.0, &runs[1..2]), 4.0);
         }
     }
 
