@@ -11,6 +11,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::kernel::RunKernel;
 use crate::kernel_fit::KernelData;
+use crate::noise_field::NoiseField;
 use crate::run_selection::{better_half, spread};
 use crate::scale::ScoreScale;
 use crate::scored_run::ScoredRun;
@@ -44,6 +45,8 @@ pub struct Emulator {
     /// Deviation of each observation's score (column) from the mean over the observations, standardised; one row a run.
     observation_deviations: DMatrix<f64>,
     members: Vec<Member>,
+    /// How much runs scatter in each part of the search space.
+    noise: NoiseField,
     /// The emulator of the whole search space, where there are more runs than it needs: of runs that are spread over the space.
     ///
     /// Runs crowd where scores are low. There the scale of the scores and the kernel show details that the kernel then expects
@@ -98,11 +101,9 @@ impl Emulator {
     fn fitted(scaled: &[&ScoredRun], fitted: &[&ScoredRun], known: &[&ScoredRun]) -> Result<Self> {
         let scores: Vec<f64> = scaled.iter().map(|run| run.score()).collect();
         let scale = ScoreScale::new(&scores);
-        let data = KernelData {
-            values: values(scale, fitted),
-            runs: fitted.to_vec(),
-        };
-        Ok(Self::with(scale, &data.kernels()?, known))
+        let data = KernelData::new(fitted.to_vec(), values(scale, fitted));
+        let (kernels, noise) = data.kernels()?;
+        Ok(Self::with(scale, &kernels, noise, known))
     }
 
     /// The same kernels, conditioned on other runs: mostly on the earlier ones and some more.
@@ -110,7 +111,8 @@ impl Emulator {
     pub fn conditioned_on(&self, runs: &[ScoredRun]) -> Self {
         let again = |emulator: &Self, known: &[&ScoredRun]| {
             let kernels = emulator.members.iter().map(|m| m.kernel.clone());
-            Self::with(emulator.scale, &kernels.collect::<Vec<_>>(), known)
+            let noise = emulator.noise.clone();
+            Self::with(emulator.scale, &kernels.collect::<Vec<_>>(), noise, known)
         };
         let overview = self.overview.as_deref();
         Self {
@@ -124,7 +126,12 @@ impl Emulator {
         self.overview.as_deref()
     }
 
-    fn with(scale: ScoreScale, kernels: &[RunKernel], runs: &[&ScoredRun]) -> Self {
+    fn with(
+        scale: ScoreScale,
+        kernels: &[RunKernel],
+        noise: NoiseField,
+        runs: &[&ScoredRun],
+    ) -> Self {
         let values = values(scale, runs);
         let observation_deviations = match runs[0].surrogate_scores.as_slice() {
             [] => DMatrix::from_fn(runs.len(), runs[0].scores.len(), |run, observation| {
@@ -142,7 +149,7 @@ impl Emulator {
         let members = kernels.iter().filter_map(|kernel| {
             Some(Member {
                 kernel: kernel.clone(),
-                process: kernel.condition(runs, &values)?,
+                process: kernel.condition(runs, &values, &noise)?,
             })
         });
         Self {
@@ -151,6 +158,7 @@ impl Emulator {
             points: runs.iter().map(|run| run.point.clone()).collect(),
             variants: runs.iter().map(|run| run.variant).collect(),
             observation_deviations,
+            noise,
             overview: None,
         }
     }

@@ -21,6 +21,7 @@ mod kernel;
 mod kernel_fit;
 mod least_squares;
 mod marginal;
+mod noise_field;
 mod posterior;
 mod profile;
 mod run_selection;

@@ -107,7 +107,8 @@ fn truth(robot: Robot, seed: u64) -> [f64; 2] {
 }
 
 /// Repeats of a run in that reality. The robot is put down by hand, has servos of one make and is recorded by a camera. Its engine,
-/// timestep, substeps and contact stiffness differ from those of the study: up to twice as fine, and 1.4 times as soft or hard.
+/// timestep, substeps and contact stiffness differ from those of the study: up to twice as fine, and 1.4 times as soft or hard. Of
+/// [`Robot::Floor`] timestep and substeps alone differ, and all recordings are of one robot.
 fn reality(plan: Plan, seed: u64) -> Vec<Trajectory> {
     let robot = plan.robot;
     let mut hidden = Experiment::new(robot.morphology().assemble());
@@ -116,8 +117,11 @@ fn reality(plan: Plan, seed: u64) -> Vec<Trajectory> {
     let truth = truth(robot, seed);
     let share = |step: f64| (0.25 + seed as f64 * step).fract();
     let hertz = by_name("contact.natural_frequency_hz").unwrap();
-    let stiffness =
-        hertz.value(&hidden).unwrap() * 2.0_f64.powf(share(0.324_717_957_244_746) - 0.5);
+    let factor = match robot {
+        Robot::Floor => 1.0,
+        _ => 2.0_f64.powf(share(0.324_717_957_244_746) - 0.5),
+    };
+    let stiffness = hertz.value(&hidden).unwrap() * factor;
     let named = [0, 1].map(|axis| (robot.varied()[axis].0, truth[axis]));
     let all = robot.fixed().iter().copied().chain(named);
     for (name, value) in all.chain([("contact.natural_frequency_hz", stiffness)]) {
@@ -135,9 +139,13 @@ fn reality(plan: Plan, seed: u64) -> Vec<Trajectory> {
         position_m: Distribution::Normal(1e-3),
         ..Camera::default()
     };
+    let noise = match robot {
+        Robot::Floor => Noise::careful_start(),
+        _ => Noise::careful_repeat(),
+    };
     (0..plan.recordings)
         .map(|repeat| {
-            let run = run(&Noise::careful_repeat().perturb(&hidden, 1000 + seed, repeat)).unwrap();
+            let run = run(&noise.perturb(&hidden, 1000 + seed, repeat)).unwrap();
             let seen = run.outcome.completed().unwrap();
             camera.record(&seen, 1000 + seed, repeat).unwrap()
         })

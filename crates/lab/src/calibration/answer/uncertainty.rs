@@ -32,6 +32,8 @@ pub struct Uncertainty {
     pub emulator_share: f64,
     /// Whether each simulated point belongs to the set; the best point always does.
     pub indistinguishable: Vec<bool>,
+    /// Whether the best point belongs to the set by what the emulator says of it, too.
+    pub holds_best: bool,
     /// Points that were not simulated, spread evenly over the part of the search space that is not implausible.
     pub unvisited: Vec<Unvisited>,
 }
@@ -49,7 +51,7 @@ impl Uncertainty {
         for (position, is_in) in visited.iter().zip(matching.visited_in_set()) {
             indistinguishable[*position] = is_in;
         }
-        indistinguishable[best] = true;
+        let holds_best = std::mem::replace(&mut indistinguishable[best], true);
         let fitted = study.part_of(&scores.points[best].recordings, false);
         let runs = scores.runs_of_mean(&study.settings(), best).into_iter();
         let over_settings: Vec<f64> = runs.filter_map(|run| run.score).collect();
@@ -68,6 +70,7 @@ impl Uncertainty {
             simulation_sd,
             emulator_share: matching.emulator_share(),
             indistinguishable,
+            holds_best,
             unvisited: matching.unvisited(&study.definition().grid),
         }
     }

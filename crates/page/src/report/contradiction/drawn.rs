@@ -111,6 +111,7 @@ impl Swept {
             indistinguishable: (0..points.len())
                 .map(|at| at == best || score(&at) < limit)
                 .collect(),
+            holds_best: draw.is(0.8),
             unvisited: (0..40)
                 .map(|_| {
                     let values = place(draw);
