@@ -40,7 +40,10 @@ impl CandidateSampler<'_> {
         let low = |point: &Vec<f64>| {
             levels.contains(&f64::INFINITY) || {
                 let expected = self.expected(point);
-                expected.iter().zip(levels).any(|(score, level)| score <= level)
+                expected
+                    .iter()
+                    .zip(levels)
+                    .any(|(score, level)| score <= level)
             }
         };
         let kept: Vec<Vec<f64>> = self
@@ -109,7 +112,8 @@ impl CandidateSampler<'_> {
 
     /// Expected standardised score at a point in each variant.
     fn expected(&self, point: &[f64]) -> Vec<f64> {
-        self.emulator.standardised_in(point, self.emulator.variants())
+        self.emulator
+            .standardised_in(point, self.emulator.variants())
     }
 }
 

@@ -209,8 +209,7 @@ impl HistoryMatching {
             limit,
         );
         let open = (0..least.len()).filter(|point| least[*point] <= limit + BEYOND);
-        let mut open: Vec<(f64, &Vec<f64>)> =
-            open.map(|p| (least[p], &there.points[p])).collect();
+        let mut open: Vec<(f64, &Vec<f64>)> = open.map(|p| (least[p], &there.points[p])).collect();
         open.sort_by(|a, b| a.0.total_cmp(&b.0));
         let open: Vec<&Vec<f64>> = open.into_iter().map(|(_, point)| point).collect();
         let is_implausible = |probes: Vec<Vec<f64>>| {

@@ -130,12 +130,18 @@ pub(crate) fn parameter(range: &Range, found: &Found) -> Claim {
         ),
         Determination::Wide => {
             let covers = match interval.as_str() {
-                "" => format!("values from {fits_from} to {fits_to} {fit}, half of the searched range or more"),
-                _ => format!("the {level} interval {interval} covers half of the searched range or more"),
+                "" => format!(
+                    "values from {fits_from} to {fits_to} {fit}, half of the searched range or more"
+                ),
+                _ => format!(
+                    "the {level} interval {interval} covers half of the searched range or more"
+                ),
             };
             (
                 format!("not determined: {covers}"),
-                format!("{name} is not determined by these recordings: {covers}; the best is {best}"),
+                format!(
+                    "{name} is not determined by these recordings: {covers}; the best is {best}"
+                ),
             )
         }
         Determination::EdgeOfSearch => {
@@ -145,7 +151,8 @@ pub(crate) fn parameter(range: &Range, found: &Found) -> Claim {
                 shown.value(range.to)
             );
             let widen = "widen the range before you rely on this";
-            let reaches = format!("values from {fits_from} to {fits_to} {fit}, and {ends}: {widen}");
+            let reaches =
+                format!("values from {fits_from} to {fits_to} {fit}, and {ends}: {widen}");
             match is_at_edge {
                 true => (
                     format!("not determined within the searched range: {reaches}"),
@@ -153,7 +160,10 @@ pub(crate) fn parameter(range: &Range, found: &Found) -> Claim {
                         "{name} is not determined within the searched range: {reaches}; the best is {best}"
                     ),
                 ),
-                false => (format!("{within}, but {reaches}"), format!("{is}, but {reaches}")),
+                false => (
+                    format!("{within}, but {reaches}"),
+                    format!("{is}, but {reaches}"),
+                ),
             }
         }
         Determination::AtMost => bound("at most", &fits_to),
@@ -464,7 +474,10 @@ mod tests {
             ..beside
         };
         let text = parameter(&friction(), &lucky).text;
-        assert!(text.contains("lower score than the emulator expects"), "{text}");
+        assert!(
+            text.contains("lower score than the emulator expects"),
+            "{text}"
+        );
     }
 
     #[test]

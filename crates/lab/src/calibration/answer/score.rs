@@ -99,11 +99,7 @@ impl Scores {
         let more = Self::with_basis(study, trials, self.basis.clone())?;
         let runs = self.runs.iter().cloned().chain(more.runs).collect();
         let basis = (self.unit, self.basis.clone());
-        Ok(Self::of_runs(
-            runs,
-            basis,
-            (self.engine, &study.settings()),
-        ))
+        Ok(Self::of_runs(runs, basis, (self.engine, &study.settings())))
     }
 
     /// The same runs, where the score of a point is the mean over the settings of one engine; 0 means both.
