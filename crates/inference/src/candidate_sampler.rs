@@ -15,6 +15,8 @@ pub(crate) type Intervals = Vec<(f64, f64)>;
 /// Samples points of the search space by the score that the emulator expects there.
 pub(crate) struct CandidateSampler<'a> {
     pub emulator: &'a Emulator,
+    /// The variants in which scores are looked at.
+    pub variants: Vec<f64>,
     pub grid: &'a Grid,
     pub seed: u64,
 }
@@ -94,7 +96,7 @@ impl CandidateSampler<'_> {
     pub fn lowest(&self, axes: &[Intervals], count: usize) -> Vec<Vec<f64>> {
         let points = self.points(axes, count);
         let expected: Vec<Vec<f64>> = points.iter().map(|point| self.expected(point)).collect();
-        let variants = self.emulator.variants().len();
+        let variants = self.variants.len();
         let mut is_low = vec![false; points.len()];
         for variant in 0..variants {
             let mut ranked: Vec<usize> = (0..points.len()).collect();
@@ -112,8 +114,7 @@ impl CandidateSampler<'_> {
 
     /// Expected standardised score at a point in each variant.
     fn expected(&self, point: &[f64]) -> Vec<f64> {
-        self.emulator
-            .standardised_in(point, self.emulator.variants())
+        self.emulator.standardised_in(point, &self.variants)
     }
 }
 

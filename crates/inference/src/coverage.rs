@@ -11,10 +11,13 @@ use rand::{RngExt, SeedableRng};
 use check::{RANK_BINS, agree, rank_statistic};
 use world::{Output, Shape, World, normal};
 
-use crate::{Emulator, HistoryMatching, INTERVAL_LEVEL, ObservationUncertainty, ScoredRun};
+use crate::{
+    Emulator, HistoryMatching, INTERVAL_LEVEL, ObservationUncertainty, ScoredRun,
+    variant_probabilities,
+};
 use realgap_core::quantity::{Quantity, Scale};
 use realgap_core::random::Generator;
-use realgap_core::statistics::chi_squared_quantile;
+use realgap_core::statistics::{chi_squared_quantile, least_by};
 use realgap_core::unit::Unit;
 use realgap_optimization::{
     EvaluatedPoint, Grid, History, OptimizationProblem, Proposal, Range, UnitPoint,
@@ -127,28 +130,32 @@ fn study(world: &World, first: First, observations: usize, seed: u64) -> Found {
         })
         .collect();
     let mut runs: Vec<ScoredRun> = Vec::new();
+    let simulate_as =
+        |runs: &mut Vec<ScoredRun>, (at, setting): (Vec<f64>, usize), rng: &mut Generator| {
+            // Where there is a single observation, runs are made with its noise, because it cannot show any.
+            let own = if observations == 1 {
+                world.observation
+            } else {
+                world.run
+            };
+            let variant = variant_of(setting);
+            let numbers = (own_settings + setting as u64, variants, variant);
+            let output = world.run(&at, numbers, rng, own);
+            let distance = |real: &Output| {
+                let squares = real.iter().zip(&output).map(|(a, b)| (a - b).powi(2));
+                squares.sum::<f64>().sqrt()
+            };
+            runs.push(ScoredRun {
+                point: at,
+                setting: setting as u64,
+                variant,
+                scores: real.iter().map(distance).collect(),
+                surrogate_scores: Vec::new(),
+            });
+        };
     let simulate = |runs: &mut Vec<ScoredRun>, at: Vec<f64>, rng: &mut Generator| {
         let setting = runs.len() % SETTINGS;
-        // Where there is a single observation, runs are made with its noise, because it cannot show any.
-        let own = if observations == 1 {
-            world.observation
-        } else {
-            world.run
-        };
-        let variant = variant_of(setting);
-        let numbers = (own_settings + setting as u64, variants, variant);
-        let output = world.run(&at, numbers, rng, own);
-        let distance = |real: &Output| {
-            let squares = real.iter().zip(&output).map(|(a, b)| (a - b).powi(2));
-            squares.sum::<f64>().sqrt()
-        };
-        runs.push(ScoredRun {
-            point: at,
-            setting: setting as u64,
-            variant,
-            scores: real.iter().map(distance).collect(),
-            surrogate_scores: Vec::new(),
-        });
+        simulate_as(runs, (at, setting), rng);
     };
     match first {
         First::Grid(_) => {
@@ -168,8 +175,24 @@ fn study(world: &World, first: First, observations: usize, seed: u64) -> Found {
     let (mut known, mut active) = (None, Vec::new());
     for wave in 0..=3 {
         let emulator = Emulator::new(&runs).unwrap().unwrap();
+        let mut weights = emulator.equal_weights();
+        if let (3, [first, second]) = (wave, emulator.variants()) {
+            // All settings of each variant at its own best point, as studies simulate them.
+            let scores = [*first, *second].map(|variant| {
+                let places = runs.iter().map(|run| run.point.clone());
+                let expected = places.map(|at| (emulator.mean_in(&at, variant), at));
+                let (_, at) = least_by(expected, |(score, _)| *score).unwrap();
+                let own = (0..SETTINGS).filter(|number| variant_of(*number) == variant);
+                let mut there = Vec::new();
+                for setting in own {
+                    simulate_as(&mut there, (at.clone(), setting), &mut rng);
+                }
+                there.iter().map(ScoredRun::score).collect::<Vec<f64>>()
+            });
+            weights = variant_probabilities(scores.each_ref().map(Vec::as_slice)).to_vec();
+        }
         let matching = HistoryMatching::new(
-            &emulator,
+            (&emulator, &weights),
             &grid,
             &[],
             uncertainty,
@@ -394,7 +417,14 @@ fn where_no_parameter_does_anything_all_values_stay_open() {
             observations: 3,
             discrepancy: 0.0,
         };
-        let matching = HistoryMatching::new(&emulator, &grid, &[], uncertainty, 200, seed);
+        let matching = HistoryMatching::new(
+            (&emulator, &emulator.equal_weights()),
+            &grid,
+            &[],
+            uncertainty,
+            200,
+            seed,
+        );
         let draws = matching.draws(&grid, seed);
         let flat = !emulator.active().contains(&true);
         for axis in 0..2 {

@@ -65,7 +65,7 @@ pub struct ScoreField {
     pub numerics: DMatrix<f64>,
     /// Deviation of each observation's score (column) from the mean over the observations; one row a point.
     pub observation_deviations: DMatrix<f64>,
-    /// Correlation of the score between the points, before any run; between variants it is the smaller the more these differ.
+    /// Correlation of the score between the points, before any run.
     pub correlation: DMatrix<f64>,
     /// Variance of single runs about their setting.
     pub noise: f64,
@@ -211,6 +211,12 @@ impl Emulator {
         self.variants.iter().any(|variant| *variant != 0.0)
     }
 
+    /// The same probability for every variant.
+    pub fn equal_weights(&self) -> Vec<f64> {
+        let variants = self.variants().len();
+        vec![1.0 / variants as f64; variants]
+    }
+
     /// Expected score at a point.
     pub fn mean(&self, point: &[f64]) -> f64 {
         self.scale.score(self.standardised(point))
@@ -237,14 +243,8 @@ impl Emulator {
 
     /// Joint prediction for several points in a variant, or, for 0, on average over both.
     pub fn field_in(&self, points: &[Vec<f64>], variant: f64) -> ScoreField {
-        let places: Vec<(&[f64], f64)> = points.iter().map(|p| (p.as_slice(), variant)).collect();
-        self.field(&places)
-    }
-
-    /// Joint prediction for several points, each with the variant in which its score is asked for.
-    pub fn field(&self, places: &[(&[f64], f64)]) -> ScoreField {
         let runs = self.points.len();
-        let (n, observations) = (places.len(), self.observation_deviations.ncols());
+        let (n, observations) = (points.len(), self.observation_deviations.ncols());
         let square = || DMatrix::zeros(n, n);
         let freedom = (runs * (observations - 1).max(1)) as f64;
         let mut field = ScoreField {
@@ -261,31 +261,24 @@ impl Emulator {
         let mut means = Vec::new();
         for member in &self.members {
             let kernel = &member.kernel;
-            let across = DMatrix::from_fn(runs, n, |run, place| {
-                self.covariance(kernel, run, places[place].0, places[place].1)
+            let across = DMatrix::from_fn(runs, n, |run, point| {
+                self.covariance(kernel, run, &points[point], variant)
             });
-            let (mut prior, mut numerics) = (square(), square());
-            let between = kernel.between_variants;
+            let mut between = square();
             for column in 0..n {
                 for row in column..n {
-                    let ((a, in_a), (b, in_b)) = (places[row], places[column]);
-                    let shared = kernel.score.covariance(a, b);
-                    let of_variants = shared * (1.0 + between * in_a * in_b);
-                    (prior[(row, column)], prior[(column, row)]) = (of_variants, of_variants);
-                    // Reality has one setting. In another variant this would be another one.
-                    let of_setting = match in_a == in_b {
-                        true => shared * kernel.between_settings,
-                        false => 0.0,
-                    };
-                    (numerics[(row, column)], numerics[(column, row)]) = (of_setting, of_setting);
+                    let covariance = kernel.score.covariance(&points[row], &points[column]);
+                    (between[(row, column)], between[(column, row)]) = (covariance, covariance);
                 }
             }
+            let own = 1.0 + kernel.between_variants * variant * variant;
+            let prior = &between * own;
             let predicted = member.process.predict(&across, &prior);
             field.observation_deviations +=
                 predicted.weights * &self.observation_deviations * share;
             field.emulator += predicted.covariance * share;
-            field.numerics += numerics * share;
-            field.correlation += correlation(&prior) * share;
+            field.numerics += &between * (kernel.between_settings * share);
+            field.correlation += between * (share / kernel.score.variance);
             field.noise += kernel.noise * share;
             field.setting += kernel.between_settings * kernel.score.variance * share;
             field.means += &predicted.means * share;
@@ -297,13 +290,6 @@ impl Emulator {
         }
         field
     }
-}
-
-/// The correlations of a covariance.
-fn correlation(covariance: &DMatrix<f64>) -> DMatrix<f64> {
-    DMatrix::from_fn(covariance.nrows(), covariance.ncols(), |a, b| {
-        covariance[(a, b)] / (covariance[(a, a)] * covariance[(b, b)]).sqrt()
-    })
 }
 
 /// Standardised scores of runs.

@@ -6,11 +6,11 @@
 //! I is Rao's score statistic with the sandwich variance (Rao 1948; Huber 1967). So the quantiles of the density exp(−I²/2) over the
 //! parameters are confidence limits. A parameter without effect keeps its whole range, because no score speaks against any value.
 //!
-//! Where the black box has two variants, which of them reality is like is a hypothesis with two values, equally probable beforehand.
-//! A point in a variant is then compared with all points in both variants, and the density of a point is the sum over the variants:
-//! the mixture of the variants' posterior distributions, each with the weight that its scores earn (Bayesian model averaging; Hoeting
-//! et al. 1999). Where the recordings speak against one variant at every point, its weight vanishes. Where both explain them, the
-//! draws come from both. A mean of both scores would instead prefer points that neither variant prefers.
+//! Where the black box has two variants, which of them reality is like is a hypothesis with two values. A point in a variant is compared
+//! with the points in that variant, and the density of a point is the sum over the variants: a mixture of the variants' posterior
+//! distributions (Bayesian model averaging; Hoeting et al. 1999). The weight of a variant is its probability
+//! ([`variant_probabilities`](crate::variant_probabilities)). Where the observations speak against one variant, its weight vanishes.
+//! Where both explain them, the draws come from both. A mean of both scores would instead prefer points that neither variant prefers.
 
 use rand::RngExt;
 
@@ -63,8 +63,6 @@ pub struct HistoryMatching {
     implausibility: Vec<f64>,
     /// Posterior density of each of these points without its constant: the sum over the variants.
     densities: Vec<f64>,
-    /// Weight of each variant in the densities; they add up to 1.
-    variant_weights: Vec<f64>,
     /// Implausibility of the points that the caller asked about.
     visited: Vec<f64>,
     /// By parameter: coordinates in the middle of each implausible part of its range that lies between two parts that are not.
@@ -76,76 +74,99 @@ pub struct HistoryMatching {
 /// What the emulator says about some points in each variant.
 struct Look {
     points: Vec<Vec<f64>>,
-    /// Of every point in the first variant, then of every point in the second.
+    variants: Vec<VariantLook>,
+}
+
+/// What the emulator says about these points in one variant.
+struct VariantLook {
+    weight: f64,
     field: ScoreField,
     covariance: ScoreCovariance,
     implausibility: Vec<f64>,
 }
 
 impl Look {
+    /// Variants without weight are left out.
     fn new(
-        emulator: &Emulator,
+        (emulator, weights): (&Emulator, &[f64]),
         points: Vec<Vec<f64>>,
         uncertainty: ObservationUncertainty,
         limit: f64,
     ) -> Self {
-        let variants = emulator.variants().iter();
-        let places = variants.flat_map(|variant| points.iter().map(|p| (p.as_slice(), *variant)));
-        let places: Vec<(&[f64], f64)> = places.collect();
-        let of = |emulator: &Emulator| {
-            let field = emulator.field(&places);
+        let of = |emulator: &Emulator, variant: f64| {
+            let field = emulator.field_in(&points, variant);
             let covariance = ScoreCovariance::new(&field, uncertainty);
             let implausibility = implausibility(&field, &covariance);
             (field, covariance, implausibility)
         };
-        let (field, covariance, mut implausibility) = of(emulator);
-        if let Some(overview) = emulator.overview() {
-            let (.., of_all) = of(overview);
-            for (here, of_all) in implausibility.iter_mut().zip(of_all) {
-                if of_all > limit + BEYOND {
-                    *here = here.max(of_all);
+        let variants = emulator.variants().iter().zip(weights);
+        let variants = variants.filter(|(_, weight)| **weight > 0.0);
+        let variants = variants.map(|(variant, weight)| {
+            let (field, covariance, mut implausibility) = of(emulator, *variant);
+            if let Some(overview) = emulator.overview() {
+                let (.., of_all) = of(overview, *variant);
+                for (here, of_all) in implausibility.iter_mut().zip(of_all) {
+                    if of_all > limit + BEYOND {
+                        *here = here.max(of_all);
+                    }
                 }
             }
-        }
-        Self {
-            points,
-            field,
-            covariance,
-            implausibility,
-        }
-    }
-
-    /// Implausibility of a point in each variant.
-    fn of_point(&self, point: usize) -> impl Iterator<Item = f64> {
-        let all = self.implausibility.iter().skip(point);
-        all.step_by(self.points.len()).copied()
+            VariantLook {
+                weight: *weight,
+                field,
+                covariance,
+                implausibility,
+            }
+        });
+        let variants = variants.collect();
+        Self { points, variants }
     }
 
     /// Implausibility of a point in the variant in which it is least implausible.
     fn least(&self, point: usize) -> f64 {
-        self.of_point(point).fold(f64::INFINITY, f64::min)
+        let variants = self.variants.iter();
+        let all = variants.map(|variant| variant.implausibility[point]);
+        all.fold(f64::INFINITY, f64::min)
     }
 
-    /// For each variant the standardised score up to which points are worth another look: somewhat more than of all points in it that
-    /// are not implausible.
-    fn levels(&self, limit: f64) -> Vec<f64> {
-        let count = self.points.len();
-        let variants = (0..self.implausibility.len()).step_by(count);
-        let level = |first: usize| {
-            let places = first..first + count;
-            let near = places.filter(|place| self.implausibility[*place] <= limit + BEYOND);
-            let (lowest, highest) = ends_of(near.map(|place| self.field.means[place]));
-            // Where the expected score is the same everywhere, rounding errors must not separate one point from the others.
-            highest + MARGIN * (highest - lowest).max(0.0) + ROUNDING
-        };
-        variants.map(level).collect()
+    /// Posterior density of each of the first `count` points, without a constant.
+    fn densities(&self, count: usize) -> Vec<f64> {
+        let mut densities = vec![0.0; count];
+        for variant in &self.variants {
+            let squares = variant.implausibility[..count].iter().map(|i| i * i);
+            let own: Vec<f64> = squares.map(|square| libm::exp(-0.5 * square)).collect();
+            let total: f64 = own.iter().sum();
+            // Densities are too small to be numbers where every sampled point is far from the best run.
+            if total > 0.0 {
+                for (density, own) in densities.iter_mut().zip(own) {
+                    *density += variant.weight * own / total;
+                }
+            }
+        }
+        densities
+    }
+}
+
+impl VariantLook {
+    /// The standardised score up to which points are worth another look: somewhat more than of all that are not implausible.
+    fn level(&self, limit: f64) -> f64 {
+        let places = 0..self.implausibility.len();
+        let near = places.filter(|place| self.implausibility[*place] <= limit + BEYOND);
+        let (lowest, highest) = ends_of(near.map(|place| self.field.means[place]));
+        // Where the expected score is the same everywhere, rounding errors must not separate one point from the others.
+        highest + MARGIN * (highest - lowest).max(0.0) + ROUNDING
+    }
+
+    fn emulator_share(&self, limit: f64) -> f64 {
+        emulator_share(&self.field, &self.covariance, &self.implausibility, limit)
     }
 }
 
 impl HistoryMatching {
     /// Samples `count` points, and computes the implausibility of these and of `visited`, which are coordinates of evaluated points.
+    /// `weights` are the probabilities of the emulator's variants, in the order of [`Emulator::variants`].
     pub fn new(
-        emulator: &Emulator,
+        (emulator, weights): (&Emulator, &[f64]),
         grid: &Grid,
         visited: &[Vec<f64>],
         uncertainty: ObservationUncertainty,
@@ -156,10 +177,13 @@ impl HistoryMatching {
         let limit = chi_squared_quantile(LEVEL, dimensions as f64).sqrt();
         let look = |points: Vec<Vec<f64>>| {
             let all = points.into_iter().chain(visited.iter().cloned()).collect();
-            Look::new(emulator, all, uncertainty, limit)
+            Look::new((emulator, weights), all, uncertainty, limit)
         };
+        let variants = emulator.variants().iter().zip(weights);
+        let variants = variants.filter(|(_, weight)| **weight > 0.0);
         let sampler = CandidateSampler {
             emulator,
+            variants: variants.map(|(variant, _)| *variant).collect(),
             grid,
             seed,
         };
@@ -175,7 +199,8 @@ impl HistoryMatching {
             let near: Vec<&Vec<f64>> = near.map(|point| &there.points[point]).collect();
             axes = sampler.around(&near, &axes, few);
             let last = narrowing + 1 == NARROWINGS || near.len() * ENOUGH > there.points.len();
-            let levels = there.levels(limit);
+            let levels = there.variants.iter().map(|variant| variant.level(limit));
+            let levels: Vec<f64> = levels.collect();
             points = sampler.spread(&axes, &levels, if last { count } else { few });
             if last {
                 break;
@@ -186,28 +211,11 @@ impl HistoryMatching {
         let least: Vec<f64> = (0..there.points.len())
             .map(|point| there.least(point))
             .collect();
-        let density = |implausibility: f64| libm::exp(-0.5 * implausibility * implausibility);
-        let densities = (0..count).map(|point| there.of_point(point).map(density).sum());
-        let densities: Vec<f64> = densities.collect();
-        let total: f64 = densities.iter().sum();
-        let variants = emulator.variants().len();
-        let of_variant = |variant: usize| {
-            let first = variant * there.points.len();
-            let own = there.implausibility[first..first + count].iter();
-            let own: f64 = own.map(|i| density(*i)).sum();
-            // Densities are too small to be numbers where every sampled point is far from the best run.
-            if total > 0.0 {
-                own / total
-            } else {
-                1.0 / variants as f64
-            }
-        };
-        let emulator_share = emulator_share(
-            &there.field,
-            &there.covariance,
-            &there.implausibility,
-            limit,
-        );
+        let densities = there.densities(count);
+        let shares = there.variants.iter();
+        let emulator_share = shares
+            .map(|variant| variant.weight * variant.emulator_share(limit))
+            .sum();
         let open = (0..least.len()).filter(|point| least[*point] <= limit + BEYOND);
         let mut open: Vec<(f64, &Vec<f64>)> = open.map(|p| (least[p], &there.points[p])).collect();
         open.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -222,7 +230,6 @@ impl HistoryMatching {
         let gaps: Vec<Vec<f64>> = gaps.collect();
         Self {
             gaps,
-            variant_weights: (0..variants).map(of_variant).collect(),
             densities,
             visited: least[count..].to_vec(),
             implausibility: least[..count].to_vec(),
@@ -230,11 +237,6 @@ impl HistoryMatching {
             emulator_share,
             limit,
         }
-    }
-
-    /// Posterior probability of each variant, in the order of [`Emulator::variants`]; they add up to 1.
-    pub fn variant_weights(&self) -> &[f64] {
-        &self.variant_weights
     }
 
     /// Share of the emulator in the variance of the difference between the best point and others of the confidence set: the share that

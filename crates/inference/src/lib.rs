@@ -28,6 +28,7 @@ mod run_selection;
 mod scale;
 mod scored_run;
 pub mod sensitivity;
+mod variant_evidence;
 
 pub use emulator::{Emulator, ScoreField};
 pub use history_matching::{HistoryMatching, LEVEL, Unvisited};
@@ -38,3 +39,4 @@ pub use marginal::{Determination, Marginal};
 pub use posterior::{INTERVAL_LEVEL, PosteriorDraws};
 pub use profile::Profile;
 pub use scored_run::ScoredRun;
+pub use variant_evidence::variant_probabilities;

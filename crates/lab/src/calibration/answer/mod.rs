@@ -11,6 +11,7 @@ use std::fmt;
 
 use crate::calibration::answer::report::Evidence;
 use crate::calibration::exploration::wave::{leading, scored_runs, with_best_completed};
+use crate::calibration::numerics::engines::{explaining_engine, posterior_weights};
 use crate::calibration::{
     Audit, Fit, Method, PointScore, Report, Reproduction, Scores, Study, Uncertainty, Validation,
 };
@@ -61,14 +62,18 @@ impl Answer {
         scores: Scores,
         refits: Option<Vec<PointScore>>,
     ) -> Result<Self> {
+        let mut weights = vec![1.0];
         let (mut scores, emulator) = match ending {
-            Ending::Complete => {
-                let emulator = Emulator::new(&scored_runs(study, &scores))?;
-                let engine = emulator
-                    .as_ref()
-                    .map_or(0.0, |emulator| study.explaining_engine(&scores, emulator));
-                with_best_completed(study, scores.in_engine(study, engine), emulator)?
-            }
+            Ending::Complete => match Emulator::new(&scored_runs(study, &scores))? {
+                Some(emulator) => {
+                    let weighed = study.with_engines_weighed(scores, emulator)?;
+                    let (scores, emulator, of_engines) = weighed;
+                    weights = of_engines;
+                    let scores = scores.in_engine(study, explaining_engine(&weights));
+                    with_best_completed(study, scores, Some(emulator))?
+                }
+                None => with_best_completed(study, scores, None)?,
+            },
             // An interrupted run is not continued here, and a part of a grid allows no conclusion about the whole.
             Ending::Interrupted => (scores, None),
         };
@@ -93,7 +98,7 @@ impl Answer {
         let matching = emulator.as_ref().map(|emulator| {
             let uncertainty = uncertainty_of_observations;
             HistoryMatching::new(
-                emulator,
+                (emulator, &posterior_weights(&weights)),
                 grid,
                 &visited,
                 uncertainty,
@@ -108,8 +113,7 @@ impl Answer {
         let engines = match (judged, emulator.as_ref()) {
             (Some((matching, best)), Some(emulator)) => {
                 let known = (uncertainty_of_observations, matching.limit());
-                let weights = matching.variant_weights();
-                study.engine_preferences(&scores, best, (emulator, weights), known)
+                study.engine_preferences(&scores, best, (emulator, &weights), known)
             }
             _ => Vec::new(),
         };

@@ -21,7 +21,7 @@ const LEAST: usize = 16;
 const MOST: usize = 500;
 /// Sampled points and simulated points among which the points of a wave are chosen.
 const PLACES: usize = 200;
-pub(in crate::calibration) const VISITED: usize = 60;
+const VISITED: usize = 60;
 /// No further wave is made where the emulator has less than this share in the variance of the difference between points and the
 /// best point.
 const LEAST_EMULATOR_SHARE: f64 = 0.1;
@@ -166,7 +166,10 @@ pub(in crate::calibration) fn next_wave(
     let places = PLACES.max(2 * count);
     let seed = definition.seed.wrapping_add(from as u64);
     let grid = &definition.grid;
-    let matching = HistoryMatching::new(&emulator, grid, &visited, uncertainty, places, seed);
+    // Both engines are as probable, so that runs go to the valleys of both.
+    let weights = emulator.equal_weights();
+    let of = (&emulator, weights.as_slice());
+    let matching = HistoryMatching::new(of, grid, &visited, uncertainty, places, seed);
     if matching.emulator_share() < LEAST_EMULATOR_SHARE {
         return Ok(Vec::new());
     }
@@ -196,7 +199,10 @@ pub(in crate::calibration) fn with_waves(study: &Study, mut scores: Scores) -> R
     Ok(scores)
 }
 
-fn simulated(study: &Study, chosen: Vec<(usize, Vec<f64>)>) -> Result<Vec<realgap_store::Trial>> {
+pub(in crate::calibration) fn simulated(
+    study: &Study,
+    chosen: Vec<(usize, Vec<f64>)>,
+) -> Result<Vec<realgap_store::Trial>> {
     let trials = chosen.into_par_iter();
     trials
         .map(|(index, values)| study.simulate_trial(index, values, false))
@@ -204,7 +210,7 @@ fn simulated(study: &Study, chosen: Vec<(usize, Vec<f64>)>) -> Result<Vec<realga
 }
 
 /// A number after those of all trials and of the grid, with the study's own setting.
-fn next_trial(study: &Study, scores: &Scores) -> usize {
+pub(in crate::calibration) fn next_trial(study: &Study, scores: &Scores) -> usize {
     let settings = study.settings();
     let last = scores.runs.iter().map(|run| run.index).max().unwrap_or(0);
     (last + 1)

@@ -3,11 +3,13 @@
 
 use std::collections::BTreeMap;
 
-use crate::calibration::exploration::wave::{VISITED, leading};
+use crate::calibration::exploration::wave::{next_trial, scored_runs, simulated};
+use crate::calibration::numerics::setting::Setting;
 use crate::calibration::{PointScore, Scores, Study, by_name};
-use realgap_core::statistics::mean_of;
+use realgap_core::Result;
+use realgap_core::statistics::{least_by, mean_of};
 use realgap_inference::{
-    Emulator, HistoryMatching, ObservationUncertainty, ScoreCovariance, implausibility,
+    Emulator, ObservationUncertainty, ScoreCovariance, implausibility, variant_probabilities,
 };
 
 /// The view of one engine on the answer of both.
@@ -43,10 +45,31 @@ impl EnginePreference {
     }
 }
 
-/// The recordings speak against an engine whose posterior probability is lower than this.
+/// The recordings speak against an engine whose posterior probability is lower than this: odds of 19 to 1, which are called strong
+/// (Kass & Raftery 1995).
 const REJECTED: f64 = 0.05;
-/// Points from which the probabilities are computed before the best point is known.
-const WEIGHED: usize = 200;
+/// How often the best point of each engine is looked for, each time with the runs of the time before.
+const LOOKS: usize = 2;
+
+/// The code of the engine that alone explains the recordings by these probabilities; 0 where both do, or where there is one engine
+/// only.
+pub(in crate::calibration) fn explaining_engine(weights: &[f64]) -> f64 {
+    match weights {
+        [_, second] if *second < REJECTED => 1.0,
+        [own, _] if *own < REJECTED => -1.0,
+        _ => 0.0,
+    }
+}
+
+/// The weights of the engines in the posterior: their probabilities, or all of it for the one that alone explains.
+pub(in crate::calibration) fn posterior_weights(weights: &[f64]) -> Vec<f64> {
+    match explaining_engine(weights) {
+        0.0 => weights.to_vec(),
+        engine => ENGINES
+            .map(|own| f64::from(u8::from(own == engine)))
+            .to_vec(),
+    }
+}
 
 /// The codes of the two engines, as
 /// [`Settings::engine_of_trial`](crate::calibration::numerics::setting::Settings::engine_of_trial) gives them.
@@ -62,28 +85,63 @@ impl Study {
         Some(if engine < 0.0 { second.get() } else { own }.name())
     }
 
-    /// The code of the engine that alone explains the recordings; 0 where both do, or where there is one engine only.
-    pub(in crate::calibration) fn explaining_engine(
+    /// The scores with all settings of each engine at its own best point, and the probability of each engine; one of 1 where there
+    /// is one engine only. The point is looked for again once these runs are known.
+    ///
+    /// # Errors
+    /// As [`Study::simulate`].
+    pub(in crate::calibration) fn with_engines_weighed(
         &self,
-        scores: &Scores,
-        emulator: &Emulator,
-    ) -> f64 {
+        mut scores: Scores,
+        mut emulator: Emulator,
+    ) -> Result<(Scores, Emulator, Vec<f64>)> {
         if !emulator.has_two_variants() {
-            return 0.0;
+            return Ok((scores, emulator, vec![1.0]));
         }
-        let uncertainty = ObservationUncertainty {
-            observations: self.fitted_recordings(),
-            discrepancy: 0.0,
+        let settings = self.settings();
+        for _ in 0..LOOKS {
+            let from = next_trial(self, &scores);
+            let mut missing = Vec::new();
+            for engine in ENGINES {
+                let Some(best) = self.best_in(&scores, &emulator, engine) else {
+                    continue;
+                };
+                let values = &scores.points[best].values;
+                let there = scores.runs.iter().filter(|run| run.values == *values);
+                let seen: Vec<Setting> = there.map(|run| settings.of_trial(run.index)).collect();
+                let own = (0..settings.count).filter(|number| {
+                    settings.engine_of_trial(from + number) == engine
+                        && !seen.contains(&Setting::new(*number))
+                });
+                missing.extend(own.map(|number| (from + number, values.clone())));
+            }
+            if missing.is_empty() {
+                break;
+            }
+            scores = scores.with_more(self, &simulated(self, missing)?)?;
+            emulator = emulator.conditioned_on(&scored_runs(self, &scores));
+        }
+        let of = |engine: f64| -> Vec<f64> {
+            let Some(best) = self.best_in(&scores, &emulator, engine) else {
+                return Vec::new();
+            };
+            let [own, second] = scores.runs_by_engine(&settings, best);
+            let runs = if engine > 0.0 { own } else { second };
+            runs.into_iter().filter_map(|run| run.score).collect()
         };
-        let (_, visited) = leading(self, scores, Some(emulator), VISITED);
-        let definition = self.definition();
-        let (grid, seed) = (&definition.grid, definition.seed);
-        let matching = HistoryMatching::new(emulator, grid, &visited, uncertainty, WEIGHED, seed);
-        match matching.variant_weights() {
-            [_, second] if *second < REJECTED => 1.0,
-            [own, _] if *own < REJECTED => -1.0,
-            _ => 0.0,
-        }
+        let own = ENGINES.map(of);
+        let weights = variant_probabilities(own.each_ref().map(Vec::as_slice));
+        Ok((scores, emulator, weights.to_vec()))
+    }
+
+    /// Position of the point with the lowest expected score in this engine.
+    fn best_in(&self, scores: &Scores, emulator: &Emulator, engine: f64) -> Option<usize> {
+        let grid = &self.definition().grid;
+        let expected = scores.ranked().into_iter().map(|position| {
+            let place = grid.place_of(&scores.points[position].values);
+            (emulator.standardised_in(&place, &[engine])[0], position)
+        });
+        least_by(expected, |(score, _)| *score).map(|(_, position)| position)
     }
 
     /// The view of each engine on the point at position `best`; empty where there is one engine only. `weights` are the engines'
