@@ -7,7 +7,7 @@ use crate::calibration::exploration::wave::{next_trial, scored_runs, simulated};
 use crate::calibration::numerics::setting::Setting;
 use crate::calibration::{PointScore, Scores, Study, by_name};
 use realgap_core::Result;
-use realgap_core::statistics::{least_by, mean_of};
+use realgap_core::statistics::{least_by, mean, mean_of};
 use realgap_inference::{
     Emulator, ObservationUncertainty, ScoreCovariance, implausibility, variant_probabilities,
 };
@@ -121,13 +121,19 @@ impl Study {
             scores = scores.with_more(self, &simulated(self, missing)?)?;
             emulator = emulator.conditioned_on(&scored_runs(self, &scores));
         }
+        // The best point of an engine is the lowest mean over all of its settings, never a point with fewer runs.
+        let first = next_trial(self, &scores);
         let of = |engine: f64| -> Vec<f64> {
-            let Some(best) = self.best_in(&scores, &emulator, engine) else {
-                return Vec::new();
-            };
-            let [own, second] = scores.runs_by_engine(&settings, best);
-            let runs = if engine > 0.0 { own } else { second };
-            runs.into_iter().filter_map(|run| run.score).collect()
+            let is_own = |index: usize| settings.engine_of_trial(index) == engine;
+            let all = (first..first + settings.count).filter(|index| is_own(*index));
+            let all = all.count();
+            let points = scores.points.iter().filter_map(|point| {
+                let runs = scores.runs.iter().filter(|run| run.values == point.values);
+                let runs: Vec<&PointScore> = runs.filter(|run| is_own(run.index)).collect();
+                let scored: Vec<f64> = runs.iter().filter_map(|run| run.score).collect();
+                (runs.len() >= all && !scored.is_empty()).then(|| (mean(&scored), scored))
+            });
+            least_by(points, |(score, _)| *score).map_or(Vec::new(), |(_, scored)| scored)
         };
         let own = ENGINES.map(of);
         let weights = variant_probabilities(own.each_ref().map(Vec::as_slice));
