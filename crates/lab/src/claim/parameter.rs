@@ -32,8 +32,12 @@ struct Shown {
 }
 
 impl Shown {
-    fn new(range: &Range) -> Self {
-        let step = (0.02 * (range.to - range.from)).log10().floor();
+    /// Digits that tell a fiftieth of the range from its neighbours, and a tenth of the shortest interval.
+    fn new(range: &Range, marginal: &Marginal) -> Self {
+        let widths = marginal.intervals.iter().map(|(low, high)| high - low);
+        let widths = widths.filter(|width| *width > 0.0);
+        let step = widths.fold(0.02 * (range.to - range.from), f64::min);
+        let step = step.log10().floor();
         Self {
             name: range.parameter.name,
             unit: range.parameter.unit.symbol(),
@@ -56,7 +60,7 @@ impl Shown {
 /// Whether, and how far, the recordings determine a parameter: it is determined where its intervals are together shorter than half of
 /// the searched range and do not reach an end at which the search could be widened.
 pub(crate) fn parameter(range: &Range, found: &Found) -> Claim {
-    let shown = Shown::new(range);
+    let shown = Shown::new(range, &found.marginal);
     let (name, best) = (shown.name, shown.value(found.best));
     let Marginal {
         low,
@@ -368,6 +372,9 @@ mod tests {
             ..found(0.4, 0.15, 0.9)
         };
         assert!(parameter(&friction(), &two).conclusion == Conclusion::Inconclusive);
+        // A short interval has digits enough to show its length.
+        let short = parameter(&friction(), &found(0.4352, 0.43491, 0.43542));
+        assert!(short.text.contains("0.43491 to 0.43542"), "{}", short.text);
     }
 
     #[test]
