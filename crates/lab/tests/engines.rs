@@ -79,7 +79,7 @@ fn engines_with_different_best_friction_are_reported_with_their_values() {
     assert!(answer.to_string().contains(message), "{answer}");
     // Rapier cannot explain these recordings at any friction, so that all rests on the other engine.
     assert!(tree.explains && !rapier.explains, "{rapier:?} {tree:?}");
-    assert!(message.contains("rest on tree"), "{message}");
+    assert!(message.contains("rests on tree"), "{message}");
     let best = answer.report.best.as_ref().unwrap();
     assert_eq!((best.score, best.settings), (tree.score, tree.settings));
     let off = best.parameters["floor.friction"] - FRICTION;

@@ -154,7 +154,7 @@ pub(crate) fn engines(
             "one engine explains",
             format!(
                 "THE ENGINES DIFFER, and {explains} explains the recordings better than {other} can ({other} has a probability of {probability} \
-                 beside it): {metric} {there}; best and intervals rest on {explains}; {wants}",
+                 beside it): {metric} {there}; everything else here rests on {explains}; {wants}",
                 explains = explaining.engine,
                 other = rejected.engine,
                 probability = number(rejected.weight),
@@ -170,7 +170,7 @@ pub(crate) fn engines(
             Conclusion::Rejected,
             "the engines differ",
             format!(
-                "THE ENGINES DIFFER by more than the uncertainty: {metric} {there}; {}; the intervals hold the values of both",
+                "THE ENGINES DIFFER by more than the uncertainty: {metric} {there}; {}; the answer holds the values of both",
                 listed(&against)
             ),
         ),

@@ -45,8 +45,8 @@ impl EnginePreference {
     }
 }
 
-/// The recordings speak against an engine whose posterior probability is lower than this: odds of 19 to 1, which are called strong
-/// (Kass & Raftery 1995).
+/// The recordings speak against an engine whose posterior probability is lower than this: odds of 19 to 1, at the border of what
+/// is called strong evidence (Kass & Raftery 1995).
 const REJECTED: f64 = 0.05;
 /// How often the best point of each engine is looked for, each time with the runs of the time before.
 const LOOKS: usize = 2;
