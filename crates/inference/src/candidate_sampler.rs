@@ -15,6 +15,8 @@ pub(crate) type Intervals = Vec<(f64, f64)>;
 /// Samples points of the search space by the score that the emulator expects there.
 pub(crate) struct CandidateSampler<'a> {
     pub emulator: &'a Emulator,
+    /// The variants in which scores are looked at.
+    pub variants: Vec<f64>,
     pub grid: &'a Grid,
     pub seed: u64,
 }
@@ -34,10 +36,18 @@ impl CandidateSampler<'_> {
         even.iter().map(point).collect()
     }
 
-    /// At most `count` evenly spread points where the emulator expects a standardised score of at most `level`.
-    pub fn spread(&self, axes: &[Intervals], level: f64, count: usize) -> Vec<Vec<f64>> {
-        let low =
-            |point: &Vec<f64>| level.is_infinite() || self.emulator.standardised(point) <= level;
+    /// At most `count` evenly spread points where the emulator expects a standardised score of at most `level` in some variant; there
+    /// is one level a variant.
+    pub fn spread(&self, axes: &[Intervals], levels: &[f64], count: usize) -> Vec<Vec<f64>> {
+        let low = |point: &Vec<f64>| {
+            levels.contains(&f64::INFINITY) || {
+                let expected = self.expected(point);
+                expected
+                    .iter()
+                    .zip(levels)
+                    .any(|(score, level)| score <= level)
+            }
+        };
         let kept: Vec<Vec<f64>> = self
             .points(axes, count)
             .into_iter()
@@ -55,10 +65,11 @@ impl CandidateSampler<'_> {
     }
 
     /// The parts of each axis around these points, with a margin on both sides that is as wide as the mean spacing of `count` points in
-    /// the given parts and of these points. An axis that the scores do not depend on is not narrowed.
+    /// the given parts of the axes that act, and of these points. An axis that the scores do not depend on is not narrowed.
     pub fn around(&self, kept: &[&Vec<f64>], axes: &[Intervals], count: usize) -> Vec<Intervals> {
-        let spacing = libm::pow(count as f64, -1.0 / axes.len() as f64);
         let active = self.emulator.active();
+        let acting = active.iter().filter(|active| **active).count().max(1);
+        let spacing = libm::pow(count as f64, -1.0 / acting as f64);
         let axes = axes.iter().zip(&active).enumerate();
         axes.map(|(axis, (intervals, active))| {
             let mut all: Vec<f64> = kept.iter().map(|point| point[axis]).collect();
@@ -81,15 +92,29 @@ impl CandidateSampler<'_> {
         .collect()
     }
 
-    /// The `count` points at which the emulator expects the lowest scores.
+    /// About `count` points at which the emulator expects the lowest scores, as many of each variant.
     pub fn lowest(&self, axes: &[Intervals], count: usize) -> Vec<Vec<f64>> {
-        let points = self.points(axes, count).into_iter();
-        let mut all: Vec<(f64, Vec<f64>)> = points
-            .map(|point| (self.emulator.standardised(&point), point))
-            .collect();
-        all.sort_by(|a, b| a.0.total_cmp(&b.0));
-        all.truncate(count);
-        all.into_iter().map(|(_, point)| point).collect()
+        let points = self.points(axes, count);
+        let expected: Vec<Vec<f64>> = points.iter().map(|point| self.expected(point)).collect();
+        let variants = self.variants.len();
+        let mut is_low = vec![false; points.len()];
+        for variant in 0..variants {
+            let mut ranked: Vec<usize> = (0..points.len()).collect();
+            ranked.sort_by(|a, b| expected[*a][variant].total_cmp(&expected[*b][variant]));
+            for point in &ranked[..(count / variants).min(ranked.len())] {
+                is_low[*point] = true;
+            }
+        }
+        let points = points.into_iter().zip(is_low);
+        points
+            .filter(|(_, is_low)| *is_low)
+            .map(|(point, _)| point)
+            .collect()
+    }
+
+    /// Expected standardised score at a point in each variant.
+    fn expected(&self, point: &[f64]) -> Vec<f64> {
+        self.emulator.standardised_in(point, &self.variants)
     }
 }
 

@@ -3,78 +3,29 @@
 #![allow(clippy::print_stdout, reason = "a table is printed")]
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-use rand::{RngExt, SeedableRng};
-use rand_distr::{Distribution, StandardNormal};
+mod check;
+mod world;
 
-use crate::{Emulator, HistoryMatching, INTERVAL_LEVEL, ObservationUncertainty, ScoredRun};
+use rand::{RngExt, SeedableRng};
+
+use check::{RANK_BINS, agree, rank_statistic};
+use world::{Output, Shape, World, normal};
+
+use crate::{
+    Emulator, HistoryMatching, INTERVAL_LEVEL, ObservationUncertainty, ScoredRun,
+    variant_probabilities,
+};
 use realgap_core::quantity::{Quantity, Scale};
 use realgap_core::random::Generator;
+use realgap_core::statistics::{chi_squared_quantile, least_by};
 use realgap_core::unit::Unit;
 use realgap_optimization::{
     EvaluatedPoint, Grid, History, OptimizationProblem, Proposal, Range, UnitPoint,
     optimizer_by_name, space_filling,
 };
 
-/// Numbers of an output, and equally valid settings.
-const OUTPUTS: usize = 12;
+/// Equally valid settings of a study.
 const SETTINGS: usize = 16;
-
-/// A black box whose output has a closed form: the first parameter bends it, the second changes it by `second` times as much.
-struct World {
-    second: f64,
-    /// Standard deviations of the deviations of a setting, a run and an observation, as shares of the output.
-    setting: f64,
-    run: f64,
-    observation: f64,
-    /// Standard deviation of either of two variants from their mean; reality is like one of them. 0 where there is one variant.
-    variant: f64,
-    /// Whether the output is linear in the first parameter, so that the distance to reality has a kink.
-    straight: bool,
-}
-
-type Output = [f64; OUTPUTS];
-
-fn normal(rng: &mut Generator) -> f64 {
-    StandardNormal.sample(rng)
-}
-
-fn noise(rng: &mut Generator, size: f64) -> Output {
-    std::array::from_fn(|k| size * normal(rng) / (k + 1) as f64)
-}
-
-impl World {
-    fn output(&self, at: &[f64]) -> Output {
-        if self.straight {
-            return std::array::from_fn(|k| at[0] * ((k + 1) as f64 / OUTPUTS as f64).powi(2));
-        }
-        std::array::from_fn(|k| {
-            let bend = libm::sin(3.0 * at[0] * (1.0 + 0.2 * k as f64) + 0.3 * k as f64);
-            let other = libm::cos(2.0 * at[1] + k as f64);
-            (bend + self.second * other) / (1.0 + 0.3 * k as f64)
-        })
-    }
-
-    /// A run with the setting and the variants of these numbers; the third number, 1 or −1, says which variant is run.
-    fn run(
-        &self,
-        at: &[f64],
-        (setting, variants, variant): (u64, u64, f64),
-        rng: &mut Generator,
-        size: f64,
-    ) -> Output {
-        let (output, rest) = (self.output(at), noise(rng, size));
-        let own = deviation(setting, at, self.setting);
-        let half_difference = deviation(variants, at, self.variant);
-        std::array::from_fn(|k| output[k] + own[k] + rest[k] + variant * half_difference[k])
-    }
-}
-
-/// Deviation of the setting or the variant with this number; it changes smoothly with the parameters.
-fn deviation(number: u64, at: &[f64], size: f64) -> Output {
-    let mut rng = Generator::seed_from_u64(number);
-    let (a, b) = (noise(&mut rng, size), noise(&mut rng, size));
-    std::array::from_fn(|k| a[k] + b[k] * libm::sin(2.0 * at[0]))
-}
 
 fn grid(points: usize) -> Grid {
     let range = |name| {
@@ -138,9 +89,13 @@ struct Found {
     intervals: [bool; 2],
     set: [bool; 2],
     open: [bool; 2],
+    /// Whether an interval holds the first parameter's mirror image, which gives the same output in a world of two modes.
+    mirror: bool,
     /// Whether the second parameter is found to be active.
     active: bool,
     widths: [f64; 2],
+    /// Share of the draws that are below the truth.
+    ranks: [f64; 2],
 }
 
 /// History matching of a world whose truth is hidden: first runs, then three waves.
@@ -176,28 +131,32 @@ fn study(world: &World, first: First, observations: usize, seed: u64) -> Found {
         })
         .collect();
     let mut runs: Vec<ScoredRun> = Vec::new();
+    let simulate_as =
+        |runs: &mut Vec<ScoredRun>, (at, setting): (Vec<f64>, usize), rng: &mut Generator| {
+            // Where there is a single observation, runs are made with its noise, because it cannot show any.
+            let own = if observations == 1 {
+                world.observation
+            } else {
+                world.run
+            };
+            let variant = variant_of(setting);
+            let numbers = (own_settings + setting as u64, variants, variant);
+            let output = world.run(&at, numbers, rng, own);
+            let distance = |real: &Output| {
+                let squares = real.iter().zip(&output).map(|(a, b)| (a - b).powi(2));
+                squares.sum::<f64>().sqrt()
+            };
+            runs.push(ScoredRun {
+                point: at,
+                setting: setting as u64,
+                variant,
+                scores: real.iter().map(distance).collect(),
+                surrogate_scores: Vec::new(),
+            });
+        };
     let simulate = |runs: &mut Vec<ScoredRun>, at: Vec<f64>, rng: &mut Generator| {
         let setting = runs.len() % SETTINGS;
-        // Where there is a single observation, runs are made with its noise, because it cannot show any.
-        let own = if observations == 1 {
-            world.observation
-        } else {
-            world.run
-        };
-        let variant = variant_of(setting);
-        let numbers = (own_settings + setting as u64, variants, variant);
-        let output = world.run(&at, numbers, rng, own);
-        let distance = |real: &Output| {
-            let squares = real.iter().zip(&output).map(|(a, b)| (a - b).powi(2));
-            squares.sum::<f64>().sqrt()
-        };
-        runs.push(ScoredRun {
-            point: at,
-            setting: setting as u64,
-            variant,
-            scores: real.iter().map(distance).collect(),
-            surrogate_scores: Vec::new(),
-        });
+        simulate_as(runs, (at, setting), rng);
     };
     match first {
         First::Grid(_) => {
@@ -217,8 +176,24 @@ fn study(world: &World, first: First, observations: usize, seed: u64) -> Found {
     let (mut known, mut active) = (None, Vec::new());
     for wave in 0..=3 {
         let emulator = Emulator::new(&runs).unwrap().unwrap();
+        let mut weights = emulator.equal_weights();
+        if let (3, [first, second]) = (wave, emulator.variants()) {
+            // All settings of each variant at its own best point, as studies simulate them.
+            let scores = [*first, *second].map(|variant| {
+                let places = runs.iter().map(|run| run.point.clone());
+                let expected = places.map(|at| (emulator.mean_in(&at, variant), at));
+                let (_, at) = least_by(expected, |(score, _)| *score).unwrap();
+                let own = (0..SETTINGS).filter(|number| variant_of(*number) == variant);
+                let mut there = Vec::new();
+                for setting in own {
+                    simulate_as(&mut there, (at.clone(), setting), &mut rng);
+                }
+                there.iter().map(ScoredRun::score).collect::<Vec<f64>>()
+            });
+            weights = variant_probabilities(scores.each_ref().map(Vec::as_slice)).to_vec();
+        }
         let matching = HistoryMatching::new(
-            &emulator,
+            (&emulator, &weights),
             &grid,
             &[],
             uncertainty,
@@ -250,18 +225,43 @@ fn study(world: &World, first: First, observations: usize, seed: u64) -> Found {
     });
     let parts = [0, 1].map(|axis| draws.intervals(axis, INTERVAL_LEVEL));
     let axes = [0, 1];
+    let drawn = axes.map(|axis| {
+        draws
+            .rows()
+            .iter()
+            .map(|row| row[axis])
+            .collect::<Vec<f64>>()
+    });
+    for (axis, parts) in parts.iter().enumerate() {
+        agree(axis, parts, &draws, set.iter().map(|point| point[axis]));
+    }
+    if std::env::var("REALGAP_VERBOSE").is_ok() {
+        println!(
+            "seed {seed}, truth {truth:?}: {parts:?}; {} of {} in the set",
+            set.len(),
+            known.unvisited(&grid).len()
+        );
+    }
     Found {
         intervals: axes.map(|a| parts[a].iter().any(|(l, h)| (*l..=*h).contains(&truth[a]))),
         set: axes.map(|a| (ends[a].0..=ends[a].1).contains(&truth[a])),
+        ranks: axes.map(|axis| {
+            let below = drawn[axis].iter().filter(|value| **value < truth[axis]);
+            below.count() as f64 / drawn[axis].len() as f64
+        }),
+        mirror: parts[0]
+            .iter()
+            .any(|(l, h)| (*l..=*h).contains(&(1.0 - truth[0]))),
         active: active[1],
         open: axes.map(|a| ends[a].0 <= 0.05 && ends[a].1 >= 0.95),
         widths: axes.map(|a| parts[a].iter().map(|(l, h)| h - l).sum()),
     }
 }
 
-fn row(what: &str, world: &World, first: First, observations: usize, studies: u64) -> [f64; 4] {
-    let all: Vec<Found> = (0..studies)
-        .map(|seed| study(world, first, observations, seed))
+fn row(what: &str, world: &World, design: First, observations: usize, studies: u64) -> Row {
+    let first: u64 = std::env::var("REALGAP_FIRST").map_or(0, |n| n.parse().unwrap());
+    let all: Vec<Found> = (first..first + studies)
+        .map(|seed| study(world, design, observations, seed))
         .collect();
     let share = |of: &dyn Fn(&Found) -> bool| {
         100.0 * all.iter().filter(|found| of(found)).count() as f64 / studies as f64
@@ -277,13 +277,44 @@ fn row(what: &str, world: &World, first: First, observations: usize, studies: u6
         0.5 * (share(&|f| f.set[0]) + share(&|f| f.set[1])),
         share(&|f| f.open[1]),
     ];
+    let ranks = [0, 1].map(|axis| {
+        all.iter()
+            .map(|found| found.ranks[axis])
+            .collect::<Vec<_>>()
+    });
+    let ranks = ranks.map(|ranks| rank_statistic(&ranks));
     println!(
-        "{what} | {a:.0} {b:.0} | set {set:.0} | second open {open:.0}, acts {:.0} | widths {:.4} {:.3}",
+        "{what} | {a:.0} {b:.0} | set {set:.0} | second open {open:.0}, acts {:.0} | mirror {:.0} | ranks {:.1} {:.1} | widths {:.4} {:.3}",
         share(&|f| f.active),
+        share(&|f| f.mirror),
+        ranks[0],
+        ranks[1],
         width(0),
         width(1)
     );
-    [a, b, set, open]
+    Row {
+        held: [a, b],
+        set,
+        open,
+        ranks,
+        mirror: share(&|f| f.mirror),
+        widths: [width(0), width(1)],
+    }
+}
+
+/// Percentages over the studies of a row of the table.
+struct Row {
+    /// Intervals that hold the truth, by parameter.
+    held: [f64; 2],
+    /// Confidence sets that hold the truth.
+    set: f64,
+    /// Studies in which the second parameter's confidence set reaches both ends.
+    open: f64,
+    /// Statistic of the truth's ranks, by parameter.
+    ranks: [f64; 2],
+    mirror: f64,
+    /// Median widths.
+    widths: [f64; 2],
 }
 
 /// 20 studies with a true coverage of 0.90: fewer than 14 hold in 0.2 % of cases.
@@ -295,11 +326,76 @@ fn intervals_hold_and_what_does_nothing_stays_open() {
         run: 0.005,
         observation: 0.05,
         variant: 0.0,
-        straight: false,
+        shape: Shape::Bent,
     };
-    let [first, _, set, open] = row("inert 7 3", &world, First::Grid(7), 3, 20);
-    assert!(first >= 70.0 && set >= 85.0, "{first} {set}");
+    let found = row("inert 7 3", &world, First::Grid(7), 3, 20);
+    let Row { set, open, .. } = found;
+    assert!(
+        found.held[0] >= 70.0 && set >= 85.0,
+        "{} {set}",
+        found.held[0]
+    );
     assert!(open >= 75.0, "{open}");
+}
+
+/// Two values of the first parameter give the same output. Both are found between the points of a coarse grid, each with an interval
+/// of its own and nothing between the two.
+#[test]
+fn two_narrow_modes_get_an_interval_each() {
+    let world = World {
+        shape: Shape::TwoModes,
+        second: 0.0,
+        setting: 0.004,
+        run: 0.0002,
+        observation: 0.004,
+        variant: 0.0,
+    };
+    let found = row("modes 7 3", &world, First::Grid(7), 3, 12);
+    // At 0.9 each, fewer than 8 of 12 hold in 0.4 % of cases.
+    assert!(
+        found.held[0] >= 66.0 && found.mirror >= 66.0,
+        "{} {}",
+        found.held[0],
+        found.mirror
+    );
+    assert!(found.widths[0] < 0.02, "{}", found.widths[0]);
+    assert!(found.open >= 75.0, "{}", found.open);
+}
+
+/// Reality is like one of two variants of the black box. A mean over both would be wide, or prefer points that suit neither.
+#[test]
+fn of_two_variants_the_intervals_hold_the_one_that_reality_is_like() {
+    let world = World {
+        shape: Shape::Bent,
+        second: 0.0,
+        setting: 0.02,
+        run: 0.005,
+        observation: 0.05,
+        variant: 0.1,
+    };
+    let found = row("engines 7 3", &world, First::Grid(7), 3, 12);
+    assert!(found.held[0] >= 66.0, "{}", found.held[0]);
+    assert!(found.widths[0] < 0.05, "{}", found.widths[0]);
+}
+
+/// The draws are drawn from the posterior distribution, not merely wide enough: at a level of 0.1 % the ranks are uniform.
+#[test]
+fn the_truth_has_any_rank_among_the_draws_equally_often() {
+    let world = World {
+        shape: Shape::Bent,
+        second: 0.5,
+        setting: 0.02,
+        run: 0.005,
+        observation: 0.05,
+        variant: 0.0,
+    };
+    let found = row("both 7 3", &world, First::Grid(7), 3, 30);
+    let most = chi_squared_quantile(0.999, (RANK_BINS - 1) as f64);
+    assert!(
+        found.ranks.iter().all(|ranks| *ranks < most),
+        "{:?}",
+        found.ranks
+    );
 }
 
 /// The scores are noise alone. The emulator is then often flat up to rounding errors, and no point may be preferred to others.
@@ -322,7 +418,14 @@ fn where_no_parameter_does_anything_all_values_stay_open() {
             observations: 3,
             discrepancy: 0.0,
         };
-        let matching = HistoryMatching::new(&emulator, &grid, &[], uncertainty, 200, seed);
+        let matching = HistoryMatching::new(
+            (&emulator, &emulator.equal_weights()),
+            &grid,
+            &[],
+            uncertainty,
+            200,
+            seed,
+        );
         let draws = matching.draws(&grid, seed);
         let flat = !emulator.active().contains(&true);
         for axis in 0..2 {
@@ -347,7 +450,7 @@ fn the_table_of_worlds() {
         run: 0.005,
         observation: 0.05,
         variant: 0.0,
-        straight: false,
+        shape: Shape::Bent,
     };
     let both = World {
         second: 0.5,
@@ -359,7 +462,7 @@ fn the_table_of_worlds() {
         run: 0.2,
         observation: 0.2,
         variant: 0.0,
-        straight: false,
+        shape: Shape::Bent,
     };
     // Like a cube that slides down a slope: nearly no noise, and a kink at the truth.
     let slide = World {
@@ -368,7 +471,15 @@ fn the_table_of_worlds() {
         run: 0.0002,
         observation: 0.004,
         variant: 0.0,
-        straight: true,
+        shape: Shape::Straight,
+    };
+    let modes = World {
+        shape: Shape::TwoModes,
+        ..slide
+    };
+    let ridge = World {
+        shape: Shape::Ridge,
+        ..slide
     };
     let moved = World {
         setting: 0.15,
@@ -387,6 +498,8 @@ fn the_table_of_worlds() {
         ("both", &both),
         ("loud", &loud),
         ("engines", &variants),
+        ("modes", &modes),
+        ("ridge", &ridge),
     ];
     for observations in [3, 1, 5, 10] {
         let chosen = ["cma-es", "nelder-mead", "bayesian"].map(|name| (name, First::Chosen(name)));

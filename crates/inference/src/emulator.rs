@@ -11,16 +11,21 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::kernel::RunKernel;
 use crate::kernel_fit::KernelData;
+use crate::noise_field::NoiseField;
+use crate::run_selection::{better_half, spread};
 use crate::scale::ScoreScale;
 use crate::scored_run::ScoredRun;
 use realgap_core::error::Result;
 use realgap_core::statistics::mean;
 use realgap_optimization::gaussian_process::ConditionedProcess;
-use realgap_optimization::thin;
 
 /// Most runs that kernels are fitted to, and most runs that the emulator is conditioned on; work grows with the cube of either.
 const FITTED: usize = 120;
 const KNOWN: usize = 600;
+/// Most runs that the emulator of the whole search space knows.
+const SPREAD: usize = 60;
+/// Fewest runs to which kernels are fitted.
+const FEWEST: usize = 3;
 
 /// One kernel, with the process that is conditioned on the runs.
 #[derive(Debug, Clone)]
@@ -40,6 +45,14 @@ pub struct Emulator {
     /// Deviation of each observation's score (column) from the mean over the observations, standardised; one row a run.
     observation_deviations: DMatrix<f64>,
     members: Vec<Member>,
+    /// How much runs scatter in each part of the search space.
+    noise: NoiseField,
+    /// The emulator of the whole search space, where there are more runs than it needs: of runs that are spread over the space.
+    ///
+    /// Runs crowd where scores are low. There the scale of the scores and the kernel show details that the kernel then expects
+    /// everywhere, and far away, between distant runs, the emulator forgets what these runs told before. So what the runs that are
+    /// spread over the space rule out is not believed again (refocusing: Vernon, Goldstein & Bower 2010, section 3).
+    overview: Option<Box<Self>>,
 }
 
 /// What the emulator predicts for several points jointly. Scores are standardised: mean 0 and standard deviation 1 over the runs.
@@ -48,7 +61,7 @@ pub struct ScoreField {
     pub means: DVector<f64>,
     /// Covariance of the scores that the runs leave.
     pub emulator: DMatrix<f64>,
-    /// Covariance of the change by another equally valid setting; where variants are averaged, also of the change by either variant.
+    /// Covariance of the change by another equally valid setting.
     pub numerics: DMatrix<f64>,
     /// Deviation of each observation's score (column) from the mean over the observations; one row a point.
     pub observation_deviations: DMatrix<f64>,
@@ -68,29 +81,58 @@ impl Emulator {
     /// # Errors
     /// None beyond those of the optimizer that finds the kernel of maximum posterior density.
     pub fn new(runs: &[ScoredRun]) -> Result<Option<Self>> {
-        if runs.len() < 3 {
+        if runs.len() < FEWEST {
             return Ok(None);
         }
-        let scores: Vec<f64> = runs.iter().map(ScoredRun::score).collect();
-        let scale = ScoreScale::new(&scores);
-        let fitted = thinned(runs, FITTED);
-        let data = KernelData {
-            values: values(scale, &fitted),
-            runs: fitted,
+        let overview = spread(runs, SPREAD);
+        let overview = match runs.len() > SPREAD && overview.len() >= FEWEST {
+            true => Some(Box::new(Self::fitted(&overview, &overview, &overview)?)),
+            false => None,
         };
-        Ok(Some(Self::with(scale, &data.kernels()?, runs)))
+        let all: Vec<&ScoredRun> = runs.iter().collect();
+        let (fitted, known) = (better_half(runs, FITTED), better_half(runs, KNOWN));
+        Ok(Some(Self {
+            overview,
+            ..Self::fitted(&all, &fitted, &known)?
+        }))
+    }
+
+    /// The scale of the scores of some runs, and kernels that are fitted to others and conditioned on others still.
+    fn fitted(scaled: &[&ScoredRun], fitted: &[&ScoredRun], known: &[&ScoredRun]) -> Result<Self> {
+        let scores: Vec<f64> = scaled.iter().map(|run| run.score()).collect();
+        let scale = ScoreScale::new(&scores);
+        let data = KernelData::new(fitted.to_vec(), values(scale, fitted));
+        let (kernels, noise) = data.kernels()?;
+        Ok(Self::with(scale, &kernels, noise, known))
     }
 
     /// The same kernels, conditioned on other runs: mostly on the earlier ones and some more.
     #[must_use]
     pub fn conditioned_on(&self, runs: &[ScoredRun]) -> Self {
-        let kernels: Vec<RunKernel> = self.members.iter().map(|m| m.kernel.clone()).collect();
-        Self::with(self.scale, &kernels, runs)
+        let again = |emulator: &Self, known: &[&ScoredRun]| {
+            let kernels = emulator.members.iter().map(|m| m.kernel.clone());
+            let noise = emulator.noise.clone();
+            Self::with(emulator.scale, &kernels.collect::<Vec<_>>(), noise, known)
+        };
+        let overview = self.overview.as_deref();
+        Self {
+            overview: overview.map(|overview| Box::new(again(overview, &spread(runs, SPREAD)))),
+            ..again(self, &better_half(runs, KNOWN))
+        }
     }
 
-    fn with(scale: ScoreScale, kernels: &[RunKernel], runs: &[ScoredRun]) -> Self {
-        let runs = thinned(runs, KNOWN);
-        let values = values(scale, &runs);
+    /// The emulator of the whole search space, where there are so many runs that there is one.
+    pub(crate) fn overview(&self) -> Option<&Self> {
+        self.overview.as_deref()
+    }
+
+    fn with(
+        scale: ScoreScale,
+        kernels: &[RunKernel],
+        noise: NoiseField,
+        runs: &[&ScoredRun],
+    ) -> Self {
+        let values = values(scale, runs);
         let observation_deviations = match runs[0].surrogate_scores.as_slice() {
             [] => DMatrix::from_fn(runs.len(), runs[0].scores.len(), |run, observation| {
                 let score = runs[run].score();
@@ -107,7 +149,7 @@ impl Emulator {
         let members = kernels.iter().filter_map(|kernel| {
             Some(Member {
                 kernel: kernel.clone(),
-                process: kernel.condition(&runs, &values)?,
+                process: kernel.condition(runs, &values, &noise)?,
             })
         });
         Self {
@@ -116,6 +158,8 @@ impl Emulator {
             points: runs.iter().map(|run| run.point.clone()).collect(),
             variants: runs.iter().map(|run| run.variant).collect(),
             observation_deviations,
+            noise,
+            overview: None,
         }
     }
 
@@ -125,26 +169,41 @@ impl Emulator {
         shared * kernel.score.covariance(&self.points[run], point)
     }
 
-    fn across(&self, member: &Member, point: &[f64], variant: f64) -> DVector<f64> {
-        let runs = 0..self.points.len();
-        let covariances = runs.map(|run| self.covariance(&member.kernel, run, point, variant));
-        DVector::from_iterator(self.points.len(), covariances)
+    /// Expected scores at a point, standardised, in each of these variants; 0 is the average over both.
+    pub fn standardised_in(&self, point: &[f64], variants: &[f64]) -> Vec<f64> {
+        let share = 1.0 / self.members.len() as f64;
+        let mut expected = vec![0.0; variants.len()];
+        for member in &self.members {
+            let runs = self.points.iter();
+            let shared = runs.map(|run| member.kernel.score.covariance(run, point));
+            let shared = DVector::from_iterator(self.points.len(), shared);
+            for (expected, variant) in expected.iter_mut().zip(variants) {
+                let between = member.kernel.between_variants * variant;
+                let across = DVector::from_fn(shared.len(), |run, _| {
+                    shared[run] * (1.0 + between * self.variants[run])
+                });
+                *expected += share * member.process.mean(&across);
+            }
+        }
+        expected
     }
 
-    /// Expected score at a point, standardised.
+    /// Expected score at a point, standardised, on average over the variants.
     pub fn standardised(&self, point: &[f64]) -> f64 {
-        self.standardised_in(point, 0.0)
+        self.standardised_in(point, &[0.0])[0]
     }
 
-    fn standardised_in(&self, point: &[f64], variant: f64) -> f64 {
-        let members = self.members.iter();
-        let means = members.map(|member| member.process.mean(&self.across(member, point, variant)));
-        means.sum::<f64>() / self.members.len() as f64
-    }
-
-    /// Expected score at a point in one variant.
+    /// Expected score at a point in one variant. A number between -1 and 1 is a weighted mean of both on the emulator's scale.
     pub fn mean_in(&self, point: &[f64], variant: f64) -> f64 {
-        self.scale.score(self.standardised_in(point, variant))
+        self.scale.score(self.standardised_in(point, &[variant])[0])
+    }
+
+    /// The variants of the runs: 1 and -1 where there are two, 0 where there is one.
+    pub fn variants(&self) -> &'static [f64] {
+        match self.has_two_variants() {
+            true => &[1.0, -1.0],
+            false => &[0.0],
+        }
     }
 
     /// Whether the runs are of two variants.
@@ -152,14 +211,20 @@ impl Emulator {
         self.variants.iter().any(|variant| *variant != 0.0)
     }
 
+    /// The same probability for every variant.
+    pub fn equal_weights(&self) -> Vec<f64> {
+        let variants = self.variants().len();
+        vec![1.0 / variants as f64; variants]
+    }
+
     /// Expected score at a point.
     pub fn mean(&self, point: &[f64]) -> f64 {
         self.scale.score(self.standardised(point))
     }
 
-    /// Central range of the score at a point, `deviations` standard deviations to each side of the expected score.
-    pub fn band(&self, point: &[f64], deviations: f64) -> (f64, f64) {
-        let field = self.field(std::slice::from_ref(&point.to_vec()));
+    /// Central range of the score at a point in a variant, `deviations` standard deviations to each side of the expected score.
+    pub fn band(&self, point: &[f64], variant: f64, deviations: f64) -> (f64, f64) {
+        let field = self.field_in(std::slice::from_ref(&point.to_vec()), variant);
         let half = deviations * field.emulator[(0, 0)].max(0.0).sqrt();
         let at = |side: f64| self.scale.score(field.means[0] + side);
         (at(-half), at(half))
@@ -174,11 +239,6 @@ impl Emulator {
             .take(dimensions)
             .map(|length| length.is_finite())
             .collect()
-    }
-
-    /// Joint prediction for several points, on average over the variants.
-    pub fn field(&self, points: &[Vec<f64>]) -> ScoreField {
-        self.field_in(points, 0.0)
     }
 
     /// Joint prediction for several points in a variant, or, for 0, on average over both.
@@ -212,14 +272,12 @@ impl Emulator {
                 }
             }
             let own = 1.0 + kernel.between_variants * variant * variant;
-            let predicted = member.process.predict(&across, &(&between * own));
+            let prior = &between * own;
+            let predicted = member.process.predict(&across, &prior);
             field.observation_deviations +=
                 predicted.weights * &self.observation_deviations * share;
             field.emulator += predicted.covariance * share;
             field.numerics += &between * (kernel.between_settings * share);
-            if variant == 0.0 && self.has_two_variants() {
-                field.numerics += self.variant_covariance(member, &across, &between) * share;
-            }
             field.correlation += between * (share / kernel.score.variance);
             field.noise += kernel.noise * share;
             field.setting += kernel.between_settings * kernel.score.variance * share;
@@ -231,23 +289,6 @@ impl Emulator {
             field.emulator += &deviation * deviation.transpose() * share;
         }
         field
-    }
-
-    /// Expected product of the deviations of a variant from the mean of both, for every pair of points: reality may be like either
-    /// variant. `across` are covariances of runs with the mean at the points, `between` those of the points.
-    fn variant_covariance(
-        &self,
-        member: &Member,
-        across: &DMatrix<f64>,
-        between: &DMatrix<f64>,
-    ) -> DMatrix<f64> {
-        let share = member.kernel.between_variants;
-        let across = DMatrix::from_fn(across.nrows(), across.ncols(), |run, point| {
-            share * self.variants[run] * across[(run, point)]
-        });
-        let half_difference = across.tr_mul(member.process.weights());
-        let remaining = between * share - across.tr_mul(&member.process.solve(&across));
-        &half_difference * half_difference.transpose() + remaining
     }
 }
 
@@ -275,18 +316,6 @@ fn surrogate_deviations(scale: ScoreScale, variants: &[Vec<f64>]) -> Vec<f64> {
             .map(move |score| share * (score - middle))
     };
     variants.iter().flat_map(of).collect()
-}
-
-/// At most `most` of the runs, with each variant's share: the better half of them, and others spread evenly over the rest.
-fn thinned(runs: &[ScoredRun], most: usize) -> Vec<&ScoredRun> {
-    let of = |is_second: bool| {
-        let own = runs.iter().filter(|run| (run.variant < 0.0) == is_second);
-        let scored: Vec<(&ScoredRun, f64)> = own.map(|run| (run, run.score())).collect();
-        let share = (most * scored.len()).div_ceil(runs.len());
-        thin(scored, share)
-    };
-    let kept = of(false).into_iter().chain(of(true));
-    kept.map(|(run, _)| run).collect()
 }
 
 #[cfg(test)]

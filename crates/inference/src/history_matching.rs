@@ -5,18 +5,24 @@
 //! discrepancy (Craig et al. 1997; Kennedy & O'Hagan 2001; Vernon, Goldstein & Bower 2010). Near the bottom of a valley of the score,
 //! I is Rao's score statistic with the sandwich variance (Rao 1948; Huber 1967). So the quantiles of the density exp(−I²/2) over the
 //! parameters are confidence limits. A parameter without effect keeps its whole range, because no score speaks against any value.
+//!
+//! Where the black box has two variants, which of them reality is like is a hypothesis with two values. A point in a variant is compared
+//! with the points in that variant, and the density of a point is the sum over the variants: a mixture of the variants' posterior
+//! distributions (Bayesian model averaging; Hoeting et al. 1999). The weight of a variant is its probability
+//! ([`variant_probabilities`](crate::variant_probabilities)). Where the observations speak against one variant, its weight vanishes.
+//! Where both explain them, the draws come from both. A mean of both scores would instead prefer points that neither variant prefers.
 
 use rand::RngExt;
 
 use crate::candidate_sampler::CandidateSampler;
-use crate::emulator::Emulator;
+use crate::emulator::{Emulator, ScoreField};
 use crate::implausibility::{
     ObservationUncertainty, ScoreCovariance, emulator_share, implausibility,
 };
 use crate::posterior::PosteriorDraws;
 use realgap_core::random::{Generator, Once};
 use realgap_core::statistics::{chi_squared_quantile, ends_of};
-use realgap_optimization::Grid;
+use realgap_optimization::{Grid, space_filling};
 
 /// Confidence level of the confidence set: the points that are not implausible.
 pub const LEVEL: f64 = 0.95;
@@ -32,10 +38,12 @@ const ROUNDING: f64 = 1e-6;
 const ENOUGH: usize = 4;
 /// Points that are drawn from the posterior density.
 const DRAWS: usize = 1000;
-/// Bins along a parameter, and points that a bin holds at least before it can separate two intervals; a bin does so where all of its
-/// points are implausible.
-const BINS: usize = 16;
-const POINTS_PER_BIN: usize = 10;
+/// Two parts of a parameter's range are separate where no open point lies between them over more than this share of the range of all
+/// open points, and where so many more points of each kind that are looked at between them are implausible, too.
+const GAP: f64 = 0.1;
+const PROBES: usize = 16;
+/// Open points of the highest density that these points are compared with.
+const COMPARED: usize = 50;
 
 /// A point of the search space where the black box was not evaluated.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,20 +59,114 @@ pub struct Unvisited {
 pub struct HistoryMatching {
     /// Coordinates, 0 to 1, of points that are spread evenly over the part of the search space that is not implausible.
     points: Vec<Vec<f64>>,
-    /// Implausibility of each of these points.
+    /// Implausibility of each of these points, in the variant in which it is least implausible.
     implausibility: Vec<f64>,
+    /// Posterior density of each of these points without its constant: the sum over the variants.
+    densities: Vec<f64>,
     /// Implausibility of the points that the caller asked about.
     visited: Vec<f64>,
-    /// Coordinates of other points that were looked at on the way and are implausible.
-    rejected: Vec<Vec<f64>>,
+    /// By parameter: coordinates in the middle of each implausible part of its range that lies between two parts that are not.
+    gaps: Vec<Vec<f64>>,
     emulator_share: f64,
     limit: f64,
 }
 
+/// What the emulator says about some points in each variant.
+struct Look {
+    points: Vec<Vec<f64>>,
+    variants: Vec<VariantLook>,
+}
+
+/// What the emulator says about these points in one variant.
+struct VariantLook {
+    weight: f64,
+    field: ScoreField,
+    covariance: ScoreCovariance,
+    implausibility: Vec<f64>,
+}
+
+impl Look {
+    /// Variants without weight are left out.
+    fn new(
+        (emulator, weights): (&Emulator, &[f64]),
+        points: Vec<Vec<f64>>,
+        uncertainty: ObservationUncertainty,
+        limit: f64,
+    ) -> Self {
+        let of = |emulator: &Emulator, variant: f64| {
+            let field = emulator.field_in(&points, variant);
+            let covariance = ScoreCovariance::new(&field, uncertainty);
+            let implausibility = implausibility(&field, &covariance);
+            (field, covariance, implausibility)
+        };
+        let variants = emulator.variants().iter().zip(weights);
+        let variants = variants.filter(|(_, weight)| **weight > 0.0);
+        let variants = variants.map(|(variant, weight)| {
+            let (field, covariance, mut implausibility) = of(emulator, *variant);
+            if let Some(overview) = emulator.overview() {
+                let (.., of_all) = of(overview, *variant);
+                for (here, of_all) in implausibility.iter_mut().zip(of_all) {
+                    if of_all > limit + BEYOND {
+                        *here = here.max(of_all);
+                    }
+                }
+            }
+            VariantLook {
+                weight: *weight,
+                field,
+                covariance,
+                implausibility,
+            }
+        });
+        let variants = variants.collect();
+        Self { points, variants }
+    }
+
+    /// Implausibility of a point in the variant in which it is least implausible.
+    fn least(&self, point: usize) -> f64 {
+        let variants = self.variants.iter();
+        let all = variants.map(|variant| variant.implausibility[point]);
+        all.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Posterior density of each of the first `count` points, without a constant.
+    fn densities(&self, count: usize) -> Vec<f64> {
+        let mut densities = vec![0.0; count];
+        for variant in &self.variants {
+            let squares = variant.implausibility[..count].iter().map(|i| i * i);
+            let own: Vec<f64> = squares.map(|square| libm::exp(-0.5 * square)).collect();
+            let total: f64 = own.iter().sum();
+            // Densities are too small to be numbers where every sampled point is far from the best run.
+            if total > 0.0 {
+                for (density, own) in densities.iter_mut().zip(own) {
+                    *density += variant.weight * own / total;
+                }
+            }
+        }
+        densities
+    }
+}
+
+impl VariantLook {
+    /// The standardised score up to which points are worth another look: somewhat more than of all that are not implausible.
+    fn level(&self, limit: f64) -> f64 {
+        let places = 0..self.implausibility.len();
+        let near = places.filter(|place| self.implausibility[*place] <= limit + BEYOND);
+        let (lowest, highest) = ends_of(near.map(|place| self.field.means[place]));
+        // Where the expected score is the same everywhere, rounding errors must not separate one point from the others.
+        highest + MARGIN * (highest - lowest).max(0.0) + ROUNDING
+    }
+
+    fn emulator_share(&self, limit: f64) -> f64 {
+        emulator_share(&self.field, &self.covariance, &self.implausibility, limit)
+    }
+}
+
 impl HistoryMatching {
     /// Samples `count` points, and computes the implausibility of these and of `visited`, which are coordinates of evaluated points.
+    /// `weights` are the probabilities of the emulator's variants, in the order of [`Emulator::variants`].
     pub fn new(
-        emulator: &Emulator,
+        (emulator, weights): (&Emulator, &[f64]),
         grid: &Grid,
         visited: &[Vec<f64>],
         uncertainty: ObservationUncertainty,
@@ -74,50 +176,64 @@ impl HistoryMatching {
         let dimensions = grid.ranges().len();
         let limit = chi_squared_quantile(LEVEL, dimensions as f64).sqrt();
         let look = |points: Vec<Vec<f64>>| {
-            let all: Vec<Vec<f64>> = points.iter().chain(visited).cloned().collect();
-            let field = emulator.field(&all);
-            let covariance = ScoreCovariance::new(&field, uncertainty);
-            let implausibility = implausibility(&field, &covariance);
-            (all, field, covariance, implausibility)
+            let all = points.into_iter().chain(visited.iter().cloned()).collect();
+            Look::new((emulator, weights), all, uncertainty, limit)
         };
+        let variants = emulator.variants().iter().zip(weights);
+        let variants = variants.filter(|(_, weight)| **weight > 0.0);
         let sampler = CandidateSampler {
             emulator,
+            variants: variants.map(|(variant, _)| *variant).collect(),
             grid,
             seed,
         };
         // First points anywhere and in the lowest valleys, however narrow these are; then points around those that are not implausible.
         let mut axes = vec![vec![(0.0, 1.0)]; dimensions];
-        let mut rejected = Vec::new();
         let few = count / 2;
-        let mut points = sampler.spread(&axes, f64::INFINITY, few / 2);
+        let mut points = sampler.spread(&axes, &[f64::INFINITY], few / 2);
         points.extend(sampler.lowest(&axes, few / 2));
         for narrowing in 0..NARROWINGS {
-            let (all, field, _, implausibility) = look(points);
-            let near = (0..all.len()).filter(|point| implausibility[*point] <= limit + BEYOND);
-            let near: Vec<usize> = near.collect();
-            let implausible = (0..all.len()).filter(|point| !near.contains(point));
-            rejected.extend(implausible.map(|point| all[point].clone()));
-            let (lowest, highest) = ends_of(near.iter().map(|point| field.means[*point]));
-            // Where the expected score is the same everywhere, rounding errors must not separate one point from the others.
-            let level = highest + MARGIN * (highest - lowest) + ROUNDING;
-            let near: Vec<&Vec<f64>> = near.iter().map(|point| &all[*point]).collect();
+            let there = look(points);
+            let all = 0..there.points.len();
+            let near = all.filter(|point| there.least(*point) <= limit + BEYOND);
+            let near: Vec<&Vec<f64>> = near.map(|point| &there.points[point]).collect();
             axes = sampler.around(&near, &axes, few);
-            let last = narrowing + 1 == NARROWINGS || near.len() * ENOUGH > all.len();
-            points = sampler.spread(&axes, level, if last { count } else { few });
+            let last = narrowing + 1 == NARROWINGS || near.len() * ENOUGH > there.points.len();
+            let levels = there.variants.iter().map(|variant| variant.level(limit));
+            let levels: Vec<f64> = levels.collect();
+            points = sampler.spread(&axes, &levels, if last { count } else { few });
             if last {
                 break;
             }
         }
         let count = points.len();
-        let (mut points, field, covariance, mut implausibility) = look(points);
-        let emulator_share = emulator_share(&field, &covariance, &implausibility, limit);
-        let visited = implausibility.split_off(count);
-        points.truncate(count);
+        let there = look(points);
+        let least: Vec<f64> = (0..there.points.len())
+            .map(|point| there.least(point))
+            .collect();
+        let densities = there.densities(count);
+        let shares = there.variants.iter();
+        let emulator_share = shares
+            .map(|variant| variant.weight * variant.emulator_share(limit))
+            .sum();
+        let open = (0..least.len()).filter(|point| least[*point] <= limit + BEYOND);
+        let mut open: Vec<(f64, &Vec<f64>)> = open.map(|p| (least[p], &there.points[p])).collect();
+        open.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let open: Vec<&Vec<f64>> = open.into_iter().map(|(_, point)| point).collect();
+        let is_implausible = |probes: Vec<Vec<f64>>| {
+            let best = open.iter().take(COMPARED).map(|point| (*point).clone());
+            let count = probes.len();
+            let there = look(probes.into_iter().chain(best).collect());
+            (0..count).all(|probe| there.least(probe) > limit + BEYOND)
+        };
+        let gaps = (0..dimensions).map(|axis| gaps(axis, &open, seed, is_implausible));
+        let gaps: Vec<Vec<f64>> = gaps.collect();
         Self {
-            points,
-            implausibility,
-            visited,
-            rejected,
+            gaps,
+            densities,
+            visited: least[count..].to_vec(),
+            implausibility: least[..count].to_vec(),
+            points: there.points.into_iter().take(count).collect(),
             emulator_share,
             limit,
         }
@@ -150,16 +266,10 @@ impl HistoryMatching {
             .collect()
     }
 
-    /// Posterior density of each sampled point, without its constant.
-    fn densities(&self) -> Vec<f64> {
-        let squares = self.implausibility.iter().map(|i| i * i);
-        squares.map(|square| libm::exp(-0.5 * square)).collect()
-    }
-
     /// Points for the next runs: about half of them drawn from the posterior density, the others evenly from all that is not
     /// implausible.
     pub fn wave(&self, count: usize, rng: &mut Generator) -> Vec<&[f64]> {
-        let mut likely = self.densities();
+        let mut likely = self.densities.clone();
         let mut possible: Vec<f64> = (self.implausibility.iter())
             .map(|i| f64::from(u8::from(*i <= self.limit + BEYOND)))
             .collect();
@@ -181,13 +291,13 @@ impl HistoryMatching {
 
     /// Parameter values drawn from the posterior density.
     pub fn draws(&self, grid: &Grid, seed: u64) -> PosteriorDraws {
-        let weights = self.densities();
+        let weights = &self.densities;
         let total: f64 = weights.iter().sum();
         let mut rng = Once::BestPoint.generator(seed);
         // Systematic resampling: one random number, then equal steps through the cumulated weights.
         let first: f64 = rng.random();
         let (mut draws, mut sum) = (Vec::with_capacity(DRAWS), 0.0);
-        for (point, weight) in self.points.iter().zip(&weights) {
+        for (point, weight) in self.points.iter().zip(weights) {
             sum += weight / total * DRAWS as f64;
             while (draws.len() as f64 + first) < sum {
                 draws.push(grid.values_at(point));
@@ -196,38 +306,45 @@ impl HistoryMatching {
         if draws.is_empty() {
             draws.push(grid.values_at(&self.points[0]));
         }
-        let gaps = (0..grid.ranges().len()).map(|axis| self.gaps(axis, grid));
+        let gaps = self.gaps.iter().zip(grid.ranges());
+        let gaps = gaps.map(|(gaps, range)| gaps.iter().map(|at| range.at(*at)).collect());
         PosteriorDraws::new(draws, gaps.collect())
     }
+}
 
-    /// Values in the middle of each implausible part along a parameter that lies between two parts that are not implausible.
-    fn gaps(&self, axis: usize, grid: &Grid) -> Vec<f64> {
-        let along = || self.points.iter().map(|point| point[axis]);
-        let (low, high) = ends_of(along());
-        let (mut counts, mut open) = ([0; BINS], [false; BINS]);
-        let bin = |at: f64| {
-            let share = (at - low) / (high - low).max(f64::MIN_POSITIVE);
-            ((share * BINS as f64) as usize).min(BINS - 1)
-        };
-        for (at, implausibility) in along().zip(&self.implausibility) {
-            counts[bin(at)] += 1;
-            open[bin(at)] |= *implausibility <= self.limit + BEYOND;
-        }
-        let rejected = self.rejected.iter().map(|point| point[axis]);
-        for at in rejected.filter(|at| (low..=high).contains(at)) {
-            counts[bin(at)] += 1;
-        }
-        let (mut gaps, mut last_open) = (Vec::new(), None);
-        for bin in (0..BINS).filter(|bin| open[*bin]) {
-            let closed = last_open.map_or(bin..bin, |last: usize| last + 1..bin);
-            last_open = Some(bin);
-            if !closed.is_empty() && closed.clone().all(|bin| counts[bin] >= POINTS_PER_BIN) {
-                let middle = 0.5 * (closed.start + closed.end) as f64 / BINS as f64;
-                gaps.push(grid.ranges()[axis].at(low + middle * (high - low)));
-            }
-        }
-        gaps
-    }
+/// Coordinates in the middle of each part of an axis between open points in which `is_implausible` finds no open one either. The open
+/// points are ordered, the least implausible first.
+fn gaps(
+    axis: usize,
+    open: &[&Vec<f64>],
+    seed: u64,
+    is_implausible: impl Fn(Vec<Vec<f64>>) -> bool,
+) -> Vec<f64> {
+    let mut along: Vec<&Vec<f64>> = open.to_vec();
+    along.sort_by(|a, b| a[axis].total_cmp(&b[axis]));
+    let (low, high) = ends_of(along.iter().map(|point| point[axis]));
+    let even = space_filling(along.first().map_or(1, |p| p.len()), 0, PROBES, seed);
+    let pairs = along.windows(2).map(|pair| (pair[0], pair[1]));
+    let wide = pairs.filter(|(a, b)| b[axis] - a[axis] > GAP * (high - low));
+    // Between the two points on both sides, as on a ridge; beside the best points; and anywhere.
+    let between = |(from, to): &(&Vec<f64>, &Vec<f64>)| {
+        let probes = (0..PROBES).flat_map(|number| {
+            let share = (number as f64 + 0.5) / PROBES as f64;
+            let on_line = from.iter().zip(*to).map(|(a, b)| a + share * (b - a));
+            let on_line: Vec<f64> = on_line.collect();
+            let here = on_line[axis];
+            let moved = |mut point: Vec<f64>| {
+                point[axis] = here;
+                point
+            };
+            let best = open[number % open.len()].clone();
+            [moved(best), moved(even[number].to_vec()), on_line]
+        });
+        probes.collect::<Vec<_>>()
+    };
+    wide.filter(|pair| is_implausible(between(pair)))
+        .map(|(from, to)| 0.5 * (from[axis] + to[axis]))
+        .collect()
 }
 
 /// The first index whose cumulated weight exceeds `share` of the total; `None` where all weights are 0.

@@ -105,7 +105,7 @@ pub fn implausibility(field: &ScoreField, covariance: &ScoreCovariance) -> Vec<f
 }
 
 /// The normal number that is as improbable as `t` of Student's distribution (Wallace 1959, section 3).
-fn as_normal(t: f64, freedom: f64) -> f64 {
+pub(crate) fn as_normal(t: f64, freedom: f64) -> f64 {
     let correction = (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0);
     correction * (freedom * libm::log1p(t * t / freedom)).sqrt()
 }

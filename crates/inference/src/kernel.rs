@@ -5,6 +5,7 @@
 
 use nalgebra::{Cholesky, DVector, Dyn};
 
+use crate::noise_field::NoiseField;
 use crate::scored_run::ScoredRun;
 use realgap_optimization::gaussian_process::{ConditionedProcess, Matern, Mean, factorise};
 
@@ -17,7 +18,7 @@ pub(crate) struct RunKernel {
     pub between_settings: f64,
     /// Variance of the deviation of a variant from the mean of two, as a share of the score's variance; 0 where there is one variant.
     pub between_variants: f64,
-    /// Variance of a single run about the sum of these functions.
+    /// Variance of a single run about the sum of these functions, where its factor is 1 ([`NoiseField`]).
     pub noise: f64,
 }
 
@@ -66,16 +67,20 @@ impl RunKernel {
         }
     }
 
-    /// Factorised covariance of all runs; `None` where it is singular.
-    fn factor(&self, runs: &[&ScoredRun]) -> Option<Cholesky<f64, Dyn>> {
+    /// Factorised covariance of all runs, whose noise has these factors; `None` where it is singular.
+    fn factor(&self, runs: &[&ScoredRun], factors: &[f64]) -> Option<Cholesky<f64, Dyn>> {
         let covariance = |row: usize, column: usize| {
             let (a, b) = (runs[row], runs[column]);
+            let noise = match row == column {
+                true => self.noise * factors[row],
+                false => 0.0,
+            };
             let same = f64::from(u8::from(a.setting == b.setting));
             let variants = self.between_variants * a.variant * b.variant;
             let shared = 1.0 + self.between_settings * same + variants;
-            shared * self.score.covariance(&a.point, &b.point)
+            shared * self.score.covariance(&a.point, &b.point) + noise
         };
-        factorise(runs.len(), covariance, self.noise)
+        factorise(runs.len(), covariance, 0.0)
     }
 
     /// The process with this kernel and an unknown mean, conditioned on the runs' values; `None` where the covariance is singular.
@@ -83,8 +88,20 @@ impl RunKernel {
         &self,
         runs: &[&ScoredRun],
         values: &DVector<f64>,
+        noise: &NoiseField,
     ) -> Option<ConditionedProcess> {
-        let factor = self.factor(runs)?;
+        let factors = runs.iter().map(|run| noise.factor(&run.point, run.variant));
+        self.with_factors(runs, values, &factors.collect::<Vec<_>>())
+    }
+
+    /// The same with the factors of the runs' noise.
+    fn with_factors(
+        &self,
+        runs: &[&ScoredRun],
+        values: &DVector<f64>,
+        factors: &[f64],
+    ) -> Option<ConditionedProcess> {
+        let factor = self.factor(runs, factors)?;
         Some(ConditionedProcess::new(factor, values, Mean::Estimated))
     }
 
@@ -109,7 +126,9 @@ impl RunKernel {
         &self,
         runs: &[&ScoredRun],
         values: &DVector<f64>,
+        factors: &[f64],
     ) -> Option<f64> {
-        Some(self.condition(runs, values)?.deviance() + self.neg_log_prior())
+        let process = self.with_factors(runs, values, factors)?;
+        Some(process.deviance() + self.neg_log_prior())
     }
 }

@@ -7,6 +7,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use crate::kernel::{RunKernel, SIZES};
+use crate::noise_field::NoiseField;
 use crate::scored_run::ScoredRun;
 use realgap_core::error::Result;
 use realgap_core::random::Once;
@@ -42,11 +43,22 @@ struct MaximumAPosteriori {
 pub(crate) struct KernelData<'a> {
     pub runs: Vec<&'a ScoredRun>,
     pub values: DVector<f64>,
+    /// Factors of the runs' noise.
+    factors: Vec<f64>,
 }
 
-impl KernelData<'_> {
+impl<'a> KernelData<'a> {
+    pub fn new(runs: Vec<&'a ScoredRun>, values: DVector<f64>) -> Self {
+        let factors = vec![1.0; runs.len()];
+        Self {
+            runs,
+            values,
+            factors,
+        }
+    }
+
     fn neg_log_posterior(&self, at: &[f64], active: &[bool]) -> Option<f64> {
-        RunKernel::new(at, active).neg_log_posterior(&self.runs, &self.values)
+        RunKernel::new(at, active).neg_log_posterior(&self.runs, &self.values, &self.factors)
     }
 
     /// Number of hyperparameters of a kernel.
@@ -138,15 +150,29 @@ impl KernelData<'_> {
         }
     }
 
-    /// Draws from the posterior distribution of kernels: a random-walk Metropolis chain from the kernel of maximum posterior density
-    /// (Metropolis et al. 1953).
-    pub fn kernels(&self) -> Result<Vec<RunKernel>> {
+    /// Draws from the posterior distribution of kernels, a random-walk Metropolis chain from the kernel of maximum posterior density
+    /// (Metropolis et al. 1953); and the factors of the noise.
+    pub fn kernels(mut self) -> Result<(Vec<RunKernel>, NoiseField)> {
         let (count, dimensions) = (self.hyperparameters(), self.runs[0].point.len());
         let Some(maximum) = self.maximum_a_posteriori()? else {
-            return Ok(vec![RunKernel::new(
-                &vec![0.5; count],
-                &vec![true; dimensions],
-            )]);
+            let kernel = RunKernel::new(&vec![0.5; count], &vec![true; dimensions]);
+            return Ok((vec![kernel], NoiseField::default()));
+        };
+        let noise = NoiseField::new(
+            &RunKernel::new(&maximum.at, &maximum.active),
+            &self.runs,
+            &self.values,
+        );
+        let factors = self.runs.iter();
+        let factors = factors.map(|run| noise.factor(&run.point, run.variant));
+        self.factors = factors.collect();
+        // The kernel belongs to these factors.
+        let maximum = match self.neg_log_posterior(&maximum.at, &maximum.active) {
+            Some(neg_log_posterior) => self.descended(MaximumAPosteriori {
+                neg_log_posterior,
+                ..maximum
+            }),
+            None => maximum,
         };
         let MaximumAPosteriori {
             active,
@@ -178,6 +204,6 @@ impl KernelData<'_> {
                 drawn.push(RunKernel::new(&at, &active));
             }
         }
-        Ok(drawn)
+        Ok((drawn, noise))
     }
 }

@@ -6,6 +6,8 @@ use realgap_optimization::Range;
 
 /// A range of values that comes this near to an end of the searched range, as a share of the latter, reaches the end.
 const AT_THE_END: f64 = 0.05;
+/// Intervals that together are as long as this share of the searched range, or longer, determine nothing.
+const WIDE: f64 = 0.5;
 
 /// The values of one parameter that are compatible with the observations.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +25,8 @@ pub struct Marginal {
 pub enum Determination {
     /// Compatible values reach both ends of the searched range: the parameter is not determined.
     Open,
+    /// The intervals cover half of the searched range or more: the parameter is not determined.
+    Wide,
     /// Compatible values reach an end of the searched range where the parameter itself could go farther.
     EdgeOfSearch,
     /// Compatible values reach only the lower bound of the parameter: there is an upper limit.
@@ -52,6 +56,21 @@ impl Marginal {
         }
     }
 
+    /// Whether an interval reaches an end of the searched range; without intervals, whether the compatible values do.
+    pub fn reaches_end(&self, range: &Range) -> bool {
+        let ends = self.parts().into_iter().flat_map(|(low, high)| [low, high]);
+        let mut ends = ends.map(|value| range.coordinate(value));
+        ends.any(|end| !(AT_THE_END..1.0 - AT_THE_END).contains(&end))
+    }
+
+    /// The intervals; without draws, all compatible values.
+    fn parts(&self) -> Vec<(f64, f64)> {
+        match self.intervals.is_empty() {
+            true => vec![(self.low, self.high)],
+            false => self.intervals.clone(),
+        }
+    }
+
     /// How far the compatible values are determined within the searched range.
     pub fn determination(&self, range: &Range) -> Determination {
         let low_end = range.coordinate(self.low) <= AT_THE_END;
@@ -59,8 +78,12 @@ impl Marginal {
         // At a bound of the parameter itself (a restitution of 0) the search cannot be widened.
         let (lowest, highest) = range.parameter.bounds;
         let can_widen = (low_end && range.from > lowest) || (high_end && range.to < highest);
+        let covered = self.parts().into_iter();
+        let covered = covered.map(|(low, high)| range.coordinate(high) - range.coordinate(low));
+        let covered: f64 = covered.sum();
         match (low_end, high_end) {
             (true, true) => Determination::Open,
+            _ if covered >= WIDE => Determination::Wide,
             _ if can_widen => Determination::EdgeOfSearch,
             (true, false) => Determination::AtMost,
             (false, true) => Determination::AtLeast,

@@ -26,10 +26,10 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// Profile along the parameter number `axis`, whose range is given. `others` are coordinates of points from which the other
+    /// Profile of the score in a variant (0 for the mean of both) along the parameter number `axis`, whose range is given. `others` are coordinates of points from which the other
     /// parameters take their values; `inside` says whether the grid value with this number belongs to a point of the confidence set.
     pub fn new(
-        emulator: &Emulator,
+        (emulator, variant): (&Emulator, f64),
         (axis, range): (usize, &Range),
         others: &[Vec<f64>],
         inside: impl Fn(usize) -> bool,
@@ -38,11 +38,11 @@ impl Profile {
             let here = others.iter().map(|point| {
                 let mut point = point.clone();
                 point[axis] = range.coordinate(*value);
-                (emulator.mean(&point), point)
+                (emulator.mean_in(&point, variant), point)
             });
             let lowest = here.min_by(|a, b| a.0.total_cmp(&b.0));
             lowest.map_or((f64::NAN, (f64::NAN, f64::NAN)), |(score, point)| {
-                (score, emulator.band(&point, BAND))
+                (score, emulator.band(&point, variant, BAND))
             })
         };
         let values = range.values();

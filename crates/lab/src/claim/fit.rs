@@ -128,7 +128,7 @@ pub(crate) fn nearest(
         .resting_on(recordings, &numbers)
 }
 
-/// Whether neither of two engines rejects their common best point; `None` for one engine.
+/// Whether neither of two engines rejects their common best point, or which one alone explains the recordings; `None` for one engine.
 pub(crate) fn engines(
     preferences: &[EnginePreference],
     (metric, unit): (&str, Unit),
@@ -157,17 +157,31 @@ pub(crate) fn engines(
     };
     let against = preferences.iter().filter(|preference| !preference.allows());
     let against: Vec<String> = against.map(wants).collect();
-    let (says, word, text) = match against.is_empty() {
-        true => (
+    let rejected = preferences.iter().find(|preference| !preference.explains);
+    let explaining = preferences.iter().find(|preference| preference.explains);
+    let (says, word, text) = match (rejected.zip(explaining), against.is_empty()) {
+        (Some((rejected, explaining)), _) => (
+            Conclusion::Rejected,
+            "one engine explains",
+            format!(
+                "THE ENGINES DIFFER, and {explains} explains the recordings better than {other} can ({other} has a probability of {probability} \
+                 beside it): {metric} {there}; everything else here rests on {explains}; {wants}",
+                explains = explaining.engine,
+                other = rejected.engine,
+                probability = number(rejected.weight),
+                wants = wants(rejected),
+            ),
+        ),
+        (None, true) => (
             Conclusion::Supported,
             "the engines agree",
             format!("the engines agree on this point within the uncertainty: {metric} {there}"),
         ),
-        false => (
+        (None, false) => (
             Conclusion::Rejected,
             "the engines differ",
             format!(
-                "THE ENGINES DIFFER by more than the uncertainty: {metric} {there}; {}",
+                "THE ENGINES DIFFER by more than the uncertainty: {metric} {there}; {}; the answer holds the values of both",
                 listed(&against)
             ),
         ),
@@ -176,6 +190,7 @@ pub(crate) fn engines(
     for preference in preferences {
         let of = |what: &str| format!("{}_{what}", preference.engine);
         let numbers = [
+            (of("probability"), preference.weight),
             (of("score"), preference.score),
             (of("implausibility"), preference.implausibility),
             (of("expected_at_its_best"), preference.expected),

@@ -10,6 +10,8 @@ use realgap_optimization::Range;
 pub(crate) struct Found {
     /// The value at the best point.
     pub best: f64,
+    /// Whether the best point belongs to the confidence set by what the emulator says of it, and not by its score alone.
+    pub set_holds_best: bool,
     /// The values that are compatible with the recordings.
     pub marginal: Marginal,
     /// Confidence level of the marginal's intervals.
@@ -30,8 +32,12 @@ struct Shown {
 }
 
 impl Shown {
-    fn new(range: &Range) -> Self {
-        let step = (0.02 * (range.to - range.from)).log10().floor();
+    /// Digits that tell a fiftieth of the range from its neighbours, and a tenth of the shortest interval.
+    fn new(range: &Range, marginal: &Marginal) -> Self {
+        let widths = marginal.intervals.iter().map(|(low, high)| high - low);
+        let widths = widths.filter(|width| *width > 0.0);
+        let step = widths.fold(0.02 * (range.to - range.from), f64::min);
+        let step = step.log10().floor();
         Self {
             name: range.parameter.name,
             unit: range.parameter.unit.symbol(),
@@ -51,9 +57,10 @@ impl Shown {
     }
 }
 
-/// Whether, and how far, the recordings determine a parameter.
+/// Whether, and how far, the recordings determine a parameter: it is determined where its intervals are together shorter than half of
+/// the searched range and do not reach an end at which the search could be widened.
 pub(crate) fn parameter(range: &Range, found: &Found) -> Claim {
-    let shown = Shown::new(range);
+    let shown = Shown::new(range, &found.marginal);
     let (name, best) = (shown.name, shown.value(found.best));
     let Marginal {
         low,
@@ -69,14 +76,24 @@ pub(crate) fn parameter(range: &Range, found: &Found) -> Claim {
         _ => "fit as well, except for a part between the intervals",
     };
     let holds_best = |(low, high): &(f64, f64)| (*low..=*high).contains(&found.best);
-    // A best point outside of its own interval is due to chance, so its value is not named as the estimate.
+    // A best point outside of its own interval is not named as the estimate.
     let is_beside = !interval.is_empty() && !intervals.iter().any(holds_best);
+    let beside = || {
+        let why = match found.set_holds_best {
+            true => format!(
+                "is one of the {:.0} % of compatible values that the interval leaves out",
+                100.0 * (1.0 - found.level)
+            ),
+            false => {
+                "lies outside of it, with a lower score than the emulator expects there".to_owned()
+            }
+        };
+        format!("the point with the lowest score, {best}, {why}")
+    };
     let is = match (interval.as_str(), is_beside) {
         ("", _) => format!("{name} = {best}"),
         (_, false) => format!("{name} = {best} ({level} interval {interval})"),
-        (_, true) => format!(
-            "{name} lies in {interval} ({level}); the point with the lowest score, {best}, lies outside of it by chance"
-        ),
+        (_, true) => format!("{name} lies in {interval} ({level}); {}", beside()),
     };
     let within = match interval.as_str() {
         "" => format!("narrowed down to {fits_from} to {fits_to}"),
@@ -86,9 +103,7 @@ pub(crate) fn parameter(range: &Range, found: &Found) -> Claim {
         let known = match (interval.as_str(), is_beside) {
             ("", _) => format!("best {best}"),
             (_, false) => format!("best {best} ({level} interval {interval})"),
-            (_, true) => format!(
-                "{level} interval {interval}; the point with the lowest score, {best}, lies outside of it by chance"
-            ),
+            (_, true) => format!("{level} interval {interval}; {}", beside()),
         };
         (
             format!("{side} {value}"),
@@ -96,8 +111,11 @@ pub(crate) fn parameter(range: &Range, found: &Found) -> Claim {
         )
     };
     let determination = found.marginal.determination(range);
+    let is_at_edge =
+        determination == Determination::EdgeOfSearch && found.marginal.reaches_end(range);
     let says = match (found.is_resolved, determination) {
-        (false, _) | (_, Determination::Open) => Conclusion::Inconclusive,
+        (false, _) | (_, Determination::Open | Determination::Wide) => Conclusion::Inconclusive,
+        _ if is_at_edge => Conclusion::Inconclusive,
         _ => Conclusion::Supported,
     };
     let (word, text) = match determination {
@@ -114,27 +132,56 @@ pub(crate) fn parameter(range: &Range, found: &Found) -> Claim {
                 "{name} is not determined by these recordings: values from {fits_from} to {fits_to} {fit}; the best is {best}"
             ),
         ),
-        Determination::EdgeOfSearch => {
-            let edge = "up to the edge of the searched range";
-            let widen = "widen the range before you rely on this";
+        Determination::Wide => {
+            let covers = match interval.as_str() {
+                "" => format!(
+                    "values from {fits_from} to {fits_to} {fit}, half of the searched range or more"
+                ),
+                _ => format!(
+                    "the {level} interval {interval} covers half of the searched range or more"
+                ),
+            };
             (
-                format!("{within}, {edge}: {widen}"),
-                format!("{is}, but values {edge} {fit} ({fits_from} to {fits_to}): {widen}"),
+                format!("not determined: {covers}"),
+                format!(
+                    "{name} is not determined by these recordings: {covers}; the best is {best}"
+                ),
             )
+        }
+        Determination::EdgeOfSearch => {
+            let ends = format!(
+                "the search ends at {} and {}",
+                shown.value(range.from),
+                shown.value(range.to)
+            );
+            let widen = "widen the range before you rely on this";
+            let reaches =
+                format!("values from {fits_from} to {fits_to} {fit}, and {ends}: {widen}");
+            match is_at_edge {
+                true => (
+                    format!("not determined within the searched range: {reaches}"),
+                    format!(
+                        "{name} is not determined within the searched range: {reaches}; the best is {best}"
+                    ),
+                ),
+                false => (
+                    format!("{within}, but {reaches}"),
+                    format!("{is}, but {reaches}"),
+                ),
+            }
         }
         Determination::AtMost => bound("at most", &fits_to),
         Determination::AtLeast => bound("at least", &fits_from),
         Determination::Inside => match &found.shaken_by {
             Some(shaken_by) if !interval.is_empty() => {
-                let where_best = if is_beside {
-                    "outside of it by chance: "
-                } else {
-                    ""
+                let best = match is_beside {
+                    true => beside(),
+                    false => format!("best {best}"),
                 };
                 (
                     format!("{within}, no closer: numerical settings change the score more"),
                     format!(
-                        "{name} lies in {interval} ({level}; best {where_best}{best}) and cannot be narrowed further: {shaken_by}, more than these values do; \
+                        "{name} lies in {interval} ({level}; {best}) and cannot be narrowed further: {shaken_by}, more than these values do; \
                          finer numerical settings, another metric or another motion would narrow it"
                     ),
                 )
@@ -144,6 +191,13 @@ pub(crate) fn parameter(range: &Range, found: &Found) -> Claim {
                 format!("{is}; values from {fits_from} to {fits_to} {fit}"),
             ),
         },
+    };
+    // One run does not show what a repeat would change.
+    let text = match (found.recordings, says) {
+        (1, Conclusion::Supported) => {
+            format!("{text}; this is of one run, and how repeats differ is assumed")
+        }
+        _ => text,
     };
     with_numbers(
         Claim::new(About::Parameter, says, word, text).of(name),
@@ -290,6 +344,7 @@ mod tests {
     fn found(best: f64, low: f64, high: f64) -> Found {
         Found {
             best,
+            set_holds_best: true,
             marginal: Marginal {
                 low,
                 high,
@@ -310,9 +365,66 @@ mod tests {
     }
 
     #[test]
-    fn a_set_that_reaches_the_edge_of_the_search_asks_for_a_wider_one() {
-        let text = parameter(&friction(), &found(0.1, 0.05, 0.2)).text;
-        assert!(text.contains("widen"), "{text}");
+    fn an_interval_at_the_edge_of_the_search_determines_nothing_and_asks_for_a_wider_one() {
+        let verdict = parameter(&friction(), &found(0.1, 0.05, 0.2));
+        assert_eq!(
+            verdict.text,
+            "floor.friction is not determined within the searched range: values from 0.050 to 0.200 fit as well, and the search \
+             ends at 0.050 and 1.050: widen the range before you rely on this; the best is 0.100"
+        );
+        assert!(verdict.conclusion == Conclusion::Inconclusive);
+    }
+
+    #[test]
+    fn an_interval_off_the_edge_is_told_with_the_values_that_reach_the_edge() {
+        let near = Found {
+            marginal: Marginal {
+                low: 0.07,
+                high: 0.4,
+                intervals: vec![(0.15, 0.3)],
+            },
+            ..found(0.2, 0.07, 0.4)
+        };
+        let verdict = parameter(&friction(), &near);
+        assert_eq!(
+            verdict.text,
+            "floor.friction = 0.200 (90 % interval 0.150 to 0.300), but values from 0.070 to 0.400 fit as well, and the search ends \
+             at 0.050 and 1.050: widen the range before you rely on this"
+        );
+        assert!(verdict.conclusion == Conclusion::Supported);
+    }
+
+    #[test]
+    fn an_interval_over_half_of_the_range_determines_nothing() {
+        let verdict = parameter(&friction(), &found(0.4, 0.3, 0.9));
+        assert!(verdict.conclusion == Conclusion::Inconclusive);
+        let said = "floor.friction is not determined by these recordings: the 90 % interval 0.300 to 0.900 covers half";
+        assert!(verdict.text.starts_with(said), "{}", verdict.text);
+        // Two intervals count together.
+        let two = Found {
+            marginal: Marginal {
+                low: 0.15,
+                high: 0.9,
+                intervals: vec![(0.15, 0.45), (0.65, 0.9)],
+            },
+            ..found(0.4, 0.15, 0.9)
+        };
+        assert!(parameter(&friction(), &two).conclusion == Conclusion::Inconclusive);
+        // A short interval has digits enough to show its length.
+        let short = parameter(&friction(), &found(0.4352, 0.43491, 0.43542));
+        assert!(short.text.contains("0.43491 to 0.43542"), "{}", short.text);
+    }
+
+    #[test]
+    fn what_one_run_tells_is_said_to_be_of_one_run() {
+        let one = Found {
+            recordings: 1,
+            ..found(0.45, 0.4, 0.5)
+        };
+        let text = parameter(&friction(), &one).text;
+        assert!(text.contains("of one run"), "{text}");
+        let three = parameter(&friction(), &found(0.45, 0.4, 0.5)).text;
+        assert!(!three.contains("one run"), "{three}");
     }
 
     #[test]
@@ -330,7 +442,7 @@ mod tests {
         let wide = Range::new(by_name("floor.friction").unwrap(), 0.05, 2.05, 41).unwrap();
         let narrow = Range::new(by_name("floor.friction").unwrap(), 0.05, 1.05, 21).unwrap();
         for range in [wide, narrow] {
-            assert!(parameter(&range, &found(0.4, 0.15, 0.85)).conclusion == Conclusion::Supported);
+            assert!(parameter(&range, &found(0.4, 0.2, 0.6)).conclusion == Conclusion::Supported);
         }
     }
 
@@ -399,8 +511,18 @@ mod tests {
             ..found(0.4, 0.4, 0.6)
         };
         let text = parameter(&friction(), &beside).text;
-        let said = "floor.friction lies in 0.500 to 0.600 (90 %); the point with the lowest score, 0.400, lies outside";
+        let said = "floor.friction lies in 0.500 to 0.600 (90 %); the point with the lowest score, 0.400, is one of the 10 % of";
         assert!(text.starts_with(said), "{text}");
+        // The set may hold the best point for its score alone.
+        let lucky = Found {
+            set_holds_best: false,
+            ..beside
+        };
+        let text = parameter(&friction(), &lucky).text;
+        assert!(
+            text.contains("lower score than the emulator expects"),
+            "{text}"
+        );
     }
 
     #[test]
@@ -410,8 +532,8 @@ mod tests {
         let text = summary(&[edge, open]).unwrap().text;
         assert_eq!(
             text,
-            "From 3 recordings: floor.friction is narrowed down to 0.050 to 0.200 (90 %), up to the edge of the searched range: \
-             widen the range before you rely on this; floor.friction is not determined."
+            "From 3 recordings: floor.friction is not determined within the searched range: values from 0.050 to 0.200 fit as well, \
+             and the search ends at 0.050 and 1.050: widen the range before you rely on this; floor.friction is not determined."
         );
     }
 }

@@ -13,6 +13,7 @@ use std::sync::Arc;
 use crate::calibration::answer::report::Evidence;
 use crate::calibration::exploration::least_squares::LeastSquaresFit;
 use crate::calibration::exploration::wave::{leading, scored_runs, with_best_completed};
+use crate::calibration::numerics::engines::{explaining_engine, posterior_weights};
 use crate::calibration::{
     Audit, Fit, Method, PointScore, Report, Reproduction, Scores, Study, Uncertainty, Validation,
 };
@@ -74,10 +75,19 @@ impl Answer {
         refits: Option<Vec<PointScore>>,
         least_squares: Option<LeastSquaresFit>,
     ) -> Result<Self> {
+        let mut weights = vec![1.0];
         let (scores, emulator) = match ending {
             Ending::Complete if least_squares.is_none() => {
-                let emulator = Emulator::new(&scored_runs(study, &scores))?;
-                with_best_completed(study, scores, emulator)?
+                match Emulator::new(&scored_runs(study, &scores))? {
+                    Some(emulator) => {
+                        let weighed = study.with_engines_weighed(scores, emulator)?;
+                        let (scores, emulator, of_engines) = weighed;
+                        weights = of_engines;
+                        let scores = scores.in_engine(study, explaining_engine(&weights));
+                        with_best_completed(study, scores, Some(emulator))?
+                    }
+                    None => with_best_completed(study, scores, None)?,
+                }
             }
             // An interrupted run is not continued here, and a part of a grid allows no conclusion about the whole.
             _ => (scores, None),
@@ -98,7 +108,7 @@ impl Answer {
         let matching = emulator.as_ref().map(|emulator| {
             let uncertainty = uncertainty_of_observations;
             HistoryMatching::new(
-                emulator,
+                (emulator, &posterior_weights(&weights)),
                 grid,
                 &visited,
                 uncertainty,
@@ -116,7 +126,7 @@ impl Answer {
         let engines = match (judged, emulator.as_ref()) {
             (Some((matching, best)), Some(emulator)) => {
                 let known = (uncertainty_of_observations, matching.limit());
-                study.engine_preferences(&scores, best, emulator, known)
+                study.engine_preferences(&scores, best, (emulator, &weights), known)
             }
             _ => Vec::new(),
         };
@@ -170,7 +180,7 @@ impl Answer {
         let (surface, grid) = self.surface.as_ref()?;
         let point = grid.place_of(values);
         Some(match surface {
-            Surface::Emulator(emulator) => emulator.mean(&point),
+            Surface::Emulator(emulator) => emulator.mean_in(&point, self.scores.engine),
             Surface::LeastSquares(posterior, score) => score * posterior.relative_score(&point),
         })
     }
@@ -203,9 +213,8 @@ fn profiles(
         .map(|(axis, range)| {
             let inside = uncertainty.values_in_set(scores, axis);
             let inside: BTreeSet<usize> = inside.map(|value| range.nearest(value)).collect();
-            Profile::new(emulator, (axis, range), &others, |cell| {
-                inside.contains(&cell)
-            })
+            let of = (emulator, scores.engine);
+            Profile::new(of, (axis, range), &others, |cell| inside.contains(&cell))
         })
         .collect()
 }

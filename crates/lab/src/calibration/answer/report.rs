@@ -197,9 +197,10 @@ impl Evidence<'_> {
         warnings.extend(validation.and_then(Validation::warning));
         warnings.extend(few_recordings(fitted));
         if fitted == 1 {
-            warnings.push(Code::OneRecording.warning(
-                "one recording says nothing about how repeatable reality is; the uncertainty is that of perturbed simulated starts",
-            ));
+            let (_, differ) = study.noise_of_repeats();
+            warnings.push(Code::OneRecording.warning(format!(
+                "one recording does not show how repeatable reality is: all intervals are of this run, and assume that repeats differ {differ}"
+            )));
         }
         warnings
     }
@@ -320,7 +321,7 @@ impl Report {
             point.score.map(|score| Best {
                 parameters: by_name(&study.parameter_set(&point.values)),
                 score,
-                settings: point.runs,
+                settings: scores.runs_of_mean(&study.settings(), best).len(),
                 own_score: own_score(study, scores, best),
                 displacement_error_m: point.displacement_error_m,
             })

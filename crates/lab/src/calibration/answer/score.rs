@@ -11,7 +11,11 @@ use realgap_path::comparison::Basis;
 use realgap_path::trajectory::Prepared;
 use realgap_store::{CaseResult, CaseRow, Trial};
 
-/// Score of one run of a study, or the mean score of all runs at one point: the mean of both engines' means where both ran there.
+/// The code that stands for both engines, or for the only one.
+const BOTH_ENGINES: f64 = 0.0;
+
+/// Score of one run of a study, or the mean score of all runs at one point: the mean of both engines' means where both ran there,
+/// unless [`Scores::engine`] names one of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointScore {
     /// Index of the run, or of the first run at the point.
@@ -49,6 +53,9 @@ pub struct Scores {
     pub unit: Unit,
     /// The basis, where the metric needs one.
     pub basis: Option<Basis>,
+    /// Whose runs the score of a point is the mean of: 0 for both engines, or the only one; 1 for the study's own engine and −1 for
+    /// the second, where the recordings speak against the other one.
+    pub engine: f64,
 }
 
 impl Scores {
@@ -72,7 +79,12 @@ impl Scores {
             .iter()
             .map(|trial| score(study, &real, basis.as_ref(), trial))
             .collect::<Result<Vec<_>>>()?;
-        Ok(Self::of_runs(runs, metric.unit(), basis, &study.settings()))
+        let engine = BOTH_ENGINES;
+        Ok(Self::of_runs(
+            runs,
+            (metric.unit(), basis),
+            (engine, &study.settings()),
+        ))
     }
 
     /// These scores and those of more trials.
@@ -86,23 +98,36 @@ impl Scores {
     ) -> Result<Self> {
         let more = Self::with_basis(study, trials, self.basis.clone())?;
         let runs = self.runs.iter().cloned().chain(more.runs).collect();
-        let (basis, settings) = (self.basis.clone(), study.settings());
-        Ok(Self::of_runs(runs, self.unit, basis, &settings))
+        let basis = (self.unit, self.basis.clone());
+        Ok(Self::of_runs(runs, basis, (self.engine, &study.settings())))
+    }
+
+    /// The same runs, where the score of a point is the mean over the settings of one engine; 0 means both.
+    #[must_use]
+    pub(in crate::calibration) fn in_engine(self, study: &Study, engine: f64) -> Self {
+        match engine == self.engine {
+            true => self,
+            false => Self::of_runs(
+                self.runs,
+                (self.unit, self.basis),
+                (engine, &study.settings()),
+            ),
+        }
     }
 
     fn of_runs(
         runs: Vec<PointScore>,
-        unit: Unit,
-        basis: Option<Basis>,
-        settings: &Settings,
+        (unit, basis): (Unit, Option<Basis>),
+        (engine, settings): (f64, &Settings),
     ) -> Self {
-        let points = points(&runs, settings);
+        let points = points(&runs, engine, settings);
         let mut scores = Self {
             runs,
             points,
             best: None,
             unit,
             basis,
+            engine,
         };
         scores.best = scores.ranked().first().copied();
         scores
@@ -129,6 +154,20 @@ impl Scores {
         [own, second]
     }
 
+    /// The runs that the score of the point at this position is the mean of.
+    pub(in crate::calibration) fn runs_of_mean(
+        &self,
+        settings: &Settings,
+        position: usize,
+    ) -> Vec<&PointScore> {
+        let [own, second] = self.runs_by_engine(settings, position);
+        match self.engine {
+            1.0 if !own.is_empty() => own,
+            -1.0 if !second.is_empty() => second,
+            _ => own.into_iter().chain(second).collect(),
+        }
+    }
+
     /// The runs at a point that have a score.
     pub(in crate::calibration) fn runs_at(
         &self,
@@ -140,7 +179,7 @@ impl Scores {
 }
 
 /// Every point once, with the mean over its runs that did not diverge.
-fn points(runs: &[PointScore], settings: &Settings) -> Vec<PointScore> {
+fn points(runs: &[PointScore], engine: f64, settings: &Settings) -> Vec<PointScore> {
     let mut positions: HashMap<Vec<u64>, usize> = HashMap::new();
     let mut members: Vec<Vec<&PointScore>> = Vec::new();
     for run in runs {
@@ -151,11 +190,11 @@ fn points(runs: &[PointScore], settings: &Settings) -> Vec<PointScore> {
             None => members.push(vec![run]),
         }
     }
-    let means = members.iter().map(|runs| mean_of(runs, settings));
+    let means = members.iter().map(|runs| mean_of(runs, engine, settings));
     means.collect()
 }
 
-fn mean_of(runs: &[&PointScore], settings: &Settings) -> PointScore {
+fn mean_of(runs: &[&PointScore], engine: f64, settings: &Settings) -> PointScore {
     let scored: Vec<&&PointScore> = runs.iter().filter(|run| run.score.is_some()).collect();
     let Some(first) = scored.first() else {
         return runs[0].clone();
@@ -163,7 +202,7 @@ fn mean_of(runs: &[&PointScore], settings: &Settings) -> PointScore {
     let over = |value: &dyn Fn(&PointScore) -> Option<f64>| -> Option<f64> {
         let values = scored.iter().filter_map(|r| Some((r.index, value(r)?)));
         let values: Vec<(usize, f64)> = values.collect();
-        (!values.is_empty()).then(|| settings.mean(&values))
+        (!values.is_empty()).then(|| settings.mean(engine, &values))
     };
     let recordings = 0..first.recordings.len();
     PointScore {

@@ -35,6 +35,8 @@ pub struct Uncertainty {
     pub emulator_share: f64,
     /// Whether each simulated point belongs to the set; the best point always does.
     pub indistinguishable: Vec<bool>,
+    /// Whether the best point belongs to the set by what the emulator says of it, too.
+    pub holds_best: bool,
     /// Points that were not simulated, spread evenly over the part of the search space that is not implausible.
     pub unvisited: Vec<Unvisited>,
 }
@@ -52,9 +54,9 @@ impl Uncertainty {
         for (position, is_in) in visited.iter().zip(matching.visited_in_set()) {
             indistinguishable[*position] = is_in;
         }
-        indistinguishable[best] = true;
+        let holds_best = std::mem::replace(&mut indistinguishable[best], true);
         let fitted = study.part_of(&scores.points[best].recordings, false);
-        let runs = scores.runs_at(&scores.points[best].values);
+        let runs = scores.runs_of_mean(&study.settings(), best).into_iter();
         let over_settings: Vec<f64> = runs.filter_map(|run| run.score).collect();
         let simulation_sd = standard_deviation(&over_settings);
         let (source, best_score_sd) = match recordings {
@@ -71,6 +73,7 @@ impl Uncertainty {
             simulation_sd,
             emulator_share: matching.emulator_share(),
             indistinguishable,
+            holds_best,
             unvisited: matching.unvisited(&study.definition().grid),
         }
     }
@@ -110,6 +113,7 @@ impl Uncertainty {
             simulation_sd: 0.0,
             emulator_share: 0.0,
             indistinguishable,
+            holds_best: true,
             unvisited: some
                 .map(|values| Unvisited {
                     values: values.clone(),
@@ -134,14 +138,15 @@ impl Uncertainty {
     }
 }
 
-/// Score of a point with the study's own settings; `None` where it has not been simulated with them.
+/// Score of a point with the study's own settings; `None` where it has not been simulated with them, or where the recordings speak
+/// against the study's own engine.
 pub(in crate::calibration) fn own_score(
     study: &Study,
     scores: &Scores,
     best: usize,
 ) -> Option<f64> {
     let settings = study.settings();
-    let runs = scores.runs_at(&scores.points[best].values);
+    let runs = scores.runs_of_mean(&settings, best).into_iter();
     let own = runs.filter(|run| settings.of_trial(run.index) == Setting::OWN);
     mean_of_any(own.filter_map(|run| run.score))
 }

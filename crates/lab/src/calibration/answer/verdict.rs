@@ -117,6 +117,7 @@ impl Verdict {
                 let found = Found {
                     best: scores.points[best].values[dimension],
                     marginal,
+                    set_holds_best: uncertainty.holds_best,
                     level: INTERVAL_LEVEL,
                     is_resolved: !tables.audit.is_some_and(|audit| named(&audit.unresolved)),
                     shaken_by: shaken.and_then(Audit::worst).map(|(setting, change)| {

@@ -87,7 +87,14 @@ fn surrogate_recordings(study: &Study, scores: &Scores) -> Vec<Vec<Prepared>> {
         return Vec::new();
     };
     let path = |run: &PointScore| Prepared::from_xy_m(run.path_xy_m.clone()).ok();
-    let engines = scores.runs_by_engine(&study.settings(), best);
+    let [own, second] = scores.runs_by_engine(&study.settings(), best);
+    // The recording is like a run of an engine that explains it.
+    let engines = match scores.engine {
+        1.0 => vec![own],
+        -1.0 => vec![second],
+        _ => vec![own, second],
+    };
+    let engines = engines.into_iter();
     let engines = engines.map(|runs| runs.into_iter().filter_map(path).collect());
     let has_enough = |runs: &Vec<Prepared>| runs.len() >= LEAST_RUNS_OF_AN_ENGINE;
     let engines: Vec<Vec<Prepared>> = engines.into_iter().filter(has_enough).collect();
@@ -119,9 +126,12 @@ pub(in crate::calibration) fn leading(
     let mut positions = scores.ranked();
     let grid = &study.definition().grid;
     if let Some(emulator) = emulator.filter(|emulator| emulator.has_two_variants()) {
-        // The score of a single run depends on its engine more than on its point, so points are ranked by their expected scores.
+        // The score of a single run depends on its engine more than on its point, so points are ranked by their expected scores, each
+        // in the engine that suits it better.
         let expected = |position: &usize| {
-            emulator.standardised(&grid.place_of(&scores.points[*position].values))
+            let place = grid.place_of(&scores.points[*position].values);
+            let in_each = emulator.standardised_in(&place, emulator.variants());
+            in_each.into_iter().fold(f64::INFINITY, f64::min)
         };
         let mut all: Vec<(f64, usize)> = positions.iter().map(|p| (expected(p), *p)).collect();
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -156,7 +166,10 @@ pub(in crate::calibration) fn next_wave(
     let places = PLACES.max(2 * count);
     let seed = definition.seed.wrapping_add(from as u64);
     let grid = &definition.grid;
-    let matching = HistoryMatching::new(&emulator, grid, &visited, uncertainty, places, seed);
+    // Both engines are as probable, so that runs go to the valleys of both.
+    let weights = emulator.equal_weights();
+    let of = (&emulator, weights.as_slice());
+    let matching = HistoryMatching::new(of, grid, &visited, uncertainty, places, seed);
     if matching.emulator_share() < LEAST_EMULATOR_SHARE {
         return Ok(Vec::new());
     }
@@ -186,7 +199,10 @@ pub(in crate::calibration) fn with_waves(study: &Study, mut scores: Scores) -> R
     Ok(scores)
 }
 
-fn simulated(study: &Study, chosen: Vec<(usize, Vec<f64>)>) -> Result<Vec<realgap_store::Trial>> {
+pub(in crate::calibration) fn simulated(
+    study: &Study,
+    chosen: Vec<(usize, Vec<f64>)>,
+) -> Result<Vec<realgap_store::Trial>> {
     let trials = chosen.into_par_iter();
     trials
         .map(|(index, values)| study.simulate_trial(index, values, false))
@@ -211,8 +227,9 @@ fn unvisited(study: &Study, scores: &Scores) -> impl Iterator<Item = Vec<f64>> {
     nodes.filter(|values| scores.points.iter().all(|point| point.values != *values))
 }
 
-/// Finds the best point: the one with the lowest mean over all of its settings. Whenever the emulator expects a lower score at
-/// another point, all settings of that point are simulated.
+/// Finds the best point: the one with the lowest mean over all of its settings, those of an engine that the recordings speak
+/// against left out ([`Scores::engine`]). Whenever the emulator expects a lower score at another point, all settings of that point
+/// are simulated.
 ///
 /// # Errors
 /// As [`Study::simulate`].
@@ -236,7 +253,10 @@ pub(in crate::calibration) fn with_best_completed(
         let lowest = best.and_then(|best| scores.points[best].score);
         let visited = open.iter().map(|at| scores.points[*at].values.clone());
         let candidates = visited.chain(unvisited(study, &scores));
-        let expected = candidates.map(|values| (known.mean(&grid.place_of(&values)), values));
+        let expected = candidates.map(|values| {
+            let expected = known.mean_in(&grid.place_of(&values), scores.engine);
+            (expected, values)
+        });
         let promising = least_by(expected, |(score, _)| *score);
         let promising = promising.filter(|(score, _)| lowest.is_none_or(|lowest| *score < lowest));
         scores.best = best.or(scores.best);

@@ -17,9 +17,10 @@ pub struct AuditRow {
     /// Whether the setting is coarser than the study's own: it shows how much accuracy there is to lose, not how sure the answer
     /// is.
     pub coarser: bool,
-    /// The score with this setting, in the study's own engine; `None` where the run diverged.
+    /// The score with this setting, in the study's own engine, or in the second one where the recordings speak against the own
+    /// one; `None` where the run diverged.
     pub score: Option<f64>,
-    /// `score` minus the best score; where there are two engines, minus the mean of the own engine's settings.
+    /// `score` minus the best score; where there are two engines, minus the mean of that engine's settings.
     pub change: Option<f64>,
 }
 
@@ -54,20 +55,27 @@ impl Audit {
             return Ok(None);
         };
         let point = &scores.points[best];
-        // The difference between the engines is reported elsewhere, so only runs of the own engine are compared.
+        // The difference between the engines is reported elsewhere, so only runs of one engine are compared.
         let settings = study.settings();
+        let second = settings.second.filter(|_| scores.engine < 0.0);
         let runs = scores.runs_at(&point.values);
         let runs: Vec<(usize, f64)> = runs
             .filter_map(|run| Some((run.index, run.score?)))
             .collect();
         let best = settings
             .second
-            .and_then(|_| settings.engine_means(&runs)[0]);
+            .and_then(|_| settings.engine_means(&runs)[usize::from(second.is_some())]);
         let best = best.or(point.score);
         let solver = study.experiment(0, &point.values)?.solver;
         let mut rows = Vec::new();
         for (setting, coarser, change) in changes(&solver) {
-            let trial = study.simulate_changed(&point.values, change, false)?;
+            let in_engine = |experiment: &mut Experiment| {
+                if let Some(second) = second {
+                    experiment.solver.engine = second;
+                }
+                change(experiment);
+            };
+            let trial = study.simulate_changed(&point.values, in_engine, false)?;
             let score = Scores::with_basis(study, &[trial], scores.basis.clone())?.points[0].score;
             rows.push(AuditRow {
                 setting,

@@ -1,17 +1,28 @@
-//! The answer of a study of two engines, seen by each engine: whether the engine rejects the common best point, and which point
-//! it prefers.
+//! The answer of a study of two engines, seen by each engine: how well it explains the recordings, whether it rejects the best
+//! point, and which point it prefers.
 
 use std::collections::BTreeMap;
 
+use crate::calibration::exploration::wave::{next_trial, scored_runs, simulated};
+use crate::calibration::numerics::setting::Setting;
 use crate::calibration::{PointScore, Scores, Study, by_name};
-use realgap_core::statistics::mean_of;
-use realgap_inference::{Emulator, ObservationUncertainty, ScoreCovariance, implausibility};
+use realgap_core::Result;
+use realgap_core::statistics::{least_by, mean, mean_of};
+use realgap_inference::{
+    Emulator, ObservationUncertainty, ScoreCovariance, implausibility, variant_probabilities,
+};
 
 /// The view of one engine on the answer of both.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnginePreference {
     /// Name of the engine.
     pub engine: &'static str,
+    /// Posterior probability of this engine, when both are equally probable beforehand. The posterior of the parameters is the
+    /// mixture of both engines' posteriors with these weights.
+    pub weight: f64,
+    /// False where the recordings speak against this engine beside the other one. The best point is then the other engine's, and
+    /// its score the mean over the other engine's settings.
+    pub explains: bool,
     /// Mean score of the engine's settings at the common best point, in the metric's unit.
     pub score: f64,
     /// Number of these settings.
@@ -34,6 +45,32 @@ impl EnginePreference {
     }
 }
 
+/// The recordings speak against an engine whose posterior probability is lower than this: odds of 19 to 1, at the border of what
+/// is called strong evidence (Kass & Raftery 1995).
+const REJECTED: f64 = 0.05;
+/// How often the best point of each engine is looked for, each time with the runs of the time before.
+const LOOKS: usize = 2;
+
+/// The code of the engine that alone explains the recordings by these probabilities; 0 where both do, or where there is one engine
+/// only.
+pub(in crate::calibration) fn explaining_engine(weights: &[f64]) -> f64 {
+    match weights {
+        [_, second] if *second < REJECTED => 1.0,
+        [own, _] if *own < REJECTED => -1.0,
+        _ => 0.0,
+    }
+}
+
+/// The weights of the engines in the posterior: their probabilities, or all of it for the one that alone explains.
+pub(in crate::calibration) fn posterior_weights(weights: &[f64]) -> Vec<f64> {
+    match explaining_engine(weights) {
+        0.0 => weights.to_vec(),
+        engine => ENGINES
+            .map(|own| f64::from(u8::from(own == engine)))
+            .to_vec(),
+    }
+}
+
 /// The codes of the two engines, as
 /// [`Settings::engine_of_trial`](crate::calibration::numerics::setting::Settings::engine_of_trial) gives them.
 const ENGINES: [f64; 2] = [1.0, -1.0];
@@ -48,18 +85,84 @@ impl Study {
         Some(if engine < 0.0 { second.get() } else { own }.name())
     }
 
-    /// The view of each engine on the point at position `best`; empty where there is one engine only.
+    /// The scores with all settings of each engine at its own best point, and the probability of each engine; one of 1 where there
+    /// is one engine only. The point is looked for again once these runs are known.
+    ///
+    /// # Errors
+    /// As [`Study::simulate`].
+    pub(in crate::calibration) fn with_engines_weighed(
+        &self,
+        mut scores: Scores,
+        mut emulator: Emulator,
+    ) -> Result<(Scores, Emulator, Vec<f64>)> {
+        if !emulator.has_two_variants() {
+            return Ok((scores, emulator, vec![1.0]));
+        }
+        let settings = self.settings();
+        for _ in 0..LOOKS {
+            let from = next_trial(self, &scores);
+            let mut missing = Vec::new();
+            for engine in ENGINES {
+                let Some(best) = self.best_in(&scores, &emulator, engine) else {
+                    continue;
+                };
+                let values = &scores.points[best].values;
+                let there = scores.runs.iter().filter(|run| run.values == *values);
+                let seen: Vec<Setting> = there.map(|run| settings.of_trial(run.index)).collect();
+                let own = (0..settings.count).filter(|number| {
+                    settings.engine_of_trial(from + number) == engine
+                        && !seen.contains(&Setting::new(*number))
+                });
+                missing.extend(own.map(|number| (from + number, values.clone())));
+            }
+            if missing.is_empty() {
+                break;
+            }
+            scores = scores.with_more(self, &simulated(self, missing)?)?;
+            emulator = emulator.conditioned_on(&scored_runs(self, &scores));
+        }
+        // The best point of an engine is the lowest mean over all of its settings, never a point with fewer runs.
+        let first = next_trial(self, &scores);
+        let of = |engine: f64| -> Vec<f64> {
+            let is_own = |index: usize| settings.engine_of_trial(index) == engine;
+            let all = (first..first + settings.count).filter(|index| is_own(*index));
+            let all = all.count();
+            let points = scores.points.iter().filter_map(|point| {
+                let runs = scores.runs.iter().filter(|run| run.values == point.values);
+                let runs: Vec<&PointScore> = runs.filter(|run| is_own(run.index)).collect();
+                let scored: Vec<f64> = runs.iter().filter_map(|run| run.score).collect();
+                (runs.len() >= all && !scored.is_empty()).then(|| (mean(&scored), scored))
+            });
+            least_by(points, |(score, _)| *score).map_or(Vec::new(), |(_, scored)| scored)
+        };
+        let own = ENGINES.map(of);
+        let weights = variant_probabilities(own.each_ref().map(Vec::as_slice));
+        Ok((scores, emulator, weights.to_vec()))
+    }
+
+    /// Position of the point with the lowest expected score in this engine.
+    fn best_in(&self, scores: &Scores, emulator: &Emulator, engine: f64) -> Option<usize> {
+        let grid = &self.definition().grid;
+        let expected = scores.ranked().into_iter().map(|position| {
+            let place = grid.place_of(&scores.points[position].values);
+            (emulator.standardised_in(&place, &[engine])[0], position)
+        });
+        least_by(expected, |(score, _)| *score).map(|(_, position)| position)
+    }
+
+    /// The view of each engine on the point at position `best`; empty where there is one engine only. `weights` are the engines'
+    /// posterior probabilities.
     pub(in crate::calibration) fn engine_preferences(
         &self,
         scores: &Scores,
         best: usize,
-        emulator: &Emulator,
+        (emulator, weights): (&Emulator, &[f64]),
         (uncertainty, limit): (ObservationUncertainty, f64),
     ) -> Vec<EnginePreference> {
         let grid = &self.definition().grid;
         let here = grid.place_of(&scores.points[best].values);
         let runs = scores.runs_by_engine(&self.settings(), best);
-        let preference = |(engine, runs): (f64, &Vec<&PointScore>)| {
+        let preference = |((engine, runs), weight): ((f64, &Vec<&PointScore>), &f64)| {
             let engine_name = self.engine_named(engine)?;
             let ranked = scores.ranked().into_iter().map(|position| {
                 let place = grid.place_of(&scores.points[position].values);
@@ -75,6 +178,8 @@ impl Study {
             let all = implausibility(&field, &ScoreCovariance::new(&field, uncertainty));
             Some(EnginePreference {
                 engine: engine_name,
+                weight: *weight,
+                explains: scores.engine == 0.0 || scores.engine == engine,
                 score: mean_of(runs.iter().filter_map(|run| run.score)),
                 settings: runs.len(),
                 parameters: by_name(&self.parameter_set(&grid.values_at(&own))),
@@ -86,6 +191,7 @@ impl Study {
         ENGINES
             .into_iter()
             .zip(&runs)
+            .zip(weights)
             .filter_map(preference)
             .collect()
     }

@@ -5,7 +5,7 @@
 //! over all of them, because a single one contains chance. Both engines have the same weight, whatever their numbers of settings
 //! are.
 
-use crate::calibration::Study;
+use crate::calibration::{ScoreRule, StartRule, Study};
 use realgap_core::statistics::mean_of_any;
 use realgap_simulation::{EngineChoice, Experiment, JointFormulation, Noise};
 
@@ -21,6 +21,9 @@ const OWN_OF_A_LARGE_MAP: usize = 2;
 /// number: paths of 8 s are at most 3 mm farther from its limit, in three fifths of the time (docs/validation/contact.md has the
 /// table).
 const SECOND_SUBSTEPS: usize = 2;
+
+/// Number of equally valid settings where the study does not state one.
+const VALID_SETTINGS: usize = 16;
 
 /// Number of an equally valid setting; 0 is the study's own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -86,13 +89,16 @@ impl Settings {
         }
     }
 
-    /// The mean of runs, each given by the number of its trial and a value: the mean of both engines' means where both have runs.
-    pub fn mean(&self, runs: &[(usize, f64)]) -> f64 {
+    /// The mean of runs, each given by the number of its trial and a value: the mean of the engine with this code, or, for 0, of both
+    /// engines' means. Runs of the other engine count where the one that is asked for has none.
+    pub fn mean(&self, engine: f64, runs: &[(usize, f64)]) -> f64 {
         let [own, second] = self.engine_means(runs);
-        match (own, second) {
-            (Some(own), Some(second)) => 0.5 * (own + second),
-            (one, other) => one.or(other).unwrap_or(f64::NAN),
-        }
+        let of_one = match engine {
+            0.0 => own.zip(second).map(|(own, second)| 0.5 * (own + second)),
+            1.0 => own,
+            _ => second,
+        };
+        of_one.or(own).or(second).unwrap_or(f64::NAN)
     }
 
     /// The mean of each engine's runs: of the study's own engine, and of the second.
@@ -145,6 +151,59 @@ pub(in crate::calibration) fn is_large_map(points: usize) -> bool {
 }
 
 impl Study {
+    /// How repeats of the recorded run are assumed to differ, where a single recording cannot show it: as the study's noise says, or
+    /// else like careful repeats; and this in words. A run that starts as its recording did has no other start, and does not differ
+    /// without a stated noise. Nor do runs that are compared by single errors, because least squares take differences of runs.
+    pub(in crate::calibration) fn noise_of_repeats(&self) -> (Noise, &'static str) {
+        let stated = self.definition().noise;
+        let stated = stated.filter(|_| !self.definition().metric.needs().joints);
+        let none = Noise::default();
+        match (stated, self.definition().start) {
+            (Some(noise), StartRule::Settled) => (noise, "as the noise of the study says"),
+            (Some(noise), StartRule::FromRecording) => (
+                Noise {
+                    start_position_m: none.start_position_m,
+                    start_height_m: none.start_height_m,
+                    start_tilt_rad: none.start_tilt_rad,
+                    start_heading_rad: none.start_heading_rad,
+                    ..noise
+                },
+                "as the noise of the study says, except for their starts",
+            ),
+            (None, StartRule::Settled) => (
+                Noise::careful_repeat(),
+                "like careful repeats: starts by 1 mm and 1 deg, servo zeros by 1 deg",
+            ),
+            (None, StartRule::FromRecording) => (none, "by the numerical settings alone"),
+        }
+    }
+
+    /// The equally valid settings over which a score is the mean.
+    pub(in crate::calibration) fn settings(&self) -> Settings {
+        let definition = self.definition();
+        let start = match definition.start {
+            _ if self.fitted_recordings() < 2 => self.noise_of_repeats().0,
+            StartRule::Settled => Noise::careful_start(),
+            StartRule::FromRecording => Noise::default(),
+        };
+        let (noise, count) = match definition.score {
+            ScoreRule::Valid => (start, VALID_SETTINGS),
+            ScoreRule::Ensemble { repeats } => (definition.noise.unwrap_or(start), repeats),
+            ScoreRule::Single => (start, 1),
+        };
+        // A single run is made with the study's own engine.
+        let second = self.second.filter(|_| count > 1);
+        let points = definition.grid.len();
+        let is_large = second.is_some() && is_large_map(points);
+        Settings {
+            noise,
+            count,
+            seed: definition.seed,
+            second,
+            of_map: if is_large { points } else { 0 },
+        }
+    }
+
     /// The second engine, which is as valid for this study as its own engine Rapier, where it can run all robots of the study at
     /// all searched values. `None` for a study that fixes `solver.engine` or a parameter that only Rapier has, and for fits of
     /// joint errors, because least squares take differences of their runs.
@@ -233,8 +292,11 @@ mod tests {
             let some = Settings { count, ..both };
             let runs = (0..count).map(|n| (n, if own(&n) { 10.0 } else { 4.0 }));
             let runs: Vec<(usize, f64)> = runs.collect();
-            assert_eq!(some.mean(&runs), 7.0, "{count}");
-            assert_eq!(some.mean(&runs[1..2]), 4.0);
+            assert_eq!(some.mean(0.0, &runs), 7.0, "{count}");
+            assert_eq!(some.mean(1.0, &runs), 10.0, "{count}");
+            assert_eq!(some.mean(-1.0, &runs), 4.0, "{count}");
+            assert_eq!(some.mean(0.0, &runs[1..2]), 4.0);
+            assert_eq!(some.mean(1.0, &runs[1..2]), 4.0);
         }
     }
 

@@ -19,11 +19,10 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use crate::calibration::numerics::setting::{Settings, is_large_map};
 use crate::calibration::recording::identity::in_sample;
 use crate::calibration::study::case::cases;
 use crate::calibration::study::fleet::check_owners;
-use crate::calibration::{BasisRule, Case, Definition, Overrides, ScoreRule, StartRule};
+use crate::calibration::{BasisRule, Case, Definition, Overrides, ScoreRule};
 use realgap_core::file::Source;
 use realgap_core::{Error, Result, Warning};
 use realgap_identification::{StartState, refine_again};
@@ -32,9 +31,6 @@ use realgap_path::trajectory::{Prepared, prepare};
 use realgap_simulation::parameter::{Assignment, ParameterSet};
 use realgap_simulation::{EngineChoice, Experiment, Noise};
 use realgap_store::{CaseOutcome, CaseResult, CaseRow, Trial};
-
-/// Number of equally valid settings where the study does not state one.
-const VALID_SETTINGS: usize = 16;
 
 /// Approximate number of single errors that are kept of a point, over all cases, and the least number of one case.
 const MOST_ERRORS: usize = 16_384;
@@ -52,7 +48,7 @@ pub struct Study {
     /// Spread of the fitted recordings, in recorded lengths, where the metric needs it.
     spread: Option<Spread>,
     /// The second engine, which is as valid for this study as its own.
-    second: Option<EngineChoice>,
+    pub(in crate::calibration) second: Option<EngineChoice>,
 }
 
 impl Study {
@@ -195,33 +191,6 @@ impl Study {
     /// A metric that cannot compare the paths. A diverged simulation is an outcome, not an error.
     pub fn simulate(&self, index: usize) -> Result<Trial> {
         self.simulate_trial(index, self.definition.grid.values(index), false)
-    }
-
-    /// The equally valid settings over which a score is the mean.
-    pub(in crate::calibration) fn settings(&self) -> Settings {
-        let definition = &self.definition;
-        let start = match definition.start {
-            // One recording does not show how repeatable reality is, so the settings contain the noise of careful repeats.
-            StartRule::Settled if self.fitted_recordings() < 2 => Noise::careful_repeat(),
-            StartRule::Settled => Noise::careful_start(),
-            StartRule::FromRecording => Noise::default(),
-        };
-        let (noise, count) = match definition.score {
-            ScoreRule::Valid => (start, VALID_SETTINGS),
-            ScoreRule::Ensemble { repeats } => (definition.noise.unwrap_or(start), repeats),
-            ScoreRule::Single => (start, 1),
-        };
-        // A single run is made with the study's own engine.
-        let second = self.second.filter(|_| count > 1);
-        let points = definition.grid.len();
-        let is_large = second.is_some() && is_large_map(points);
-        Settings {
-            noise,
-            count,
-            seed: definition.seed,
-            second,
-            of_map: if is_large { points } else { 0 },
-        }
     }
 
     /// Simulates every case at these values, as trial number `index`. The number decides which of the equally valid settings is

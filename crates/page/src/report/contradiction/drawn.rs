@@ -111,6 +111,7 @@ impl Swept {
             indistinguishable: (0..points.len())
                 .map(|at| at == best || score(&at) < limit)
                 .collect(),
+            holds_best: draw.is(0.8),
             unvisited: (0..40)
                 .map(|_| {
                     let values = place(draw);
@@ -129,6 +130,7 @@ impl Swept {
             best: Some(best),
             unit: Unit::Metre,
             basis: None,
+            engine: 0.0,
         };
         let (draws, audit) = (draws(draw, &ranges, &near), audit(draw));
         let verdicts = Verdict::all(&Tables {
@@ -275,8 +277,14 @@ fn draws(draw: &mut Draw, ranges: &[Range], best: &[f64]) -> PosteriorDraws {
 
 fn engines(draw: &mut Draw) -> Vec<EnginePreference> {
     let both = draw.is(0.7).then_some(["rapier", "tree"]);
+    let first = draw.share();
     let mut preference = |engine| EnginePreference {
         engine,
+        weight: match engine {
+            "rapier" => first,
+            _ => 1.0 - first,
+        },
+        explains: (0.05..=0.95).contains(&first) || (first > 0.5) == (engine == "rapier"),
         score: draw.within(0.01, 0.2),
         settings: 8,
         parameters: [("floor.friction".to_owned(), draw.share())].into(),

@@ -140,12 +140,19 @@ fn a_sweep_says_one_thing_in_every_place() {
                 format!("{place} of the model: {text}")
             });
         }
-        let differ = report.engines.iter().any(|preference| !preference.allows());
+        let engines = report.engines.iter();
+        let one_explains = engines.clone().any(|preference| !preference.explains);
+        let differ = one_explains || engines.clone().any(|preference| !preference.allows());
         found.see("engines differ", differ);
+        found.see("one engine explains", one_explains);
         for (place, text) in told.places() {
             let says = text.contains("THE ENGINES DIFFER");
             found.hold(&told, says == differ, || {
                 format!("{place} of engines: {text}")
+            });
+            let says = text.contains("explains the recordings better than");
+            found.hold(&told, says == one_explains, || {
+                format!("{place} of the engine that explains: {text}")
             });
         }
         let is_first = |text: &str| text.find("NO PARAMETERS") < text.find("comes nearest");
