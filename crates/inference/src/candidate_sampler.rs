@@ -96,12 +96,13 @@ impl CandidateSampler<'_> {
     pub fn lowest(&self, axes: &[Intervals], count: usize) -> Vec<Vec<f64>> {
         let points = self.points(axes, count);
         let expected: Vec<Vec<f64>> = points.iter().map(|point| self.expected(point)).collect();
-        let variants = self.variants.len();
+        let share = (count / self.variants.len()).min(points.len());
         let mut is_low = vec![false; points.len()];
-        for variant in 0..variants {
+        for variant in (0..).take(self.variants.len()) {
+            let score = |point: &usize| expected[*point][variant];
             let mut ranked: Vec<usize> = (0..points.len()).collect();
-            ranked.sort_by(|a, b| expected[*a][variant].total_cmp(&expected[*b][variant]));
-            for point in &ranked[..(count / variants).min(ranked.len())] {
+            ranked.sort_by(|a, b| score(a).total_cmp(&score(b)));
+            for point in &ranked[..share] {
                 is_low[*point] = true;
             }
         }

@@ -46,7 +46,11 @@ impl PosteriorDraws {
             }
             from = to;
         }
-        intervals
+        match intervals.len() {
+            // What lies beyond a rejected part is then a part of a tail.
+            1 => vec![self.interval(parameter, level)],
+            _ => intervals,
+        }
     }
 
     /// Pearson's correlation of two parameters over the draws; 0 where one of them does not vary.
@@ -63,5 +67,41 @@ impl PosteriorDraws {
 
     fn values(&self, parameter: usize) -> Vec<f64> {
         self.draws.iter().map(|draw| draw[parameter]).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn draws(values: impl Iterator<Item = f64>, gaps: Vec<f64>) -> PosteriorDraws {
+        PosteriorDraws::new(values.map(|value| vec![value]).collect(), vec![gaps])
+    }
+
+    #[test]
+    fn a_part_with_fewer_draws_than_a_tail_leaves_the_interval_a_quantile_of_all_draws() {
+        let values = (0..1000).map(|n| {
+            if n < 20 {
+                0.1
+            } else {
+                0.5 + 1e-4 * f64::from(n)
+            }
+        });
+        let parted = draws(values, vec![0.3]);
+        let [one] = parted.intervals(0, 0.9)[..] else {
+            panic!("{:?}", parted.intervals(0, 0.9));
+        };
+        assert_eq!(one, parted.interval(0, 0.9));
+        assert!(one.0 > 0.5, "{one:?}");
+    }
+
+    #[test]
+    fn two_parts_with_many_draws_have_an_interval_each() {
+        let values = (0..1000).map(|n| 1e-4 * f64::from(n) + if n < 500 { 0.0 } else { 0.8 });
+        let parts = draws(values, vec![0.5]).intervals(0, 0.9);
+        let [(_, low), (high, _)] = parts[..] else {
+            panic!("{parts:?}");
+        };
+        assert!(low < 0.05 && high > 0.85, "{parts:?}");
     }
 }
