@@ -9,37 +9,21 @@ mod world;
 use rand::{RngExt, SeedableRng};
 
 use check::{RANK_BINS, agree, rank_statistic};
-use world::{Output, Shape, World, normal};
+use world::{Output, Shape, World, grid, normal};
 
 use crate::{
     Emulator, HistoryMatching, INTERVAL_LEVEL, ObservationUncertainty, ScoredRun,
     variant_probabilities,
 };
-use realgap_core::quantity::{Quantity, Scale};
 use realgap_core::random::Generator;
 use realgap_core::statistics::{chi_squared_quantile, least_by};
-use realgap_core::unit::Unit;
 use realgap_optimization::{
-    EvaluatedPoint, Grid, History, OptimizationProblem, Proposal, Range, UnitPoint,
-    optimizer_by_name, space_filling,
+    EvaluatedPoint, History, OptimizationProblem, Proposal, UnitPoint, optimizer_by_name,
+    space_filling,
 };
 
 /// Equally valid settings of a study.
 const SETTINGS: usize = 16;
-
-fn grid(points: usize) -> Grid {
-    let range = |name| {
-        let parameter = Quantity {
-            name,
-            unit: Unit::One,
-            bounds: (0.0, 1.0),
-            whole: false,
-            scale: Scale::Linear,
-        };
-        Range::new(parameter, 0.0, 1.0, points).unwrap()
-    };
-    Grid::new(vec![range("first"), range("second")]).unwrap()
-}
 
 /// How the points of the first runs are chosen.
 #[derive(Clone, Copy)]

@@ -329,7 +329,8 @@ fn a_correct_model_is_not_contradicted_by_points_that_crowd_together() {
     assert!(row.held >= 18, "{} of {}", row.held, row.of);
 }
 
-/// Prints how many frictions of floors are determined; docs/validation/intervals.md has the numbers and the command.
+/// Prints how many frictions of floors are determined: `REALGAP_FIRST` and `REALGAP_STUDIES` choose the seeds, `REALGAP_ROWS` the
+/// search, as in `cargo test -p realgap-lab the_table_of_floors -- --ignored --nocapture`.
 #[test]
 #[ignore = "eight sweeps and eight searches take a quarter of an hour"]
 fn the_table_of_floors() {

@@ -3,7 +3,10 @@
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
+use realgap_core::quantity::{Quantity, Scale};
 use realgap_core::random::Generator;
+use realgap_core::unit::Unit;
+use realgap_optimization::{Grid, Range};
 
 /// Numbers of an output.
 const OUTPUTS: usize = 12;
@@ -81,4 +84,19 @@ fn deviation(number: u64, at: &[f64], size: f64) -> Output {
     let mut rng = Generator::seed_from_u64(number);
     let (a, b) = (noise(&mut rng, size), noise(&mut rng, size));
     std::array::from_fn(|k| a[k] + b[k] * libm::sin(2.0 * at[0]))
+}
+
+/// Two parameters from 0 to 1, each with so many values.
+pub fn grid(points: usize) -> Grid {
+    let range = |name| {
+        let parameter = Quantity {
+            name,
+            unit: Unit::One,
+            bounds: (0.0, 1.0),
+            whole: false,
+            scale: Scale::Linear,
+        };
+        Range::new(parameter, 0.0, 1.0, points).unwrap()
+    };
+    Grid::new(vec![range("first"), range("second")]).unwrap()
 }

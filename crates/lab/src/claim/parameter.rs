@@ -400,7 +400,6 @@ mod tests {
         assert!(verdict.conclusion == Conclusion::Inconclusive);
         let said = "floor.friction is not determined by these recordings: the 90 % interval 0.300 to 0.900 covers half";
         assert!(verdict.text.starts_with(said), "{}", verdict.text);
-        // Two intervals count together.
         let two = Found {
             marginal: Marginal {
                 low: 0.15,
@@ -410,7 +409,6 @@ mod tests {
             ..found(0.4, 0.15, 0.9)
         };
         assert!(parameter(&friction(), &two).conclusion == Conclusion::Inconclusive);
-        // A short interval has digits enough to show its length.
         let short = parameter(&friction(), &found(0.4352, 0.43491, 0.43542));
         assert!(short.text.contains("0.43491 to 0.43542"), "{}", short.text);
     }
