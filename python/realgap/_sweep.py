@@ -169,10 +169,38 @@ class Partner:
 
 
 @dataclass(frozen=True)
-class Estimated:
-    """The estimate of a parameter by least squares with its 90 % interval: by leaving out logs, or by noise where there are fewer than three.
+class Combination:
+    """A ratio or a product of two parameters that recordings determine where they determine neither, with its 90 % interval.
 
-    `is_told` says whether the spread is less than half of what was known beforehand.
+    >>> [e.combination for e in tuned.summary.tuning.least_squares]    # of gauss-newton only
+    []
+    """
+
+    name: str
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """How good the posterior of least squares is: the next step in standard deviations, and runs at draws beside what it promises.
+
+    >>> tuned.summary.tuning.agreement is None    # of gauss-newton only
+    True
+    """
+
+    remaining: float
+    checked: int
+    effective: float
+    excess: Optional[float]
+
+
+@dataclass(frozen=True)
+class Estimated:
+    """The estimate of a parameter by least squares with its 90 % interval, from the draws of the posterior.
+
+    `is_told` says whether the recordings determine it; where they do not, `combination` may be what they do determine.
 
     >>> tuned.summary.tuning.least_squares    # of gauss-newton only
     ()
@@ -184,6 +212,7 @@ class Estimated:
     high: float
     is_told: bool
     partner: Optional[Partner]
+    combination: Optional[Combination] = None
 
 
 @dataclass(frozen=True)
@@ -216,6 +245,7 @@ class Tuned:
     evaluated: int
     termination: Literal["budget", "exhausted", "no_improvement", "interrupted"]
     least_squares: Tuple[Estimated, ...] = ()
+    agreement: Optional[Agreement] = None
     lowest_score: Optional[float] = None
     motions: Tuple[InformationGain, ...] = ()
 

@@ -25,11 +25,13 @@ from ._forecast import (
 from ._gap import Confidence, Fitness, GapAndRatio, GapSummary, MetricGap, OverTime
 from ._statistic import EnergyTest, Estimate, Interval, Proportion, Quantiles, SampleTest
 from ._sweep import (
+    Agreement,
     Audit,
     AuditRow,
     Best,
     BestPointUncertainty,
     ChannelFit,
+    Combination,
     Correlation,
     Estimated,
     Fit,
@@ -53,6 +55,7 @@ from ._sweep import (
 from ._warning import Warning
 
 __all__ = [
+    "Agreement",
     "Audit",
     "AuditRow",
     "Behaviour",
@@ -62,6 +65,7 @@ __all__ = [
     "Card",
     "ChannelFit",
     "Claim",
+    "Combination",
     "Confidence",
     "Correlation",
     "CostOfTransport",

@@ -414,7 +414,7 @@ fn joint_logs_and_a_urdf_become_a_fit_of_the_servos() {
     );
     // The next command reads the file that it wrote.
     let out = folder.path().join("out");
-    let words = ["--optimizer", "gauss-newton", "--budget", "7", "-o"];
+    let words = ["--optimizer", "gauss-newton", "--budget", "20", "-o"];
     realgap()
         .arg("tune")
         .arg(&study)

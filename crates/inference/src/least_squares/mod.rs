@@ -232,14 +232,13 @@ impl LeastSquaresPosterior {
             let mode = &self.modes[draw.mode].0;
             let laplace = &mode.laplace;
             let here = laplace.deviance(&laplace.centre, &laplace.errors);
-            let (excess, gain) = errors.map_or((f64::INFINITY, 0.0), |errors| {
-                let excess = laplace.deviance(&draw.point, &errors) - here - draw.promised;
-                (excess, mode.gain_across(&draw.point, &errors))
+            let excess = errors.map_or(f64::INFINITY, |errors| {
+                laplace.deviance(&draw.point, &errors) - here - draw.promised
             });
-            let inflation = laplace.mean_inflation();
-            excesses.push((excess / inflation).min(MOST_EXCESS));
-            // Draws that are beside a ridge are no less likely than their neighbours on it.
-            along.push(((excess - gain.min(excess.max(0.0))) / inflation).min(MOST_EXCESS));
+            let excess = (excess / laplace.mean_inflation()).min(MOST_EXCESS);
+            excesses.push(excess);
+            // The density along a ridge was measured by the runs along it, and draws beside it are no less likely than those on it.
+            along.push(if mode.has_ridges() { 0.0 } else { excess });
         }
         let dimensions = self.modes[0].0.laplace.centre.len();
         self.agreement = self.agreement.with_checks(&excesses, dimensions);

@@ -236,16 +236,9 @@ impl Mode {
         })
     }
 
-    /// By how much steps across the first ridge would reduce the deviance of a point with these errors: between the runs along it a
-    /// ridge is not known exactly. 0 where there is no ridge.
-    pub fn gain_across(&self, point: &[f64], errors: &[f64]) -> f64 {
-        let Some(ridge) = self.ridges.first() else {
-            return 0.0;
-        };
-        let jacobian = self.laplace.jacobian();
-        self.laplace
-            .step_across(jacobian, (point, errors), ridge.direction)
-            .1
+    /// Whether a direction was followed by runs.
+    pub fn has_ridges(&self) -> bool {
+        !self.ridges.is_empty()
     }
 
     /// How far the lowest deviance lies from the centre for another black box, by so many steps with the derivatives at the centre;

@@ -89,6 +89,9 @@ fn differs(channel: &ChannelFit, misfit: &ResidualMisfit) -> String {
     )
 }
 
+/// A share by which a run goes too far or too short; of a run that moves less than that, no share is said.
+const MOST_SHARE: f64 = 3.0;
+
 /// What the misfit looks like, and what to check.
 fn looks(channel: &ChannelFit, misfit: &ResidualMisfit) -> String {
     let size = quantity(misfit.size.abs(), channel.unit);
@@ -102,6 +105,9 @@ fn looks(channel: &ChannelFit, misfit: &ResidualMisfit) -> String {
             "it follows the velocity, as if the recordings came {seconds} early: check delays and clocks"
         ),
         Pattern::Offset => format!("it is an offset of {size}: check zeros and frames"),
+        Pattern::Position if misfit.size.abs() > MOST_SHARE => {
+            "the run hardly moves where the recording does: check commands, loads and play of the joints".to_owned()
+        }
         Pattern::Position => format!(
             "it follows the position, as if the run went {} % too {}: check loads, play of the joints, and scales",
             number(100.0 * misfit.size.abs()),

@@ -14,6 +14,9 @@ const PRACTICAL: f64 = 1e-3;
 /// A right model may differ from reality by so many times what half the timestep changes: with errors of first order, all of the
 /// model's own numerical error.
 const NUMERICS: f64 = 2.0;
+/// Where an encoder rounds, so many of its steps are no misfit: a joint that stands still keeps the same rounding error, one step from
+/// end to end, and a start that is read from a rounded angle adds half of a step.
+const ROUNDED_STEPS: f64 = 1.5;
 const QUARTERS: usize = 4;
 
 /// The channels that are judged, and where their residuals stand.
@@ -113,7 +116,10 @@ impl Layout {
         let range = (high - low) / self.scales[channel];
         (NUMERICS * root_mean_square(&moved))
             .max(PRACTICAL * range)
-            .max(1.0)
+            .max(match self.sources[channel] {
+                NoiseSource::Resolution => ROUNDED_STEPS * 12f64.sqrt(),
+                NoiseSource::HighFrequencies | NoiseSource::Stated => 1.0,
+            })
     }
 
     pub fn channels(&self, series: &[Vec<Series>], real: &[Size]) -> Vec<ChannelFit> {
