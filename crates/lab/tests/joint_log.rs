@@ -266,7 +266,7 @@ fn a_motion_that_does_not_move_a_joint_has_no_information_about_its_parameters()
     std::fs::write(&path, text.replace("log.csv", "*.csv")).unwrap();
     let options = TuneOptions {
         optimizer: optimizer_by_name("gauss-newton").unwrap(),
-        budget: 30,
+        budget: 60,
         patience: None,
     };
     for split in [None, Some(Split::HoldOut(0.25))] {

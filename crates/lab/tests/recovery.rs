@@ -42,14 +42,15 @@ fn the_true_floor_parameters_lie_in_the_indistinguishable_set() {
         "the true values score {:?}, best {:?} at {:?}",
         result.scores.points[truth].score, best.score, best.values
     );
-    // The set is informative: it contains only a small part of the grid.
+    // The set is informative: it contains less than a third of the grid. (It was less than a fifth while it held the points of the
+    // mean over both engines; now it holds those of either engine.)
     let size = uncertainty
         .indistinguishable
         .iter()
         .take(121)
         .filter(|is_in| **is_in)
         .count();
-    assert!(size < 25, "{size} of 121");
+    assert!(size < 40, "{size} of 121");
     // Friction is found to within a step of this coarse grid, and its interval holds the truth and is at most half as long as the
     // range. (The length is 0.41. An earlier method came to less than 0.32, but it also called parameters without effect
     // determined.) Restitution is reported as not determined.

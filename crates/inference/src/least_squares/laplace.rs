@@ -10,6 +10,8 @@ use super::noise::ResidualNoise;
 const NINETY: f64 = 1.644_853_626_951;
 /// With fewer logs than this, their disagreement cannot be estimated, and only the noise is used.
 const FEWEST_LOGS: usize = 3;
+/// Logs of which fewer than this tell about a direction (effective number: Kish 1965) do not show how far they disagree about it.
+const LEAST_TELLING: f64 = 2.0;
 /// Logs that agree by chance do not make an estimate more certain than this share of the noise's variance.
 const LEAST_INFLATION: f64 = 0.25;
 /// Factor on the error of a derivative: that of a difference to one side at an end of the range is twice that of one to both sides.
@@ -138,6 +140,12 @@ impl Laplace {
         let shifts: Vec<DVector<f64>> = shifts.collect();
         let student = student_quantile(0.95, logs.len() as f64 - 1.0) / NINETY;
         DVector::from_fn(dimensions, |k, _| {
+            // A log that alone tells about a direction cannot contradict others.
+            let shares = parts.iter().map(|(part, _)| part[(k, k)] / all[(k, k)]);
+            let telling = 1.0 / shares.map(|share| share * share).sum::<f64>();
+            if telling < LEAST_TELLING {
+                return from_noise[k];
+            }
             let left_out: Vec<f64> = shifts.iter().map(|shift| shift[k]).collect();
             let variance = jackknife_variance(&left_out) * student.powi(2);
             (variance * self.information[k]).max(LEAST_INFLATION)

@@ -6,6 +6,8 @@ const ROUNDING: f64 = 1e-12;
 const TOLERANCE: f64 = 0.15;
 /// Gaps that show a step where most values differ; chance makes one gap a multiple in three of ten cases.
 const GAPS: usize = 8;
+/// The smallest gap is at most so many steps.
+const MOST_STEPS: u32 = 3;
 /// Where there are so many samples to each value, few gaps show a step, too.
 const REPEATED: usize = 4;
 
@@ -17,10 +19,18 @@ pub fn resolution(values: &[f64]) -> Option<f64> {
     let largest = sorted.first()?.abs().max(sorted.last()?.abs());
     let gaps = sorted.windows(2).map(|pair| pair[1] - pair[0]);
     let gaps: Vec<f64> = gaps.filter(|gap| *gap > ROUNDING * largest).collect();
-    let step = gaps.iter().copied().reduce(f64::min)?;
-    let is_multiple = |gap: &f64| (gap / step - (gap / step).round()).abs() < TOLERANCE;
-    let is_shown = gaps.len() >= GAPS || sorted.len() >= REPEATED * (gaps.len() + 1);
-    (is_shown && gaps.iter().all(is_multiple)).then_some(step)
+    let least = gaps.iter().copied().reduce(f64::min)?;
+    let is_step = |step: f64| {
+        let is_multiple = |gap: &f64| (gap / step - (gap / step).round()).abs() < TOLERANCE;
+        gaps.iter().all(is_multiple)
+    };
+    if gaps.len() < GAPS {
+        let is_repeated = sorted.len() >= REPEATED * (gaps.len() + 1);
+        return (is_repeated && is_step(least)).then_some(least);
+    }
+    // A fast motion may skip values, so that even the smallest gap is several steps.
+    let mut parts = (1..=MOST_STEPS).map(|steps| least / f64::from(steps));
+    parts.find(|step| is_step(*step))
 }
 
 #[cfg(test)]

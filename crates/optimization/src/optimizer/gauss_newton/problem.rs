@@ -17,7 +17,8 @@ pub struct Linearisation {
     pub jacobian: DMatrix<f64>,
     /// Size of a typical error of each error's channel, positive. The loss of an error changes from quadratic to linear there.
     pub scales: Vec<f64>,
-    /// Index in the history of the point, and of the first of the points that are moved along one coordinate each.
+    /// Index in the history of the point around which the derivatives were taken (this one, or one that is nearer to it than the step
+    /// at which a descent ends), and of the first of the points that are moved from there along one coordinate each.
     pub indices: (usize, usize),
 }
 
