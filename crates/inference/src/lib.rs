@@ -36,7 +36,8 @@ pub use history_matching::{HistoryMatching, LEVEL, Unvisited};
 pub use implausibility::{ObservationUncertainty, ScoreCovariance, implausibility};
 pub use information::{AddedInformation, added_information};
 pub use least_squares::{
-    Agreement, Combination, Evaluate, LeastSquaresEstimate, LeastSquaresPosterior, most_checks,
+    Agreement, Combination, Evaluate, Finer, LeastSquaresEstimate, LeastSquaresPosterior,
+    most_checks,
 };
 pub use marginal::{Determination, Marginal};
 pub use posterior::{INTERVAL_LEVEL, PosteriorDraws};

@@ -51,9 +51,10 @@ fn the_true_floor_parameters_lie_in_the_indistinguishable_set() {
         .filter(|is_in| **is_in)
         .count();
     assert!(size < 40, "{size} of 121");
-    // Friction is found to within a step of this coarse grid, and its interval holds the truth and is at most half as long as the
-    // range. (The length is 0.41. An earlier method came to less than 0.32, but it also called parameters without effect
-    // determined.) Restitution is reported as not determined.
+    // Friction is found to within a step of this coarse grid, and its interval holds the truth. Its length of 0.483 is just over half
+    // of the range, so that friction is not called determined here. (It was 0.41 while scores were means over both engines, which
+    // left the power of other studies too low; an earlier method came to less than 0.32, but it also called parameters without
+    // effect determined.) Restitution is reported as not determined.
     assert!(
         (best.values[0] - FRICTION).abs() <= 0.095 + 1e-12,
         "{:?}",
@@ -62,11 +63,10 @@ fn the_true_floor_parameters_lie_in_the_indistinguishable_set() {
     let draws = result.draws.as_ref().unwrap();
     let (low, high) = draws.interval(0, INTERVAL_LEVEL);
     assert!(
-        low <= FRICTION && FRICTION <= high && high - low < 0.475,
+        low <= FRICTION && FRICTION <= high && high - low < 0.5,
         "{low} to {high}"
     );
     let verdicts = &result.report.verdicts;
-    assert!(verdicts[0].identified, "{}", verdicts[0].text);
     assert!(!verdicts[1].identified, "{}", verdicts[1].text);
     assert!(verdicts[1].text.contains("not determined"));
 }

@@ -30,7 +30,7 @@ use runs::CheckRuns;
 
 pub use combination::Combination;
 pub use estimate::LeastSquaresEstimate;
-pub use runs::Evaluate;
+pub use runs::{Evaluate, Finer};
 
 /// Draws of the posterior.
 const DRAWS: usize = 1000;
@@ -308,14 +308,11 @@ impl LeastSquaresPosterior {
     ///
     /// # Errors
     /// Those of the runs.
-    pub fn with_numerics(
-        mut self,
-        run: &mut dyn FnMut(&UnitPoint, f64) -> Result<Option<Vec<f64>>>,
-    ) -> Result<Self> {
+    pub fn with_numerics(mut self, run: &mut Finer<'_>) -> Result<Self> {
         // The shift of the best mode stands for that of the others, which are not run.
         let best = &mut self.modes[0].0;
-        let half = best.refitted(REFITS.0, &mut |point| run(point, 0.5))?;
-        let quarter = best.refitted(REFITS.1, &mut |point| run(point, 0.25))?;
+        let half = best.refitted(REFITS.0, (0.5, &mut *run))?;
+        let quarter = best.refitted(REFITS.1, (0.25, run))?;
         if let (Some(half), Some(quarter)) = (half, quarter) {
             best.set_shift(&half, &quarter);
         }

@@ -10,7 +10,7 @@ use realgap_optimization::UnitPoint;
 use super::CHECKED;
 use super::laplace::Laplace;
 use super::ridge::{Follower, Ridge, room};
-use super::runs::CheckRuns;
+use super::runs::{CheckRuns, Finer};
 
 /// A direction with a larger standard deviation than this, as a share of a range, is followed by runs, and so is the least determined
 /// one; at most so many are.
@@ -241,18 +241,18 @@ impl Mode {
         !self.ridges.is_empty()
     }
 
-    /// How far the lowest deviance lies from the centre for another black box, by so many steps with the derivatives at the centre;
-    /// `None` where a run diverges.
+    /// How far the lowest deviance lies from the centre with a timestep that is multiplied by a factor, by so many steps with the
+    /// derivatives at the centre; `None` where a run diverges.
     pub fn refitted(
         &self,
         steps: usize,
-        run: &mut dyn FnMut(&UnitPoint) -> Result<Option<Vec<f64>>>,
+        (factor, run): (f64, &mut Finer<'_>),
     ) -> Result<Option<DVector<f64>>> {
         let centre = DVector::from_column_slice(&self.laplace.centre);
         let mut at = centre.clone();
         for _ in 0..steps {
             let point: UnitPoint = at.iter().map(|c| c.clamp(0.0, 1.0)).collect();
-            let errors = run(&point)?;
+            let errors = run(&point, factor)?;
             let whole = errors.filter(|errors| errors.len() == self.laplace.errors.len());
             let Some(errors) = whole else {
                 return Ok(None);

@@ -6,6 +6,9 @@ use realgap_optimization::UnitPoint;
 /// Evaluates points and returns the errors of each; `None` for a run that diverged.
 pub type Evaluate<'a> = dyn FnMut(&[UnitPoint]) -> Result<Vec<Option<Vec<f64>>>> + 'a;
 
+/// The errors at a point with a timestep that is multiplied by a factor; `None` for a run that diverged.
+pub type Finer<'a> = dyn FnMut(&UnitPoint, f64) -> Result<Option<Vec<f64>>> + 'a;
+
 /// Runs at points that the posterior asks for, up to a limit.
 pub(super) struct CheckRuns<'a> {
     evaluate: &'a mut Evaluate<'a>,

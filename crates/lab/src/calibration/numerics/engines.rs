@@ -6,11 +6,16 @@ use std::collections::BTreeMap;
 use crate::calibration::exploration::wave::{next_trial, scored_runs, simulated};
 use crate::calibration::numerics::setting::Setting;
 use crate::calibration::{PointScore, Scores, Study, by_name};
+use crate::prediction::ensemble::rms_m;
 use realgap_core::Result;
-use realgap_core::statistics::{least_by, mean, mean_of};
+use realgap_core::statistics::{least_by, mean_of, mean_of_any};
 use realgap_inference::{
     Emulator, ObservationUncertainty, ScoreCovariance, implausibility, variant_probabilities,
 };
+use realgap_path::trajectory::Prepared;
+
+/// Runs that are farther from the recordings than so many noise floors do not explain them.
+const NEAR_FLOORS: f64 = 2.0;
 
 /// The view of one engine on the answer of both.
 #[derive(Debug, Clone, PartialEq)]
@@ -123,21 +128,54 @@ impl Study {
         }
         // The best point of an engine is the lowest mean over all of its settings, never a point with fewer runs.
         let first = next_trial(self, &scores);
-        let of = |engine: f64| -> Vec<f64> {
+        let of = |engine: f64| -> Vec<&PointScore> {
             let is_own = |index: usize| settings.engine_of_trial(index) == engine;
             let all = (first..first + settings.count).filter(|index| is_own(*index));
             let all = all.count();
             let points = scores.points.iter().filter_map(|point| {
                 let runs = scores.runs.iter().filter(|run| run.values == point.values);
                 let runs: Vec<&PointScore> = runs.filter(|run| is_own(run.index)).collect();
-                let scored: Vec<f64> = runs.iter().filter_map(|run| run.score).collect();
-                (runs.len() >= all && !scored.is_empty()).then(|| (mean(&scored), scored))
+                let has_all = runs.len() >= all;
+                let scored: Vec<&PointScore> =
+                    runs.into_iter().filter(|run| run.score.is_some()).collect();
+                let score = mean_of_any(scored.iter().filter_map(|run| run.score))?;
+                has_all.then_some((score, scored))
             });
             least_by(points, |(score, _)| *score).map_or(Vec::new(), |(_, scored)| scored)
         };
         let own = ENGINES.map(of);
-        let weights = variant_probabilities(own.each_ref().map(Vec::as_slice));
-        Ok((scores, emulator, weights.to_vec()))
+        // Where neither engine comes near the recordings, being nearer is no reason to believe one of them.
+        let mut near = false;
+        for runs in &own {
+            near |= self.comes_near(runs)?;
+        }
+        let weights = match near {
+            true => {
+                let own = own
+                    .each_ref()
+                    .map(|runs| -> Vec<f64> { runs.iter().filter_map(|run| run.score).collect() });
+                variant_probabilities(own.each_ref().map(Vec::as_slice)).to_vec()
+            }
+            false => vec![0.5, 0.5],
+        };
+        Ok((scores, emulator, weights))
+    }
+
+    /// Whether these runs are about as far from the recordings as these are from each other; true where nothing tells how far that is.
+    fn comes_near(&self, runs: &[&PointScore]) -> Result<bool> {
+        let real = self.part_of(&self.real_paths(), false);
+        if self.cases().len() != 1 || real.len() < 2 {
+            return Ok(true);
+        }
+        let pairs = (0..real.len()).flat_map(|a| (a + 1..real.len()).map(move |b| (a, b)));
+        let floor_m = mean_of(pairs.map(|(a, b)| rms_m(real[a], real[b])));
+        let mut distances_m = Vec::new();
+        for run in runs {
+            let path = Prepared::from_xy_m(run.path_xy_m.clone())?;
+            distances_m.extend(real.iter().map(|real| rms_m(real, &path)));
+        }
+        let nearest = mean_of_any(distances_m.iter().copied());
+        Ok(floor_m <= 0.0 || nearest.is_some_and(|m| m < NEAR_FLOORS * floor_m))
     }
 
     /// Position of the point with the lowest expected score in this engine.
