@@ -207,10 +207,10 @@ pub mod guide {
                 "limits-of-the-import";
             [upstream restitution]:
                 "friction-does-not-feel-restitution";
-            [validation arm]:
-                "do-the-intervals-hold-what-they-promise";
             [validation contact]:
                 "against-other-engines" "the-table" "what-do-timestep-and-substeps-cost" "which-joints";
+            [validation intervals]:
+                "fits-of-joints-by-least-squares";
             [validation radio]:
                 "what-it-costs";
             [validation verification]:
