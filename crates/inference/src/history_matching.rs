@@ -20,6 +20,7 @@ use crate::implausibility::{
     ObservationUncertainty, ScoreCovariance, emulator_share, implausibility,
 };
 use crate::posterior::PosteriorDraws;
+use crate::resample::systematic;
 use realgap_core::random::{Generator, Once};
 use realgap_core::statistics::{chi_squared_quantile, ends_of};
 use realgap_optimization::{Grid, space_filling};
@@ -291,21 +292,11 @@ impl HistoryMatching {
 
     /// Parameter values drawn from the posterior density.
     pub fn draws(&self, grid: &Grid, seed: u64) -> PosteriorDraws {
-        let weights = &self.densities;
-        let total: f64 = weights.iter().sum();
-        let mut rng = Once::BestPoint.generator(seed);
-        // Systematic resampling: one random number, then equal steps through the cumulated weights.
-        let first: f64 = rng.random();
-        let (mut draws, mut sum) = (Vec::with_capacity(DRAWS), 0.0);
-        for (point, weight) in self.points.iter().zip(weights) {
-            sum += weight / total * DRAWS as f64;
-            while (draws.len() as f64 + first) < sum {
-                draws.push(grid.values_at(point));
-            }
-        }
-        if draws.is_empty() {
-            draws.push(grid.values_at(&self.points[0]));
-        }
+        let first: f64 = Once::BestPoint.generator(seed).random();
+        let drawn = systematic(&self.densities, DRAWS, first).into_iter();
+        let draws = drawn
+            .map(|index| grid.values_at(&self.points[index]))
+            .collect();
         let gaps = self.gaps.iter().zip(grid.ranges());
         let gaps = gaps.map(|(gaps, range)| gaps.iter().map(|at| range.at(*at)).collect());
         PosteriorDraws::new(draws, gaps.collect())

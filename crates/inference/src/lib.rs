@@ -25,6 +25,7 @@ mod marginal;
 mod noise_field;
 mod posterior;
 mod profile;
+mod resample;
 mod run_selection;
 mod scale;
 mod scored_run;

@@ -30,6 +30,15 @@ pub struct Camera {
 }
 
 impl Camera {
+    /// A careful guess for a camera that nobody measured: a millimetre, and 0.3°.
+    pub fn careful() -> Self {
+        Self {
+            position_m: Distribution::Normal(1e-3),
+            angle_rad: Distribution::Normal(5e-3),
+            time_s: Distribution::default(),
+        }
+    }
+
     /// Every field with its name as in a noise section, in the order of the struct.
     pub(super) fn uses(&self) -> [(&'static str, Distribution, Use); 3] {
         [

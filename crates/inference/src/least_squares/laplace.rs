@@ -2,7 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 use realgap_core::statistics::{jackknife_variance, student_quantile};
-use realgap_optimization::{Linearisation, OptimizationProblem, UnitPoint, blocks_of};
+use realgap_optimization::{
+    Linearisation, OptimizationProblem, UnitPoint, blocks_of, minimum_within,
+};
 
 use super::noise::ResidualNoise;
 
@@ -26,9 +28,11 @@ const RANGE_PRECISION: f64 = 12.0;
 #[derive(Debug, Clone)]
 pub(super) struct Laplace {
     /// The point at which the deviance was last found to be lowest.
-    pub centre: UnitPoint,
+    centre: UnitPoint,
     /// The errors there.
-    pub errors: Vec<f64>,
+    errors: Vec<f64>,
+    /// The deviance there.
+    lowest: f64,
     noise: ResidualNoise,
     /// Derivatives of the whitened errors.
     jacobian: DMatrix<f64>,
@@ -54,6 +58,7 @@ impl Laplace {
         let mut laplace = Self {
             centre: known.at.clone(),
             errors: known.errors.clone(),
+            lowest: 0.0,
             jacobian: noise.whitened(&known.jacobian),
             noise,
             prior,
@@ -61,15 +66,37 @@ impl Laplace {
             inflation: one.clone(),
             information: one,
         };
+        laplace.lowest = laplace.deviance(&known.at, &known.errors);
         laplace.decompose(&vec![0.0; dimensions]);
         laplace
     }
 
-    /// The same around the centre with derivatives from differences to both sides, which come as the two Jacobians of steps to one
-    /// side and to the other, each in two steps of the same length.
+    /// Moves the centre to a point with these errors.
+    pub fn move_to(&mut self, point: UnitPoint, errors: Vec<f64>) {
+        self.lowest = self.deviance(&point, &errors);
+        (self.centre, self.errors) = (point, errors);
+    }
+
+    /// The point at which the deviance was last found to be lowest.
+    pub fn centre(&self) -> &UnitPoint {
+        &self.centre
+    }
+
+    /// The errors at the centre.
+    pub fn errors(&self) -> &[f64] {
+        &self.errors
+    }
+
+    /// The deviance at the centre.
+    pub fn lowest(&self) -> f64 {
+        self.lowest
+    }
+
+    /// Takes derivatives at the centre from differences to both sides: `central` is the slope at the centre of the parabola through
+    /// three points, and `asymmetry` half of the difference between the slopes to the two sides.
     ///
-    /// The derivative of the parabola through three points is off by a share of about the square of the asymmetry: half of the
-    /// difference between the two slopes, relative to the slope (Nocedal & Wright 2006, section 8.1).
+    /// The derivative of the parabola through three points is off by a share of about the square of the asymmetry
+    /// relative to the slope (Nocedal & Wright 2006, section 8.1).
     pub fn with_both_sides(&mut self, central: &DMatrix<f64>, asymmetry: &DMatrix<f64>) {
         self.jacobian = self.noise.whitened(central);
         let asymmetry = self.noise.whitened(asymmetry);
@@ -157,12 +184,37 @@ impl Laplace {
         self.information[direction] / self.inflation[direction]
     }
 
+    /// Standard deviation along a direction; at most a large number where nothing is known but the range.
+    pub fn deviation(&self, direction: usize) -> f64 {
+        1.0 / self.precision(direction).sqrt().max(1e-9)
+    }
+
+    /// By how much a step to the lowest deviance reduces the deviance, in units of the mean inflation.
+    pub fn gain(&self, step: &DVector<f64>) -> f64 {
+        self.sum_along(step, |k| self.information(k)) / self.mean_inflation()
+    }
+
+    /// The length of a step in standard deviations.
+    pub fn deviations(&self, step: &DVector<f64>) -> f64 {
+        self.sum_along(step, |k| self.precision(k)).sqrt()
+    }
+
+    /// Sum over the directions of a weight times the square of the step's part.
+    fn sum_along(&self, step: &DVector<f64>, weight: impl Fn(usize) -> f64) -> f64 {
+        let parts = self.directions.column_iter().enumerate();
+        let parts = parts.map(|(k, direction)| {
+            let part = direction.dot(step);
+            weight(k) * part * part
+        });
+        parts.sum()
+    }
+
     /// Information along each direction as if errors were independent.
     pub fn information(&self, direction: usize) -> f64 {
         self.information[direction]
     }
 
-    /// Inflation of the variance of all errors together: that of the directions, weighted by nothing.
+    /// Inflation of the variance of all errors together: the mean over the directions.
     pub fn mean_inflation(&self) -> f64 {
         self.inflation.mean()
     }
@@ -171,6 +223,14 @@ impl Laplace {
     /// their own correlation.
     pub fn inflation_along(&self, direction: usize) -> f64 {
         self.inflation[direction].max(self.mean_inflation())
+    }
+
+    /// Precision of each coordinate before the recordings: that of its prior, or of a uniform distribution over the range.
+    pub fn prior_precisions(&self) -> Vec<f64> {
+        let precision = |prior: &Option<(f64, f64)>| {
+            prior.map_or(RANGE_PRECISION, |(_, variance)| 1.0 / variance)
+        };
+        self.prior.iter().map(precision).collect()
     }
 
     /// Variance of each error, as if errors were independent.
@@ -201,36 +261,11 @@ impl Laplace {
     /// The step towards the lowest deviance within the range from a point with these errors. A coordinate that the step would move
     /// beyond an end of the range is moved to that end, and the step of the others is computed again.
     pub fn step(&self, point: &[f64], errors: &[f64]) -> DVector<f64> {
-        let dimensions = point.len();
         let slope = self.slope(&self.jacobian, point, errors);
         let scaled = DMatrix::from_diagonal(&self.information.add_scalar(RANGE_PRECISION));
         let curvature = &self.directions * scaled * self.directions.transpose();
-        let mut step = DVector::zeros(dimensions);
-        let mut held = vec![false; dimensions];
-        // Each round holds at least one more coordinate at an end.
-        for _ in 0..=dimensions {
-            let free: Vec<usize> = (0..dimensions).filter(|axis| !held[*axis]).collect();
-            let matrix = curvature.select_rows(&free).select_columns(&free);
-            let right = DVector::from_fn(free.len(), |row, _| {
-                let axes = (0..dimensions).filter(|axis| held[*axis]);
-                let moved = axes.map(|axis| curvature[(free[row], axis)] * step[axis]);
-                -slope[free[row]] - moved.sum::<f64>()
-            });
-            let Some(cholesky) = matrix.cholesky() else {
-                break;
-            };
-            let mut is_within = true;
-            for (axis, by) in free.iter().zip(cholesky.solve(&right).iter()) {
-                step[*axis] = (point[*axis] + by).clamp(0.0, 1.0) - point[*axis];
-                if step[*axis] != *by && (step[*axis] - by).abs() > 1e-12 {
-                    (held[*axis], is_within) = (true, false);
-                }
-            }
-            if is_within {
-                break;
-            }
-        }
-        step
+        let to = minimum_within(&curvature, &slope, point, vec![false; point.len()]);
+        DVector::from_fn(point.len(), |axis, _| to[axis] - point[axis])
     }
 
     /// Derivative of half the deviance at a point, with these derivatives of the whitened errors.

@@ -2,8 +2,8 @@
 //!
 //! Around the lowest deviance it is a Gaussian approximation (Laplace's method) whose noise has a scale for each channel and counts
 //! correlated errors once (`noise`, `laplace`). Along directions that are hardly determined it is followed by runs (`ridge`). Other
-//! descents that ended as low are modes of their own (`mode`). Draws are then run: where their errors are larger than promised, the
-//! draws get weights, and the agreement is part of the result (importance sampling; Kloek & van Dijk 1978).
+//! descents that ended as low are modes of their own (`mode`). Draws are then run, and the agreement is part of the result: where no
+//! ridge was followed, draws whose errors are larger than promised get lower weights (importance sampling; Kloek & van Dijk 1978).
 
 mod combination;
 mod estimate;
@@ -20,6 +20,7 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
 
 use crate::posterior::PosteriorDraws;
+use crate::resample::systematic;
 use laplace::Laplace;
 use mode::Mode;
 use realgap_core::error::Result;
@@ -159,17 +160,18 @@ impl LeastSquaresPosterior {
                 let deviance = |one: &&EvaluatedPoint| laplace.deviance(&one.point, &one.errors);
                 let lowest = known.min_by(|a, b| deviance(a).total_cmp(&deviance(b)));
                 if let Some(lowest) = lowest {
-                    (laplace.centre, laplace.errors) =
-                        (lowest.point.clone(), lowest.errors.clone());
+                    laplace.move_to(lowest.point.clone(), lowest.errors.clone());
                 }
             }
             let (excess, is_new) = match modes.first() {
                 Some((best, _)) => {
                     let reference = &best.laplace;
-                    let excess = reference.deviance(&laplace.centre, &laplace.errors)
-                        - reference.deviance(&reference.centre, &reference.errors);
+                    let excess =
+                        reference.deviance(laplace.centre(), laplace.errors()) - reference.lowest();
                     let excess = excess / reference.mean_inflation();
-                    let is_new = modes.iter().all(|(mode, _)| mode.is_apart(&laplace.centre));
+                    let is_new = modes
+                        .iter()
+                        .all(|(mode, _)| mode.is_apart(laplace.centre()));
                     (excess, is_new)
                 }
                 None => (0.0, true),
@@ -231,16 +233,15 @@ impl LeastSquaresPosterior {
         for (draw, errors) in chosen.iter().zip(runs.run(points)?) {
             let mode = &self.modes[draw.mode].0;
             let laplace = &mode.laplace;
-            let here = laplace.deviance(&laplace.centre, &laplace.errors);
             let excess = errors.map_or(f64::INFINITY, |errors| {
-                laplace.deviance(&draw.point, &errors) - here - draw.promised
+                laplace.deviance(&draw.point, &errors) - laplace.lowest() - draw.promised
             });
             let excess = (excess / laplace.mean_inflation()).min(MOST_EXCESS);
             excesses.push(excess);
             // The density along a ridge was measured by the runs along it, and draws beside it are no less likely than those on it.
             along.push(if mode.has_ridges() { 0.0 } else { excess });
         }
-        let dimensions = self.modes[0].0.laplace.centre.len();
+        let dimensions = self.best().len();
         self.agreement = self.agreement.with_checks(&excesses, dimensions);
         self.draws = reweighted(&self.draws, (&chosen, &along), &mut rng);
         Ok(())
@@ -248,7 +249,7 @@ impl LeastSquaresPosterior {
 
     /// The simulated point with the lowest deviance.
     pub fn best(&self) -> &UnitPoint {
-        &self.modes[0].0.laplace.centre
+        self.modes[0].0.laplace.centre()
     }
 
     /// What is known about how good the approximation is.
@@ -260,6 +261,11 @@ impl LeastSquaresPosterior {
     pub fn noise(&self) -> (Vec<f64>, f64) {
         let laplace = &self.modes[0].0.laplace;
         (laplace.variances(), laplace.mean_inflation())
+    }
+
+    /// Precision of each coordinate before the recordings.
+    pub fn prior_precisions(&self) -> Vec<f64> {
+        self.modes[0].0.laplace.prior_precisions()
     }
 
     /// Whether the values of a parameter end where a range does, and not because of the recordings; `width` is the length of its
@@ -274,33 +280,28 @@ impl LeastSquaresPosterior {
     pub fn is_in_set(&self, point: &[f64], errors: &[f64], level: f64) -> bool {
         let laplace = &self.modes[0].0.laplace;
         let limit = chi_squared_quantile(level, point.len() as f64);
-        let excess =
-            laplace.deviance(point, errors) - laplace.deviance(&laplace.centre, &laplace.errors);
-        errors.len() == laplace.errors.len() && excess / laplace.mean_inflation() <= limit
+        let excess = laplace.deviance(point, errors) - laplace.lowest();
+        errors.len() == laplace.errors().len() && excess / laplace.mean_inflation() <= limit
     }
 
     /// The score that the approximation expects at a point, as a multiple of that at the best point. A score is about proportional to
     /// the root of the deviance.
     pub fn relative_score(&self, point: &[f64]) -> f64 {
-        let of_mode = |(mode, excess): &(Mode, f64)| {
-            excess * mode.laplace.mean_inflation() + mode.laplace.beyond(point)
-        };
-        let beyond = self.modes.iter().map(of_mode).fold(f64::INFINITY, f64::min);
-        self.relative(beyond)
+        self.relative(|laplace| laplace.beyond(point))
     }
 
     /// The lowest relative score of all points with this coordinate along one axis.
     pub fn relative_profile(&self, axis: usize, coordinate: f64) -> f64 {
-        let of_mode = |(mode, excess): &(Mode, f64)| {
-            excess * mode.laplace.mean_inflation() + mode.laplace.beyond_along(axis, coordinate)
-        };
-        let beyond = self.modes.iter().map(of_mode).fold(f64::INFINITY, f64::min);
-        self.relative(beyond)
+        self.relative(|laplace| laplace.beyond_along(axis, coordinate))
     }
 
-    fn relative(&self, beyond: f64) -> f64 {
-        let laplace = &self.modes[0].0.laplace;
-        let here = laplace.deviance(&laplace.centre, &laplace.errors);
+    /// The relative score where a mode's deviance exceeds that of its centre by so much, in the mode where it is lowest.
+    fn relative(&self, beyond: impl Fn(&Laplace) -> f64) -> f64 {
+        let of_mode = |(mode, excess): &(Mode, f64)| {
+            excess * mode.laplace.mean_inflation() + beyond(&mode.laplace)
+        };
+        let beyond = self.modes.iter().map(of_mode).fold(f64::INFINITY, f64::min);
+        let here = self.modes[0].0.laplace.lowest();
         (1.0 + beyond / here.max(f64::MIN_POSITIVE)).sqrt()
     }
 
@@ -324,7 +325,7 @@ impl LeastSquaresPosterior {
     pub fn with_starts(mut self, others: &[Vec<f64>]) -> Self {
         let best = &mut self.modes[0].0;
         let others = others.iter();
-        let others = others.filter(|errors| errors.len() == best.laplace.errors.len());
+        let others = others.filter(|errors| errors.len() == best.laplace.errors().len());
         best.starts = others
             .map(|errors| best.across_ridges(best.laplace.shift(errors)))
             .collect();
@@ -410,14 +411,6 @@ fn reweighted(
         .iter()
         .map(|excess| libm::exp(-0.5 * (excess - least)));
     let weights: Vec<f64> = weights.collect();
-    let total: f64 = weights.iter().sum();
-    let first: f64 = rng.random();
-    let (mut kept, mut sum) = (Vec::with_capacity(draws.len()), 0.0);
-    for (draw, weight) in draws.iter().zip(&weights) {
-        sum += weight / total * draws.len() as f64;
-        while (kept.len() as f64 + first) < sum {
-            kept.push(draw.clone());
-        }
-    }
-    kept
+    let drawn = systematic(&weights, draws.len(), rng.random()).into_iter();
+    drawn.map(|index| draws[index].clone()).collect()
 }

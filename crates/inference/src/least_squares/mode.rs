@@ -9,7 +9,7 @@ use realgap_optimization::UnitPoint;
 
 use super::CHECKED;
 use super::laplace::Laplace;
-use super::ridge::{Follower, Ridge, room};
+use super::ridge::{Follower, Ridge, clamped, room};
 use super::runs::{CheckRuns, Finer};
 
 /// A direction with a larger standard deviation than this, as a share of a range, is followed by runs, and so is the least determined
@@ -56,18 +56,18 @@ type Position = DVector<f64>;
 /// Takes differences to both sides of the centre; at an end of the range, differences over one and two steps to the inside. Where there
 /// are too few runs for both sides, one side is taken.
 fn differences(laplace: &mut Laplace, runs: &mut CheckRuns<'_>) -> Result<()> {
-    let dimensions = laplace.centre.len();
+    let dimensions = laplace.centre().len();
     if !runs.has_left(dimensions) {
         return Ok(());
     }
     let has_both = runs.has_left(2 * dimensions);
-    let steps = |axis: usize| match laplace.centre[axis] {
+    let steps = |axis: usize| match laplace.centre()[axis] {
         low if low < STEP => (STEP, 2.0 * STEP),
         high if high > 1.0 - STEP => (-STEP, -2.0 * STEP),
         _ => (STEP, -STEP),
     };
     let moved = |axis: usize, step: f64| {
-        let mut moved = laplace.centre.clone();
+        let mut moved = laplace.centre().clone();
         moved[axis] += step;
         moved
     };
@@ -79,11 +79,11 @@ fn differences(laplace: &mut Laplace, runs: &mut CheckRuns<'_>) -> Result<()> {
         false => vec![None; dimensions],
     };
     let slope = |errors: &Option<Vec<f64>>, step: f64| {
-        let after = errors.as_ref()?.iter().zip(&laplace.errors);
+        let after = errors.as_ref()?.iter().zip(laplace.errors());
         let slopes = after.map(|(after, before)| (after - before) / step);
-        Some(DVector::from_iterator(laplace.errors.len(), slopes))
+        Some(DVector::from_iterator(laplace.errors().len(), slopes))
     };
-    let mut central = DMatrix::zeros(laplace.errors.len(), dimensions);
+    let mut central = DMatrix::zeros(laplace.errors().len(), dimensions);
     let mut asymmetry = central.clone();
     for axis in 0..dimensions {
         let (a, b) = steps(axis);
@@ -110,37 +110,26 @@ impl Mode {
     /// # Errors
     /// Those of the runs.
     pub fn new(mut laplace: Laplace, runs: &mut CheckRuns<'_>) -> Result<Self> {
-        let dimensions = laplace.centre.len();
+        let dimensions = laplace.centre().len();
         differences(&mut laplace, runs)?;
         for _ in 0..LAST_STEPS {
-            let step = laplace.step(&laplace.centre, &laplace.errors);
-            let inflation = laplace.mean_inflation();
-            let gain = (0..step.len()).map(|k| {
-                let part = laplace.directions.column(k).dot(&step);
-                laplace.information(k) * part * part
-            });
-            if gain.sum::<f64>() / inflation < SMALL_GAIN {
+            let step = laplace.step(laplace.centre(), laplace.errors());
+            if laplace.gain(&step) < SMALL_GAIN {
                 break;
             }
-            let target = laplace.centre.iter().zip(step.iter());
-            let target: UnitPoint = target
-                .map(|(at, step)| (at + step).clamp(0.0, 1.0))
-                .collect();
+            let target = clamped(&(DVector::from_column_slice(laplace.centre()) + step));
             let Some(errors) = runs.run(vec![target.clone()])?.pop().flatten() else {
                 break;
             };
-            if laplace.deviance(&target, &errors)
-                >= laplace.deviance(&laplace.centre, &laplace.errors)
-            {
+            if laplace.deviance(&target, &errors) >= laplace.lowest() {
                 break;
             }
-            (laplace.centre, laplace.errors) = (target, errors);
+            laplace.move_to(target, errors);
         }
-        let deviation = |k: usize| 1.0 / laplace.precision(k).sqrt().max(1e-9);
         let best_known = laplace.information(dimensions - 1);
         let is_weak = |k: usize| laplace.information(k) < WEAK * best_known;
         let wide: Vec<usize> = (0..dimensions)
-            .filter(|k| *k == 0 || deviation(*k) > WIDE || is_weak(*k))
+            .filter(|k| *k == 0 || laplace.deviation(*k) > WIDE || is_weak(*k))
             .take(MOST_RIDGES)
             .collect();
         let sides = wide.iter().flat_map(|k| [(*k, -1.0), (*k, 1.0)]);
@@ -172,26 +161,24 @@ impl Mode {
                 ridges.extend(Some(ridge).filter(|ridge| ridge.length() > SHORT));
             }
         }
-        let mut remaining = laplace.step(&laplace.centre, &laplace.errors);
-        for ridge in &ridges {
-            // Where the posterior lies along a ridge is known from the runs along it.
-            let along = laplace.directions.column(ridge.direction);
-            remaining -= along * along.dot(&remaining);
-        }
-        let within = laplace.centre.iter().zip(remaining.iter());
-        let within = within.map(|(at, step)| (at + step).clamp(0.0, 1.0) - at);
-        Ok(Self {
+        let mut mode = Self {
             shift: DVector::zeros(dimensions),
             starts: Vec::new(),
-            remaining: DVector::from_iterator(dimensions, within),
+            remaining: DVector::zeros(dimensions),
             laplace,
             ridges,
-        })
+        };
+        let laplace = &mode.laplace;
+        let step = mode.across_ridges(laplace.step(laplace.centre(), laplace.errors()));
+        let within = laplace.centre().iter().zip(step.iter());
+        let within = within.map(|(at, step)| (at + step).clamp(0.0, 1.0) - at);
+        mode.remaining = DVector::from_iterator(dimensions, within);
+        Ok(mode)
     }
 
     /// Whether a point lies elsewhere than this mode and its ridges.
     pub fn is_apart(&self, point: &[f64]) -> bool {
-        let from = point.iter().zip(&self.laplace.centre).map(|(a, b)| a - b);
+        let from = point.iter().zip(self.laplace.centre()).map(|(a, b)| a - b);
         let mut position = self
             .laplace
             .directions
@@ -206,20 +193,14 @@ impl Mode {
             position[ridge.direction] = 0.0;
         }
         let distances = position.iter().enumerate();
-        let distances = distances.map(|(k, at)| {
-            let deviation = 1.0 / self.laplace.precision(k).sqrt().max(1e-9);
-            at.abs() / (APART * deviation).max(BESIDE)
-        });
+        let distances =
+            distances.map(|(k, at)| at.abs() / (APART * self.laplace.deviation(k)).max(BESIDE));
         is_beside || distances.fold(0.0, f64::max) > 1.0
     }
 
     /// How many standard deviations the remaining step is long.
     pub fn remaining_deviations(&self) -> f64 {
-        let parts = (0..self.remaining.len()).map(|k| {
-            let part = self.laplace.directions.column(k).dot(&self.remaining);
-            self.laplace.precision(k) * part * part
-        });
-        parts.sum::<f64>().sqrt()
+        self.laplace.deviations(&self.remaining)
     }
 
     /// Whether a ridge reaches an end of the range on which the parameter changes by at least this much: its values end there because
@@ -248,12 +229,12 @@ impl Mode {
         steps: usize,
         (factor, run): (f64, &mut Finer<'_>),
     ) -> Result<Option<DVector<f64>>> {
-        let centre = DVector::from_column_slice(&self.laplace.centre);
+        let centre = DVector::from_column_slice(self.laplace.centre());
         let mut at = centre.clone();
         for _ in 0..steps {
-            let point: UnitPoint = at.iter().map(|c| c.clamp(0.0, 1.0)).collect();
+            let point = clamped(&at);
             let errors = run(&point, factor)?;
-            let whole = errors.filter(|errors| errors.len() == self.laplace.errors.len());
+            let whole = errors.filter(|errors| errors.len() == self.laplace.errors().len());
             let Some(errors) = whole else {
                 return Ok(None);
             };
@@ -284,7 +265,7 @@ impl Mode {
     }
 
     fn point(&self, position: &Position) -> DVector<f64> {
-        let centre = DVector::from_column_slice(&self.laplace.centre);
+        let centre = DVector::from_column_slice(self.laplace.centre());
         let mut point = centre + &self.laplace.directions * position;
         for ridge in &self.ridges {
             point += ridge.off(position[ridge.direction]);
@@ -306,12 +287,11 @@ impl Mode {
 
     /// Logarithm of the share of the unit cube that the mode takes, up to a constant.
     pub fn log_volume(&self) -> f64 {
-        let centre = &self.laplace.centre;
+        let centre = self.laplace.centre();
         let widths = (0..centre.len()).map(|k| {
             let line = self.laplace.directions.column(k).into_owned();
             let extent = room(centre, &line) + room(centre, &-line);
-            let deviation = 1.0 / self.laplace.precision(k).sqrt().max(1e-9);
-            (std::f64::consts::TAU.sqrt() * deviation).min(extent.max(1e-6))
+            (std::f64::consts::TAU.sqrt() * self.laplace.deviation(k)).min(extent.max(1e-6))
         });
         widths.map(libm::log).sum()
     }
@@ -319,7 +299,7 @@ impl Mode {
     /// So many draws, with the deviance that is promised for each (Gibbs sampling along the principal directions, within the range).
     /// The shift by the numerics is not in them.
     pub fn draws(&self, count: usize, rng: &mut Generator) -> Vec<(UnitPoint, f64)> {
-        let dimensions = self.laplace.centre.len();
+        let dimensions = self.laplace.centre().len();
         let mut position = Position::zeros(dimensions);
         let is_within =
             |point: &DVector<f64>| point.iter().all(|c| (-OUTSIDE..=1.0 + OUTSIDE).contains(c));
@@ -343,11 +323,7 @@ impl Mode {
                     }
                 }
             }
-            let point = self
-                .point(&position)
-                .iter()
-                .map(|c| c.clamp(0.0, 1.0))
-                .collect();
+            let point = clamped(&self.point(&position));
             draws.push((point, self.promised(&position)));
         }
         draws
@@ -356,7 +332,7 @@ impl Mode {
     /// A normal number along a direction, truncated to the range.
     fn along(&self, k: usize, point: &DVector<f64>, now: f64, share: f64) -> f64 {
         let line = self.laplace.directions.column(k).into_owned();
-        let inside: Vec<f64> = point.iter().map(|c| c.clamp(0.0, 1.0)).collect();
+        let inside = clamped(point);
         let (low, high) = (
             now - room(&inside, &-line.clone()),
             now + room(&inside, &line),

@@ -1,7 +1,7 @@
 //! The noise of residuals: a variance for each channel, and the autocorrelation along each direction of the parameters.
 
 use nalgebra::{DMatrix, DVector};
-use realgap_optimization::ErrorBlock;
+use realgap_optimization::{ErrorBlock, robust_loss, robust_slope};
 
 /// Variance of values that are rounded to steps of 1.
 const ROUNDING: f64 = 1.0 / 12.0;
@@ -35,12 +35,6 @@ struct ChannelSums {
     step: f64,
 }
 
-/// Charbonnier loss of an error in typical errors, and its derivative.
-fn loss(error: f64) -> (f64, f64) {
-    let root = (1.0 + error * error).sqrt();
-    (root - 1.0, error / root)
-}
-
 impl ResidualNoise {
     /// Of these errors after a fit of so many parameters. The variance of each channel is that of a robust estimate (Huber 1981,
     /// section 7.6), at least that of the sensor's steps.
@@ -52,7 +46,7 @@ impl ResidualNoise {
         for (block, range) in ranges(blocks) {
             let sums = &mut sums[block.channel];
             for (error, scale) in errors[range.clone()].iter().zip(&scales[range]) {
-                let (ratio, (_, slope)) = (error / scale, loss(error / scale));
+                let (ratio, slope) = (error / scale, robust_slope(error / scale));
                 let curvature = (1.0 + ratio * ratio).powf(-1.5);
                 sums.count += 1.0;
                 sums.slope_squares += slope * slope;
@@ -96,7 +90,7 @@ impl ResidualNoise {
     /// Twice the negative log-likelihood of these errors, as if they were independent.
     pub fn deviance(&self, errors: &[f64]) -> f64 {
         let all = errors.iter().zip(&self.scales).zip(&self.likelihood);
-        all.map(|((error, scale), factor)| 2.0 * factor * loss(error / scale).0)
+        all.map(|((error, scale), factor)| 2.0 * factor * robust_loss(error / scale))
             .sum()
     }
 
@@ -123,7 +117,7 @@ impl ResidualNoise {
         let factors = self.likelihood.iter().zip(&self.information);
         let all = errors.iter().zip(&self.scales).zip(factors);
         let slopes = all.map(|((error, scale), (likelihood, information))| {
-            likelihood * loss(error / scale).1 / information.sqrt()
+            likelihood * robust_slope(error / scale) / information.sqrt()
         });
         DVector::from_iterator(errors.len(), slopes)
     }

@@ -51,6 +51,8 @@ pub(super) struct Ridge {
     pub direction: usize,
     /// Points along it, increasing.
     points: Vec<RidgePoint>,
+    /// Posterior density, without its constant, in each of [`CELLS`] cells from end to end.
+    densities: Vec<f64>,
 }
 
 /// Follows one side of a ridge; it proposes points one after the other.
@@ -86,7 +88,8 @@ pub(super) fn room(from: &[f64], direction: &DVector<f64>) -> f64 {
     ends.fold(f64::INFINITY, f64::min).max(0.0)
 }
 
-fn clamped(point: &DVector<f64>) -> UnitPoint {
+/// The point, moved to the ends of the range where it lies outside.
+pub(super) fn clamped(point: &DVector<f64>) -> UnitPoint {
     point.iter().map(|c| c.clamp(0.0, 1.0)).collect()
 }
 
@@ -94,9 +97,8 @@ impl Follower {
     /// Of one side (1 or −1) of a direction.
     pub fn new(laplace: &Laplace, direction: usize, side: f64) -> Self {
         let line = laplace.directions.column(direction) * side;
-        let room = room(&laplace.centre, &line);
-        let deviation = 1.0 / laplace.precision(direction).sqrt().max(1e-9);
-        let along = side * deviation.min(room);
+        let room = room(laplace.centre(), &line);
+        let along = side * laplace.deviation(direction).min(room);
         let mut follower = Self {
             direction,
             along,
@@ -106,8 +108,8 @@ impl Follower {
             next: None,
             lowest: None,
             last: (
-                DVector::from_column_slice(&laplace.centre),
-                laplace.whitened(&laplace.errors),
+                DVector::from_column_slice(laplace.centre()),
+                laplace.whitened(laplace.errors()),
             ),
             jacobian: laplace.jacobian().clone(),
             found: Vec::new(),
@@ -125,7 +127,7 @@ impl Follower {
 
     /// The point at a distance along the direction, off the straight line as the last point of the ridge.
     fn line(&self, laplace: &Laplace, along: f64) -> DVector<f64> {
-        let centre = DVector::from_column_slice(&laplace.centre);
+        let centre = DVector::from_column_slice(laplace.centre());
         let straight = centre + laplace.directions.column(self.direction) * along;
         match self.found.as_slice() {
             [] => straight,
@@ -151,10 +153,9 @@ impl Follower {
             self.go_to(laplace, 0.5 * self.along);
             return;
         };
-        let here = laplace.deviance(&laplace.centre, &laplace.errors);
-        let deviance = (laplace.deviance(&point, errors) - here) / inflation;
+        let deviance = (laplace.deviance(&point, errors) - laplace.lowest()) / inflation;
         let at = DVector::from_column_slice(&point);
-        let from_centre = &at - DVector::from_column_slice(&laplace.centre);
+        let from_centre = &at - DVector::from_column_slice(laplace.centre());
         let along = from_centre.dot(&direction);
         let off = from_centre - direction * along;
         if self
@@ -264,7 +265,16 @@ impl Ridge {
         for point in &mut points {
             point.deviance -= lowest;
         }
-        Self { direction, points }
+        let mut ridge = Self {
+            direction,
+            points,
+            densities: Vec::new(),
+        };
+        let (from, to) = ridge.ends();
+        let cell = |index: usize| from + (to - from) * (index as f64 + 0.5) / CELLS as f64;
+        let density = |index: usize| libm::exp(-0.5 * ridge.deviance(cell(index)));
+        ridge.densities = (0..CELLS).map(density).collect();
+        ridge
     }
 
     /// Length of the ridge as far as it was followed.
@@ -333,11 +343,8 @@ impl Ridge {
     /// The distance along the ridge at a share, 0 to 1, of its cumulated density.
     pub fn at_share(&self, share: f64) -> f64 {
         let (from, to) = self.ends();
-        let cell = |index: usize| from + (to - from) * (index as f64 + 0.5) / CELLS as f64;
-        let density = |index: usize| libm::exp(-0.5 * self.deviance(cell(index)));
-        let densities: Vec<f64> = (0..CELLS).map(density).collect();
-        let mut left = share * densities.iter().sum::<f64>();
-        for (index, density) in densities.iter().enumerate() {
+        let mut left = share * self.densities.iter().sum::<f64>();
+        for (index, density) in self.densities.iter().enumerate() {
             if left <= *density {
                 let within = left / density.max(f64::MIN_POSITIVE);
                 return from + (to - from) * (index as f64 + within) / CELLS as f64;

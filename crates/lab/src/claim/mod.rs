@@ -10,6 +10,7 @@ mod fit;
 mod flight;
 mod forecast;
 mod gap;
+mod least_squares;
 mod parameter;
 mod residual;
 
@@ -23,7 +24,8 @@ pub(crate) use fit::{engines, model, nearest, set};
 pub use flight::flights;
 pub(crate) use forecast::{reach, success};
 pub(crate) use gap::{called, distance, floor, likeness, over_time};
-pub(crate) use parameter::{Found, NAMED, least_squares, parameter, summary};
+pub(crate) use least_squares::least_squares;
+pub(crate) use parameter::{Found, NAMED, parameter, summary};
 
 /// Significance level: below this p-value two samples are said to have different distributions.
 pub(crate) const SIGNIFICANT: f64 = 0.05;
@@ -123,6 +125,19 @@ impl Claim {
 
     fn of(mut self, name: impl Into<String>) -> Self {
         self.name = name.into();
+        self
+    }
+
+    /// The same claim with the ends of these intervals among its numbers, in order.
+    fn with_intervals(mut self, intervals: &[(f64, f64)]) -> Self {
+        for (index, (low, high)) in intervals.iter().enumerate() {
+            let part = index + 1;
+            let ends = [
+                (format!("interval_{part}_low"), *low),
+                (format!("interval_{part}_high"), *high),
+            ];
+            self.numbers.extend(ends);
+        }
         self
     }
 

@@ -1,8 +1,8 @@
 //! Sentences about parameters that recordings determine or leave open.
 
 use super::{About, Claim, Conclusion};
-use realgap_core::unit::{counted, number};
-use realgap_inference::{Determination, LeastSquaresEstimate, Marginal};
+use realgap_core::unit::counted;
+use realgap_inference::{Determination, Marginal};
 use realgap_optimization::Range;
 
 /// What was found about one parameter.
@@ -206,99 +206,16 @@ pub(crate) fn parameter(range: &Range, found: &Found) -> Claim {
 }
 
 /// The claim with the numbers that it rests on.
-fn with_numbers(mut claim: Claim, found: &Found) -> Claim {
-    for (index, (low, high)) in found.marginal.intervals.iter().enumerate() {
-        let part = index + 1;
-        let ends = [
-            (format!("interval_{part}_low"), *low),
-            (format!("interval_{part}_high"), *high),
-        ];
-        claim.numbers.extend(ends);
-    }
+fn with_numbers(claim: Claim, found: &Found) -> Claim {
     let numbers = [
         ("best", found.best),
         ("fits_from", found.marginal.low),
         ("fits_to", found.marginal.high),
     ];
     claim
+        .with_intervals(&found.marginal.intervals)
         .resting_on(found.recordings, &numbers)
         .at_level(found.level)
-}
-
-/// Whether least squares determine a parameter; `parts` are the parts of its interval, one for each mode of the posterior.
-pub(crate) fn least_squares(
-    known: &LeastSquaresEstimate,
-    parts: &[(f64, f64)],
-    recordings: usize,
-) -> Claim {
-    let parts = match parts {
-        [] => &[(known.low, known.high)],
-        parts => parts,
-    };
-    let spans = parts.iter();
-    let spans = spans.map(|(low, high)| format!("{} to {}", number(*low), number(*high)));
-    let span = spans.collect::<Vec<_>>().join(" or ");
-    let (says, word) = match known.is_told {
-        true => (
-            Conclusion::Supported,
-            format!("narrowed down to {span} (90 %)"),
-        ),
-        false => (Conclusion::Inconclusive, "not determined".to_owned()),
-    };
-    let mut claim = Claim::new(
-        About::Parameter,
-        says,
-        word,
-        least_squares_sentence(known, &span, parts),
-    );
-    for (index, (low, high)) in parts.iter().enumerate() {
-        let part = index + 1;
-        let ends = [
-            (format!("interval_{part}_low"), *low),
-            (format!("interval_{part}_high"), *high),
-        ];
-        claim.numbers.extend(ends);
-    }
-    claim
-        .of(known.parameter)
-        .resting_on(recordings, &[("best", known.value)])
-        .at_level(0.9)
-}
-
-/// The sentence about a parameter that least squares estimated.
-fn least_squares_sentence(
-    known: &LeastSquaresEstimate,
-    span: &str,
-    parts: &[(f64, f64)],
-) -> String {
-    let (name, value) = (known.parameter, number(known.value));
-    let holds = |(low, high): &(f64, f64)| (*low..=*high).contains(&known.value);
-    let beside = match (parts.iter().any(holds), known.is_told) {
-        (true, _) => "",
-        (false, false) => " (one of many values that fit as well)",
-        (false, true) => " (the best run, at the edge of what fits)",
-    };
-    let determined = match known.is_told {
-        true => "",
-        false => ": not determined by these recordings",
-    };
-    let combination = match &known.combination {
-        Some(known) => format!(
-            "; they determine {} = {} (90 % {} to {})",
-            known.name,
-            number(known.value),
-            number(known.low),
-            number(known.high)
-        ),
-        None => String::new(),
-    };
-    let partner = match known.partner {
-        Some((other, correlation)) if combination.is_empty() && correlation.abs() > 0.9 => {
-            format!("; correlated with {other} ({correlation:.2})")
-        }
-        _ => String::new(),
-    };
-    format!("{name} = {value}{beside}, 90 % {span}{determined}{combination}{partner}")
 }
 
 /// Most parameters that are named in a sentence; more are counted, because a list of them would be too long to read.

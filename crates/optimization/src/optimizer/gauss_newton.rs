@@ -1,9 +1,9 @@
 //! The optimizer `gauss-newton`: damped nonlinear least squares on residuals, with derivatives by finite differences.
 
+mod bounded;
 mod channel;
 mod problem;
-
-use nalgebra::{DMatrix, DVector};
+mod robust;
 
 use super::random::space_filling;
 use super::replay::{Replay, Unknown};
@@ -12,8 +12,10 @@ use problem::LinearisedProblem;
 use realgap_core::error::Result;
 use realgap_core::warning::{Code, Warning};
 
+pub use bounded::minimum_within;
 pub use channel::{ErrorBlock, blocks_of};
 pub use problem::{Linearisation, slopes};
+pub use robust::{robust_loss, robust_slope};
 
 /// Gauss–Newton with Marquardt's damping, from the middle of the ranges and then from further space-filling points.
 pub(super) struct GaussNewton;
@@ -291,15 +293,6 @@ impl Optimizer for GaussNewton {
         }
         all.sort_by(|a, b| loss(a).total_cmp(&loss(b)));
         all
-    }
-}
-
-/// Solves a symmetric positive definite system; the result is zero if the matrix is not positive definite.
-fn solve(matrix: DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
-    let size = right.len();
-    match matrix.cholesky() {
-        Some(cholesky) => cholesky.solve(right),
-        None => DVector::zeros(size),
     }
 }
 

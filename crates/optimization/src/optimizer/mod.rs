@@ -25,7 +25,9 @@ use particle_swarm::Swarm;
 use random::Random;
 
 pub use bayesian::thin;
-pub use gauss_newton::{ErrorBlock, Linearisation, blocks_of, slopes};
+pub use gauss_newton::{
+    ErrorBlock, Linearisation, blocks_of, minimum_within, robust_loss, robust_slope, slopes,
+};
 pub use random::space_filling;
 
 use realgap_core::error::Result;

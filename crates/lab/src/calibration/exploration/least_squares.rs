@@ -175,13 +175,8 @@ fn precision(problem: &OptimizationProblem, posterior: &LeastSquaresPosterior) -
         channel_variances[block.channel] = variance.map(|variance| variance * inflation);
         first += block.count;
     }
-    // Where only the range is known, the precision is that of a uniform distribution from 0 to 1.
-    let prior = |axis: usize| {
-        let prior = problem.priors.get(axis).copied().flatten();
-        prior.map_or(12.0, |(_, variance)| 1.0 / variance)
-    };
     FitPrecision {
         channel_variances,
-        prior: (0..problem.dimensions()).map(prior).collect(),
+        prior: posterior.prior_precisions(),
     }
 }

@@ -6,6 +6,7 @@ use crate::calibration::exploration::information_gain::FitPrecision;
 use crate::calibration::exploration::least_squares::LeastSquaresFit;
 use crate::calibration::exploration::sweep::FINISHING;
 use crate::calibration::exploration::trial_sink::{RunDescription, TrialSink};
+use crate::calibration::exploration::tune_problem::{brief, first_design};
 use crate::calibration::exploration::wave::with_waves;
 use crate::calibration::study::split::fold;
 use crate::calibration::{
@@ -30,12 +31,6 @@ pub struct TuneOptions {
     /// Number of points in a row without an improvement after which the tuning stops.
     pub patience: Option<usize>,
 }
-
-/// Largest budget: all points are held in memory, and every proposal looks at all of them.
-const MOST_POINTS: usize = 1_000_000;
-
-/// Runs of the first design on which the basis of the `pca` metric is fitted.
-const BASIS_DESIGN: usize = 64;
 
 impl Default for TuneOptions {
     /// A hundred points that CMA-ES chooses.
@@ -108,19 +103,6 @@ impl Study {
             _ => Ending::Complete,
         })
     }
-}
-
-/// Whether the metric needs a basis that the study does not have.
-fn needs_basis(study: &Study) -> bool {
-    let definition = study.definition();
-    definition.metric.needs().basis && !definition.basis.is_known()
-}
-
-/// Number of points of the first design.
-fn first_design(study: &Study, options: &TuneOptions) -> usize {
-    let dimensions = study.definition().grid.ranges().len();
-    let basis = if needs_basis(study) { BASIS_DESIGN } else { 0 };
-    options.optimizer.design(dimensions).max(basis)
 }
 
 /// The study as it is tuned: with its own setting alone where an optimizer takes differences of runs.
@@ -236,73 +218,6 @@ fn refits(
         }
     }
     Ok(Some(best))
-}
-
-/// Checks that least squares get single errors, and that prior knowledge is given to no other optimizer, because the others
-/// cannot use it.
-fn check_errors(study: &Study, options: &TuneOptions) -> Result<()> {
-    let definition = study.definition();
-    let name = options.optimizer.name();
-    if !options.optimizer.needs_errors() {
-        if definition.priors.iter().all(Option::is_none) {
-            return Ok(());
-        }
-        return Err(
-            Error::usage("this optimizer makes nothing of prior knowledge")
-                .field("optimizer")
-                .found(name)
-                .allowed("gauss-newton, or a study without `prior`"),
-        );
-    }
-    if definition.metric.needs().joints {
-        return Ok(());
-    }
-    Err(Error::usage(format!(
-        "{name} needs a metric that is made of single errors"
-    ))
-    .field("metric")
-    .found(definition.metric.name())
-    .allowed("joints"))
-}
-
-/// The optimization problem of the study.
-///
-/// # Errors
-/// A budget that does not hold the first design and one batch, or that is too large.
-fn brief(study: &Study, options: &TuneOptions) -> Result<OptimizationProblem> {
-    let definition = study.definition();
-    let ranges = definition.grid.ranges().iter();
-    let design = first_design(study, options);
-    let brief = OptimizationProblem {
-        points: ranges.map(|range| range.points).collect(),
-        budget: options.budget.saturating_sub(design),
-        seed: definition.seed,
-        priors: definition.priors.clone(),
-        error_blocks: Vec::new(),
-    };
-    check_errors(study, options)?;
-    let batch = options.optimizer.batch(&brief).max(1);
-    if options.budget > MOST_POINTS {
-        return Err(Error::usage("the budget is too large")
-            .field("budget")
-            .found(options.budget)
-            .allowed(format!("at most {MOST_POINTS}")));
-    }
-    if brief.budget < batch {
-        let error = Error::usage("the budget is too small")
-            .field("budget")
-            .found(options.budget)
-            .allowed(format!(
-                "at least {}: a first design of {design} and one batch of {batch}",
-                design + batch
-            ));
-        return Err(if needs_basis(study) {
-            error.advise(Advice::MetricWithoutBasis)
-        } else {
-            error
-        });
-    }
-    Ok(brief)
 }
 
 struct Tuning<'a> {

@@ -7,9 +7,9 @@
 use crate::calibration::goodness_of_fit::imitation::MeasurementNoise;
 use crate::calibration::goodness_of_fit::visible_noise::VisibleNoise;
 use crate::calibration::study::Study;
-use crate::prediction::ensemble::{repeat, rms_m};
+use crate::prediction::ensemble::{mean_distance_m, repeat};
 use realgap_core::error::Result;
-use realgap_core::statistics::{least_by, mean, median};
+use realgap_core::statistics::{least_by, median};
 use realgap_path::trajectory::{Interpolator, Prepared, Trajectory, prepare};
 use realgap_simulation::{Camera, Distribution, Experiment, Noise};
 
@@ -19,9 +19,6 @@ const FACTORS: [f64; 5] = [0.03, 0.1, 0.3, 1.0, 3.0];
 const REPEATS: usize = 5;
 /// Numbers of these repeats, so that no other repeat has the same random numbers.
 const FIRST: u64 = 1 << 32;
-/// Errors of a careful camera, where the recordings have too few samples to tell theirs.
-const CAREFUL_M: f64 = 1e-3;
-const CAREFUL_RAD: f64 = 5e-3;
 
 /// The noise by which repeats of `experiment`, a run near the recordings `real`, differ.
 ///
@@ -58,15 +55,6 @@ pub(super) fn noise_of_repeats(
     Ok(careful.scaled(best.map_or(1.0, |(factor, _)| factor)))
 }
 
-fn mean_distance_m(paths: &[&Prepared]) -> f64 {
-    let pairs = (0..paths.len()).flat_map(|i| (i + 1..paths.len()).map(move |j| (i, j)));
-    mean(
-        &pairs
-            .map(|(i, j)| rms_m(paths[i], paths[j]))
-            .collect::<Vec<_>>(),
-    )
-}
-
 /// The camera that the recordings show; where the motion hides its errors, they are at most the recordings' high frequencies.
 fn camera(study: &Study, experiment: &Experiment) -> Result<Camera> {
     let recorded = study.cases()[0].targets.iter();
@@ -90,9 +78,12 @@ fn camera(study: &Study, experiment: &Experiment) -> Result<Camera> {
         Some(axis(0)?.max(axis(1)?))
     });
     let bounds_m: Vec<f64> = bounds_m.flatten().collect();
+    // Where the recordings have too few samples to tell the errors of their camera, a careful one is assumed.
+    let careful = Camera::careful();
+    let careful_m = careful.position_m.size();
     let most_m = match bounds_m.is_empty() {
-        true => CAREFUL_M,
-        false => median(&bounds_m).min(CAREFUL_M),
+        true => careful_m,
+        false => median(&bounds_m).min(careful_m),
     };
     let position_m = if visible.plane_m > 0.0 {
         visible.plane_m
@@ -102,7 +93,7 @@ fn camera(study: &Study, experiment: &Experiment) -> Result<Camera> {
     // Errors about three axes make one error about a random axis.
     let angle_rad = match visible.turn_rad > 0.0 {
         true => visible.turn_rad * 3.0_f64.sqrt(),
-        false => CAREFUL_RAD * (position_m / CAREFUL_M).min(1.0),
+        false => careful.angle_rad.size() * (position_m / careful_m).min(1.0),
     };
     Ok(Camera {
         position_m: Distribution::Normal(position_m),

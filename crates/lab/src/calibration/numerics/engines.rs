@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use crate::calibration::exploration::wave::{next_trial, scored_runs, simulated};
 use crate::calibration::numerics::setting::Setting;
 use crate::calibration::{PointScore, Scores, Study, by_name};
-use crate::prediction::ensemble::rms_m;
+use crate::prediction::ensemble::{mean_distance_m, rms_m};
 use realgap_core::Result;
 use realgap_core::statistics::{least_by, mean_of, mean_of_any};
 use realgap_inference::{
@@ -145,11 +145,8 @@ impl Study {
         };
         let own = ENGINES.map(of);
         // Where neither engine comes near the recordings, being nearer is no reason to believe one of them.
-        let mut near = false;
-        for runs in &own {
-            near |= self.comes_near(runs)?;
-        }
-        let weights = match near {
+        let [own_is_near, second_is_near] = own.each_ref().map(|runs| self.comes_near(runs));
+        let weights = match own_is_near? || second_is_near? {
             true => {
                 let own = own
                     .each_ref()
@@ -167,8 +164,7 @@ impl Study {
         if self.cases().len() != 1 || real.len() < 2 {
             return Ok(true);
         }
-        let pairs = (0..real.len()).flat_map(|a| (a + 1..real.len()).map(move |b| (a, b)));
-        let floor_m = mean_of(pairs.map(|(a, b)| rms_m(real[a], real[b])));
+        let floor_m = mean_distance_m(&real);
         let mut distances_m = Vec::new();
         for run in runs {
             let path = Prepared::from_xy_m(run.path_xy_m.clone())?;

@@ -28,9 +28,6 @@ pub struct ExpectedNoise {
     pub measured: Vec<String>,
 }
 
-/// Careful guesses for a camera: a millimetre, and 0.3 degrees.
-const CAREFUL_M: f64 = 1e-3;
-const CAREFUL_RAD: f64 = 5e-3;
 /// Careful guesses for servos of a robot that is held: an eighth of a degree of zero, and 1 % of each mass.
 const CAREFUL_ZERO_RAD: f64 = 2e-3;
 const CAREFUL_MASS: f64 = 0.01;
@@ -76,13 +73,18 @@ impl ExpectedNoise {
                 quantity(rad, Unit::Radian)
             ));
         }
+        let careful = Camera::careful();
         noise.camera = Camera {
-            position_m: Distribution::Normal(rounded(position_m.unwrap_or(CAREFUL_M))),
+            position_m: Distribution::Normal(rounded(
+                position_m.unwrap_or(careful.position_m.size()),
+            )),
             angle_rad: match motions
                 .iter()
                 .all(|m| m.orientations_world_from_body().is_some())
             {
-                true => Distribution::Normal(rounded(angle_rad.unwrap_or(CAREFUL_RAD))),
+                true => {
+                    Distribution::Normal(rounded(angle_rad.unwrap_or(careful.angle_rad.size())))
+                }
                 false => Distribution::default(),
             },
             ..Camera::default()
@@ -258,7 +260,8 @@ mod tests {
             assert_eq!(noise.start_heading_rad, careful.start_heading_rad);
         }
         let smooth = ExpectedNoise::of(&drives(1, [0.0; 3]), RunStart::Recorded, false);
-        assert_eq!(smooth.noise.camera.position_m.size(), CAREFUL_M);
+        let careful = Camera::careful();
+        assert_eq!(smooth.noise.camera.position_m, careful.position_m);
         assert!(smooth.measured.is_empty());
     }
 }

@@ -36,6 +36,7 @@ pub use forecast_text::percent;
 pub use quantiles::{QUANTILES, Quantiles};
 pub use realgap_path::trajectory::rms_m;
 pub(super) use reality::REPEATS_TESTED;
+pub(crate) use reality::mean_distance_m;
 pub use reality::{Coverage, RealRun, Reality};
 pub(super) use run::must_repeat;
 pub(crate) use run::no_camera;

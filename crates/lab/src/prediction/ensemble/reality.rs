@@ -98,7 +98,8 @@ impl Reality {
             return Ok(None);
         };
         let behaviours = &forecast.behaviours;
-        let half_spread_m = 0.5 * mean_distance_m(&repeats);
+        let paths: Vec<&Prepared> = repeats.iter().map(|(_, path)| *path).collect();
+        let half_spread_m = 0.5 * mean_distance_m(&paths);
         let runs: Vec<RealRun> = real
             .par_iter()
             .map(|(name, path)| {
@@ -199,16 +200,16 @@ fn pairs_m(paths: &[&Prepared]) -> Vec<f64> {
     (0..paths.len()).flat_map(of).collect()
 }
 
-/// Mean distance over all pairs of different repeats, metres; 0 for one.
-fn mean_distance_m(repeats: &[(u64, &Prepared)]) -> f64 {
-    let n = repeats.len();
+/// Mean distance over all pairs of different paths, metres; 0 for one.
+pub(crate) fn mean_distance_m(paths: &[&Prepared]) -> f64 {
+    let n = paths.len();
     if n < 2 {
         return 0.0;
     }
     // Summed in order, so that the bits do not depend on the threads.
     let sums: Vec<f64> = (0..n)
         .into_par_iter()
-        .map(|i| (i + 1..n).map(|j| rms_m(repeats[i].1, repeats[j].1)).sum())
+        .map(|i| (i + 1..n).map(|j| rms_m(paths[i], paths[j])).sum())
         .collect();
     2.0 * sums.iter().sum::<f64>() / (n * (n - 1)) as f64
 }

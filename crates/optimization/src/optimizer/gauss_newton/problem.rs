@@ -3,8 +3,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::super::{OptimizationProblem, UnitPoint};
+use super::bounded::minimum_within;
 use super::channel::{blocks_of, scales};
-use super::solve;
+use super::robust::{robust_loss, robust_weight};
 
 /// The errors at a point and their derivatives with respect to every coordinate.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,16 +37,6 @@ pub(super) struct LinearisedProblem {
     prior: Vec<Option<(f64, f64)>>,
     /// Weight of the prior in the loss: twice the loss of a coordinate that is one standard deviation from its median.
     prior_share: f64,
-}
-
-/// Charbonnier loss of one error in typical errors: quadratic for small errors, linear for large ones.
-fn loss_of(error: f64) -> f64 {
-    (1.0 + error * error).sqrt() - 1.0
-}
-
-/// Weight of one error in iteratively reweighted least squares.
-fn weight(error: f64) -> f64 {
-    1.0 / (1.0 + error * error).sqrt()
 }
 
 /// Number of consecutive errors that contain as much information as one independent error: 1 + 2 times the sum of the
@@ -117,12 +108,12 @@ impl LinearisedProblem {
         let shifted = shifted.iter().map(|shifted| shifted.as_deref());
         let jacobian = slopes(at, &errors, moved.iter().zip(shifted));
         let errors = DVector::from_vec(errors);
-        let variance = errors.map(|e| weight(e) * e * e).mean();
+        let variance = errors.map(|e| robust_weight(e) * e * e).mean();
         let mut prior = problem.priors.clone();
         prior.resize(at.len(), None);
         Self {
             at: at.clone(),
-            weights: errors.map(weight),
+            weights: errors.map(robust_weight),
             prior,
             prior_share: variance * correlation(&errors),
             jacobian,
@@ -134,7 +125,9 @@ impl LinearisedProblem {
     /// The robust loss of these errors at a point, including the priors.
     pub fn loss(&self, point: &UnitPoint, errors: &[f64]) -> f64 {
         let errors = errors.iter().zip(&self.scales);
-        let errors: f64 = errors.map(|(error, scale)| loss_of(error / scale)).sum();
+        let errors: f64 = errors
+            .map(|(error, scale)| robust_loss(error / scale))
+            .sum();
         let prior = self.prior.iter().zip(point);
         let prior: f64 = prior
             .filter_map(|(prior, c)| prior.map(|(median, v)| (c - median).powi(2) / v))
@@ -174,37 +167,12 @@ impl LinearisedProblem {
     /// The end point of a damped step. A coordinate that the step would move beyond a bound is set to that bound, and the step of
     /// the others is computed again.
     pub fn step(&self, point: &UnitPoint, damping: f64) -> UnitPoint {
-        let (curvature, slope) = self.normal();
-        let mut held: Vec<bool> = curvature.diagonal().iter().map(|d| *d <= 0.0).collect();
-        let mut to = point.clone();
-        // Each round fixes at least one more coordinate at a bound.
-        for _ in 0..=point.len() {
-            let free: Vec<usize> = (0..point.len()).filter(|axis| !held[*axis]).collect();
-            let matrix = DMatrix::from_fn(free.len(), free.len(), |row, column| {
-                let damped = if row == column { 1.0 + damping } else { 1.0 };
-                damped * curvature[(free[row], free[column])]
-            });
-            let right = DVector::from_fn(free.len(), |row, _| {
-                let moved: f64 = (0..point.len())
-                    .filter(|axis| held[*axis])
-                    .map(|axis| curvature[(free[row], axis)] * (to[axis] - point[axis]))
-                    .sum();
-                -slope[free[row]] - moved
-            });
-            let steps = solve(matrix, &right);
-            let mut is_within = true;
-            for (axis, step) in free.iter().zip(steps.iter()) {
-                let target = point[*axis] + step;
-                to[*axis] = target.clamp(0.0, 1.0);
-                if to[*axis] != target {
-                    (held[*axis], is_within) = (true, false);
-                }
-            }
-            if is_within {
-                break;
-            }
+        let (mut curvature, slope) = self.normal();
+        let held = curvature.diagonal().iter().map(|d| *d <= 0.0).collect();
+        for axis in 0..point.len() {
+            curvature[(axis, axis)] *= 1.0 + damping;
         }
-        to
+        minimum_within(&curvature, &slope, point, held)
     }
 
     /// Decrease of the loss on the way to a point that the quadratic approximation predicts.
