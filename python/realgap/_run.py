@@ -10,7 +10,8 @@ from ._error import usage
 Path = Union[str, "os.PathLike[str]"]
 # Values by name, or files with values such as the `best.ron` of a sweep.
 Parameters = Union[Mapping[str, float], Path, Sequence[Path], None]
-# Called with: done, total, the best score so far, and at the end the name of the final step.
+# Called with: done, total, the best score so far, and the name of the step. After the last point `done` and `total` count the runs
+# of a step by name; `total` is 0 where a step has no runs.
 Progress = Callable[[int, int, Optional[float], Optional[str]], object]
 
 

@@ -277,14 +277,16 @@ class Study:
         resume: bool = False,
         restart: bool = False,
         progress: Optional[Progress] = None,
+        audit: bool = True,
     ) -> Answer:
-        """Simulates every point of the grid. `folder` gets the files of `realgap sweep -o`, with the same bytes.
+        """Simulates every point of the grid. `folder` gets the files of `realgap sweep -o`, with the same bytes. Without `audit` no
+        further runs check the answer, as with `--no-audit`.
 
         >>> study.sweep(folder=folder / "sweep").best == answer.best
         True
         """
         how = mode(resume, restart)
-        return Answer(self._native.sweep(jobs, folder_name(folder), how, progress), self)
+        return Answer(self._native.sweep(jobs, folder_name(folder), how, progress, audit), self)
 
     def tune(
         self,
@@ -297,8 +299,9 @@ class Study:
         resume: bool = False,
         restart: bool = False,
         progress: Optional[Progress] = None,
+        audit: bool = True,
     ) -> Answer:
-        """Lets an optimizer choose the points.
+        """Lets an optimizer choose the points. Without `audit` no further runs check the answer, as with `--no-audit`.
 
         >>> study.tune(optimizer="nelder-mead", budget=12).summary.tuning.evaluated
         12
@@ -311,7 +314,8 @@ class Study:
         how = mode(resume, restart)
         into = folder_name(folder)
         return Answer(
-            self._native.tune(name, own, budget, patience, jobs, into, how, progress), self
+            self._native.tune(name, own, budget, patience, jobs, into, how, progress, audit),
+            self,
         )
 
     def ensemble(

@@ -273,7 +273,7 @@ impl Study {
         self.study.definition().grid.values_at(&point)
     }
 
-    #[pyo3(signature = (jobs, folder, mode, progress))]
+    #[pyo3(signature = (jobs, folder, mode, progress, audit))]
     fn sweep(
         &self,
         py: Python<'_>,
@@ -281,10 +281,11 @@ impl Study {
         folder: Option<PathBuf>,
         mode: &str,
         progress: Option<Bound<'_, PyAny>>,
+        audit: bool,
     ) -> PyResult<Answer> {
         let mode = mode_of(mode);
         let way = Way { jobs, progress };
-        let study = &self.study;
+        let study = &self.asked(audit);
         running::run(py, &way, |run| {
             let answer = match folder {
                 None => study.sweep(run),
@@ -319,6 +320,7 @@ impl Study {
         folder: Option<PathBuf>,
         mode: &str,
         progress: Option<Bound<'_, PyAny>>,
+        audit: bool,
     ) -> PyResult<Answer> {
         let mode = mode_of(mode);
         let mut options = TuneOptions {
@@ -340,7 +342,7 @@ impl Study {
             }
         }
         let way = Way { jobs, progress };
-        let study = &self.study;
+        let study = &self.asked(audit);
         let answer = running::run(py, &way, |run| {
             let answer = match folder {
                 None => study.tune(&options, run),
@@ -357,6 +359,17 @@ impl Study {
             own.end();
         }
         answer
+    }
+}
+
+impl Study {
+    /// The study, or one whose answers are not checked by further runs.
+    fn asked(&self, audit: bool) -> calibration::Study {
+        let study = self.study.clone();
+        match audit {
+            true => study,
+            false => study.unaudited(),
+        }
     }
 }
 

@@ -43,6 +43,11 @@ pub struct StudyOptions {
     /// Check the fit on this share of the recordings, which is held out from the fit
     #[arg(long, value_name = "FRACTION")]
     hold_out: Option<f64>,
+    /// Skip the runs that check the answer: the numerical audit, the test whether the model explains the recordings, and for
+    /// gauss-newton the runs that check its posterior; the intervals may then be too narrow. --resume without this option makes up
+    /// for it
+    #[arg(long)]
+    no_audit: bool,
     #[command(flatten)]
     values: Values,
     #[command(flatten)]
@@ -107,7 +112,10 @@ impl StudyOptions {
                 ))
             });
         terminal::print_warnings(&overruled.collect::<Vec<_>>());
-        Ok(study)
+        Ok(match self.no_audit {
+            true => study.unaudited(),
+            false => study,
+        })
     }
 
     /// Locks the folder of `--output`; without this option `results/<study>` followed by `suffix`.

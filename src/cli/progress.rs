@@ -1,6 +1,7 @@
 //! A progress bar with rate and time left; quiet where standard error is not a terminal.
 
 use std::io::IsTerminal as _;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -61,15 +62,35 @@ pub fn during_one<T>(duration_s: f64, run: impl FnOnce(RunHooks<'_>) -> Result<T
 /// A callback that moves the bar with the run.
 pub fn follow(bar: &ProgressBar) -> impl Fn(Progress) + Sync + '_ {
     let begun = AtomicBool::new(false);
+    let last_step = Mutex::new(None);
     move |progress| {
         if let Some(what) = progress.finishing {
-            // A full bar would look as if the program had stopped, so a spinner replaces it.
-            if let Ok(style) = ProgressStyle::with_template("{msg} {spinner} {elapsed}") {
-                bar.set_style(style);
+            let Ok(mut last) = last_step.lock() else {
+                return;
+            };
+            let is_counted = progress.total > 0;
+            if progress.done == 0 || *last != Some(what) {
+                *last = Some(what);
+                // A full bar would look as if the program had stopped, so a spinner stands where nothing can be counted.
+                let pattern = match is_counted {
+                    true => pattern(),
+                    false => "{msg} {spinner} {elapsed}",
+                };
+                if let Ok(style) = ProgressStyle::with_template(pattern) {
+                    bar.set_style(style);
+                }
+                bar.set_message(what);
+                match is_counted {
+                    true => bar.set_length(progress.total as u64),
+                    false => bar.unset_length(),
+                }
+                bar.set_position(0);
+                bar.reset_eta();
             }
-            bar.set_message(what);
-            // The remaining work has no steps: the count would stand still, and the time left would grow.
-            bar.unset_length();
+            // Threads report out of order.
+            if is_counted && progress.done as u64 > bar.position() {
+                bar.set_position(progress.done as u64);
+            }
             return;
         }
         bar.set_length(progress.total as u64);
@@ -79,6 +100,15 @@ pub fn follow(bar: &ProgressBar) -> impl Fn(Progress) + Sync + '_ {
             bar.reset_eta();
         }
         bar.set_position(progress.done as u64);
+    }
+}
+
+/// What a bar shows.
+fn pattern() -> &'static str {
+    let coloured = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
+    match coloured {
+        true => "{msg} {bar:36.cyan/dim} {pos}/{len}  {per_sec}, {eta} left",
+        false => "{msg} {bar:36} {pos}/{len}  {per_sec}, {eta} left",
     }
 }
 
@@ -98,13 +128,7 @@ pub fn bar(total: usize, what: &str) -> ProgressBar {
     // indicatif hides the bar by itself where standard error is not a terminal.
     let bar =
         ProgressBar::with_draw_target(Some(total as u64), ProgressDrawTarget::stderr_with_hz(8));
-    let coloured = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
-    let pattern = if coloured {
-        "{msg} {bar:36.cyan/dim} {pos}/{len}  {per_sec}, {eta} left"
-    } else {
-        "{msg} {bar:36} {pos}/{len}  {per_sec}, {eta} left"
-    };
-    if let Ok(style) = ProgressStyle::with_template(pattern) {
+    if let Ok(style) = ProgressStyle::with_template(pattern()) {
         bar.set_style(style);
     }
     bar.set_message(what.to_owned());

@@ -307,7 +307,7 @@ fn progress_does_not_stand_still_at_the_end() {
     let [.., counted, last] = heard.as_slice() else {
         panic!("{heard:?}");
     };
-    assert!(counted.finishing.is_none() && counted.done > 0 && last.done == counted.done);
+    assert!(counted.done > 0 && last.done == last.total && last.total > 0);
     assert!(last.finishing.is_some_and(|what| what.contains("audit")));
 }
 
@@ -319,4 +319,34 @@ fn evaluate_refuses_paths_without_orientations_and_suggests_other_commands() {
     for words in ["lack", "realgap gap ", "realgap ensemble "] {
         assert!(error.contains(words), "`{words}` is missing\n{error}");
     }
+}
+
+#[test]
+fn without_an_audit_the_answer_is_the_same_and_says_that_nothing_checked_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = quick_study(folder.path(), 2);
+    let answer = |options: &[&str]| {
+        let out = folder.path().join("results");
+        let study = path.to_str().unwrap();
+        let args = ["sweep", study, "--metric", "rms", "--format", "json", "-o"];
+        let args = [&args[..], &[out.to_str().unwrap()], options].concat();
+        let out = realgap().args(args).assert().success();
+        serde_json::from_slice::<serde_json::Value>(&out.get_output().stdout).unwrap()
+    };
+    let quick = answer(&["--no-audit"]);
+    assert!(
+        quick["audit"].is_null() && quick["fit"].is_null(),
+        "{quick}"
+    );
+    let codes = |answer: &serde_json::Value| answer["warnings"].to_string();
+    assert!(codes(&quick).contains("not-audited"));
+    // The runs are kept, and the audit is made up for.
+    let whole = answer(&["--resume"]);
+    assert!(
+        whole["audit"]["rows"]
+            .as_array()
+            .is_some_and(|rows| !rows.is_empty())
+    );
+    assert!(!codes(&whole).contains("not-audited"));
+    assert_eq!(quick["best"], whole["best"]);
 }

@@ -38,10 +38,10 @@ pub use implausibility::{ObservationUncertainty, ScoreCovariance, implausibility
 pub use information::{AddedInformation, added_information};
 pub use least_squares::{
     Agreement, Combination, Evaluate, Finer, LeastSquaresEstimate, LeastSquaresPosterior,
-    most_checks,
+    RUNS_OF_NUMERICS, most_checks,
 };
 pub use marginal::{Determination, Marginal};
-pub use posterior::{INTERVAL_LEVEL, PosteriorDraws};
+pub use posterior::{INTERVAL_LEVEL, POSSIBLE_LEVEL, PosteriorDraws};
 pub use profile::Profile;
 pub use scored_run::ScoredRun;
 pub use variant_evidence::variant_probabilities;

@@ -1,6 +1,6 @@
 //! What points and draws tell about one parameter, and whether they determine it.
 
-use crate::posterior::{INTERVAL_LEVEL, PosteriorDraws};
+use crate::posterior::{INTERVAL_LEVEL, POSSIBLE_LEVEL, PosteriorDraws};
 use realgap_core::statistics::ends_of;
 use realgap_optimization::Range;
 
@@ -12,9 +12,10 @@ const WIDE: f64 = 0.5;
 /// The values of one parameter that are compatible with the observations.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Marginal {
-    /// Smallest value in the confidence set and in the intervals.
+    /// Smallest value that fits as well: the lower end of the central interval at [`POSSIBLE_LEVEL`]; without draws the smallest in
+    /// the confidence set.
     pub low: f64,
-    /// Largest value in the confidence set and in the intervals.
+    /// Largest value that fits as well, in the same way.
     pub high: f64,
     /// Central intervals at [`INTERVAL_LEVEL`], one for each part of the range between rejected parts; empty where there are no draws.
     pub intervals: Vec<(f64, f64)>,
@@ -46,9 +47,16 @@ impl Marginal {
     ) -> Self {
         let intervals = draws.map(|draws| draws.intervals(axis, INTERVAL_LEVEL));
         let intervals = intervals.unwrap_or_default();
-        // Values in an interval are compatible, too: many points that each have a low density are likely together.
-        let ends = intervals.iter().flat_map(|(low, high)| [*low, *high]);
-        let (low, high) = ends_of(confidence_set.chain(ends));
+        // The confidence set is one of all parameters together: along one of them it is wider, and a single point decides its ends.
+        let (low, high) = match draws {
+            Some(draws) => {
+                let (low, high) = draws.interval(axis, POSSIBLE_LEVEL);
+                // The interval of a part of the range may reach beyond that of all draws.
+                let ends = intervals.iter().flat_map(|(low, high)| [*low, *high]);
+                ends_of(ends.chain([low, high]))
+            }
+            None => ends_of(confidence_set),
+        };
         Self {
             low,
             high,

@@ -4,6 +4,8 @@ use realgap_core::statistics::{mean, percentile_interval, standard_deviation};
 
 /// Confidence level of the interval of each parameter.
 pub const INTERVAL_LEVEL: f64 = 0.90;
+/// Confidence level of the interval beyond which values do not fit as well.
+pub const POSSIBLE_LEVEL: f64 = 0.99;
 
 /// Parameter values drawn from their posterior distribution; all draws have the same weight.
 #[derive(Debug, Clone, PartialEq)]

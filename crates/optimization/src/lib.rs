@@ -17,4 +17,4 @@ pub use optimizer::{
     Proposal, UnitPoint, blocks_of, default_optimizer, minimum_within, optimizer_by_name,
     robust_loss, robust_slope, slopes, space_filling, thin,
 };
-pub use options::{Progress, RunOptions, pool};
+pub use options::{Progress, RunOptions, Step, pool};

@@ -16,7 +16,8 @@ pub struct Progress {
     pub total: usize,
     /// The best score or fitness so far, if there is one.
     pub best: Option<f64>,
-    /// The name of the current step after all points are done; the step itself is not counted.
+    /// The name of the current step after all points are done. `done` and `total` then count the runs of this step; `total` is 0
+    /// for a step without runs.
     pub finishing: Option<&'static str>,
 }
 
@@ -114,15 +115,40 @@ impl RunOptions<'_> {
         }
     }
 
-    /// Calls the progress callback, if there is one, with the news that all `done` points are finished and that the step `what`
-    /// follows.
-    pub fn tell_finishing(&self, what: &'static str, done: usize) {
+    /// Begins the step `what` after all points are done, which has so many runs.
+    pub fn step(&self, what: &'static str, total: usize) -> Step<'_> {
+        let step = Step {
+            progress: self.progress,
+            what,
+            total,
+            done: AtomicUsize::new(0),
+        };
+        step.tell(0);
+        step
+    }
+}
+
+/// A step after all points are done, whose runs are counted.
+pub struct Step<'a> {
+    progress: Option<&'a (dyn Fn(Progress) + Sync)>,
+    what: &'static str,
+    total: usize,
+    done: AtomicUsize,
+}
+
+impl Step<'_> {
+    /// Counts one more run; it may be called from any thread.
+    pub fn count(&self) {
+        self.tell(self.done.fetch_add(1, Ordering::Relaxed) + 1);
+    }
+
+    fn tell(&self, done: usize) {
         if let Some(progress) = self.progress {
             progress(Progress {
                 done,
-                total: done,
+                total: self.total,
                 best: None,
-                finishing: Some(what),
+                finishing: Some(self.what),
             });
         }
     }
@@ -140,6 +166,16 @@ pub fn pool(jobs: usize) -> Result<rayon::ThreadPool> {
             Error::conflict(format!("cannot start {jobs} threads: {e}"))
                 .advise(Advice::FewerThreads)
         })
+}
+
+impl fmt::Debug for Step<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Step")
+            .field("what", &self.what)
+            .field("done", &self.done)
+            .field("total", &self.total)
+            .finish()
+    }
 }
 
 impl fmt::Debug for RunOptions<'_> {

@@ -64,6 +64,8 @@ const NEARNESS: f64 = 0.1;
 const AGREEMENT: f64 = 1.0;
 /// Runs with half and with a quarter of the timestep, with which the fit is repeated.
 const REFITS: (usize, usize) = (2, 3);
+/// Runs of [`LeastSquaresPosterior::with_numerics`].
+pub const RUNS_OF_NUMERICS: usize = REFITS.0 + REFITS.1;
 /// A parameter that changes along an open ridge by more than this share of its interval is not determined.
 const OPEN: f64 = 0.25;
 /// A fit has converged where its next step would be shorter than so many standard deviations.

@@ -66,7 +66,7 @@ pub use numerics::audit::{Audit, AuditRow};
 pub use numerics::engines::EnginePreference;
 pub use realgap_inference::sensitivity::Effect;
 pub use realgap_inference::{
-    INTERVAL_LEVEL, LEVEL, LeastSquaresEstimate, PosteriorDraws, Profile, Unvisited,
+    INTERVAL_LEVEL, LEVEL, LeastSquaresEstimate, POSSIBLE_LEVEL, PosteriorDraws, Profile, Unvisited,
 };
 pub use realgap_store::Mode;
 pub use recording::expected_noise::{ExpectedNoise, RunStart};

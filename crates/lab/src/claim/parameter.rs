@@ -2,7 +2,7 @@
 
 use super::{About, Claim, Conclusion};
 use realgap_core::unit::counted;
-use realgap_inference::{Determination, Marginal};
+use realgap_inference::{Determination, Marginal, POSSIBLE_LEVEL};
 use realgap_optimization::Range;
 
 /// What was found about one parameter.
@@ -71,9 +71,11 @@ pub(crate) fn parameter(range: &Range, found: &Found) -> Claim {
     let level = format!("{:.0} %", 100.0 * found.level);
     let spans = intervals.iter().map(|span| shown.span(*span));
     let interval = spans.collect::<Vec<_>>().join(" or ");
+    let possible = format!("are possible ({:.0} %)", 100.0 * POSSIBLE_LEVEL);
     let fit = match intervals.len() {
-        0 | 1 => "fit as well",
-        _ => "fit as well, except for a part between the intervals",
+        0 => "fit as well".to_owned(),
+        1 => possible,
+        _ => format!("{possible}, except for a part between the intervals"),
     };
     let holds_best = |(low, high): &(f64, f64)| (*low..=*high).contains(&found.best);
     // A best point outside of its own interval is not named as the estimate.
@@ -286,7 +288,7 @@ mod tests {
         let verdict = parameter(&friction(), &found(0.1, 0.05, 0.2));
         assert_eq!(
             verdict.text,
-            "floor.friction is not determined within the searched range: values from 0.050 to 0.200 fit as well, and the search \
+            "floor.friction is not determined within the searched range: values from 0.050 to 0.200 are possible (99 %), and the search \
              ends at 0.050 and 1.050: widen the range before you rely on this; the best is 0.100"
         );
         assert!(verdict.conclusion == Conclusion::Inconclusive);
@@ -305,7 +307,7 @@ mod tests {
         let verdict = parameter(&friction(), &near);
         assert_eq!(
             verdict.text,
-            "floor.friction = 0.200 (90 % interval 0.150 to 0.300), but values from 0.070 to 0.400 fit as well, and the search ends \
+            "floor.friction = 0.200 (90 % interval 0.150 to 0.300), but values from 0.070 to 0.400 are possible (99 %), and the search ends \
              at 0.050 and 1.050: widen the range before you rely on this"
         );
         assert!(verdict.conclusion == Conclusion::Supported);
@@ -396,7 +398,7 @@ mod tests {
         assert!(verdict.conclusion == Conclusion::Supported);
         assert_eq!(
             verdict.text,
-            "floor.friction = 0.450 (90 % interval 0.400 to 0.500); values from 0.400 to 0.500 fit as well"
+            "floor.friction = 0.450 (90 % interval 0.400 to 0.500); values from 0.400 to 0.500 are possible (99 %)"
         );
     }
 
@@ -447,7 +449,7 @@ mod tests {
         let text = summary(&[edge, open]).unwrap().text;
         assert_eq!(
             text,
-            "From 3 recordings: floor.friction is not determined within the searched range: values from 0.050 to 0.200 fit as well, \
+            "From 3 recordings: floor.friction is not determined within the searched range: values from 0.050 to 0.200 are possible (99 %), \
              and the search ends at 0.050 and 1.050: widen the range before you rely on this; floor.friction is not determined."
         );
     }

@@ -219,7 +219,7 @@ pub fn tune_camera(
     let found = search.again(&found)?;
     let tuned = search.camera_at(&found.shares);
     warnings.extend(unfinished(&found, options.budget));
-    report_last_step(progress, search.tried.get());
+    report_last_step(progress);
     let pictures = (&fitted[..], &extrinsics[..]);
     let bias = lens_bias(lit_scene, &tuned, pictures, &known, (options.seed, LEVEL))?;
     let camera = Camera {
@@ -266,11 +266,11 @@ pub fn tune_camera(
 }
 
 /// Reports to the progress callback that the search is finished and that the bias of the lens is estimated now.
-fn report_last_step(progress: Option<&(dyn Fn(Progress) + Sync)>, tried: usize) {
+fn report_last_step(progress: Option<&(dyn Fn(Progress) + Sync)>) {
     if let Some(progress) = progress {
         progress(Progress {
-            done: tried,
-            total: tried,
+            done: 0,
+            total: 0,
             best: None,
             finishing: Some("estimating the bias of the lens"),
         });

@@ -17,12 +17,12 @@ use crate::calibration::numerics::engines::{explaining_engine, posterior_weights
 use crate::calibration::{
     Audit, Fit, Method, PointScore, Report, Reproduction, Scores, Study, Uncertainty, Validation,
 };
-use realgap_core::Result;
+use realgap_core::{Code, Result};
 use realgap_inference::{
     Emulator, HistoryMatching, LeastSquaresPosterior, ObservationUncertainty, PosteriorDraws,
     Profile,
 };
-use realgap_optimization::{Ending, Grid, space_filling};
+use realgap_optimization::{Ending, Grid, RunOptions, space_filling};
 
 /// Result of a sweep or of tuning; its `Display` is the report.
 #[derive(Debug, Clone)]
@@ -60,6 +60,8 @@ impl fmt::Display for Answer {
     }
 }
 
+/// The step after the last trial, while nothing is simulated.
+pub(in crate::calibration) const INFERRING: &str = "computing the posterior";
 /// Points from which an answer is drawn, and simulated points whose implausibility is computed.
 const PLACES: usize = 500;
 const VISITED: usize = 200;
@@ -68,7 +70,7 @@ impl Answer {
     /// Computes the uncertainty of the best of these scores; simulations run on the current rayon pool. `refits`: as
     /// [`Validation::new`] takes them. A fit by least squares has a posterior of its own and needs no emulator.
     pub(in crate::calibration) fn new(
-        study: &Study,
+        (study, run): (&Study, &RunOptions<'_>),
         method: Method,
         ending: Ending,
         scores: Scores,
@@ -80,13 +82,13 @@ impl Answer {
             Ending::Complete if least_squares.is_none() => {
                 match Emulator::new(&scored_runs(study, &scores))? {
                     Some(emulator) => {
-                        let weighed = study.with_engines_weighed(scores, emulator)?;
+                        let weighed = study.with_engines_weighed(run, scores, emulator)?;
                         let (scores, emulator, of_engines) = weighed;
                         weights = of_engines;
                         let scores = scores.in_engine(study, explaining_engine(&weights));
-                        with_best_completed(study, scores, Some(emulator))?
+                        with_best_completed((study, run), scores, Some(emulator))?
                     }
-                    None => with_best_completed(study, scores, None)?,
+                    None => with_best_completed((study, run), scores, None)?,
                 }
             }
             // An interrupted run is not continued here, and a part of a grid allows no conclusion about the whole.
@@ -97,7 +99,10 @@ impl Answer {
             1 => emulator.map(|known| known.conditioned_on(&scored_runs(study, &scores))),
             _ => emulator,
         };
-        let fit = Fit::new(study, &scores, &method)?;
+        let fit = match study.is_audited() {
+            true => Fit::new((study, run), &scores, &method)?,
+            false => None,
+        };
         let definition = study.definition();
         let uncertainty_of_observations = ObservationUncertainty {
             observations: study.fitted_recordings(),
@@ -136,11 +141,11 @@ impl Answer {
         };
         // No more simulations are made after an interruption.
         let (audit, reproduction) = match ending {
-            Ending::Complete => (
-                Audit::new(study, &scores, &profiles)?,
-                Reproduction::new(study, &scores)?,
+            Ending::Complete if study.is_audited() => (
+                Audit::new((study, run), &scores, &profiles)?,
+                Reproduction::new((study, run), &scores)?,
             ),
-            Ending::Interrupted => (None, None),
+            _ => (None, None),
         };
         let evidence = Evidence {
             method: &method,
@@ -154,7 +159,12 @@ impl Answer {
             validation: Validation::new(study, &scores, refits)?,
             reproduction,
         };
-        let report = Report::new(study, &evidence)?;
+        let mut report = Report::new(study, &evidence)?;
+        if ending == Ending::Complete && !study.is_audited() {
+            report.warnings.push(Code::NotAudited.warning(
+                "the answer is not audited: nothing tells whether the model explains the recordings and what finer timesteps change, so the intervals may be too narrow",
+            ));
+        }
         let best_score = scores.best.and_then(|best| scores.points[best].score);
         let surface = match (emulator, least_squares) {
             (Some(emulator), _) => Some(Surface::Emulator(emulator)),

@@ -20,9 +20,10 @@ pub struct Verdict {
     pub unit: String,
     /// Best value.
     pub best: f64,
-    /// Smallest value in the confidence set.
+    /// Smallest value that fits as well: the lower end of the central 99 % interval of the posterior draws; for least squares of the
+    /// 90 % interval.
     pub low: f64,
-    /// Largest value in the confidence set.
+    /// Largest value that fits as well, in the same way.
     pub high: f64,
     /// Central 90 % interval; `None` where there are several.
     pub interval: Option<(f64, f64)>,

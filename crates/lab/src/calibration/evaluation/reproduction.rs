@@ -14,6 +14,7 @@ use realgap_core::statistics::{
     Proportion, ends_of, mean, mean_of_any, median, standard_deviation,
 };
 use realgap_core::unit::counted;
+use realgap_optimization::{RunOptions, Step};
 use realgap_path::comparison::{Context, METRICS, Metric, Needs, Pair, Rms};
 use realgap_path::trajectory::{Prepared, Trajectory, prepare};
 use realgap_simulation::Experiment;
@@ -110,7 +111,10 @@ impl Reproduction {
     ///
     /// # Errors
     /// As [`Study::simulate`].
-    pub(in crate::calibration) fn new(study: &Study, scores: &Scores) -> Result<Option<Self>> {
+    pub(in crate::calibration) fn new(
+        (study, run): (&Study, &RunOptions<'_>),
+        scores: &Scores,
+    ) -> Result<Option<Self>> {
         let definition = study.definition();
         let Some(best) = scores.best.map(|best| &scores.points[best]) else {
             return Ok(None);
@@ -119,8 +123,10 @@ impl Reproduction {
             return Ok(None);
         }
         let mut robots = Vec::new();
+        let runs = study.cases().len() * study.settings().count;
+        let step = run.step("running the answer on every robot", runs);
         for member in &definition.robots {
-            robots.extend(Seen::new(study, member, &best.values)?);
+            robots.extend(Seen::new((study, &step), member, &best.values)?);
         }
         Ok((!robots.is_empty()).then(|| Self::of(&robots, study.settings().count)))
     }
@@ -219,7 +225,11 @@ struct Seen {
 
 impl Seen {
     /// `None` where every run diverged.
-    fn new(study: &Study, member: &Member, values: &[f64]) -> Result<Option<Self>> {
+    fn new(
+        (study, step): (&Study, &Step<'_>),
+        member: &Member,
+        values: &[f64],
+    ) -> Result<Option<Self>> {
         let metrics = METRICS.iter().filter(|m| m.needs() == Needs::POINTS);
         let mut seen = Self {
             robot: member.morphology.name().to_owned(),
@@ -230,21 +240,30 @@ impl Seen {
         };
         for (index, case) in study.cases().iter().enumerate() {
             if member.recordings.contains(&case.targets[0].recording) {
-                seen.add(study, index, values)?;
+                seen.add((study, step), index, values)?;
             }
         }
         Ok((!seen.simulated_m.is_empty()).then_some(seen))
     }
 
     /// Simulates a case with every setting, and measures runs and recordings.
-    fn add(&mut self, study: &Study, case: usize, values: &[f64]) -> Result<()> {
+    fn add(
+        &mut self,
+        (study, step): (&Study, &Step<'_>),
+        case: usize,
+        values: &[f64],
+    ) -> Result<()> {
         let experiment = study.experiment(case, values)?;
         self.body_length_m = experiment.assembly.body_length_m;
         let settings = study.settings();
         // Collected in order, so that the bits do not depend on the threads.
         let runs = (0..settings.count)
             .into_par_iter()
-            .map(|number| run_of(&settings.apply(Setting::new(number), &experiment)))
+            .map(|number| {
+                let run = run_of(&settings.apply(Setting::new(number), &experiment));
+                step.count();
+                run
+            })
             .collect::<Result<Vec<Option<Moved>>>>()?;
         let runs: Vec<Moved> = runs.into_iter().flatten().collect();
         let targets = study.cases()[case].targets.iter();

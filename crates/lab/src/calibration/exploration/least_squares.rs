@@ -7,11 +7,16 @@ use crate::calibration::exploration::wave::next_trial;
 use crate::calibration::{PosteriorDraws, Profile, Scores, Study, Uncertainty};
 use realgap_core::{Code, Result, Warning};
 use realgap_inference::{
-    Agreement, LEVEL, LeastSquaresEstimate, LeastSquaresPosterior, most_checks,
+    Agreement, LEVEL, LeastSquaresEstimate, LeastSquaresPosterior, RUNS_OF_NUMERICS, most_checks,
 };
-use realgap_optimization::{Ending, EvaluatedPoint, Linearisation, OptimizationProblem, UnitPoint};
+use realgap_optimization::{
+    Ending, EvaluatedPoint, Linearisation, OptimizationProblem, RunOptions, UnitPoint,
+};
 use realgap_simulation::Experiment;
 use realgap_store::Trial;
+
+/// Name of the step that runs points for the posterior.
+const CHECKING: &str = "checking the posterior";
 
 /// A fit by least squares with its posterior.
 #[derive(Debug)]
@@ -34,7 +39,7 @@ impl LeastSquaresFit {
     /// # Errors
     /// Those of the runs.
     pub fn new(
-        study: &Study,
+        (study, run): (&Study, &RunOptions<'_>),
         (problem, evaluated): (&OptimizationProblem, &[EvaluatedPoint]),
         linearisations: &[Linearisation],
         (scores, ending): (&Scores, Ending),
@@ -43,16 +48,21 @@ impl LeastSquaresFit {
         let mut checks: Vec<Trial> = Vec::new();
         let mut known = evaluated.to_vec();
         let most = match ending {
-            Ending::Complete => most_checks(problem.dimensions(), evaluated.len()),
-            Ending::Interrupted => 0,
+            Ending::Complete if study.is_audited() => {
+                most_checks(problem.dimensions(), evaluated.len())
+            }
+            _ => 0,
         };
         let mut evaluate = |points: &[UnitPoint]| {
             let from = next_trial(study, scores) + checks.len();
             let mut open: Vec<UnitPoint> = points.to_vec();
             open.retain(|point| known.iter().all(|one: &EvaluatedPoint| one.point != *point));
             open.dedup();
+            let step = run.step(CHECKING, open.len());
             let trials = open.par_iter().enumerate().map(|(number, point)| {
-                study.simulate_trial(from + number, grid.values_at(point), true)
+                let trial = study.simulate_trial(from + number, grid.values_at(point), true);
+                step.count();
+                trial
             });
             for (point, trial) in open.iter().zip(trials.collect::<Result<Vec<Trial>>>()?) {
                 known.push(EvaluatedPoint {
@@ -76,13 +86,15 @@ impl LeastSquaresFit {
             return Ok(None);
         };
         let best = grid.values_at(posterior.best());
-        if ending == Ending::Complete {
+        if ending == Ending::Complete && study.is_audited() {
+            let step = run.step("fitting with finer timesteps", RUNS_OF_NUMERICS);
             posterior = posterior.with_numerics(&mut |point, factor| {
                 let finer = |e: &mut Experiment| e.solver.timestep_s *= factor;
                 let trial = study.simulate_changed(&grid.values_at(point), finer, true)?;
+                step.count();
                 Ok(study.errors_of(&trial).map(|(errors, _)| errors))
             })?;
-            posterior = posterior.with_starts(&study.errors_of_other_starts(&best)?);
+            posterior = posterior.with_starts(&study.errors_of_other_starts(&best, run)?);
         }
         let mut scores = scores.with_more(study, &checks)?;
         let chosen = scores.points.iter().position(|point| point.values == best);

@@ -6,6 +6,7 @@ use crate::calibration::Study;
 use realgap_core::Result;
 use realgap_core::random::Numbered;
 use realgap_core::statistics::median;
+use realgap_optimization::RunOptions;
 use realgap_path::trajectory::{JointTrack, Trajectory, resolution};
 use realgap_simulation::Experiment;
 
@@ -26,8 +27,10 @@ impl Study {
     pub(in crate::calibration) fn errors_of_other_starts(
         &self,
         values: &[f64],
+        run: &RunOptions<'_>,
     ) -> Result<Vec<Vec<f64>>> {
         let mut all = Vec::new();
+        let step = run.step("fitting from other starts", STARTS as usize);
         for number in 0..STARTS {
             let changed = self.simulate_changed_each(
                 values,
@@ -38,6 +41,7 @@ impl Study {
                 },
                 true,
             )?;
+            step.count();
             all.extend(self.errors_of(&changed).map(|(errors, _)| errors));
         }
         Ok(all)

@@ -1,5 +1,6 @@
 //! The sweep: every point of a study's grid is simulated and stored, and all are scored at the end.
 
+use crate::calibration::answer::INFERRING;
 use crate::calibration::exploration::trial_sink::{RunDescription, TrialSink};
 use crate::calibration::exploration::wave::{WAVES, next_wave, runs_a_wave};
 use crate::calibration::{Answer, Method, Scores, Study};
@@ -41,13 +42,9 @@ impl Study {
     /// # Errors
     /// As [`Study::sweep_into`].
     pub(crate) fn sweep_part(&self, part: &mut Part, run: &RunOptions<'_>) -> Result<Ending> {
-        Ok(simulate(self, &mut TrialSink::Part(part), run)?.0)
+        simulate(self, &mut TrialSink::Part(part), run)
     }
 }
-
-/// Message for the work after the last trial.
-pub(in crate::calibration) const FINISHING: &str =
-    "computing the confidence set, auditing the numerics";
 
 fn sweep(study: &Study, place: Option<(Place<'_>, Mode)>, run: &RunOptions<'_>) -> Result<Answer> {
     let kept = RunDescription {
@@ -57,12 +54,12 @@ fn sweep(study: &Study, place: Option<(Place<'_>, Mode)>, run: &RunOptions<'_>) 
         expected: points(study)?,
     };
     let mut sink = TrialSink::open(&kept, place)?;
-    let (ending, done) = simulate(study, &mut sink, run)?;
-    run.tell_finishing(FINISHING, done);
+    let ending = simulate(study, &mut sink, run)?;
+    run.step(INFERRING, 0);
     let scores = Scores::new(study, &sink.trials()?)?;
     sink.score(&scores.runs)?;
     sink.end(ending)?;
-    run.install(|| Answer::new(study, Method::Sweep, ending, scores, None, None))?
+    run.install(|| Answer::new((study, run), Method::Sweep, ending, scores, None, None))?
 }
 
 /// Points of the grid.
@@ -73,12 +70,8 @@ fn points(study: &Study) -> Result<usize> {
     Ok(grid.len())
 }
 
-/// Simulates the grid and the waves after it; returns the ending and the number of points that were requested.
-fn simulate(
-    study: &Study,
-    sink: &mut TrialSink<'_>,
-    run: &RunOptions<'_>,
-) -> Result<(Ending, usize)> {
+/// Simulates the grid and the waves after it.
+fn simulate(study: &Study, sink: &mut TrialSink<'_>, run: &RunOptions<'_>) -> Result<Ending> {
     let points = points(study)?;
     let again = runs_a_wave(study, points);
     let total = points + WAVES * again;
@@ -107,5 +100,5 @@ fn simulate(
         )?;
         from += chosen.len();
     }
-    Ok((ending, from))
+    Ok(ending)
 }

@@ -2,9 +2,9 @@
 
 use std::borrow::Cow;
 
+use crate::calibration::answer::INFERRING;
 use crate::calibration::exploration::information_gain::FitPrecision;
 use crate::calibration::exploration::least_squares::LeastSquaresFit;
-use crate::calibration::exploration::sweep::FINISHING;
 use crate::calibration::exploration::trial_sink::{RunDescription, TrialSink};
 use crate::calibration::exploration::tune_problem::{brief, first_design};
 use crate::calibration::exploration::wave::with_waves;
@@ -138,10 +138,10 @@ fn tune(
     let history = tuning.history();
     let linearisations = options.optimizer.linearisations(&tuning.brief, &history);
     let warning = options.optimizer.warning(&tuning.brief, &history);
-    run.tell_finishing(FINISHING, evaluated);
+    run.step(INFERRING, 0);
     let known = run.install(|| {
         let problem = (&tuning.brief, history.evaluated);
-        LeastSquaresFit::new(study, problem, &linearisations, (&scores, ending))
+        LeastSquaresFit::new((study, run), problem, &linearisations, (&scores, ending))
     })??;
     let method = Method::Tune(Tuned {
         optimizer: options.optimizer.name(),
@@ -176,13 +176,13 @@ fn tune(
     let mut answer = run.install(|| {
         let scores = match ending {
             // Least squares end at a known minimum, so that no waves are needed.
-            Ending::Complete if known.is_none() => with_waves(study, scores)?,
+            Ending::Complete if known.is_none() => with_waves((study, run), scores)?,
             _ => match &known {
                 Some(known) => known.scores.clone(),
                 None => scores,
             },
         };
-        Answer::new(study, method, ending, scores, refits, known)
+        Answer::new((study, run), method, ending, scores, refits, known)
     })??;
     answer
         .report

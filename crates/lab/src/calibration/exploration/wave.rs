@@ -10,6 +10,7 @@ use realgap_core::Result;
 use realgap_core::random::Numbered;
 use realgap_core::statistics::least_by;
 use realgap_inference::{Emulator, HistoryMatching, ObservationUncertainty, ScoredRun};
+use realgap_optimization::{RunOptions, Step};
 use realgap_path::trajectory::Prepared;
 
 /// Number of waves after the first runs; every wave uses all runs before it.
@@ -182,7 +183,10 @@ pub(in crate::calibration) fn next_wave(
 ///
 /// # Errors
 /// As [`Study::simulate`].
-pub(in crate::calibration) fn with_waves(study: &Study, mut scores: Scores) -> Result<Scores> {
+pub(in crate::calibration) fn with_waves(
+    (study, run): (&Study, &RunOptions<'_>),
+    mut scores: Scores,
+) -> Result<Scores> {
     let count = runs_a_wave(study, scores.runs.len());
     for _ in 0..WAVES {
         let from = next_trial(study, &scores);
@@ -193,19 +197,29 @@ pub(in crate::calibration) fn with_waves(study: &Study, mut scores: Scores) -> R
         if chosen.is_empty() {
             break;
         }
-        let chosen = (from..).zip(chosen).collect();
-        scores = scores.with_more(study, &simulated(study, chosen)?)?;
+        let chosen: Vec<(usize, Vec<f64>)> = (from..).zip(chosen).collect();
+        let step = run.step("exploring further", chosen.len());
+        scores = scores.with_more(study, &simulated(study, chosen, &step)?)?;
     }
     Ok(scores)
 }
 
+/// Simulates points, each given by the number of its trial and its values.
+///
+/// # Errors
+/// As [`Study::simulate`].
 pub(in crate::calibration) fn simulated(
     study: &Study,
     chosen: Vec<(usize, Vec<f64>)>,
+    step: &Step<'_>,
 ) -> Result<Vec<realgap_store::Trial>> {
     let trials = chosen.into_par_iter();
     trials
-        .map(|(index, values)| study.simulate_trial(index, values, false))
+        .map(|(index, values)| {
+            let trial = study.simulate_trial(index, values, false);
+            step.count();
+            trial
+        })
         .collect()
 }
 
@@ -234,7 +248,7 @@ fn unvisited(study: &Study, scores: &Scores) -> impl Iterator<Item = Vec<f64>> {
 /// # Errors
 /// As [`Study::simulate`].
 pub(in crate::calibration) fn with_best_completed(
-    study: &Study,
+    (study, run): (&Study, &RunOptions<'_>),
     mut scores: Scores,
     mut emulator: Option<Emulator>,
 ) -> Result<(Scores, Option<Emulator>)> {
@@ -268,7 +282,9 @@ pub(in crate::calibration) fn with_best_completed(
         let from = next_trial(study, &scores);
         let missing = (0..settings.count).filter(|number| !seen.contains(&Setting::new(*number)));
         let missing = missing.map(|number| (from + number, values.clone()));
-        let trials = simulated(study, missing.collect())?;
+        let missing: Vec<(usize, Vec<f64>)> = missing.collect();
+        let step = run.step("completing the best point", missing.len());
+        let trials = simulated(study, missing, &step)?;
         if trials.is_empty() {
             break;
         }

@@ -29,6 +29,7 @@ use crate::prediction::ensemble::rms_m;
 use realgap_core::error::Result;
 use realgap_core::statistics::{energy_test, mean};
 use realgap_core::warning::{Code, Warning};
+use realgap_optimization::RunOptions;
 use realgap_path::trajectory::Prepared;
 
 /// Comparison of the best point's runs with the recordings, and of both with the differences between repeats, or, where runs start
@@ -80,7 +81,7 @@ impl Fit {
     /// # Errors
     /// Paths that cannot be compared, runs that cannot be simulated.
     pub(in crate::calibration) fn new(
-        study: &Study,
+        (study, run): (&Study, &RunOptions<'_>),
         scores: &Scores,
         method: &Method,
     ) -> Result<Option<Self>> {
@@ -89,10 +90,10 @@ impl Fit {
             return Ok(None);
         };
         if study.definition().start == StartRule::FromRecording {
-            return Ok(Self::of_residuals(Judgement::new(study, scores)?));
+            return Ok(Self::of_residuals(Judgement::new((study, run), scores)?));
         }
         if study.cases().len() == 1 && study.fitted_recordings() == 1 {
-            return Self::of_one_recording(study, scores, method);
+            return Self::of_one_recording((study, run), scores, method);
         }
         let settings = study.settings();
         let path = |run: &PointScore| Prepared::from_xy_m(run.path_xy_m.clone());
@@ -138,7 +139,7 @@ impl Fit {
             false => {
                 let all = runs.zip(&paths);
                 let spread = all.filter(|(run, _)| !method.crowds(run.index));
-                two_sample_p_value(study, &real, &spread.collect::<Vec<_>>())?
+                two_sample_p_value((study, run), &real, &spread.collect::<Vec<_>>())?
             }
         };
         let explains = match neighbours_p_value {
@@ -159,7 +160,11 @@ impl Fit {
     }
 
     /// The fit to a single recording of a settled start: only the study can say how much one more recording would differ.
-    fn of_one_recording(study: &Study, scores: &Scores, method: &Method) -> Result<Option<Self>> {
+    fn of_one_recording(
+        (study, run): (&Study, &RunOptions<'_>),
+        scores: &Scores,
+        method: &Method,
+    ) -> Result<Option<Self>> {
         let has_noise = study
             .definition()
             .noise
@@ -172,7 +177,7 @@ impl Fit {
                 let path = |run: &PointScore| Prepared::from_xy_m(run.path_xy_m.clone());
                 let paths = runs.clone().map(path).collect::<Result<Vec<_>>>()?;
                 let real = study.part_of(&study.real_paths(), false);
-                two_sample_p_value(study, &real, &runs.zip(&paths).collect::<Vec<_>>())?
+                two_sample_p_value((study, run), &real, &runs.zip(&paths).collect::<Vec<_>>())?
             }
         };
         if has_noise && p_value.is_none() {

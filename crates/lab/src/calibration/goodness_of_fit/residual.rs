@@ -21,10 +21,12 @@ use crate::calibration::goodness_of_fit::layout::Layout;
 use crate::calibration::goodness_of_fit::pattern::Pattern;
 use crate::calibration::goodness_of_fit::refit::Refit;
 use crate::calibration::goodness_of_fit::systematic_part::{Projection, Size, rank};
+use crate::calibration::goodness_of_fit::two_sample::JUDGING;
 use crate::calibration::study::Study;
 use crate::claim::SIGNIFICANT;
 use realgap_core::error::Result;
 use realgap_core::unit::Unit;
+use realgap_optimization::{RunOptions, Step};
 use realgap_simulation::Noise;
 
 /// Where the noise of a channel is known from.
@@ -113,7 +115,7 @@ impl Judgement {
     ///
     /// # Errors
     /// Experiments that cannot be simulated.
-    pub fn new(study: &Study, scores: &Scores) -> Result<Self> {
+    pub fn new((study, run): (&Study, &RunOptions<'_>), scores: &Scores) -> Result<Self> {
         let Some(best) = scores.best else {
             return Ok(Self::Nothing);
         };
@@ -138,7 +140,13 @@ impl Judgement {
             true => MANY,
             false => FEW,
         };
-        let judged = bench.judge(&layout, refit, (&noise, stated.as_ref()), imitations)?;
+        let step = run.step(JUDGING, imitations);
+        let judged = bench.judge(
+            &layout,
+            refit,
+            (&noise, stated.as_ref()),
+            (imitations, &step),
+        )?;
         Ok(judged.map_or(Self::Nothing, Self::Fit))
     }
 }
@@ -163,7 +171,7 @@ impl Bench<'_> {
         layout: &Layout,
         refit: Refit,
         (noise, stated): (&MeasurementNoise, Option<&Noise>),
-        imitations: usize,
+        (imitations, step): (usize, &Step<'_>),
     ) -> Result<Option<ResidualFit>> {
         let values = self.study.definition().grid.values_at(&refit.place);
         let own = self.runs(self.study, &values, &|_| ())?;
@@ -202,7 +210,11 @@ impl Bench<'_> {
         };
         let imitated: Vec<Option<Vec<Size>>> = (0..imitations)
             .into_par_iter()
-            .map(imitate)
+            .map(|number| {
+                let imitated = imitate(number);
+                step.count();
+                imitated
+            })
             .collect::<Result<_>>()?;
         let imitated: Vec<Vec<Size>> = imitated.into_iter().flatten().collect();
         let numerics = [false, true].map(|is_bent| projection.rest(&numerics, is_bent));

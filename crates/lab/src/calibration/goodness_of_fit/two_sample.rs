@@ -21,6 +21,7 @@ use crate::calibration::study::Study;
 use crate::prediction::ensemble;
 use realgap_core::error::Result;
 use realgap_core::statistics::mean;
+use realgap_optimization::RunOptions;
 use realgap_path::trajectory::{Prepared, mean_square_m2, prepare};
 use realgap_simulation::{Experiment, Noise};
 
@@ -28,6 +29,8 @@ use realgap_simulation::{Experiment, Noise};
 const NEAR: usize = 40;
 /// With fewer points than this the test cannot reject at 5 %.
 const FEWEST: usize = 20;
+/// Name of the step that repeats runs or imitates recordings.
+pub(super) const JUDGING: &str = "judging the fit";
 /// Most repeats of a run.
 const REPEATS: usize = 10;
 
@@ -38,7 +41,7 @@ const REPEATS: usize = 10;
 /// # Errors
 /// Invalid noise, and motions that cannot be prepared.
 pub(in crate::calibration) fn two_sample_p_value(
-    study: &Study,
+    (study, run): (&Study, &RunOptions<'_>),
     real: &[&Prepared],
     runs: &[(&PointScore, &Prepared)],
 ) -> Result<Option<f64>> {
@@ -71,6 +74,7 @@ pub(in crate::calibration) fn two_sample_p_value(
         return Ok(None);
     };
     let noise = noise_of_repeats(study, real, &experiment(nearest)?)?;
+    let step = run.step(JUDGING, points.len());
     let set_of = |(rank, (run, _)): (usize, &(&PointScore, f64))| -> Result<Vec<Prepared>> {
         let own = experiment(run)?;
         // Every set has random numbers of its own, because otherwise the deviations of all sets would be the same.
@@ -79,7 +83,9 @@ pub(in crate::calibration) fn two_sample_p_value(
             let run = ensemble::repeat(&own, &noise, definition.seed, number)?;
             run.outcome.get().map(prepare).transpose()
         });
-        paths.filter_map(Result::transpose).collect()
+        let paths = paths.filter_map(Result::transpose).collect();
+        step.count();
+        paths
     };
     let sets = points.par_iter().enumerate().map(set_of);
     let mut sets = sets.collect::<Result<Vec<_>>>()?;

@@ -6,6 +6,7 @@ use crate::calibration::Profile;
 use crate::calibration::{Scores, Study};
 use realgap_core::Result;
 use realgap_core::unit::counted;
+use realgap_optimization::RunOptions;
 use realgap_simulation::{Experiment, Solver};
 
 /// The best point again, with one numerical setting changed.
@@ -50,7 +51,11 @@ impl Audit {
     ///
     /// # Errors
     /// As [`Study::simulate`].
-    pub fn new(study: &Study, scores: &Scores, profiles: &[Profile]) -> Result<Option<Self>> {
+    pub fn new(
+        (study, run): (&Study, &RunOptions<'_>),
+        scores: &Scores,
+        profiles: &[Profile],
+    ) -> Result<Option<Self>> {
         let Some(best) = scores.best else {
             return Ok(None);
         };
@@ -68,7 +73,9 @@ impl Audit {
         let best = best.or(point.score);
         let solver = study.experiment(0, &point.values)?.solver;
         let mut rows = Vec::new();
-        for (setting, coarser, change) in changes(&solver) {
+        let changes = changes(&solver);
+        let step = run.step("auditing the numerics", changes.len());
+        for (setting, coarser, change) in changes {
             let in_engine = |experiment: &mut Experiment| {
                 if let Some(second) = second {
                     experiment.solver.engine = second;
@@ -76,6 +83,7 @@ impl Audit {
                 change(experiment);
             };
             let trial = study.simulate_changed(&point.values, in_engine, false)?;
+            step.count();
             let score = Scores::with_basis(study, &[trial], scores.basis.clone())?.points[0].score;
             rows.push(AuditRow {
                 setting,

@@ -12,6 +12,7 @@ use realgap_core::statistics::{least_by, mean_of, mean_of_any};
 use realgap_inference::{
     Emulator, ObservationUncertainty, ScoreCovariance, implausibility, variant_probabilities,
 };
+use realgap_optimization::RunOptions;
 use realgap_path::trajectory::Prepared;
 
 /// Runs that are farther from the recordings than so many noise floors do not explain them.
@@ -97,6 +98,7 @@ impl Study {
     /// As [`Study::simulate`].
     pub(in crate::calibration) fn with_engines_weighed(
         &self,
+        run: &RunOptions<'_>,
         mut scores: Scores,
         mut emulator: Emulator,
     ) -> Result<(Scores, Emulator, Vec<f64>)> {
@@ -123,7 +125,8 @@ impl Study {
             if missing.is_empty() {
                 break;
             }
-            scores = scores.with_more(self, &simulated(self, missing)?)?;
+            let step = run.step("comparing the engines", missing.len());
+            scores = scores.with_more(self, &simulated(self, missing, &step)?)?;
             emulator = emulator.conditioned_on(&scored_runs(self, &scores));
         }
         // The best point of an engine is the lowest mean over all of its settings, never a point with fewer runs.

@@ -47,6 +47,8 @@ pub struct Study {
     weights: Vec<f64>,
     /// Spread of the fitted recordings, in recorded lengths, where the metric needs it.
     spread: Option<Spread>,
+    /// Whether answers are checked by further runs.
+    audited: bool,
     /// The second engine, which is as valid for this study as its own.
     pub(in crate::calibration) second: Option<EngineChoice>,
 }
@@ -114,6 +116,7 @@ impl Study {
             held_out,
             weights,
             spread: None,
+            audited: true,
             second: None,
         };
         study.second = study.second_engine();
@@ -165,6 +168,19 @@ impl Study {
     /// Warnings for the reader.
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings
+    }
+
+    /// The same study whose answers are not checked by further runs: no numerical audit, no test whether the model explains the
+    /// recordings, no runs that check the posterior of least squares. Intervals may then be too narrow, and answers say so.
+    #[must_use]
+    pub fn unaudited(mut self) -> Self {
+        self.audited = false;
+        self
+    }
+
+    /// Whether answers are checked by further runs.
+    pub(in crate::calibration) fn is_audited(&self) -> bool {
+        self.audited
     }
 
     /// Simulated seconds of one point, without settling.

@@ -63,6 +63,7 @@ pub(in crate::report) struct Swept {
     scores: Scores,
     uncertainty: Uncertainty,
     ranges: Vec<Range>,
+    pub draws: PosteriorDraws,
 }
 
 /// A value of a searched range.
@@ -186,6 +187,7 @@ impl Swept {
             scores,
             uncertainty,
             ranges,
+            draws,
         }
     }
 
@@ -200,10 +202,6 @@ impl Swept {
             .iter()
             .zip(&self.uncertainty.indistinguishable);
         points.filter(|(_, is_in)| **is_in).map(|(point, _)| point)
-    }
-
-    pub fn values_in_set(&self, axis: usize) -> impl Iterator<Item = f64> {
-        self.in_set().map(move |point| point.values[axis])
     }
 
     /// Points that cannot be told from the best, of so many.

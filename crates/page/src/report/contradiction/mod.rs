@@ -9,7 +9,9 @@ use crate::report::document::picture::Pictures;
 use crate::report::document::value::percent;
 use crate::results::study::best::description;
 use drawn::{Draw, Repeated, Swept};
+use realgap_core::statistics::ends_of;
 use realgap_core::unit::quantity;
+use realgap_lab::calibration::POSSIBLE_LEVEL;
 use realgap_lab::claim::Claim;
 use realgap_lab::prediction::ensemble::Reality;
 use realgap_lab::prediction::gap::StudyGap;
@@ -86,18 +88,19 @@ fn parameters(found: &mut Tally, told: &RenderedTexts, drawn: &Swept) {
                 });
             }
         }
-        // A value that cannot be told from the best is not outside of the interval of values that fit as well.
+        // What is possible is what the draws say, and holds every interval.
         let (low, high) = (verdict.low, verdict.high);
-        for value in drawn.values_in_set(axis) {
-            found.hold(told, (low..=high).contains(&value), || {
-                format!("{value} is in the set of {name}, but {low} to {high} fit as well")
-            });
-        }
-        let bridged = |line: &str| line.contains("fit as well") && !line.contains("except");
+        let (least, most) = drawn.draws.interval(axis, POSSIBLE_LEVEL);
+        let ends = parts.iter().flat_map(|(from, to)| [*from, *to]);
+        let (least, most) = ends_of(ends.chain([least, most]));
+        found.hold(told, (low, high) == (least, most), || {
+            format!("{low} to {high} of {name} are called possible, not {least} to {most}")
+        });
+        let bridged = |line: &str| line.contains("are possible") && !line.contains("except");
         let lines = || whole_line(&told.text, name);
         found.hold(told, parts.len() < 2 || !lines().any(bridged), || {
             format!(
-                "what fits as well bridges a rejected part of {name}: {}",
+                "what is possible bridges a rejected part of {name}: {}",
                 told.text
             )
         });
