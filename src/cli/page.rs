@@ -14,7 +14,6 @@ use realgap::report::{
     PAGE_FILE, PageData, RecordedPath, Replay, ReplayData, ReportTree, ResultsPage,
     SHOWN_RECORDINGS, SIMULATION, SingleReport, side_by_side,
 };
-use realgap::results::confidence_set;
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, film};
 use realgap::trajectory::{Recording, Trajectory};
@@ -180,7 +179,6 @@ pub fn of_study(study: &Study, answer: &Answer) -> PageData {
         best_xy_m: best.map_or_else(Vec::new, |best| {
             best.path_xy_m.iter().map(rounded).collect()
         }),
-        confidence_set: confidence_set(study, answer),
         // After an interruption, no further simulation is started.
         replay: experiment
             .filter(|_| answer.ending == Ending::Complete)

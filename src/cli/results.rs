@@ -3,7 +3,7 @@
 use realgap::Advice;
 use realgap::file::{Seal, versioned_json};
 use realgap::plot::number;
-use realgap::results::check_seal;
+use realgap::results::{check_seal, ranked_points};
 use realgap::store::{Cell, FolderLock, Listing};
 use realgap::text::{cell, shown};
 
@@ -13,7 +13,9 @@ use super::kit::*;
 ///
 /// Use it to look at all trials of a sweep, a tuning or a search, or to hand them to another program. Everything
 /// comes from the folder's results.sqlite; the files of the study or search are not needed. Every row is compared
-/// with its checksum, and then the folder's other files with theirs.
+/// with its checksum, and then the folder's other files with theirs. The table for people has one row a point, ranked
+/// by its mean over all equally valid settings as in the page; --runs, another format or another order lists the single
+/// runs, each with one setting.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -28,6 +30,9 @@ pub struct Results {
     /// Only the first N rows after sorting
     #[arg(long, value_name = "N")]
     top: Option<usize>,
+    /// List single runs, each with one setting, in place of points
+    #[arg(long)]
+    runs: bool,
     /// Add one column per recording
     #[arg(long)]
     per_recording: bool,
@@ -65,8 +70,16 @@ impl Results {
         }
         let rows = listing.rows.len();
         listing.rows.truncate(self.top.unwrap_or(usize::MAX));
+        let is_of_points = !self.runs && self.sort.is_none() && !self.per_recording;
+        let points = match is_of_points && matches!(self.format, ResultsFormat::Table) {
+            true => ranked_points(&self.folder)?,
+            false => None,
+        };
         let bytes = match self.format {
-            ResultsFormat::Table => table(&listing, rows).into_bytes(),
+            ResultsFormat::Table => match points.filter(|_| listing.complete) {
+                Some(points) => table_of_points(&listing, points, self.top).into_bytes(),
+                None => table(&listing, rows).into_bytes(),
+            },
             ResultsFormat::Csv => csv(&listing)?,
             ResultsFormat::Json => json(&listing)?.into_bytes(),
             ResultsFormat::Parquet => parquet(&listing, self.output.as_deref())?,
@@ -110,6 +123,30 @@ fn table(listing: &Listing, rows: usize) -> String {
         shown(&listing.kind, SHOWN),
         shown(&listing.name, SHOWN),
         shown(&listing.measure, SHOWN),
+        terminal::table(&table)
+    )
+}
+
+/// The points, with their means over all settings.
+fn table_of_points(
+    listing: &Listing,
+    (header, rows): (Vec<String>, Vec<Vec<String>>),
+    top: Option<usize>,
+) -> String {
+    let mut table = TextTable::new(header.iter().map(|name| (name.as_str(), Side::Right)));
+    let count = rows.len();
+    for row in rows.into_iter().take(top.unwrap_or(usize::MAX)) {
+        table.push(row.iter().map(|text| match text.parse::<f64>() {
+            Ok(value) => number(value),
+            Err(_) => shown(text, SHOWN),
+        }));
+    }
+    format!(
+        "{} of {}, complete, {}, {}: first those simulated with all settings; --runs lists single runs\n{}",
+        shown(&listing.kind, SHOWN),
+        shown(&listing.name, SHOWN),
+        shown(&listing.measure, SHOWN),
+        counted(count, "point"),
         terminal::table(&table)
     )
 }

@@ -123,7 +123,7 @@ codes! {
     NoSuccessRule "no-success-rule" "No success rule was given." "state the distance that counts as success";
     NoSurvivor "no-survivor" "No finalist keeps its performance under other numerical settings." "check these robots further before you build one; search with finer numerical settings";
     NoWalls "no-walls" "No link of a log crosses a wall." "log links through walls, if walls matter";
-    NotAudited "not-audited" "An answer was not checked by further runs." "run the command again with --resume and without --no-audit before you rely on the answer";
+    NotAudited "not-audited" "An answer was not checked by further runs." "resume the run with the audit before you rely on the answer";
     NotConverged "not-converged" "A fit by least squares had not ended when its budget did." "tune with a larger budget";
     NotNormal "not-normal" "Readings are not normally distributed." "use the histogram or a mixture in place of a normal distribution";
     NotSettled "not-settled" "A robot did not come to rest before its run." "lift the robot less, or give it longer to settle";

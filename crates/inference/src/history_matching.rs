@@ -17,7 +17,7 @@ use rand::RngExt;
 use crate::candidate_sampler::CandidateSampler;
 use crate::emulator::{Emulator, ScoreField};
 use crate::implausibility::{
-    ObservationUncertainty, ScoreCovariance, emulator_share, implausibility,
+    ObservationUncertainty, ScoreCovariance, emulator_share, implausibility_beside,
 };
 use crate::posterior::PosteriorDraws;
 use crate::resample::systematic;
@@ -43,8 +43,11 @@ const DRAWS: usize = 1000;
 /// open points, and where so many more points of each kind that are looked at between them are implausible, too.
 const GAP: f64 = 0.1;
 const PROBES: usize = 16;
-/// Open points of the highest density that these points are compared with.
+/// Open points of the highest density that further points are compared with, and how many of these are looked at at a time.
 const COMPARED: usize = 50;
+const CHUNK: usize = 100;
+/// Evaluated points, of those that the caller asked about, that the sampled points are compared with.
+const BESIDE: usize = 200;
 
 /// A point of the search space where the black box was not evaluated.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,7 +67,7 @@ pub struct HistoryMatching {
     implausibility: Vec<f64>,
     /// Posterior density of each of these points without its constant: the sum over the variants.
     densities: Vec<f64>,
-    /// Implausibility of the points that the caller asked about.
+    /// Implausibility of the points that the caller asked about, each compared with the least implausible sampled points.
     visited: Vec<f64>,
     /// By parameter: coordinates in the middle of each implausible part of its range that lies between two parts that are not.
     gaps: Vec<Vec<f64>>,
@@ -87,17 +90,17 @@ struct VariantLook {
 }
 
 impl Look {
-    /// Variants without weight are left out.
+    /// Variants without weight are left out. Points are compared with those from number `first` on.
     fn new(
         (emulator, weights): (&Emulator, &[f64]),
-        points: Vec<Vec<f64>>,
+        (points, first): (Vec<Vec<f64>>, usize),
         uncertainty: ObservationUncertainty,
         limit: f64,
     ) -> Self {
         let of = |emulator: &Emulator, variant: f64| {
             let field = emulator.field_in(&points, variant);
             let covariance = ScoreCovariance::new(&field, uncertainty);
-            let implausibility = implausibility(&field, &covariance);
+            let implausibility = implausibility_beside(&field, &covariance, first);
             (field, covariance, implausibility)
         };
         let variants = emulator.variants().iter().zip(weights);
@@ -164,7 +167,8 @@ impl VariantLook {
 }
 
 impl HistoryMatching {
-    /// Samples `count` points, and computes the implausibility of these and of `visited`, which are coordinates of evaluated points.
+    /// Samples `count` points, and computes the implausibility of these and of `visited`: coordinates of evaluated points, those with
+    /// the lowest expected scores first.
     /// `weights` are the probabilities of the emulator's variants, in the order of [`Emulator::variants`].
     pub fn new(
         (emulator, weights): (&Emulator, &[f64]),
@@ -176,9 +180,11 @@ impl HistoryMatching {
     ) -> Self {
         let dimensions = grid.ranges().len();
         let limit = chi_squared_quantile(LEVEL, dimensions as f64).sqrt();
+        // The sampled points are compared with some of the points that were evaluated, too, which lie at the bottom of valleys.
+        let beside = &visited[..visited.len().min(BESIDE)];
         let look = |points: Vec<Vec<f64>>| {
-            let all = points.into_iter().chain(visited.iter().cloned()).collect();
-            Look::new((emulator, weights), all, uncertainty, limit)
+            let all = points.into_iter().chain(beside.iter().cloned()).collect();
+            Look::new((emulator, weights), (all, 0), uncertainty, limit)
         };
         let variants = emulator.variants().iter().zip(weights);
         let variants = variants.filter(|(_, weight)| **weight > 0.0);
@@ -221,18 +227,22 @@ impl HistoryMatching {
         let mut open: Vec<(f64, &Vec<f64>)> = open.map(|p| (least[p], &there.points[p])).collect();
         open.sort_by(|a, b| a.0.total_cmp(&b.0));
         let open: Vec<&Vec<f64>> = open.into_iter().map(|(_, point)| point).collect();
-        let is_implausible = |probes: Vec<Vec<f64>>| {
+        // Whatever else is asked, each answer is the same.
+        let of = |asked: &[Vec<f64>]| -> Vec<f64> {
             let best = open.iter().take(COMPARED).map(|point| (*point).clone());
-            let count = probes.len();
-            let there = look(probes.into_iter().chain(best).collect());
-            (0..count).all(|probe| there.least(probe) > limit + BEYOND)
+            let all: Vec<Vec<f64>> = asked.iter().cloned().chain(best).collect();
+            let there = Look::new((emulator, weights), (all, asked.len()), uncertainty, limit);
+            (0..asked.len()).map(|point| there.least(point)).collect()
         };
+        let is_implausible =
+            |probes: Vec<Vec<f64>>| of(&probes).iter().all(|one| *one > limit + BEYOND);
+        let of_visited = visited.chunks(CHUNK).flat_map(of).collect();
         let gaps = (0..dimensions).map(|axis| gaps(axis, &open, seed, is_implausible));
         let gaps: Vec<Vec<f64>> = gaps.collect();
         Self {
             gaps,
             densities,
-            visited: least[count..].to_vec(),
+            visited: of_visited,
             implausibility: least[..count].to_vec(),
             points: there.points.into_iter().take(count).collect(),
             emulator_share,

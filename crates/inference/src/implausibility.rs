@@ -84,6 +84,15 @@ const ROUNDING: f64 = 1e-8;
 
 /// The implausibility of each point: the largest standardised amount by which any other point scores better; 0 for the best.
 pub fn implausibility(field: &ScoreField, covariance: &ScoreCovariance) -> Vec<f64> {
+    implausibility_beside(field, covariance, 0)
+}
+
+/// As [`implausibility`], where a point is compared only with the points from number `first` on.
+pub fn implausibility_beside(
+    field: &ScoreField,
+    covariance: &ScoreCovariance,
+    first: usize,
+) -> Vec<f64> {
     let n = field.means.len();
     let worse_by = |point: usize, other: usize| {
         let difference = field.means[point] - field.means[other];
@@ -100,7 +109,7 @@ pub fn implausibility(field: &ScoreField, covariance: &ScoreCovariance) -> Vec<f
         )
     };
     (0..n)
-        .map(|point| (0..n).fold(0.0, |most: f64, other| most.max(worse_by(point, other))))
+        .map(|point| (first..n).fold(0.0, |most: f64, other| most.max(worse_by(point, other))))
         .collect()
 }
 

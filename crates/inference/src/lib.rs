@@ -42,6 +42,6 @@ pub use least_squares::{
 };
 pub use marginal::{Determination, Marginal};
 pub use posterior::{INTERVAL_LEVEL, POSSIBLE_LEVEL, PosteriorDraws};
-pub use profile::Profile;
+pub use profile::{BAND, Profile};
 pub use scored_run::ScoredRun;
 pub use variant_evidence::variant_probabilities;

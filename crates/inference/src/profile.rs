@@ -7,7 +7,7 @@ use realgap_core::statistics::ends_of;
 use realgap_optimization::Range;
 
 /// Standard deviations to each side of the expected score that hold 90 %.
-const BAND: f64 = 1.645;
+pub const BAND: f64 = 1.645;
 
 /// Profile of the score along one parameter: the emulator's expected score, with all other parameters at their best values (profile
 /// likelihood; Raue et al. 2009).

@@ -19,8 +19,8 @@ use crate::calibration::{
 };
 use realgap_core::{Code, Result};
 use realgap_inference::{
-    Emulator, HistoryMatching, LeastSquaresPosterior, ObservationUncertainty, PosteriorDraws,
-    Profile,
+    BAND, Emulator, HistoryMatching, LeastSquaresPosterior, ObservationUncertainty, PosteriorDraws,
+    Profile, ScoredRun,
 };
 use realgap_optimization::{Ending, Grid, RunOptions, space_filling};
 
@@ -62,9 +62,8 @@ impl fmt::Display for Answer {
 
 /// The step after the last trial, while nothing is simulated.
 pub(in crate::calibration) const INFERRING: &str = "computing the posterior";
-/// Points from which an answer is drawn, and simulated points whose implausibility is computed.
+/// Points from which an answer is drawn.
 const PLACES: usize = 500;
-const VISITED: usize = 200;
 
 impl Answer {
     /// Computes the uncertainty of the best of these scores; simulations run on the current rayon pool. `refits`: as
@@ -108,8 +107,12 @@ impl Answer {
             observations: study.fitted_recordings(),
             discrepancy: fit.as_ref().map_or(0.0, |fit| fit.discrepancy),
         };
-        let (positions, visited) = leading(study, &scores, emulator.as_ref(), VISITED);
+        let (positions, mut visited) = leading(study, &scores, emulator.as_ref(), usize::MAX);
         let grid = &definition.grid;
+        if method != Method::Sweep && grid.ranges().len() == 2 {
+            let cells = (0..grid.len()).map(|index| grid.place_of(&grid.values(index)));
+            visited.extend(cells);
+        }
         let matching = emulator.as_ref().map(|emulator| {
             let uncertainty = uncertainty_of_observations;
             HistoryMatching::new(
@@ -183,6 +186,47 @@ impl Answer {
             report,
             surface: surface.map(|surface| (surface, grid.clone())),
         })
+    }
+
+    /// The expected mean score over equally valid settings at these parameter values, with the ends of its 90 % interval; `None` where
+    /// there are too few runs, and for a fit by least squares.
+    pub fn expected_with_band(&self, values: &[f64]) -> Option<(f64, (f64, f64))> {
+        let (Surface::Emulator(emulator), grid) = self.surface.as_ref()? else {
+            return None;
+        };
+        let (point, engine) = (grid.place_of(values), self.scores.engine);
+        let band = emulator.band(&point, engine, BAND);
+        Some((emulator.mean_in(&point, engine), band))
+    }
+
+    /// The mean difference of net displacements over all equally valid settings at every point of the grid, as all runs let expect,
+    /// metres; empty where one setting is run, or where there are too few runs.
+    ///
+    /// # Errors
+    /// As [`Emulator::new`].
+    pub fn expected_displacement_errors(&self, study: &Study) -> Result<Vec<f64>> {
+        let settings = study.settings();
+        if settings.count == 1 {
+            return Ok(Vec::new());
+        }
+        let grid = &study.definition().grid;
+        let runs = self.scores.runs.iter().filter_map(|run| {
+            Some(ScoredRun {
+                point: grid.place_of(&run.values),
+                setting: settings.of_trial(run.index).number(),
+                variant: settings.engine_of_trial(run.index),
+                scores: vec![run.displacement_error_m?],
+                surrogate_scores: Vec::new(),
+            })
+        });
+        let Some(emulator) = Emulator::new(&runs.collect::<Vec<_>>())? else {
+            return Ok(Vec::new());
+        };
+        let places = (0..grid.len()).map(|index| grid.place_of(&grid.values(index)));
+        let engine = self.scores.engine;
+        Ok(places
+            .map(|place| emulator.mean_in(&place, engine))
+            .collect())
     }
 
     /// The expected score at these parameter values, whether they were simulated or not; `None` where there are too few runs.

@@ -37,12 +37,15 @@ pub struct Uncertainty {
     pub indistinguishable: Vec<bool>,
     /// Whether the best point belongs to the set by what the emulator says of it, too.
     pub holds_best: bool,
+    /// Whether each point of the grid belongs to the set, where an optimizer chose points beside it: of two parameters, otherwise
+    /// empty.
+    pub cells: Vec<bool>,
     /// Points that were not simulated, spread evenly over the part of the search space that is not implausible.
     pub unvisited: Vec<Unvisited>,
 }
 
 impl Uncertainty {
-    /// `visited` are the positions of the simulated points whose implausibility was computed.
+    /// `visited` are the positions of the simulated points whose implausibility was computed; that of cells may follow.
     pub(in crate::calibration) fn new(
         study: &Study,
         scores: &Scores,
@@ -54,6 +57,7 @@ impl Uncertainty {
         for (position, is_in) in visited.iter().zip(matching.visited_in_set()) {
             indistinguishable[*position] = is_in;
         }
+        let cells = matching.visited_in_set().skip(visited.len()).collect();
         let holds_best = std::mem::replace(&mut indistinguishable[best], true);
         let fitted = study.part_of(&scores.points[best].recordings, false);
         let runs = scores.runs_of_mean(&study.settings(), best).into_iter();
@@ -74,6 +78,7 @@ impl Uncertainty {
             emulator_share: matching.emulator_share(),
             indistinguishable,
             holds_best,
+            cells,
             unvisited: matching.unvisited(&study.definition().grid),
         }
     }
@@ -114,6 +119,7 @@ impl Uncertainty {
             emulator_share: 0.0,
             indistinguishable,
             holds_best: true,
+            cells: Vec::new(),
             unvisited: some
                 .map(|values| Unvisited {
                     values: values.clone(),

@@ -8,7 +8,6 @@ use crate::calibration::{PointScore, Scores, Study};
 use crate::prediction::ensemble::rms_m;
 use realgap_core::Result;
 use realgap_core::random::Numbered;
-use realgap_core::statistics::least_by;
 use realgap_inference::{Emulator, HistoryMatching, ObservationUncertainty, ScoredRun};
 use realgap_optimization::{RunOptions, Step};
 use realgap_path::trajectory::Prepared;
@@ -28,6 +27,8 @@ const VISITED: usize = 60;
 const LEAST_EMULATOR_SHARE: f64 = 0.1;
 /// Most candidates for the best point whose settings are completed.
 const CANDIDATES: usize = 5;
+/// Points of a large map whose settings are completed.
+const SETTLED_OF_A_LARGE_MAP: usize = 20;
 /// Points of a grid that were not simulated are candidates only where the grid has at most so many points.
 const NODES: usize = 2000;
 
@@ -243,7 +244,8 @@ fn unvisited(study: &Study, scores: &Scores) -> impl Iterator<Item = Vec<f64>> {
 
 /// Finds the best point: the one with the lowest mean over all of its settings, those of an engine that the recordings speak
 /// against left out ([`Scores::engine`]). Whenever the emulator expects a lower score at another point, all settings of that point
-/// are simulated.
+/// are simulated; then those of some more points of the lowest expected scores, so that the map around the best point is known
+/// from more than single runs.
 ///
 /// # Errors
 /// As [`Study::simulate`].
@@ -258,6 +260,7 @@ pub(in crate::calibration) fn with_best_completed(
         return Ok((scores, emulator));
     }
     let grid = &study.definition().grid;
+    let wanted = settled_points(study, scores.runs.len());
     for candidate in 0..=CANDIDATES {
         let Some(known) = &emulator else { break };
         let is_whole = |position: &usize| scores.points[*position].runs >= settings.count;
@@ -271,25 +274,44 @@ pub(in crate::calibration) fn with_best_completed(
             let expected = known.mean_in(&grid.place_of(&values), scores.engine);
             (expected, values)
         });
-        let promising = least_by(expected, |(score, _)| *score);
-        let promising = promising.filter(|(score, _)| lowest.is_none_or(|lowest| *score < lowest));
+        let mut expected: Vec<(f64, Vec<f64>)> = expected.collect();
+        expected.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let is_promising = |(score, _): &&(f64, Vec<f64>)| lowest.is_none_or(|low| *score < low);
+        let promising = expected.first().filter(is_promising).is_some();
         scores.best = best.or(scores.best);
-        let Some((_, values)) = promising.filter(|_| candidate < CANDIDATES) else {
-            break;
+        let count = match promising && candidate < CANDIDATES {
+            true => 1,
+            false => wanted.saturating_sub(whole.len()),
         };
-        let runs = scores.runs.iter().filter(|run| run.values == values);
-        let seen: Vec<Setting> = runs.map(|run| settings.of_trial(run.index)).collect();
-        let from = next_trial(study, &scores);
-        let missing = (0..settings.count).filter(|number| !seen.contains(&Setting::new(*number)));
-        let missing = missing.map(|number| (from + number, values.clone()));
-        let missing: Vec<(usize, Vec<f64>)> = missing.collect();
-        let step = run.step("completing the best point", missing.len());
-        let trials = simulated(study, missing, &step)?;
-        if trials.is_empty() {
+        let mut missing = Vec::new();
+        for (_, values) in expected.into_iter().take(count) {
+            let runs = scores.runs.iter().filter(|run| run.values == values);
+            let seen: Vec<Setting> = runs.map(|run| settings.of_trial(run.index)).collect();
+            let from = next_trial(study, &scores);
+            let own = (0..settings.count).filter(|number| !seen.contains(&Setting::new(*number)));
+            // Runs of several points in one batch need numbers of their own.
+            let from = from + (missing.len().div_ceil(settings.count)) * settings.count;
+            missing.extend(own.map(|number| (from + number, values.clone())));
+        }
+        if missing.is_empty() {
             break;
         }
-        scores = scores.with_more(study, &trials)?;
+        let step = run.step("completing the best points", missing.len());
+        scores = scores.with_more(study, &simulated(study, missing, &step)?)?;
         emulator = emulator.map(|known| known.conditioned_on(&scored_runs(study, &scores)));
     }
+    let is_whole = |position: &usize| scores.points[*position].runs >= settings.count;
+    let best = scores.ranked().into_iter().find(is_whole);
+    scores.best = best.or(scores.best);
     Ok((scores, emulator))
+}
+
+/// Points whose settings are all simulated after so many runs: about twenty on a large map, whose picture is looked at, otherwise as
+/// many as cost a quarter of the runs.
+fn settled_points(study: &Study, runs: usize) -> usize {
+    let settings = study.settings().count;
+    match is_large_map(study.definition().grid.len()) {
+        true => SETTLED_OF_A_LARGE_MAP,
+        false => (runs / (4 * settings)).max(1),
+    }
 }

@@ -28,6 +28,7 @@ use crate::claim::{self, SIGNIFICANT};
 use crate::prediction::ensemble::rms_m;
 use realgap_core::error::Result;
 use realgap_core::statistics::{energy_test, mean};
+use realgap_core::unit::number;
 use realgap_core::warning::{Code, Warning};
 use realgap_optimization::RunOptions;
 use realgap_path::trajectory::Prepared;
@@ -255,6 +256,19 @@ impl Fit {
             misfit: None,
             residuals: None,
         }))
+    }
+
+    /// How far the best point is from the recordings, and whether any point explains them, in a few words for a picture; `None` where
+    /// that was not judged, or nothing is to be said.
+    pub fn headline(&self) -> Option<String> {
+        let far = self.noise_floors.filter(|_| self.judged);
+        let far = far.map(|floors| format!("best point {} noise floors away", number(floors)));
+        let explains = self.explains || !self.judged;
+        match (far, explains) {
+            (far, true) => far,
+            (Some(far), false) => Some(format!("NOT EXPLAINED: {far}")),
+            (None, false) => Some("NOT EXPLAINED by any point".to_owned()),
+        }
     }
 
     /// A warning where no parameters explain these recordings.

@@ -183,6 +183,16 @@ impl Study {
         self.audited
     }
 
+    /// How many equally valid settings a mean score is over; 1 for a study of single runs.
+    pub fn setting_count(&self) -> usize {
+        self.settings().count
+    }
+
+    /// The number of the setting with which trial number `index` is run; 0 is the study's own.
+    pub fn setting_of_trial(&self, index: usize) -> u64 {
+        self.settings().of_trial(index).number()
+    }
+
     /// Simulated seconds of one point, without settling.
     pub fn simulated_s(&self) -> f64 {
         let cases = self.cases.iter();

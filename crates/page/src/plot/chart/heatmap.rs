@@ -33,6 +33,8 @@ pub struct HeatMap {
     pub score_unit: Unit,
     /// How scores become colours; the label of the colour bar says so.
     pub scale: ScoreScale,
+    /// The score from which on all cells have the last colour; `None` for none. The label of the colour bar says so.
+    pub colours_to: Option<f64>,
     /// (ix, iy) of the best point.
     pub best: Option<(usize, usize)>,
     /// Where the best point lies, if not in the middle of its cell.
@@ -73,6 +75,7 @@ impl HeatMap {
             score_label: score_label.to_owned(),
             score_unit,
             scale: ScoreScale::Auto,
+            colours_to: None,
             best: None,
             best_at: None,
             best_score: None,
@@ -117,8 +120,12 @@ impl HeatMap {
     /// The unit in which these scores read well, and the scale of their colours in it.
     pub(in crate::plot) fn score_scale(&self, finite: &[f64]) -> (DisplayUnit, Scale) {
         let unit = DisplayUnit::for_values(self.score_unit, finite.iter().copied());
-        let shown: Vec<f64> = finite.iter().map(|score| score * unit.factor).collect();
-        (unit, Scale::for_scores(&shown, self.scale, COLOUR_DECADES))
+        let end = self.colours_to.unwrap_or(f64::INFINITY);
+        let within = finite.iter().map(|score| score.min(end));
+        let shown: Vec<f64> = within.map(|score| score * unit.factor).collect();
+        let mut scale = Scale::for_scores(&shown, self.scale, COLOUR_DECADES);
+        scale.is_cut = finite.iter().any(|score| *score > end);
+        (unit, scale)
     }
 
     /// The scales of both axes, from the outer edge of the first cell to that of the last.
@@ -144,7 +151,13 @@ impl HeatMap {
             best_text(unit, self.best_score.or(self.score(ix, iy)), &place)
         });
         let best = best.map(|text| (Symbol::Star, text));
-        let alike = alike_text(&self.indistinguishable).map(|text| (Symbol::Outline, text));
+        let count = self.indistinguishable.iter().filter(|is| **is).count();
+        let alike = alike_text(&self.indistinguishable).map(|text| {
+            (
+                Symbol::Outline,
+                format!("{text} ({count} of {} cells)", self.scores.len()),
+            )
+        });
         let mut entries: Vec<_> = best.into_iter().chain(alike).collect();
         if !self.evaluated.is_empty() {
             let text = format!("evaluated ({})", self.evaluated.len());
@@ -320,6 +333,10 @@ impl Picture for HeatMap {
             frame.draw_nothing(canvas);
         } else {
             let label = format!("{}{}", unit.label(&self.score_label), scores.remark());
+            let label = match scores.is_cut {
+                true => format!("{label}; last colour: and more"),
+                false => label,
+            };
             self.draw_colour_bar(canvas, &frame, &scores, &bar_ticks, &label);
         }
     }

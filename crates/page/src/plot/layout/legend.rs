@@ -81,7 +81,6 @@ pub(in crate::plot) fn best_text(unit: DisplayUnit, score: Option<f64>, place: &
 
 /// The text of the legend for the confidence set; `None` where the set is empty.
 pub(in crate::plot) fn alike_text(indistinguishable: &[bool]) -> Option<String> {
-    // The legend gives no count: a picture would count its own cells, while the report counts points.
     let any = indistinguishable.contains(&true);
     any.then(|| "95 % confidence set".to_owned())
 }

@@ -30,6 +30,8 @@ pub(crate) struct Scale {
     pub is_log: bool,
     /// Some values lie below or above.
     pub is_clipped: bool,
+    /// Values above the end share its colour, so that the others differ more.
+    pub is_cut: bool,
 }
 
 /// A position on a scale and what to write there.
@@ -61,6 +63,7 @@ impl Scale {
             high,
             is_log: false,
             is_clipped: false,
+            is_cut: false,
         }
     }
 
@@ -80,6 +83,7 @@ impl Scale {
                 high,
                 is_log: true,
                 is_clipped: low < from,
+                is_cut: false,
             }
         };
         match (wanted, positive) {

@@ -113,6 +113,7 @@ impl Swept {
                 .map(|at| at == best || score(&at) < limit)
                 .collect(),
             holds_best: draw.is(0.8),
+            cells: Vec::new(),
             unvisited: (0..40)
                 .map(|_| {
                     let values = place(draw);
@@ -216,8 +217,8 @@ impl Swept {
         let points = points.map(|(point, is_in)| Point {
             values: point.values.clone(),
             score: point.score,
-            displacement_error_m: None,
             is_indistinguishable: *is_in,
+            ..Point::default()
         });
         StudyData {
             points: Points {

@@ -32,9 +32,6 @@ pub struct PageData {
     /// The best point's path, prepared, metres: an optimizer's best need not be one of the stored points.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub best_xy_m: Vec<[f64; 2]>,
-    /// Values of the cells of a grid of two parameters that hold something that cannot be told from the best.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub confidence_set: Vec<Vec<f64>>,
     /// The best in motion.
     pub replay: Option<ReplayData>,
 }

@@ -35,12 +35,12 @@ pub(super) fn content(
     let is_of_joints = !found.joints.is_empty() && data.is_none_or(|data| data.recorded.is_empty());
     let paths = found.paths.as_deref().filter(|_| !is_of_joints);
     let paths = paths.map(|paths| with_best(paths, best, data));
-    let map = map(points, report, best, data);
+    let maps = maps(points, report, best);
     let joints = joints(&found.joints);
     let has_joints = !joints.is_empty();
-    let (has_map, has_paths) = (map.is_some(), paths.is_some() && best.is_some());
+    let (has_map, has_paths) = (maps.is_some(), paths.is_some() && best.is_some());
     let chosen = from_above(points, paths.as_deref(), best, data);
-    let map = scores(points, report, map.as_ref(), &chosen);
+    let map = scores(points, report, maps.as_ref(), &chosen);
     let over_time = over_time(paths.as_deref(), best, data);
     let unit = report.unit.as_str();
     let held = report.validation.as_ref();
@@ -55,7 +55,7 @@ pub(super) fn content(
             || is_plane(stem)
             || is_corner(stem)
             || (has_joints && stem == "joints")
-            || (has_map && stem == "heatmap")
+            || (has_map && (stem == "heatmap" || stem == "heatmap_uncertainty"))
             || (has_paths && stem == "trajectories")
             || stem == "convergence"
     };
@@ -130,18 +130,30 @@ fn score_name(report: &StudySummary) -> ScoreName {
     ScoreName::of_report(&report.metric, &report.unit)
 }
 
-/// The map of scores over the two parameters of a sweep; an optimizer's points are no grid.
-fn map(
+/// The maps over the two parameters of a sweep: mean scores, and half of the width of their 90 % intervals, where these are known. An
+/// optimizer's points are no grid.
+fn maps(
     points: &Points,
     report: &StudySummary,
     best: Option<usize>,
-    data: Option<&PageData>,
-) -> Option<HeatMap> {
+) -> Option<(HeatMap, Option<HeatMap>)> {
     let axes = chart::complete_grid(points, report.points)?;
-    let in_set = data.map_or(&[][..], |data| data.confidence_set.as_slice());
     let score = score_name(report);
-    let map = chart::heat_map(points, axes, report.points, best, in_set, &score);
-    Some(map)
+    let map = chart::heat_map(points, axes, report.points, best, &[], &score);
+    let half = |row: &Option<usize>| {
+        let (low, high) = points.points[(*row)?].band?;
+        Some(0.5 * (high - low))
+    };
+    let halves: Vec<Option<f64>> = map.table_rows.iter().map(half).collect();
+    let is_known = halves.iter().any(Option::is_some);
+    let uncertain = is_known.then(|| HeatMap {
+        scores: halves,
+        colours_to: None,
+        score_label: format!("{}, half of its 90 % interval", map.score_label),
+        missing: "not known".to_owned(),
+        ..map.clone()
+    });
+    Some((map, uncertain))
 }
 
 /// Whether the model explains the recordings, where it is nearest, and what they say about its parameters.
@@ -158,21 +170,71 @@ fn answer(report: &StudySummary) -> String {
 }
 
 /// The map of scores beside the path of the chosen point, and the table of all points.
-fn scores(points: &Points, report: &StudySummary, map: Option<&HeatMap>, path: &str) -> String {
+fn scores(
+    points: &Points,
+    report: &StudySummary,
+    maps: Option<&(HeatMap, Option<HeatMap>)>,
+    path: &str,
+) -> String {
     if points.points.is_empty() {
         return String::new();
     }
-    let unit = report.unit.as_str();
-    let mut order: Vec<_> = points.points.iter().collect();
-    order.sort_by(|a, b| {
-        let key = |score: Option<f64>| score.unwrap_or(f64::INFINITY);
-        key(a.score).total_cmp(&key(b.score))
+    let set = match sentences(&report.claims, &[About::Set]) {
+        none if none.is_empty() => none,
+        set => format!("<p class=\"note\">{}</p>", html(&set)),
+    };
+    let map = maps.map_or_else(String::new, |(map, uncertain)| {
+        let choose = match path.is_empty() {
+            true => "",
+            false => " Choose a cell (click, or arrow keys) to see its path, which is that of one run.",
+        };
+        let [x, y] = [&map.x.label, &map.y.label];
+        let alt = format!("Score over {x} and {y}; the same numbers are in the table of points");
+        let svg = map.inline(&Inline::new(&alt).id("heat"));
+        let mean = match uncertain {
+            None => "",
+            Some(_) => " A colour is the mean score over all equally valid settings, as all runs together let expect; the table has the single runs.",
+        };
+        let small = uncertain.as_ref().map_or_else(String::new, |uncertain| {
+            let alt = format!("How far the mean score is known over {x} and {y}");
+            let svg = uncertain.inline(&Inline::new(&alt));
+            format!(
+                "<figure class=\"small\">{svg}<figcaption>How far the mean score of each cell is known: half of the width of its 90 % interval.</figcaption></figure>"
+            )
+        });
+        format!(
+            "<div><figure>{svg}<figcaption>Bright cells are near to the recordings. The star is the best point. The outline encloses the 95 % confidence set: values that fit as well as the best within the uncertainty.{mean}{choose} More recordings, or finer numerics where the audit says so, would make the set smaller.</figcaption></figure>{small}</div>"
+        )
     });
+    format!(
+        "{set}<div class=\"pair\">{map}{path}</div>{}",
+        table_of_points(points, &report.unit)
+    )
+}
+
+/// The table of all points, in the order of their mean scores.
+fn table_of_points(points: &Points, unit: &str) -> String {
+    let has_means = points.points.iter().any(|point| point.band.is_some());
     let mut head: Vec<&str> = points.names.iter().map(String::as_str).collect();
-    head.extend(["score", "in the confidence set"]);
-    let rows = order.iter().map(|point| {
+    match has_means {
+        true => head.extend(["mean over settings", "90 % interval", "runs"]),
+        false => head.push("score"),
+    }
+    head.push("in the confidence set");
+    let rows = points.ranked().into_iter().map(|position| {
+        let point = &points.points[position];
         let mut row: Vec<String> = point.values.iter().map(|v| number(*v)).collect();
-        row.push(measured(point.score, unit));
+        row.push(measured(point.mean(), unit));
+        if has_means {
+            row.push(shown(point.band.map(|(low, high)| span(low, high, unit))));
+            row.push(match (point.is_settled(), point.setting) {
+                (true, _) => format!("all {}", point.runs),
+                (false, Some(setting)) => {
+                    format!("one, setting {setting}: {}", measured(point.score, unit))
+                }
+                (false, None) => format!("{}: {}", point.runs, measured(point.score, unit)),
+            });
+        }
         row.push(
             if point.is_indistinguishable {
                 "yes"
@@ -183,25 +245,14 @@ fn scores(points: &Points, report: &StudySummary, map: Option<&HeatMap>, path: &
         );
         row
     });
-    let name = format!("Table of {} points, best first", order.len());
-    let table = folded(&name, &table(&head, rows));
-    let set = match sentences(&report.claims, &[About::Set]) {
-        none if none.is_empty() => none,
-        set => format!("<p class=\"note\">{}</p>", html(&set)),
+    let count = points.points.len();
+    let name = match has_means {
+        true => format!(
+            "Table of {count} points, best first: those simulated with all settings, then the others"
+        ),
+        false => format!("Table of {count} points, best first"),
     };
-    let map = map.map_or_else(String::new, |map| {
-        let choose = match path.is_empty() {
-            true => "",
-            false => " Choose a cell (click, or arrow keys) to see its path.",
-        };
-        let [x, y] = [&map.x.label, &map.y.label];
-        let alt = format!("Score over {x} and {y}; the same numbers are in the table of points");
-        let svg = map.inline(&Inline::new(&alt).id("heat"));
-        format!(
-            "<figure>{svg}<figcaption>Bright cells are near to the recordings. The star is the best point. The outline encloses the 95 % confidence set: values that fit as well as the best within the uncertainty.{choose} More recordings, or finer numerics where the audit says so, would make the set smaller.</figcaption></figure>"
-        )
-    });
-    format!("{set}<div class=\"pair\">{map}{path}</div>{table}")
+    folded(&name, &table(&head, rows))
 }
 
 fn verdicts(report: &StudySummary, found: &StudyData) -> String {

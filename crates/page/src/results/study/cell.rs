@@ -38,29 +38,34 @@ pub(super) fn is_alike(answer: &Answer, point: usize) -> bool {
     uncertainty.is_some_and(|u| u.indistinguishable[point])
 }
 
-/// The cells of the grid with a point or a place that cannot be told from the best.
+/// The cells of the grid that cannot be told from the best: those whose own values belong to the confidence set.
 pub(super) fn in_set(study: &Study, answer: &Answer) -> BTreeSet<usize> {
     let grid = &study.definition().grid;
     let Some(uncertainty) = &answer.uncertainty else {
         return BTreeSet::new();
     };
     let points = answer.scores.points.iter();
-    let visited = points.zip(&uncertainty.indistinguishable);
-    let visited = visited.map(|(point, is_in)| (&point.values, *is_in));
-    let places = uncertainty.unvisited.iter();
-    let all = visited.chain(places.map(|place| (&place.values, place.indistinguishable)));
-    let inside = all.filter(|(_, is_in)| *is_in);
-    let inside = inside.map(|(values, _)| grid.index(&grid.nearest(values)));
-    inside.collect()
-}
-
-/// The values of all cells of a grid of two parameters that hold something that cannot be told from the best: the confidence
-/// set as a page outlines it. Empty for other studies.
-pub fn confidence_set(study: &Study, answer: &Answer) -> Vec<Vec<f64>> {
-    let grid = &study.definition().grid;
-    if grid.ranges().len() != 2 || answer.method != Method::Sweep {
-        return Vec::new();
+    let points = points.zip(&uncertainty.indistinguishable);
+    let inside = points.filter(|(_, is_in)| **is_in).map(|(point, _)| point);
+    if answer.method == Method::Sweep {
+        let on_grid = inside.map(|point| point.index);
+        return on_grid.filter(|index| *index < grid.len()).collect();
     }
-    let cells = in_set(study, answer).into_iter();
-    cells.map(|cell| grid.values(cell)).collect()
+    if !uncertainty.cells.is_empty() {
+        let cells = uncertainty.cells.iter().enumerate();
+        return cells
+            .filter(|(_, is_in)| **is_in)
+            .map(|(index, _)| index)
+            .collect();
+    }
+    // Least squares know draws, not cells.
+    let places = uncertainty
+        .unvisited
+        .iter()
+        .filter(|place| place.indistinguishable);
+    let all = inside
+        .map(|point| &point.values)
+        .chain(places.map(|place| &place.values));
+    all.map(|values| grid.index(&grid.nearest(values)))
+        .collect()
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::data::{Points, ProfileCurve, TrialRow};
+use super::data::{Point, Points, ProfileCurve, TrialRow};
 use crate::plot::{
     AxisSpec, Caption, HeatMap, LinePlot, Panel, PathPoint, ScoreScale, Series, SeriesKind,
 };
@@ -84,9 +84,9 @@ pub(crate) fn complete_grid(points: &Points, on_grid: usize) -> Option<[Vec<f64>
     (is_short && cells == grid.points.len()).then_some(axes)
 }
 
-/// The score over two parameters, a cell a point of the grid; a cell without a point has no score. The points behind the
-/// first `on_grid` may lie between those of the grid, and so may the `best`. `in_set` are further values that cannot be told
-/// from the best.
+/// The mean score over two parameters, a cell a point of the grid; a cell without a point has no score. The points behind the
+/// first `on_grid` may lie between those of the grid, and so may the `best`. `in_set` are further cells that cannot be told from the
+/// best.
 pub(crate) fn heat_map(
     points: &Points,
     [x_values, y_values]: [Vec<f64>; 2],
@@ -104,8 +104,10 @@ pub(crate) fn heat_map(
         table_rows[cell(cell_of(&point.values))] = Some(row);
     }
     let scores = table_rows.iter();
-    let scores = scores.map(|row| points.points[(*row)?].score);
-    let marked = points.points.iter().filter(|p| p.is_indistinguishable);
+    let scores = scores.map(|row| points.points[(*row)?].mean());
+    let scores: Vec<Option<f64>> = scores.collect();
+    let on_grid = points.points.iter().take(on_grid);
+    let marked = on_grid.filter(|p| p.is_indistinguishable);
     let marked = marked.map(|point| point.values.as_slice());
     let in_set = in_set.iter().map(Vec::as_slice).filter(|v| v.len() == 2);
     let in_set: BTreeSet<usize> = marked.chain(in_set).map(|v| cell(cell_of(v))).collect();
@@ -117,11 +119,29 @@ pub(crate) fn heat_map(
     HeatMap {
         best: best.map(|best| cell_of(&best.values)),
         best_at: best.map(|best| (best.values[0], best.values[1])),
-        best_score: best.and_then(|best| best.score),
+        best_score: best.and_then(Point::mean),
+        colours_to: colours_to(&scores, &in_set),
         indistinguishable: (0..cells).map(|c| in_set.contains(&c)).collect(),
         table_rows: table_rows.clone(),
-        ..HeatMap::new(Caption::default(), axes, scores.collect(), score.pair())
+        ..HeatMap::new(Caption::default(), axes, scores, score.pair())
     }
+}
+
+/// Colours end at the score that is so many times as far above the lowest as the highest score of the confidence set is, and not below
+/// this share of all scores.
+const VALLEYS: f64 = 3.0;
+const SHARE_IN_COLOURS: f64 = 0.3;
+
+/// The score from which on all cells have the last colour, so that the valley keeps its contrast; `None` where nothing is gained.
+fn colours_to(scores: &[Option<f64>], in_set: &BTreeSet<usize>) -> Option<f64> {
+    let mut known: Vec<f64> = scores.iter().copied().flatten().collect();
+    known.sort_by(f64::total_cmp);
+    let (lowest, highest) = (*known.first()?, *known.last()?);
+    let of_set = in_set.iter().filter_map(|cell| scores[*cell]);
+    let (_, farthest) = ends_of(of_set);
+    let share = known[((known.len() - 1) as f64 * SHARE_IN_COLOURS) as usize];
+    let end = (lowest + VALLEYS * (farthest - lowest)).max(share);
+    (end.is_finite() && end > lowest && end < highest).then_some(end)
 }
 
 /// A score over the values of one parameter.
@@ -238,8 +258,8 @@ mod tests {
         Point {
             values: values.to_vec(),
             score,
-            displacement_error_m: None,
             is_indistinguishable: is_in,
+            ..Point::default()
         }
     }
 

@@ -14,16 +14,36 @@ use realgap_lab::calibration::{Answer, Method, Study};
 use realgap_store::{CaseRow, STORE_FILE, Store, Trial};
 
 /// One point of a sweep or a tuning.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Point {
     /// Values of the parameters, in order.
     pub values: Vec<f64>,
-    /// The score; `None` where the simulation diverged.
+    /// The mean score over its runs; `None` where the simulation diverged.
     pub score: Option<f64>,
+    /// How many runs that is the mean of.
+    pub runs: usize,
+    /// The number of the setting of a single run, where there are several settings.
+    pub setting: Option<u64>,
+    /// The mean score over all equally valid settings, simulated or expected; `None` where it is not known.
+    pub mean_score: Option<f64>,
+    /// The 90 % interval of that mean.
+    pub band: Option<(f64, f64)>,
     /// Mean absolute difference of the net displacements, metres.
     pub displacement_error_m: Option<f64>,
     /// Whether the point cannot be told from the best.
     pub is_indistinguishable: bool,
+}
+
+impl Point {
+    /// The mean score over all equally valid settings as far as it is known, otherwise over the runs.
+    pub(crate) fn mean(&self) -> Option<f64> {
+        self.mean_score.or(self.score)
+    }
+
+    /// Whether the point was simulated with all equally valid settings, so that its mean is not only expected.
+    pub(crate) fn is_settled(&self) -> bool {
+        self.mean_score.is_none_or(|mean| Some(mean) == self.score)
+    }
 }
 
 /// The points, in the order of `points.csv`.
@@ -201,14 +221,26 @@ impl Points {
         let Some(score) = table.column("score") else {
             return Ok(Self::default());
         };
-        let [in_set, error] =
-            ["indistinguishable", "displacement_error_m"].map(|n| table.column(n));
+        let [in_set, error, runs, setting] = [
+            "indistinguishable",
+            "displacement_error_m",
+            "runs",
+            "setting",
+        ]
+        .map(|n| table.column(n));
+        let [mean, low, high] = ["mean_score", "low", "high"].map(|n| table.column(n));
         let point = |(index, row): (usize, &Vec<String>)| -> std::result::Result<Point, usize> {
             let values = row[..score].iter().map(|cell| cell.parse().ok());
             let values: Option<Vec<f64>> = values.collect();
             Ok(Point {
                 values: values.ok_or(index + 2)?,
                 score: row[score].parse().ok(),
+                runs: runs.and_then(|at| row[at].parse().ok()).unwrap_or(1),
+                setting: setting.and_then(|at| row[at].parse().ok()),
+                mean_score: mean.and_then(|at| row[at].parse().ok()),
+                band: low
+                    .and_then(|at| row[at].parse().ok())
+                    .zip(high.and_then(|at| row[at].parse().ok())),
                 displacement_error_m: error.and_then(|column| row[column].parse().ok()),
                 is_indistinguishable: in_set.is_some_and(|column| row[column] == "true"),
             })
@@ -223,12 +255,47 @@ impl Points {
         })
     }
 
-    /// The position of the point with the lowest score.
-    pub(crate) fn lowest(&self) -> Option<usize> {
-        let scored = self.points.iter().enumerate();
-        let scored = scored.filter_map(|(index, point)| Some((index, point.score?)));
-        Some(scored.min_by(|a, b| a.1.total_cmp(&b.1))?.0)
+    /// The positions of the points, the best first: those that were simulated with all settings, then the others, each by their mean
+    /// score. A mean that is only expected does not put a point above the best.
+    pub(crate) fn ranked(&self) -> Vec<usize> {
+        let key = |at: &usize| {
+            let point = &self.points[*at];
+            let mean = point.mean().unwrap_or(f64::INFINITY);
+            (!point.is_settled() || point.mean().is_none(), mean)
+        };
+        let mut order: Vec<usize> = (0..self.points.len()).collect();
+        order.sort_by(|a, b| {
+            let (a, b) = (key(a), key(b));
+            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+        });
+        order
     }
+
+    /// The position of the best point; `None` where no point has a score.
+    pub(crate) fn lowest(&self) -> Option<usize> {
+        let first = *self.ranked().first()?;
+        self.points[first].mean().map(|_| first)
+    }
+}
+
+/// The table of the points of a sweep or a tuning, the best first: its header, then its rows as they stand in `points.csv`. `None` for a
+/// folder that has no means over settings.
+///
+/// # Errors
+/// A file that cannot be read, or a value that is not a number.
+pub fn ranked_points(folder: &Path) -> Result<Option<(Vec<String>, Vec<Vec<String>>)>> {
+    let table = CsvTable::read(folder, file::POINTS)?;
+    if table.column("mean_score").is_none() {
+        return Ok(None);
+    }
+    let points = Points::of(&table).map_err(|line| {
+        let error = Error::invalid("a value is not a number");
+        error.at_file(folder.join(file::POINTS)).at_line(line, 1)
+    })?;
+    let header = table.header().into_iter().map(str::to_owned).collect();
+    let rows = points.ranked().into_iter();
+    let rows = rows.map(|position| table.rows()[position].clone());
+    Ok(Some((header, rows.collect())))
 }
 
 /// The profiles of a table: its rows up to the next parameter are one curve.

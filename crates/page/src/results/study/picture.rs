@@ -1,11 +1,11 @@
 //! The pictures of a results folder: heat map or curve, and paths across the grid.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::plot::{BestPoint, Caption, HeatMap, LinePlot, Panel, PanelGrid, Truth};
 use realgap_core::error::Result;
 use realgap_core::unit::{Unit, counted};
-use realgap_lab::calibration::{Answer, Method, PointScore, Study};
+use realgap_lab::calibration::{Answer, Fit, Method, PointScore, Study};
 use realgap_optimization::{Grid, Range};
 
 use super::cell::{cells, in_set, is_alike};
@@ -42,7 +42,13 @@ pub(super) fn draw(
         [x] => draft.draw("curve", &map.curve(x))?,
         [_, _] => {
             draft.draw("heatmap", &map.slice(0, 1))?;
-            draft.draw("heatmap_fitness", &map.fitness())?;
+            if let Some(uncertain) = map.uncertainty() {
+                draft.draw("heatmap_uncertainty", &uncertain)?;
+            }
+            if let Some(runs) = map.single_runs() {
+                draft.draw("heatmap_runs", &runs)?;
+            }
+            draft.draw("heatmap_fitness", &map.fitness()?)?;
         }
         _ if map.cells.is_empty() => {}
         ranges => {
@@ -115,23 +121,46 @@ impl<'a> Map<'a> {
         }
     }
 
-    /// Subtitle of a picture in which cells stand for points.
+    /// Subtitle of a picture in which cells stand for points: what a colour is the mean of, and whether the model explains the
+    /// recordings.
     fn cell_subtitle(&self) -> String {
-        match self.answer.method {
-            Method::Sweep => self.subtitle.clone(),
-            Method::Tune(_) => format!("{}; colours as all runs (dots) let expect", self.subtitle),
-        }
+        let mean = match (self.study.setting_count(), &self.answer.method) {
+            (1, Method::Sweep) => String::new(),
+            (1, Method::Tune(_)) => "; colours as all runs (dots) let expect".to_owned(),
+            (count, Method::Sweep) => {
+                format!("; mean over {count} settings, as all runs let expect")
+            }
+            (count, Method::Tune(_)) => {
+                format!("; mean over {count} settings, as all runs (dots) let expect")
+            }
+        };
+        format!("{}{mean}{}", self.subtitle, self.misfit())
+    }
+
+    /// How far the best point is from the recordings, and whether anything explains them; empty where that was not judged.
+    fn misfit(&self) -> String {
+        let fit = self.answer.report.fit.as_ref();
+        let said = fit.and_then(Fit::headline);
+        said.map_or_else(String::new, |said| format!("; {said}"))
     }
 
     fn grid(&self) -> &Grid {
         &self.study.definition().grid
     }
 
-    /// The score that the colour of a cell shows.
+    /// The score that the colour of a cell shows: the mean over all equally valid settings, simulated or as all runs let expect.
     fn score(&self, index: usize) -> Option<f64> {
+        let expected = || self.answer.expected_score(&self.grid().values(index));
         match self.answer.method {
-            Method::Sweep => self.cells[index]?.score,
-            Method::Tune(_) => self.answer.expected_score(&self.grid().values(index)),
+            Method::Sweep => {
+                let point = self.cells[index]?;
+                let own = point.score?;
+                match point.runs >= self.study.setting_count() {
+                    true => Some(own),
+                    false => expected().or(Some(own)),
+                }
+            }
+            Method::Tune(_) => expected(),
         }
     }
 
@@ -166,8 +195,7 @@ impl<'a> Map<'a> {
         let point = |at: [f64; 2], score: Option<f64>| Point {
             values: at.to_vec(),
             score,
-            displacement_error_m: None,
-            is_indistinguishable: false,
+            ..Point::default()
         };
         let (mut points, mut in_set) = (Vec::new(), Vec::new());
         for (iy, y_value) in y.values().into_iter().enumerate() {
@@ -212,24 +240,83 @@ impl<'a> Map<'a> {
         }
     }
 
-    /// The difference in the distance travelled over both parameters: the fitness of paper 003 (figure 2).
-    fn fitness(&self) -> HeatMap {
+    /// Half of the width of the score's 90 % interval over both parameters; `None` where no interval is known.
+    fn uncertainty(&self) -> Option<HeatMap> {
+        let half = |index: usize| {
+            let (_, (low, high)) = self.answer.expected_with_band(&self.grid().values(index))?;
+            Some(0.5 * (high - low))
+        };
+        let scores: Vec<Option<f64>> = self.cells_of_plane().map(half).collect();
+        if scores.iter().all(Option::is_none) {
+            return None;
+        }
+        let name = &self.study.definition().name;
+        let title = format!("{name}: how far the mean score is known");
+        let subtitle = format!(
+            "{}; star and outline as in the map of scores",
+            self.subtitle
+        );
+        Some(HeatMap {
+            caption: Caption::new(title, subtitle),
+            scores,
+            best_score: None,
+            colours_to: None,
+            score_label: format!("{}, 90 % interval, half of its width", self.score.label),
+            ..self.slice(0, 1)
+        })
+    }
+
+    /// The score of the single run in each cell, where cells are runs with different settings.
+    fn single_runs(&self) -> Option<HeatMap> {
+        if self.answer.method != Method::Sweep || self.study.setting_count() == 1 {
+            return None;
+        }
+        let runs = self.answer.scores.runs.iter();
+        let first: BTreeMap<usize, Option<f64>> = runs.map(|run| (run.index, run.score)).collect();
+        let score = |index: usize| first.get(&index).copied().flatten();
+        let name = &self.study.definition().name;
+        let title = format!("{name}: single runs");
+        let subtitle = format!(
+            "{}; each cell is one run with one of {} settings, so neighbours differ by chance",
+            self.subtitle,
+            self.study.setting_count()
+        );
+        Some(HeatMap {
+            caption: Caption::new(title, subtitle),
+            scores: self.cells_of_plane().map(score).collect(),
+            colours_to: None,
+            ..self.slice(0, 1)
+        })
+    }
+
+    /// The cells of a grid of two parameters, the first one fastest.
+    fn cells_of_plane(&self) -> impl Iterator<Item = usize> {
         let ranges = self.grid().ranges();
-        let places = (0..ranges[1].points)
-            .flat_map(|iy| (0..ranges[0].points).map(move |ix| self.grid().index(&[ix, iy])));
-        let error = |index: usize| self.cells[index]?.displacement_error_m;
+        let rows = 0..ranges[1].points;
+        rows.flat_map(move |iy| (0..ranges[0].points).map(move |ix| self.grid().index(&[ix, iy])))
+    }
+
+    /// The difference in the distance travelled over both parameters: the fitness of paper 003 (figure 2).
+    fn fitness(&self) -> Result<HeatMap> {
+        let expected = self.answer.expected_displacement_errors(self.study)?;
+        let own = |index: usize| self.cells[index]?.displacement_error_m;
+        let error = |index: usize| match expected.get(index) {
+            Some(expected) => own(index).and(Some(*expected)),
+            None => own(index),
+        };
         let (name, label) = (&self.study.definition().name, &self.score.label);
         let title = format!("{name}: difference in distance travelled (fitness)");
         let subtitle = self.cell_subtitle();
         let subtitle = format!("{subtitle}; star and outline are those of {label}");
-        HeatMap {
+        Ok(HeatMap {
             caption: Caption::new(title, subtitle),
-            scores: places.map(error).collect(),
+            scores: self.cells_of_plane().map(error).collect(),
             best_score: self.best().and_then(|point| point.displacement_error_m),
             score_label: "net displacement, mean difference".to_owned(),
             score_unit: Unit::Metre,
+            colours_to: None,
             ..self.slice(0, 1)
-        }
+        })
     }
 
     /// The score to be expected at every point that was simulated, and that of the best.
@@ -304,7 +391,7 @@ impl<'a> Map<'a> {
         });
         let best = points.iter().take(9).enumerate();
         let panels = best.map(|(position, point)| self.panel(point, position == 0));
-        let what = "the nine best simulated paths";
+        let what = "the nine best simulated paths, one run each";
         self.panel_grid(what, 3, panels.collect())
     }
 
@@ -333,7 +420,7 @@ impl<'a> Map<'a> {
                 panels.push(self.panel(point, is_best));
             }
         }
-        let what = "simulated paths across the grid";
+        let what = "simulated paths across the grid, one run each";
         self.panel_grid(what, columns.len(), panels)
     }
 

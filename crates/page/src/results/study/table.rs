@@ -4,10 +4,22 @@ use crate::results::study::cell::is_alike;
 use crate::results::table::{CsvTable, number, texts};
 use realgap_lab::calibration::{Answer, PointScore, Study, Tuned};
 
-/// One row a point: parameters as columns, then score, unit, status and displacement error.
+/// One row a point: parameters as columns, then the mean score over its runs, unit, status and displacement error, whether the point
+/// belongs to the confidence set, its runs, the number of the setting of a single run, and the mean score over all equally valid
+/// settings: that of the runs where the point was simulated with all of them, otherwise as all runs let expect, with the ends of its
+/// 90 % interval.
 pub(super) fn points(study: &Study, answer: &Answer) -> CsvTable {
     let header: Vec<&str> = ["score", "unit", "status", "displacement_error_m"].to_vec();
-    let header = [names(study), header, vec!["indistinguishable", "runs"]].concat();
+    let last = [
+        "indistinguishable",
+        "runs",
+        "setting",
+        "mean_score",
+        "low",
+        "high",
+    ];
+    let header = [names(study), header, last.to_vec()].concat();
+    let settings = study.setting_count();
     let points = answer.scores.points.iter().enumerate();
     let rows = points.map(|(position, point)| {
         let status = if point.diverged.is_some() {
@@ -22,7 +34,20 @@ pub(super) fn points(study: &Study, answer: &Answer) -> CsvTable {
             number(point.displacement_error_m),
             is_alike(answer, position).to_string(),
             point.runs.to_string(),
+            match point.runs {
+                1 if settings > 1 => study.setting_of_trial(point.index).to_string(),
+                _ => String::new(),
+            },
         ];
+        let expected = answer.expected_with_band(&point.values);
+        let is_settled = point.runs >= settings;
+        let (mean, ends) = match (expected, is_settled) {
+            (Some((mean, ends)), false) => (Some(mean), Some(ends)),
+            (Some((_, ends)), true) => (point.score, Some(ends)),
+            (None, _) => (point.score, None),
+        };
+        let ends = [ends.map(|(low, _)| low), ends.map(|(_, high)| high)];
+        let found = [found, vec![number(mean)], ends.map(number).to_vec()].concat();
         [texts(&point.values), found].concat()
     });
     CsvTable::new(&header, rows)
