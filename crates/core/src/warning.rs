@@ -92,6 +92,7 @@ codes! {
     FewSessions "few-sessions" "There are too few sessions to estimate how sessions differ." "log three sessions or more";
     FewerTerms "fewer-terms" "Polynomials have fewer terms than requested, because the log has too few samples." "log more samples, or request fewer terms";
     FloorNotExported "floor-not-exported" "A format cannot store a floor." "add a floor by hand in the other simulator";
+    FoldedDirections "folded-directions" "Paths are turned before they are compared, although directions matter." "state `align: World` in the study, where recordings and simulation share a world frame";
     FreeParameter "free-parameter" "A free parameter was given no value." "give it a value, or take it from a file of fitted ones";
     GaitNeedsProgram "gait-needs-program" "A format stores the servos, but not the commands that drive them." "command the servos from a program, as the file's comment says";
     GaitNotExported "gait-not-exported" "A format cannot store a gait." "command the servos from a program";

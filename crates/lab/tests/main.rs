@@ -22,5 +22,6 @@ mod odds;
 mod recovery;
 mod servo;
 mod strategy_contract;
+mod surface;
 mod toss;
 mod walkers;

@@ -5,7 +5,9 @@ use std::f64::consts::PI;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use proptest::prelude::*;
-use realgap_path::trajectory::{POINTS, Prepared, Trajectory, prepare, resample};
+use realgap_path::trajectory::{
+    Alignment, POINTS, Prepared, Trajectory, prepare, prepare_as, resample,
+};
 
 fn trajectory(times_s: Vec<f64>, points: &[[f64; 2]]) -> Trajectory {
     let positions = points.iter().map(|p| Vector3::new(p[0], p[1], 0.0));
@@ -161,4 +163,26 @@ fn extreme_numbers_are_refused() {
     assert!(prepare(&trajectory(vec![-1e308, 1e308], &[[0.0, 0.0], [1.0, 0.0]])).is_err());
     assert!(Prepared::from_xy_m(vec![[0.0, f64::NAN]; POINTS]).is_err());
     assert!(Prepared::from_xy_m(vec![[0.0, 0.0]; 3]).is_err());
+}
+
+#[test]
+fn directions_in_the_world_stay_where_the_alignment_says_so() {
+    let [uphill, downhill] = [1.0, -1.0].map(|end| uniform(&[[0.0, 0.0], [end, 0.0]]));
+    // Turned to their own net displacement both are one path; in the world they lead apart.
+    assert_eq!(prepare(&uphill).unwrap().xy_m()[181], [1.0, 0.0]);
+    assert_eq!(prepare(&downhill).unwrap().xy_m()[181], [1.0, 0.0]);
+    let in_world = |path: &Trajectory| prepare_as(path, Alignment::World).unwrap();
+    assert_eq!(in_world(&downhill).xy_m()[181], [-1.0, 0.0]);
+    assert_eq!(in_world(&downhill).heading_rad(), 0.0);
+    assert_eq!(in_world(&downhill).alignment(), Alignment::World);
+    // Without orientations there is no start heading, and the error says what to do.
+    let error = prepare_as(&uphill, Alignment::StartHeading).unwrap_err();
+    assert!(error.to_string().contains("align: World"), "{error}");
+    // A body that looks along +y and moves along +x goes to its right.
+    let quarter = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::FRAC_PI_2);
+    let sideways = uphill.with_orientations(vec![quarter; 2]).unwrap();
+    let own = prepare_as(&sideways, Alignment::StartHeading).unwrap();
+    let [x, y] = own.xy_m()[181];
+    assert!(x.abs() < 1e-12 && (y + 1.0).abs() < 1e-12, "{x} {y}");
+    assert!((own.heading_rad() - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
 }

@@ -72,7 +72,9 @@ pub(super) fn draft(subject: &Subject, recordings: &[Recording], falls: bool) ->
         .to_owned(),
         before,
         parameters: "        (name: \"floor.friction\", from: 0.05, to: 1.0, points: 11),\n        (name: \"floor.restitution\", from: 0.0, to: 0.8, points: 11),\n".to_owned(),
-        after: format!("    metric: \"{metric}\",\n{noise}"),
+        after: format!(
+            "    metric: \"{metric}\",\n    // On a slope, between walls or beside other bodies directions matter: align: World,\n{noise}"
+        ),
         clues: vec![clue],
         next: "sweep STUDY".to_owned(),
     })

@@ -1,5 +1,6 @@
-//! Determines the direction of a path in the plane: its net displacement, or its principal axis if the net displacement is too small.
+//! The direction of a path that is turned onto +x: its net displacement, its heading at the start, or that of the world.
 
+use nalgebra::{UnitQuaternion, Vector3};
 use realgap_core::warning::{Code, Warning};
 
 /// Below this fraction of the path length the net displacement has no meaningful direction.
@@ -9,6 +10,20 @@ const MIN_NET_M: f64 = 0.001;
 /// Relative size below which a quantity that could decide a direction counts as zero.
 const UNDECIDED: f64 = 1e-9;
 
+/// Which direction of a path is turned onto +x before it is compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum Alignment {
+    /// Its net displacement: on level ground a robot may start in any direction (paper 003, section 2.2).
+    #[default]
+    NetDisplacement,
+    /// The direction of the tracked body's x axis at the start. Recordings need orientations.
+    StartHeading,
+    /// None: directions in the world matter, as on a slope, between walls, or beside other bodies. Recordings and simulation need
+    /// one world frame.
+    World,
+}
+
 /// A unit vector in the x-y plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Direction {
@@ -17,7 +32,7 @@ pub(super) struct Direction {
 }
 
 impl Direction {
-    const X: Self = Self { cos: 1.0, sin: 0.0 };
+    pub(super) const X: Self = Self { cos: 1.0, sin: 0.0 };
 
     fn of([x, y]: [f64; 2]) -> Self {
         let norm = x.hypot(y);
@@ -46,6 +61,21 @@ impl Direction {
     /// Angle from +x, radians, in (−π, π].
     pub(super) fn angle_rad(self) -> f64 {
         self.sin.atan2(self.cos)
+    }
+}
+
+/// An axis steeper than this, as the length of its projection, has no heading.
+const LEAST_PROJECTION: f64 = 0.1;
+
+/// Heading of a body's x axis in the plane, with a warning where it is vertical.
+pub(super) fn heading(start: &UnitQuaternion<f64>) -> (Direction, Option<Warning>) {
+    let axis = start * Vector3::x();
+    match axis.x.hypot(axis.y) > LEAST_PROJECTION {
+        true => (Direction::of([axis.x, axis.y]), None),
+        false => {
+            let what = "the x axis of the tracked body is vertical at the start, so it has no heading: the path was not turned";
+            (Direction::X, Some(Code::UndefinedHeading.warning(what)))
+        }
     }
 }
 

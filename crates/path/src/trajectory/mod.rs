@@ -38,6 +38,7 @@ mod table;
 mod text;
 mod tum;
 
+pub use align::Alignment;
 pub use axes::Axes;
 pub use column::{Column, Columns, Role};
 pub use crop::{clip, cut_out, cut_to_shortest};
@@ -51,7 +52,7 @@ pub use kitti::Kitti;
 pub use log::{Mcap, Rosbag};
 pub use meta::{META_FILE, read_meta, read_meta_beside, write_meta};
 pub use parquet::Parquet;
-pub use prepare::{POINTS, Prepared, prepare, turned};
+pub use prepare::{POINTS, Prepared, prepare, prepare_as, turned};
 pub use reading::{Crop, Only, QuaternionOrder, Reading};
 pub use recording::{Meta, Recording, Source};
 pub use registry::{

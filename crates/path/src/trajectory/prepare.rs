@@ -5,7 +5,7 @@ use std::ops::Range;
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::Trajectory;
-use super::align::direction;
+use super::align::{Alignment, Direction, direction, heading};
 use super::resample::{Interpolator, uniform};
 use realgap_core::error::{Error, Result};
 use realgap_core::warning::Warning;
@@ -28,6 +28,7 @@ pub struct Prepared {
     net_displacement_m: f64,
     path_length_m: f64,
     heading_rad: f64,
+    alignment: Alignment,
     warnings: Vec<Warning>,
 }
 
@@ -59,6 +60,14 @@ pub struct Prepared {
 /// # Errors
 /// Positions or times so large that distances are no longer finite numbers (paths over 10¹² m).
 pub fn prepare(trajectory: &Trajectory) -> Result<Prepared> {
+    prepare_as(trajectory, Alignment::NetDisplacement)
+}
+
+/// As [`prepare`], with another direction of the path turned onto +x.
+///
+/// # Errors
+/// As [`prepare`]; [`Alignment::StartHeading`] of a trajectory without orientations.
+pub fn prepare_as(trajectory: &Trajectory, alignment: Alignment) -> Result<Prepared> {
     let positions = trajectory.positions_world_m();
     let orientations = trajectory.orientations_world_from_body();
     let start = positions[0];
@@ -85,7 +94,17 @@ pub fn prepare(trajectory: &Trajectory) -> Result<Prepared> {
             .allowed(format!("at most {MAX_PATH_M:e} m"))
             .hint("check the unit of the file, and the tracker for lost samples"));
     }
-    let (forward, warning) = direction(&xy_m, path_length_m);
+    let (forward, warning) = match (alignment, orientations) {
+        (Alignment::NetDisplacement, _) => direction(&xy_m, path_length_m),
+        (Alignment::World, _) => (Direction::X, None),
+        (Alignment::StartHeading, Some(all)) => heading(&all[0]),
+        (Alignment::StartHeading, None) => {
+            return Err(
+                Error::invalid("a trajectory without orientations has no start heading")
+                    .hint("align: World compares directions in the world as they are"),
+            );
+        }
+    };
     for point in &mut xy_m {
         *point = forward.turn(*point);
     }
@@ -102,6 +121,7 @@ pub fn prepare(trajectory: &Trajectory) -> Result<Prepared> {
         orientations: turned,
         path_length_m,
         heading_rad,
+        alignment,
         warnings: warning.into_iter().collect(),
     })
 }
@@ -159,6 +179,7 @@ impl Prepared {
             orientations: None,
             path_length_m,
             heading_rad: 0.0,
+            alignment: Alignment::default(),
             warnings: Vec::new(),
         })
     }
@@ -199,6 +220,11 @@ impl Prepared {
     /// Direction in the world that was turned onto +x, radians from world +x, in (−π, π].
     pub fn heading_rad(&self) -> f64 {
         self.heading_rad
+    }
+
+    /// Which direction was turned onto +x.
+    pub fn alignment(&self) -> Alignment {
+        self.alignment
     }
 
     /// The warning `undefined-heading`, if the principal axis was aligned.

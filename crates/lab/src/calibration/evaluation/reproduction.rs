@@ -16,7 +16,7 @@ use realgap_core::statistics::{
 use realgap_core::unit::counted;
 use realgap_optimization::{RunOptions, Step};
 use realgap_path::comparison::{Context, METRICS, Metric, Needs, Pair, Rms};
-use realgap_path::trajectory::{Prepared, Trajectory, prepare};
+use realgap_path::trajectory::{Prepared, Trajectory};
 use realgap_simulation::Experiment;
 
 /// How the runs of one robot at the shared answer compare with its recordings; the first category that applies.
@@ -260,7 +260,7 @@ impl Seen {
         let runs = (0..settings.count)
             .into_par_iter()
             .map(|number| {
-                let run = run_of(&settings.apply(Setting::new(number), &experiment));
+                let run = run_of(study, &settings.apply(Setting::new(number), &experiment));
                 step.count();
                 run
             })
@@ -358,10 +358,10 @@ impl Distances {
 }
 
 /// A run; `None` where it diverged.
-fn run_of(experiment: &Experiment) -> Result<Option<Moved>> {
+fn run_of(study: &Study, experiment: &Experiment) -> Result<Option<Moved>> {
     let Some(motion) = realgap_simulation::run(experiment)?.outcome.completed() else {
         return Ok(None);
     };
-    let prepared = prepare(&motion)?;
+    let prepared = study.prepared(&motion)?;
     Ok(Some(Moved { motion, prepared }))
 }

@@ -10,7 +10,7 @@ use crate::calibration::study::Study;
 use crate::prediction::ensemble::{mean_distance_m, repeat};
 use realgap_core::error::Result;
 use realgap_core::statistics::{least_by, median};
-use realgap_path::trajectory::{Interpolator, Prepared, Trajectory, prepare};
+use realgap_path::trajectory::{Interpolator, Prepared, Trajectory};
 use realgap_simulation::{Camera, Distribution, Experiment, Noise};
 
 /// Factors of the careful errors that are tried.
@@ -43,7 +43,8 @@ pub(super) fn noise_of_repeats(
         let numbers = (0..real.len().min(REPEATS)).map(|number| FIRST + number as u64);
         let paths = numbers.map(|number| {
             let run = repeat(experiment, &noise, study.definition().seed, number)?;
-            run.outcome.get().map(prepare).transpose()
+            let motion = run.outcome.get();
+            motion.map(|motion| study.prepared(motion)).transpose()
         });
         let paths: Vec<Prepared> = paths.filter_map(Result::transpose).collect::<Result<_>>()?;
         if paths.len() > 1 {

@@ -22,7 +22,7 @@ use crate::prediction::ensemble;
 use realgap_core::error::Result;
 use realgap_core::statistics::mean;
 use realgap_optimization::RunOptions;
-use realgap_path::trajectory::{Prepared, mean_square_m2, prepare};
+use realgap_path::trajectory::{Prepared, mean_square_m2};
 use realgap_simulation::{Experiment, Noise};
 
 /// Points that are repeated. At a level of 5 %, two of so many sets may be farther from the others than the recordings are.
@@ -81,7 +81,8 @@ pub(in crate::calibration) fn two_sample_p_value(
         let numbers = (0..repeats).map(|repeat| (rank * repeats + repeat) as u64);
         let paths = numbers.map(|number| {
             let run = ensemble::repeat(&own, &noise, definition.seed, number)?;
-            run.outcome.get().map(prepare).transpose()
+            let motion = run.outcome.get();
+            motion.map(|motion| study.prepared(motion)).transpose()
         });
         let paths = paths.filter_map(Result::transpose).collect();
         step.count();

@@ -7,7 +7,7 @@
 
 use crate::calibration::{ScoreRule, StartRule, Study};
 use realgap_core::statistics::mean_of_any;
-use realgap_simulation::{EngineChoice, Experiment, JointFormulation, Noise};
+use realgap_simulation::{EngineChoice, Experiment, Noise};
 
 /// With two engines, one setting in so many runs in the study's own engine, which is the expensive one: six of sixteen. The mean
 /// over both engines is then as precise as with fifteen settings that are shared evenly.
@@ -17,10 +17,6 @@ const OWN_EVERY: usize = 3;
 /// runs in it.
 const LARGE_MAP: usize = 256;
 const OWN_OF_A_LARGE_MAP: usize = 2;
-/// On a large grid, where Rapier uses multibody joints and is therefore expensive, the tree solver's substeps are divided by this
-/// number: paths of 8 s are at most 3 mm farther from its limit, in three fifths of the time (docs/validation/contact.md has the
-/// table).
-const SECOND_SUBSTEPS: usize = 2;
 
 /// Number of equally valid settings where the study does not state one.
 const VALID_SETTINGS: usize = 16;
@@ -137,9 +133,6 @@ impl Settings {
             && self.engine_of(setting.0 as usize) < 0.0
         {
             changed.solver.engine = second;
-            if self.of_map > 0 && changed.joint_kind() == JointFormulation::Multibody {
-                changed.solver.substeps = (changed.solver.substeps / SECOND_SUBSTEPS).max(1);
-            }
         }
         changed
     }
@@ -333,21 +326,13 @@ mod tests {
             assert_eq!(is_own, of_both().engine_of_trial(number) > 0.0);
             with.solver.engine = own.solver.engine;
             assert_eq!(alone, with, "{number}");
-            // On a large grid the second engine runs with half of its substeps.
+            // The size of the grid changes no setting: a map and its enlarged part show the same surface.
             let large = Settings {
                 of_map: LARGE_MAP,
                 ..of_both()
             };
-            let there = large.apply(Setting::new(number), &own).solver.substeps;
-            let of_second = (alone.solver.substeps / SECOND_SUBSTEPS).max(1);
-            assert_eq!(
-                there,
-                if is_own {
-                    alone.solver.substeps
-                } else {
-                    of_second
-                }
-            );
+            let small = of_both().apply(Setting::new(number), &own);
+            assert_eq!(large.apply(Setting::new(number), &own), small, "{number}");
         }
     }
 }

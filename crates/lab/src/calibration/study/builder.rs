@@ -10,7 +10,7 @@ use realgap_core::file::check_name;
 use realgap_identification::StartState;
 use realgap_optimization::{Grid, Range};
 use realgap_path::comparison::{Components, Metric};
-use realgap_path::trajectory::{Reading, Recording, Trajectory};
+use realgap_path::trajectory::{Alignment, Reading, Recording, Trajectory};
 use realgap_robot::morphology::Morphology;
 use realgap_simulation::Noise;
 use realgap_simulation::parameter::{Assignment, by_name};
@@ -94,6 +94,8 @@ impl StudyBuilder {
         within definition;
         /// The metric; `pca` by default.
         metric: &'static dyn Metric;
+        /// Which direction of a path is turned onto +x before paths are compared; the net displacement by default.
+        align: Alignment;
         /// Where the basis of `pca` comes from; the recordings and the simulations by default.
         basis: BasisRule;
         /// How many principal components `pca` keeps; by default as many as hold 99 % of the variance.

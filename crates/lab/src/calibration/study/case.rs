@@ -12,7 +12,9 @@ use crate::calibration::{Definition, StartRule};
 use realgap_core::statistics::ends_of;
 use realgap_core::{Advice, Code, Error, Result, Warning};
 use realgap_identification::{Body, EQUAL_MOMENTS, KnownFlight, Refined, StartState, refine};
-use realgap_path::trajectory::{Prepared, Recording, State, Trajectory, clip, prepare};
+use realgap_path::trajectory::{
+    Alignment, Prepared, Recording, State, Trajectory, clip, prepare_as,
+};
 use realgap_simulation::{Experiment, Sampling, Start};
 
 /// One recording in the form that is compared: cut to the simulated duration, and prepared.
@@ -36,7 +38,7 @@ impl Target {
             return Ok(Cow::Borrowed(self));
         }
         let motion = self.motion.scaled(1.0 / length_scale)?;
-        let prepared = prepare(&motion)?;
+        let prepared = prepare_as(&motion, self.prepared.alignment())?;
         Ok(Cow::Owned(Self {
             recording: self.recording,
             motion,
@@ -133,7 +135,7 @@ fn settled(definition: &Definition, base: &Experiment) -> Result<(Vec<Case>, Vec
         .map_err(|e| definition.at_file(doubted(e, &definition.recordings)))?;
     let recordings = definition.recordings.iter().enumerate();
     let targets = recordings
-        .map(|(index, recording)| target(index, recording, duration_s, &mut warnings))
+        .map(|(index, recording)| target(definition, (index, recording), duration_s, &mut warnings))
         .collect::<Result<_>>()?;
     Ok((
         vec![Case {
@@ -154,8 +156,8 @@ fn from_recordings(
     for (index, recording) in definition.recordings.iter().enumerate() {
         let length_s = recording.trajectory.duration_s();
         let target = target(
-            index,
-            recording,
+            definition,
+            (index, recording),
             definition.duration_s.unwrap_or(length_s).min(length_s),
             &mut warnings,
         )?;
@@ -228,13 +230,18 @@ fn start_state_warnings(definition: &Definition, cases: &[Case]) -> Result<Vec<W
 }
 
 fn target(
-    index: usize,
-    recording: &Recording,
+    definition: &Definition,
+    (index, recording): (usize, &Recording),
     duration_s: f64,
     warnings: &mut Vec<Warning>,
 ) -> Result<Target> {
     let motion = clip(&recording.trajectory, duration_s)?;
-    let prepared = prepare(&motion).map_err(|e| e.at_file(&recording.path))?;
+    let alignment = match motion.is_of_joints() {
+        // A robot whose joints alone were recorded has no path.
+        true => Alignment::default(),
+        false => definition.align,
+    };
+    let prepared = prepare_as(&motion, alignment).map_err(|e| e.at_file(&recording.path))?;
     if !motion.is_of_joints() {
         warnings.extend(prepared.warnings().iter().cloned());
     }

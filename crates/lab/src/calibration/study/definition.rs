@@ -13,7 +13,7 @@ use realgap_core::{Error, Warning};
 use realgap_identification::StartState;
 use realgap_optimization::Grid;
 use realgap_path::comparison::{Components, Metric, Pca};
-use realgap_path::trajectory::{Reading, Recording, Source};
+use realgap_path::trajectory::{Alignment, Reading, Recording, Source};
 use realgap_robot::morphology::Morphology;
 use realgap_simulation::parameter::{Parameter, ParameterSet};
 use realgap_simulation::{Experiment, Noise, SceneBody, Vehicle};
@@ -106,6 +106,8 @@ pub struct Definition {
     pub priors: Vec<Option<(f64, f64)>>,
     /// The metric: the distance of two trajectories.
     pub metric: &'static dyn Metric,
+    /// Which direction of a path is turned onto +x before paths are compared.
+    pub align: Alignment,
     /// Over what the score of a point is the mean.
     pub score: ScoreRule,
     /// Where the basis of the `pca` metric comes from.
@@ -184,6 +186,7 @@ impl Definition {
             parameters: Vec::new(),
             priors: Vec::new(),
             metric: &Pca,
+            align: Alignment::default(),
             score: ScoreRule::default(),
             basis: BasisRule::default(),
             components: Components::default(),

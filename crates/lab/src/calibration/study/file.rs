@@ -18,7 +18,7 @@ use realgap_core::{Error, Result};
 use realgap_identification::StartState;
 use realgap_optimization::{Grid, MAX_POINTS, Range};
 use realgap_path::comparison::{self, Components};
-use realgap_path::trajectory::Reading;
+use realgap_path::trajectory::{Alignment, Reading};
 use realgap_robot::morphology::Morphology;
 use realgap_simulation::parameter::{Assignment, Parameter, ParameterSet, by_name};
 use realgap_simulation::{Noise, SceneBody, Vehicle};
@@ -83,6 +83,10 @@ pub struct StudyFile {
     /// How two trajectories are compared; `realgap compare --help` lists the metrics.
     #[serde(default = "default_metric")]
     metric: String,
+    /// Which direction of a path is turned onto +x before paths are compared. On a slope, between walls or beside other bodies
+    /// directions matter: `World`.
+    #[serde(default)]
+    align: Alignment,
     /// What the principal components of the metric `pca` are fitted on.
     basis: Option<BasisFile>,
     /// How many principal components are kept.
@@ -327,6 +331,7 @@ impl Definition {
             parameters,
             priors,
             metric,
+            align: file.align,
             score: overrides.score.unwrap_or(file.score),
             basis,
             components: file.components,

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use crate::calibration::{Definition, Study};
 use realgap_core::file::sha256;
 use realgap_identification::StartState;
+use realgap_path::trajectory::Alignment;
 use realgap_store::Fingerprint;
 
 impl Study {
@@ -46,6 +47,9 @@ impl Study {
         }
         if let Some(condition) = &definition.condition {
             print = print.with("condition", condition);
+        }
+        if definition.align != Alignment::default() {
+            print = print.with("align", format!("{:?}", definition.align));
         }
         if definition.basis.is_known() {
             print = print.with("basis", definition.basis.label());

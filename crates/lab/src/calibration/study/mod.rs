@@ -24,10 +24,10 @@ use crate::calibration::study::case::cases;
 use crate::calibration::study::fleet::check_owners;
 use crate::calibration::{BasisRule, Case, Definition, Overrides, ScoreRule};
 use realgap_core::file::Source;
-use realgap_core::{Error, Result, Warning};
+use realgap_core::{Code, Error, Result, Warning};
 use realgap_identification::{StartState, refine_again};
 use realgap_path::comparison::{Basis, Context, Pair, Spread};
-use realgap_path::trajectory::{Prepared, prepare};
+use realgap_path::trajectory::{Alignment, Prepared, Trajectory, prepare_as};
 use realgap_simulation::parameter::{Assignment, ParameterSet};
 use realgap_simulation::{EngineChoice, Experiment, Noise};
 use realgap_store::{CaseOutcome, CaseResult, CaseRow, Trial};
@@ -35,6 +35,22 @@ use realgap_store::{CaseOutcome, CaseResult, CaseRow, Trial};
 /// Approximate number of single errors that are kept of a point, over all cases, and the least number of one case.
 const MOST_ERRORS: usize = 16_384;
 const LEAST_ERRORS: usize = 32;
+
+/// A warning where a floor slopes and each path is turned to its own net displacement.
+fn folded_directions(definition: &Definition, cases: &[Case]) -> Option<Warning> {
+    let is_turned =
+        definition.align == Alignment::NetDisplacement && !definition.metric.needs().joints;
+    let slopes = |case: &Case| case.experiment.floor.slope_rad != 0.0;
+    let is_varied = definition
+        .parameters
+        .iter()
+        .any(|p| p.name == "floor.slope_rad");
+    (is_turned && (is_varied || cases.iter().any(slopes))).then(|| {
+        Code::FoldedDirections.warning(
+            "the floor slopes, and each path is turned to its own net displacement before it is compared: uphill and downhill look the same",
+        )
+    })
+}
 
 /// A study with its cases.
 #[derive(Debug, Clone)]
@@ -98,6 +114,7 @@ impl Study {
         let (cases, mut warnings) = cases(&definition)?;
         warnings.extend(definition.warnings.iter().cloned());
         check_owners(&definition).map_err(|e| definition.at_file(e))?;
+        warnings.extend(folded_directions(&definition, &cases));
         let of_first = definition.set_of(&definition.morphology);
         warnings.extend(of_first.without_effect(&cases[0].experiment));
         warnings.extend(definition.morphology.warnings());
@@ -181,6 +198,18 @@ impl Study {
     /// Whether answers are checked by further runs.
     pub(in crate::calibration) fn is_audited(&self) -> bool {
         self.audited
+    }
+
+    /// A motion as this study compares it.
+    ///
+    /// # Errors
+    /// As [`prepare_as`].
+    pub fn prepared(&self, motion: &Trajectory) -> Result<Prepared> {
+        let alignment = match motion.is_of_joints() {
+            true => Alignment::default(),
+            false => self.definition.align,
+        };
+        prepare_as(motion, alignment)
     }
 
     /// How many equally valid settings a mean score is over; 1 for a study of single runs.
@@ -403,7 +432,7 @@ impl Study {
                 });
             }
         };
-        let prepared = prepare(&motion)?;
+        let prepared = self.prepared(&motion)?;
         let needs_basis = self.definition.metric.needs().basis;
         // The compared paths are in true lengths.
         let spread = self.spread.as_ref();

@@ -325,7 +325,7 @@ fn simulated(
                     None => one(study, &experiment, (noise, options.seed, number))?,
                 };
                 run.tell(done.fetch_add(1, Ordering::Relaxed) + 1, total, None);
-                completed(simulated, number).map(Some)
+                completed(study, simulated, number).map(Some)
             })
             .collect::<Result<_>>()?;
         let begun_here = runs.iter().flatten().count();
@@ -372,13 +372,20 @@ fn usable_noise(noise: Option<Noise>, warnings: &mut Vec<Warning>) -> Result<Opt
     Ok(None)
 }
 
-fn completed(run: Run, number: u64) -> Result<Option<Sample>> {
+fn completed(study: &Study, run: Run, number: u64) -> Result<Option<Sample>> {
     let name = match number.checked_sub(1) {
         Some(repeat) => format!("repeat {repeat}"),
         None => "without noise".to_owned(),
     };
     let motion = run.outcome.completed();
-    motion.map(|motion| Sample::new(name, motion)).transpose()
+    let Some(motion) = motion else {
+        return Ok(None);
+    };
+    Ok(Some(Sample {
+        name,
+        prepared: study.prepared(&motion)?,
+        motion,
+    }))
 }
 
 /// A warning for runs of different lengths, for which an axis of seconds means little.

@@ -333,10 +333,6 @@ impl Picture for HeatMap {
             frame.draw_nothing(canvas);
         } else {
             let label = format!("{}{}", unit.label(&self.score_label), scores.remark());
-            let label = match scores.is_cut {
-                true => format!("{label}; last colour: and more"),
-                false => label,
-            };
             self.draw_colour_bar(canvas, &frame, &scores, &bar_ticks, &label);
         }
     }

@@ -273,14 +273,14 @@ mod tests {
             names: vec!["a".to_owned(), "b".to_owned()],
             points: on_grid.collect(),
         };
-        // A point in the cell of the last one, which cannot be told from the best while the last one can.
+        // A point between those of the grid, in the cell of the last one: it does not outline a cell whose own point is told apart.
         points.points.push(point([1.8, 0.9], Some(0.5), true));
         let score = ScoreName::of_report("pca", "m");
         let axes = complete_grid(&points, 6).unwrap();
         let map = heat_map(&points, axes, 6, Some(6), &[vec![0.1, 1.0]], &score);
         assert_eq!(map.scores[4], None);
         assert_eq!(map.table_rows, (0..6).map(Some).collect::<Vec<_>>());
-        let in_set = [true, true, false, true, false, true];
+        let in_set = [true, true, false, true, false, false];
         assert_eq!(map.indistinguishable, in_set);
         assert_eq!((map.best, map.best_at), (Some((2, 1)), Some((1.8, 0.9))));
         assert_eq!((map.score_unit, map.best_score), (Unit::Metre, Some(0.5)));

@@ -179,7 +179,7 @@ fn axes(plot: &LinePlot, places: &Places) -> String {
     let middle = 0.5 * (left + right);
     let y = DisplayUnit::for_size(plot.y_unit, f64::INFINITY).label(&plot.y_label);
     svg + &axis_names(
-        [&plot.x.title(), &(y + places.y.remark())],
+        [&plot.x.title(), &(y + &places.y.remark())],
         (middle, HEIGHT - 7.0, 2.0 * middle.min(WIDTH - middle)),
         (0.5 * (TOP + bottom), bottom),
     )

@@ -1,0 +1,188 @@
+//! What a results folder says in two places is the same, and what it outlines is what its tables mark: over studies of every method
+//! that are generated, run and written.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use std::path::Path;
+
+use crate::common;
+
+use realgap::RunOptions;
+use realgap::calibration::{
+    Answer, INTERVAL_LEVEL, Method, Overrides, POSSIBLE_LEVEL, Study, TuneOptions,
+};
+use realgap::comparison::by_name;
+use realgap::optimization::optimizer_by_name;
+use realgap::results;
+
+/// How the points of the generated studies are chosen, in turn.
+const METHODS: [&str; 6] = [
+    "sweep",
+    "cma-es",
+    "sweep",
+    "nelder-mead",
+    "bayesian",
+    "random",
+];
+/// Studies in a long run, and otherwise.
+const MANY: u64 = 102;
+const FEW: u64 = 12;
+
+/// A study with its own seed, grid, recordings and metric.
+fn generated(folder: &Path, seed: u64) -> Study {
+    let points = 3 + (seed % 4) as usize;
+    let overrides = Overrides {
+        metric: Some(by_name(if seed % 5 < 3 { "rms" } else { "pca" }).unwrap()),
+        limit_recordings: Some(2 + (seed % 3) as usize),
+        seed: Some(seed),
+        ..Overrides::default()
+    };
+    Study::read(common::quick_study(folder, points), &overrides).unwrap()
+}
+
+fn answer(study: &Study, method: &str) -> Answer {
+    let run = RunOptions::default();
+    if method == "sweep" {
+        return study.sweep(&run).unwrap();
+    }
+    let options = TuneOptions {
+        optimizer: optimizer_by_name(method).unwrap(),
+        budget: 72,
+        patience: None,
+    };
+    study.tune(&options, &run).unwrap()
+}
+
+/// The columns of points.csv that are compared.
+struct Row {
+    values: Vec<f64>,
+    score: Option<f64>,
+    mean: Option<f64>,
+    is_in: bool,
+    runs: usize,
+}
+
+fn rows(folder: &Path, parameters: usize) -> Vec<Row> {
+    let text = std::fs::read_to_string(folder.join("points.csv")).unwrap();
+    let mut lines = text.lines();
+    let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let at = |name: &str| header.iter().position(|known| *known == name).unwrap();
+    let row = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        Row {
+            values: cells[..parameters]
+                .iter()
+                .map(|c| c.parse().unwrap())
+                .collect(),
+            score: cells[at("score")].parse().ok(),
+            mean: cells[at("mean_score")].parse().ok(),
+            is_in: cells[at("indistinguishable")] == "true",
+            runs: cells[at("runs")].parse().unwrap(),
+        }
+    };
+    lines.map(row).collect()
+}
+
+/// Of each cell of the page's map: the row of points.csv, and whether the page says that it is in the confidence set.
+fn cells(page: &str) -> Vec<(usize, bool)> {
+    let all = page.split("<rect class=\"cell").skip(1);
+    let cell = |text: &str| {
+        let row = text.split("data-point=\"").nth(1)?.split('"').next()?;
+        let title = text.split("<title>").nth(1)?.split("</title>").next()?;
+        Some((
+            row.parse().unwrap(),
+            title.contains("in the confidence set"),
+        ))
+    };
+    all.filter_map(cell).collect()
+}
+
+fn check(seed: u64, method: &str) {
+    let folder = tempfile::tempdir().unwrap();
+    let study = generated(folder.path(), seed);
+    let answer = answer(&study, method);
+    let out = folder.path().join("results");
+    let page = results::write(&out, &study, &answer).unwrap();
+    let what = format!("seed {seed}, {method}");
+    let ranges = study.definition().grid.ranges();
+    let rows = rows(&out, ranges.len());
+    let report = &answer.report;
+    let best = report.best.as_ref().unwrap();
+
+    // A point is outlined exactly if its row says so, and the picture counts the cells that the table counts.
+    let picture = std::fs::read_to_string(out.join("heatmap.svg")).unwrap();
+    let said = picture.split("95 % confidence set (").nth(1).unwrap();
+    let said: usize = said.split(' ').next().unwrap().parse().unwrap();
+    let uncertainty = answer.uncertainty.as_ref().unwrap();
+    if answer.method == Method::Sweep {
+        let on_grid = study.definition().grid.len();
+        let marked = rows.iter().take(on_grid).filter(|row| row.is_in).count();
+        assert_eq!(said, marked, "{what}");
+        let outlined = cells(&page.html(None, "realgap"));
+        assert!(outlined.len() >= on_grid, "{what}: {}", outlined.len());
+        for (row, is_in) in outlined {
+            assert_eq!(rows[row].is_in, is_in, "{what}, row {row}");
+        }
+    } else {
+        let cells = uncertainty.cells.iter().filter(|is_in| **is_in).count();
+        assert_eq!(said, cells, "{what}");
+    }
+
+    // The best point is the lowest mean over all settings, in the report, in the table, and first of all rows by rank.
+    let settings = study.setting_count();
+    let values: Vec<f64> = ranges
+        .iter()
+        .map(|r| best.parameters[r.parameter.name])
+        .collect();
+    let own = rows.iter().find(|row| row.values == values).unwrap();
+    assert_eq!(
+        (own.score, own.mean),
+        (Some(best.score), Some(best.score)),
+        "{what}"
+    );
+    for row in rows.iter().filter(|row| row.runs >= settings) {
+        assert!(row.mean.unwrap() >= best.score, "{what}");
+    }
+    let (header, ranked) = results::ranked_points(&out).unwrap().unwrap();
+    let score = header.iter().position(|name| name == "mean_score").unwrap();
+    assert_eq!(
+        ranked[0][score].parse::<f64>().unwrap(),
+        best.score,
+        "{what}"
+    );
+    assert_eq!(ranked.len(), rows.len(), "{what}");
+
+    // Every interval is a quantile of the draws, and holds the best, or the sentence says why it does not.
+    let draws = answer.draws.as_ref().unwrap();
+    for (axis, verdict) in report.verdicts.iter().enumerate() {
+        let parts = draws.intervals(axis, INTERVAL_LEVEL);
+        let said = match verdict.interval {
+            Some(one) => vec![one],
+            None => verdict.intervals.clone(),
+        };
+        assert_eq!(said, parts, "{what}");
+        let (low, high) = draws.interval(axis, POSSIBLE_LEVEL);
+        assert!(verdict.low <= low && verdict.high >= high, "{what}");
+        assert_eq!(verdict.best, values[axis], "{what}");
+        let is_inside = parts
+            .iter()
+            .any(|(low, high)| (*low..=*high).contains(&verdict.best));
+        let is_told =
+            verdict.text.contains("lies outside of it") || verdict.text.contains("leaves out");
+        assert!(
+            is_inside || is_told || !verdict.identified,
+            "{what}: {}",
+            verdict.text
+        );
+    }
+}
+
+#[test]
+fn what_a_folder_outlines_ranks_and_tells_is_what_its_tables_hold() {
+    let studies = match common::is_long_run("a hundred generated studies; a dozen are run") {
+        true => MANY,
+        false => FEW,
+    };
+    for seed in 0..studies {
+        check(seed, METHODS[seed as usize % METHODS.len()]);
+    }
+}
