@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use realgap::file::versioned_json;
 use realgap::optimization::{Ending, RunOptions};
 use realgap::results::{Kind, check_folder, write_search};
-use realgap::search::{self, Baseline, Finalist, Performance, SearchResults};
+use realgap::search::{self, Baseline, Finalist, ParameterShare, Performance, SearchResults};
 use realgap::{Error, Result};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
@@ -100,7 +100,7 @@ impl Search {
                 let results = search.run_in(lock, mode, run)?;
                 lock.check()?;
                 if results.ending == Ending::Interrupted {
-                    write_search(lock.folder(), search, &results, &[], None)?;
+                    write_search(lock.folder(), search, &results, &[], (None, None))?;
                 }
                 let found = self.look_again(results, run)?;
                 found.write_into(lock.folder())?;
@@ -170,8 +170,14 @@ impl Search {
             progress: None,
             ..*run
         };
+        let finalists = self.search.finalists(&results, &quiet)?;
+        let share = match finalists.first() {
+            Some(best) => self.search.parameter_share(best, &quiet)?,
+            None => None,
+        };
         Ok(Found {
-            finalists: self.search.finalists(&results, &quiet)?,
+            finalists,
+            share,
             baseline: self.search.baseline(&quiet)?,
             search: Arc::clone(&self.search),
             results,
@@ -186,6 +192,7 @@ pub struct Found {
     results: SearchResults,
     finalists: Vec<Finalist>,
     baseline: Option<Baseline>,
+    share: Option<ParameterShare>,
 }
 
 impl Found {
@@ -196,7 +203,7 @@ impl Found {
             search,
             results,
             &self.finalists,
-            self.baseline.as_ref(),
+            (self.baseline.as_ref(), self.share),
         )?;
         Ok(())
     }

@@ -94,11 +94,18 @@ impl Search {
         let results = self.simulate(&search, &folder, &options);
         folder.check()?;
         let results = results?;
-        let (mut finalists, mut baseline) = (Ok(Vec::new()), None);
+        let (mut finalists, mut baseline, mut share) = (Ok(Vec::new()), None, None);
         if results.ending == Ending::Complete {
             finalists = look_again(&search, &results, &options);
             if finalists.is_ok() {
                 baseline = search.baseline(&options)?;
+            }
+            if let Some(first) = finalists
+                .as_ref()
+                .ok()
+                .and_then(|best: &Vec<Finalist>| best.first())
+            {
+                share = search.parameter_share(first, &options)?;
             }
         }
         let known = finalists.as_ref().map_or(&[][..], Vec::as_slice);
@@ -109,7 +116,7 @@ impl Search {
                 &search,
                 &results,
                 finalists,
-                baseline.as_ref(),
+                (baseline.as_ref(), share),
             )
         };
         let (mut summary, mut results_page) = write(known)?;
@@ -217,6 +224,22 @@ fn look_again(
     finalists
 }
 
+/// A parameter with its values and where they come from.
+fn known_parameter(known: &search::KnownParameter) -> String {
+    let [low, high] = known.q05_q95;
+    let unit = Unit::by_label(&known.unit).unwrap_or(Unit::One);
+    let values = match low == high {
+        true => quantity(known.median, unit),
+        false => format!(
+            "{} ({} to {}, 90 %)",
+            quantity(known.median, unit),
+            quantity(low, unit),
+            quantity(high, unit)
+        ),
+    };
+    format!("{} = {values}, {}", known.parameter, known.from)
+}
+
 fn words(summary: &SearchSummary, search: &search::Search, head: &str) -> String {
     let unit = search.objective().measure.unit();
     let failures: Vec<String> = summary
@@ -238,6 +261,9 @@ fn words(summary: &SearchSummary, search: &search::Search, head: &str) -> String
     }
     if let Some([filled, all]) = summary.archive {
         lines.push(format!("  archive: {filled} of {all} cells"));
+    }
+    for known in &summary.parameters {
+        lines.push(format!("  {}", known_parameter(known)));
     }
     if let Some(best) = summary.best_fitness {
         lines.push(format!(
@@ -292,6 +318,12 @@ fn words(summary: &SearchSummary, search: &search::Search, head: &str) -> String
             ]);
         }
         lines.push(terminal::table(&table));
+        if let Some(share) = &summary.parameter_share {
+            lines.push(format!(
+                "  of the variance of the best robot's displacement, {:.0} % comes from the drawn parameters ({} repeats)",
+                100.0 * share.share, share.repeats
+            ));
+        }
         if let Some(baseline) = &summary.baseline {
             let worth = match (&baseline.failure, baseline.fitness) {
                 (Some(failure), _) => format!("fails: {failure}"),

@@ -52,7 +52,7 @@ pub struct Belief {
     /// Seed of the simulated readings
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
-    /// Draw the beliefs at the first distance into this .png or .svg (as figures 5 and 6 of paper 000)
+    /// Draw the beliefs, one row a distance, into this .png or .svg (as figures 5 and 6 of paper 000)
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
     #[command(flatten)]
@@ -84,7 +84,7 @@ impl Belief {
             BeliefReport::new(&sensor, log.as_ref(), &options).map_err(Error::into_usage)?;
         terminal::print_warnings(&found.warnings);
         if let Some(plot) = &self.plot {
-            draw_belief(&found, 0, plot)?;
+            draw_belief(&found, plot)?;
         }
         let name = Path::new(&self.sensor);
         self.telling.value("belief", name, &found, &self.plot, &[])

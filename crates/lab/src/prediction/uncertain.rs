@@ -63,6 +63,11 @@ impl UncertainParameters {
         }
     }
 
+    /// The ranges in which values are drawn evenly.
+    pub fn ranges(&self) -> &[UncertainRange] {
+        &self.ranges
+    }
+
     /// The experiment of one repeat before its noise.
     ///
     /// # Errors

@@ -22,6 +22,8 @@ pub struct Search {
     pub(super) duration_s: f64,
     pub(super) set: ParameterSet,
     pub(super) uncertain: UncertainParameters,
+    /// Name of the folder whose posterior is drawn from.
+    pub(super) posterior_from: Option<String>,
     pub(super) noise: Noise,
     pub(super) noise_from: String,
     pub(super) objective: Objective,
@@ -56,6 +58,11 @@ impl Search {
     /// Length of each run, seconds.
     pub fn duration_s(&self) -> f64 {
         self.duration_s
+    }
+
+    /// Name of the folder whose posterior is drawn from, as it was given.
+    pub fn posterior_from(&self) -> Option<&str> {
+        self.posterior_from.as_deref()
     }
 
     /// Parameters whose values differ from repeat to repeat.

@@ -129,6 +129,11 @@ fn builder(source: &Source, file: SearchFile, overrides: &Overrides) -> Result<S
         (None, Some(named)) => read_posterior(&folder.join(named))?,
         (None, None) => Vec::new(),
     };
+    let from = overrides
+        .indistinguishable
+        .as_ref()
+        .or(file.indistinguishable.as_ref());
+    let posterior_from = from.map(|folder| folder.display().to_string());
     let (mut development, mut robot, mut genome) = (file.development, None, None);
     match &file.start {
         None => {}
@@ -151,6 +156,7 @@ fn builder(source: &Source, file: SearchFile, overrides: &Overrides) -> Result<S
         overruling: overrides.set.clone(),
         ranges: file.parameters,
         // A folder of points is named for this purpose, so the draws in files of values are left out then.
+        posterior_from,
         points: match points.is_empty() {
             true => overrides.draws.clone(),
             false => vec![points],

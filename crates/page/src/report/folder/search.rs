@@ -97,6 +97,11 @@ pub(super) fn content(found: &SearchContent, pictures: &Pictures) -> PageContent
             picture("gallery", "The best robots", "gallery"),
             Section::new("finalists", "Finalists, evaluated again", finalists(report)),
             Section::new("cards", "The prediction of each finalist", cards(found)),
+            Section::new(
+                "parameters",
+                "Floor and other parameters",
+                parameters(report),
+            ),
             picture("routes", "Their paths", "paths"),
             Section::new("history", "History", progress(history, report)),
             archive_section,
@@ -104,7 +109,7 @@ pub(super) fn content(found: &SearchContent, pictures: &Pictures) -> PageContent
             Section::new("failures", "Robots that failed", failures(report)),
             pictures.section("pictures", "More pictures", move |stem| !drawn(stem)),
         ],
-        shown_fields: "best baseline failures archive search",
+        shown_fields: "best baseline failures archive search parameters parameter_share",
         ..PageContent::default()
     }
 }
@@ -139,6 +144,45 @@ fn answer(found: &SearchContent) -> String {
         report.objective,
         best.len(),
     )
+}
+
+/// The parameters that repeats get, where their values come from, and how much of the prediction's width they are.
+fn parameters(report: &SearchSummary) -> String {
+    if report.parameters.is_empty() {
+        return String::new();
+    }
+    let rows = report.parameters.iter().map(|known| {
+        let [low, high] = known.q05_q95;
+        let range = match low == high {
+            true => String::new(),
+            false => span(low, high, &known.unit),
+        };
+        vec![
+            known.parameter.clone(),
+            measured(Some(known.median), &known.unit),
+            range,
+            known.from.clone(),
+        ]
+    });
+    let share = report.parameter_share.as_ref().map_or_else(String::new, |share| {
+        format!(
+            "<p class=\"note\">With these values drawn, the displacement of the best robot has a standard deviation of {}; with all of them at their medians it has {} ({} repeats each). So {} of its variance comes from not knowing them better.</p>",
+            measured(Some(share.sd_m), "m"),
+            measured(Some(share.fixed_sd_m), "m"),
+            share.repeats,
+            percent(Some(share.share)),
+        )
+    });
+    let page = report.posterior_page.as_ref().map_or_else(String::new, |page| {
+        let page = html(page);
+        format!("<p class=\"note\">The posterior is explained on <a href=\"{page}\">the page of the study</a>.</p>")
+    });
+    share
+        + &page
+        + &titled(
+            "parameter | median | 90 % of the repeats | where from",
+            rows,
+        )
 }
 
 fn finalists(report: &SearchSummary) -> String {

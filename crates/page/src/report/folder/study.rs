@@ -80,6 +80,11 @@ pub(super) fn content(
         Section::new("reproduced", reproduced_title, reproduced),
         Section::new("audit", audit_title, audit(report)),
         pictures.section("pictures", "More pictures", |stem| !is_drawn(stem)),
+        Section::new(
+            "next",
+            "What to do with this answer",
+            next(report, has_paths),
+        ),
     ];
     let is_tuned = report.tuning.is_some();
     PageContent {
@@ -301,6 +306,22 @@ fn convergence(report: &StudySummary, found: &StudyData) -> String {
         &Inline::new(alt),
         "A line of the best score that still falls at its end asks for a larger budget.",
     )])
+}
+
+/// The commands that use the answer.
+fn next(report: &StudySummary, has_paths: bool) -> String {
+    if report.best.is_none() || report.complete == Some(false) {
+        return String::new();
+    }
+    let search = match has_paths {
+        false => "",
+        true => {
+            "<p>Search for a better robot or gait on this floor, with draws of this posterior in every repeat:</p><pre><code>realgap search SEARCH.ron --posterior THIS_FOLDER</code></pre>"
+        }
+    };
+    format!(
+        "{search}<p>Predict what a robot does with these values, with its odds:</p><pre><code>realgap predict ROBOT.ron --parameters THIS_FOLDER/best.ron</code></pre>"
+    )
 }
 
 fn validation(held: &Validation, unit: &str) -> String {

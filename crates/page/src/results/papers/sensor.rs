@@ -2,10 +2,13 @@
 
 use std::path::Path;
 
-use crate::plot::{AxisSpec, Caption, LinePlot, ScoreScale, Series, SeriesKind, draw_lines};
+use crate::plot::{
+    AxisSpec, Caption, LinePlot, ScoreScale, Series, SeriesKind, Stack, StackRow, draw_lines,
+    draw_stack,
+};
 use realgap_core::error::{Error, Result};
 use realgap_core::unit::{LengthUnit, Unit};
-use realgap_sensing::belief::{BeliefReport, TrialSet};
+use realgap_sensing::belief::{BeliefReport, DistanceBelief, TrialSet};
 use realgap_sensing::graph::{Scan, ScanLog, Sensorgraph};
 use realgap_sensing::range::{
     Beam, Characterisation, DistanceReport, RangeSensor, ReadingLog, ReadingUnit,
@@ -196,14 +199,38 @@ pub fn draw_segment(
     draw_lines(&plot, path)
 }
 
-/// Beliefs at one distance, of the model and of the log: figures 5 and 6 of paper 000.
+/// Cells that are shown beside those that are believed in: a belief in one cell would be a dot.
+const BESIDE: usize = 6;
+
+/// Beliefs at every distance, of the model and of the log, a row each: figures 5 and 6 of paper 000.
 ///
 /// # Errors
-/// No such distance, a path that is no picture's, a full disk.
-pub fn draw_belief(found: &BeliefReport, index: usize, path: impl AsRef<Path>) -> Result<()> {
-    let Some(side) = found.distances.get(index) else {
-        return Err(Error::usage("no belief at such a distance").found(index));
+/// A path that is no picture's, a full disk.
+pub fn draw_belief(found: &BeliefReport, path: impl AsRef<Path>) -> Result<()> {
+    let (count, unit) = (found.readings, &found.unit);
+    let rows = found.distances.iter().map(|side| StackRow {
+        x: Some(AxisSpec::new(format!("distance ({unit})"), Unit::One)),
+        y_label: format!("belief at {:.4} {unit}", side.distance),
+        y_unit: Unit::One,
+        series: belief(side),
+    });
+    let trials = found
+        .distances
+        .first()
+        .map_or(0, |side| side.simulated.trials);
+    let stack = Stack {
+        caption: Caption::new(
+            format!("Beliefs after {count} readings"),
+            format!("discrete Bayes filter, {trials} trials; the probability of each cell"),
+        ),
+        x: AxisSpec::new(format!("distance ({unit})"), Unit::One),
+        rows: rows.collect(),
     };
+    draw_stack(&stack, path)
+}
+
+/// The beliefs at one distance, where anything is believed and a little beside.
+fn belief(side: &DistanceBelief) -> Vec<Series> {
     let along = |values: &[f64]| -> Vec<(f64, f64)> {
         let cells = side.cells.iter().copied();
         cells.zip(values.iter().copied()).collect()
@@ -230,24 +257,14 @@ pub fn draw_belief(found: &BeliefReport, index: usize, path: impl AsRef<Path>) -
     };
     let shown: Vec<usize> = (0..side.cells.len()).filter(seen).collect();
     if let (Some(first), Some(last)) = (shown.first(), shown.last()) {
+        let first = first.saturating_sub(BESIDE);
+        let last = (last + BESIDE).min(side.cells.len() - 1);
         for one in &mut all {
             if let SeriesKind::Band(upper) = &mut one.kind {
-                *upper = upper[*first..=*last].to_vec();
+                *upper = upper[first..=last].to_vec();
             }
-            one.points = one.points[*first..=*last].to_vec();
+            one.points = one.points[first..=last].to_vec();
         }
     }
-    let (count, unit) = (found.readings, &found.unit);
-    let title = format!(
-        "Belief after {count} readings at {:.4} {unit}",
-        side.distance
-    );
-    let subtitle = format!("discrete Bayes filter, {} trials", side.simulated.trials);
-    let plot = LinePlot::new(
-        Caption::new(title, subtitle),
-        AxisSpec::new(format!("distance ({unit})"), Unit::One),
-        ("probability of a cell", Unit::One),
-        all,
-    );
-    draw_lines(&plot, path)
+    all
 }

@@ -6,22 +6,36 @@ mod picture;
 mod summary;
 pub(crate) mod table;
 
-use std::path::Path;
+use std::path::{Component, Path};
 
 use super::draft::publish;
 use super::kind::{Kind, file};
 use super::write_report;
 use crate::report::ResultsPage;
 use realgap_core::error::Result;
-use realgap_lab::search::{Baseline, Finalist, Search, SearchResults};
+use realgap_lab::search::{Baseline, Finalist, ParameterShare, Search, SearchResults};
 
 pub(super) use best::is_ours;
 pub(crate) use picture::fitness_chart;
 pub use summary::{BestRobot, SearchSummary};
 pub(crate) use table::History;
 
+/// The page in the folder `to`, as a link from a page in the folder `from`, where both are relative to the same folder.
+fn page_from(from: &Path, to: &Path) -> Option<String> {
+    let is_plain = |path: &Path| path.components().all(|c| matches!(c, Component::Normal(_)));
+    if !is_plain(from) || !is_plain(to) || !to.join(file::PAGE[0]).is_file() {
+        return None;
+    }
+    let up = "../".repeat(from.components().count());
+    let names = to
+        .components()
+        .map(|c| c.as_os_str().to_string_lossy().into_owned());
+    let names: Vec<String> = names.collect();
+    Some(format!("{up}{}/{}", names.join("/"), file::PAGE[0]))
+}
+
 /// Writes everything into `folder`, next to the store, and returns the summary and what the page of the folder shows. Without finalists there are no best robots; `baseline` is what they
-/// have to beat, where the search started from something.
+/// have to beat, where the search started from something; `share` says how much of the best robot's width comes from drawn parameters.
 ///
 /// They take the place of those of an older search once all of them are written.
 ///
@@ -32,7 +46,7 @@ pub fn write_search(
     search: &Search,
     results: &SearchResults,
     finalists: &[Finalist],
-    baseline: Option<&Baseline>,
+    (baseline, share): (Option<&Baseline>, Option<ParameterShare>),
 ) -> Result<(SearchSummary, ResultsPage)> {
     publish(folder, Kind::Search, |draft| {
         let history = table::history(search, results);
@@ -52,7 +66,10 @@ pub fn write_search(
         let history = History::of(&history);
         let archive = archive.as_ref();
         picture::draw(draft, search, results, &history, archive, finalists)?;
-        let summary = SearchSummary::new(search, results, best, baseline)?;
+        let mut summary = SearchSummary::new(search, results, best, (baseline, share))?;
+        summary.posterior_page = search
+            .posterior_from()
+            .and_then(|from| page_from(folder, Path::new(from)));
         write_report(draft.folder(), file::SUMMARY, &summary)?;
         let elites = elites.unwrap_or_default();
         let pictures = draft.take_pictures();

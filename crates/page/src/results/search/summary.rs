@@ -8,7 +8,9 @@ use serde::{Deserialize, Deserializer, Serialize};
 use realgap_core::error::Result;
 use realgap_core::warning::{Code, Warning};
 use realgap_lab::prediction::Rerun;
-use realgap_lab::search::{Baseline, Finalist, Search, SearchResults};
+use realgap_lab::search::{
+    Baseline, Finalist, KnownParameter, ParameterShare, Search, SearchResults,
+};
 use realgap_optimization::Ending;
 
 /// One of the best robots, in short.
@@ -82,6 +84,15 @@ pub struct SearchSummary {
     pub archive: Option<[usize; 2]>,
     /// What the search started from, with the draws that rank the best; `None` where it draws its own robots.
     pub baseline: Option<Baseline>,
+    /// Parameters that the search fixes or draws, such as those of the floor, and where their values come from.
+    #[serde(default)]
+    pub parameters: Vec<KnownParameter>,
+    /// The page of the folder whose posterior is drawn from, from the folder of this search; `None` where there is none.
+    #[serde(default)]
+    pub posterior_page: Option<String>,
+    /// How much of the width of the best robot's predicted displacement comes from drawing them; `None` where nothing is drawn.
+    #[serde(default)]
+    pub parameter_share: Option<ParameterShare>,
     /// The best robots, looked at again; empty where the search was interrupted.
     pub best: Vec<BestRobot>,
     /// Engines with their versions: that which judges the finalists, and that which explores.
@@ -133,7 +144,7 @@ impl SearchSummary {
         search: &Search,
         results: &SearchResults,
         best: Vec<BestRobot>,
-        baseline: Option<&Baseline>,
+        (baseline, share): (Option<&Baseline>, Option<ParameterShare>),
     ) -> Result<Self> {
         let strategy = search.strategy();
         let mut failures = BTreeMap::new();
@@ -159,6 +170,9 @@ impl SearchSummary {
             archive: archive.map(|archive| [archive.elites().len(), archive.cells().len()]),
             warnings: warnings(search, &best, baseline),
             baseline: baseline.cloned(),
+            parameters: search.known_parameters()?,
+            parameter_share: share,
+            posterior_page: None,
             best,
             engine: search.engines(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
