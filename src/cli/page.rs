@@ -11,7 +11,7 @@ use realgap::calibration::{
 use realgap::file::{remove_sealed, write_atomic, write_sealed};
 use realgap::optimization::Ending;
 use realgap::report::{
-    PAGE_FILE, PageData, RecordedPath, Replay, ReplayData, ReportTree, ResultsPage,
+    NextCommand, PAGE_FILE, PageData, RecordedPath, Replay, ReplayData, ReportTree, ResultsPage,
     SHOWN_RECORDINGS, SIMULATION, SingleReport, side_by_side,
 };
 use realgap::robot::morphology::Morphology;
@@ -160,6 +160,26 @@ fn command(words: impl Iterator<Item = String>) -> String {
     kept.join(" ")
 }
 
+/// The commands that use the answer of a study. The folder has no name in them: equal results have equal pages wherever they lie.
+fn next(study: &Study) -> Vec<NextCommand> {
+    let of = |purpose: &str, command: &str| NextCommand {
+        purpose: purpose.to_owned(),
+        command: command.to_owned(),
+    };
+    let search = of(
+        "Search for a better robot or gait on this floor (DIR is this folder); every repeat takes a draw of its posterior:",
+        "realgap search SEARCH.ron --posterior DIR",
+    );
+    let predict = of(
+        "Predict what a robot does with these values, and with which odds (DIR is this folder):",
+        "realgap predict ROBOT.ron --parameters DIR/best.ron --posterior DIR",
+    );
+    match study.definition().metric.needs().joints {
+        true => vec![predict],
+        false => vec![search, predict],
+    }
+}
+
 /// Data that the page of a study shows in addition to its results.
 pub fn of_study(study: &Study, answer: &Answer) -> PageData {
     let definition = study.definition();
@@ -173,6 +193,10 @@ pub fn of_study(study: &Study, answer: &Answer) -> PageData {
         .map_or(1.0, |e| e.recording_length_scale);
     let (recorded, recordings) = recorded(definition, case, scale);
     PageData {
+        next: match answer.ending {
+            Ending::Complete if best.is_some() => next(study),
+            _ => Vec::new(),
+        },
         duration_s: case.experiment.duration_s,
         reality: definition.source().reality_label().to_owned(),
         recorded,

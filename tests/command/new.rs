@@ -95,6 +95,8 @@ fn the_examples_in_the_program_equal_those_of_the_repository() {
         "real_trajectories/turtlebot3_burger_standin",
         "real_trajectories/two_wheel_runs",
         "real_trajectories/unitree_a1_standin",
+        "real_trajectories/worm4_mujoco",
+        "genomes",
     ] {
         for (path, bytes) in files(&project().join(name)) {
             let path = std::path::Path::new(name).join(path);

@@ -48,18 +48,19 @@ impl CandidateSampler<'_> {
                     .any(|(score, level)| score <= level)
             }
         };
-        let kept: Vec<Vec<f64>> = self
-            .points(axes, count)
-            .into_iter()
-            .filter(low)
+        let mut all = self.points(axes, count);
+        let kept: Vec<Vec<f64>> = all
+            .iter()
+            .filter(|point| low(point))
             .take(count)
+            .cloned()
             .collect();
         match kept.is_empty() {
-            true => vec![
-                axes.iter()
-                    .map(|intervals| within(intervals, 0.5))
-                    .collect(),
-            ],
+            // No level is reached anywhere: nothing is known, and every point stays.
+            true => {
+                all.truncate(count);
+                all
+            }
             false => kept,
         }
     }

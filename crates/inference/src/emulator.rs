@@ -61,6 +61,8 @@ pub struct ScoreField {
     pub means: DVector<f64>,
     /// Covariance of the scores that the runs leave.
     pub emulator: DMatrix<f64>,
+    /// Variance of the score before any run.
+    pub variance: f64,
     /// Covariance of the change by another equally valid setting.
     pub numerics: DMatrix<f64>,
     /// Deviation of each observation's score (column) from the mean over the observations; one row a point.
@@ -198,6 +200,11 @@ impl Emulator {
         self.scale.score(self.standardised_in(point, &[variant])[0])
     }
 
+    /// The score from which on all scores count as one: an expected score near it says no more than that the score is high.
+    pub fn highest(&self) -> f64 {
+        self.scale.highest()
+    }
+
     /// The variants of the runs: 1 and -1 where there are two, 0 where there is one.
     pub fn variants(&self) -> &'static [f64] {
         match self.has_two_variants() {
@@ -250,6 +257,7 @@ impl Emulator {
         let mut field = ScoreField {
             means: DVector::zeros(n),
             emulator: square(),
+            variance: 0.0,
             numerics: square(),
             observation_deviations: DMatrix::zeros(n, observations),
             correlation: square(),
@@ -277,6 +285,7 @@ impl Emulator {
             field.observation_deviations +=
                 predicted.weights * &self.observation_deviations * share;
             field.emulator += predicted.covariance * share;
+            field.variance += kernel.score.variance * own * share;
             field.numerics += &between * (kernel.between_settings * share);
             field.correlation += between * (share / kernel.score.variance);
             field.noise += kernel.noise * share;

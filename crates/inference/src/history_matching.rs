@@ -33,6 +33,8 @@ const BEYOND: f64 = 1.0;
 /// their expected scores.
 const NARROWINGS: usize = 6;
 const MARGIN: f64 = 0.25;
+/// An emulator knows little where its variance is more than this share of that before any run: there the overview is asked, too.
+const FORGOTTEN: f64 = 0.1;
 /// Rounding error of standardised scores.
 const ROUNDING: f64 = 1e-6;
 /// Narrowing ends when more than one in so many points is not implausible.
@@ -86,31 +88,42 @@ struct VariantLook {
     weight: f64,
     field: ScoreField,
     covariance: ScoreCovariance,
+    /// As [`ScoreCovariance::pooled`], of the overview.
+    pooled_of_overview: f64,
     implausibility: Vec<f64>,
 }
 
 impl Look {
-    /// Variants without weight are left out. Points are compared with those from number `first` on.
+    /// Variants without weight are left out. Points are compared with those from number `first` on; `earlier` are those of a look that
+    /// these were a part of.
     fn new(
         (emulator, weights): (&Emulator, &[f64]),
         (points, first): (Vec<Vec<f64>>, usize),
+        earlier: Option<&Self>,
         uncertainty: ObservationUncertainty,
         limit: f64,
     ) -> Self {
-        let of = |emulator: &Emulator, variant: f64| {
+        let of = |emulator: &Emulator, variant: f64, pooled: Option<f64>| {
             let field = emulator.field_in(&points, variant);
-            let covariance = ScoreCovariance::new(&field, uncertainty);
+            let covariance = ScoreCovariance::new(&field, uncertainty, pooled);
             let implausibility = implausibility_beside(&field, &covariance, first);
             (field, covariance, implausibility)
         };
         let variants = emulator.variants().iter().zip(weights);
         let variants = variants.filter(|(_, weight)| **weight > 0.0);
-        let variants = variants.map(|(variant, weight)| {
-            let (field, covariance, mut implausibility) = of(emulator, *variant);
+        let variants = variants.enumerate().map(|(number, (variant, weight))| {
+            let known = earlier.map(|look| &look.variants[number]);
+            let pooled = known.map(|known| known.covariance.pooled);
+            let (field, covariance, mut implausibility) = of(emulator, *variant, pooled);
+            let mut pooled_of_overview = 0.0;
             if let Some(overview) = emulator.overview() {
-                let (.., of_all) = of(overview, *variant);
-                for (here, of_all) in implausibility.iter_mut().zip(of_all) {
-                    if of_all > limit + BEYOND {
+                let pooled = known.map(|known| known.pooled_of_overview);
+                let (_, of_overview, of_all) = of(overview, *variant, pooled);
+                pooled_of_overview = of_overview.pooled;
+                for (point, (here, of_all)) in implausibility.iter_mut().zip(of_all).enumerate() {
+                    // Where runs are near, they know more than the overview, which beside a cliff of the score may be wrong.
+                    let is_forgotten = field.emulator[(point, point)] > FORGOTTEN * field.variance;
+                    if of_all > limit + BEYOND && is_forgotten {
                         *here = here.max(of_all);
                     }
                 }
@@ -119,6 +132,7 @@ impl Look {
                 weight: *weight,
                 field,
                 covariance,
+                pooled_of_overview,
                 implausibility,
             }
         });
@@ -184,7 +198,7 @@ impl HistoryMatching {
         let beside = &visited[..visited.len().min(BESIDE)];
         let look = |points: Vec<Vec<f64>>| {
             let all = points.into_iter().chain(beside.iter().cloned()).collect();
-            Look::new((emulator, weights), (all, 0), uncertainty, limit)
+            Look::new((emulator, weights), (all, 0), None, uncertainty, limit)
         };
         let variants = emulator.variants().iter().zip(weights);
         let variants = variants.filter(|(_, weight)| **weight > 0.0);
@@ -231,8 +245,9 @@ impl HistoryMatching {
         let of = |asked: &[Vec<f64>]| -> Vec<f64> {
             let best = open.iter().take(COMPARED).map(|point| (*point).clone());
             let all: Vec<Vec<f64>> = asked.iter().cloned().chain(best).collect();
-            let there = Look::new((emulator, weights), (all, asked.len()), uncertainty, limit);
-            (0..asked.len()).map(|point| there.least(point)).collect()
+            let (all, earlier) = ((all, asked.len()), Some(&there));
+            let here = Look::new((emulator, weights), all, earlier, uncertainty, limit);
+            (0..asked.len()).map(|point| here.least(point)).collect()
         };
         let is_implausible =
             |probes: Vec<Vec<f64>>| of(&probes).iter().all(|one| *one > limit + BEYOND);

@@ -31,23 +31,31 @@ pub struct ScoreCovariance {
     observations: DMatrix<f64>,
     /// Degrees of freedom of the latter.
     freedom: f64,
+    /// Variance of an observation pooled over the points, in variances of the score before any run.
+    pub pooled: f64,
 }
 
 impl ScoreCovariance {
     /// The covariance of observations is estimated from their scores at each pair of points and shrunk towards one that is the same
     /// everywhere, more strongly the fewer observations there are (as a prior of `POOLED` observations would; Ledoit & Wolf 2004). A
     /// single observation shows no variance: it is assumed to vary `SINGLE_OBSERVATION` times as a single run does.
-    pub fn new(field: &ScoreField, uncertainty: ObservationUncertainty) -> Self {
+    ///
+    /// Further points that are compared with earlier ones take the `pooled` variance of these, so that an answer about a point does not
+    /// depend on what else is asked.
+    pub fn new(
+        field: &ScoreField,
+        uncertainty: ObservationUncertainty,
+        pooled: Option<f64>,
+    ) -> Self {
         let n = field.means.len() as f64;
         let pairs = |matrix: &DMatrix<f64>| n * matrix.trace() - matrix.sum();
         let observations = field.observation_deviations.ncols();
         let more = observations.saturating_sub(1) as f64;
         let own = &field.observation_deviations * field.observation_deviations.transpose();
-        let pooled = if more > 0.0 {
-            pairs(&own) / more / pairs(&field.correlation).max(1e-9)
-        } else {
-            SINGLE_OBSERVATION * (field.noise + field.setting)
-        };
+        let pooled = pooled.unwrap_or_else(|| match more > 0.0 {
+            true => pairs(&own) / more / pairs(&field.correlation).max(1e-9),
+            false => SINGLE_OBSERVATION * (field.noise + field.setting),
+        });
         let one = (&field.correlation * (POOLED * pooled) + own) / (POOLED + more);
         // A distance does not show whether the observation or the run deviates. So the unknown setting of reality changes the score as
         // one more observation would, in the ratio of the variances of settings and observations. Surrogates of a single observation
@@ -64,6 +72,7 @@ impl ScoreCovariance {
         Self {
             all: &field.emulator + &field.numerics + &from_observations,
             observations: from_observations,
+            pooled,
             // Along a single valley the pooled covariance is made of the same few observations, so it adds no degrees of freedom.
             freedom: if uncertainty.observations > 1 {
                 more

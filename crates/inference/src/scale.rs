@@ -2,6 +2,10 @@
 
 use realgap_core::statistics::{mean, median, standard_deviation};
 
+/// Scores above so many medians count as that many: how far a robot falls off a cliff tells nothing about the valley beside it, and a
+/// smooth curve through both is wrong at the foot of the cliff.
+const HIGHEST: f64 = 4.0;
+
 /// Transforms scores to ln(score² + offset²) with mean 0 and standard deviation 1. A distance has a kink where the output of a black
 /// box meets an observation, its square has none.
 #[derive(Debug, Clone, Copy)]
@@ -16,10 +20,9 @@ impl ScoreScale {
     /// bad points do not decide how smooth the score is around the good ones.
     pub fn new(scores: &[f64]) -> Self {
         let offset = median(scores).max(f64::MIN_POSITIVE.sqrt());
-        let logs: Vec<f64> = scores
-            .iter()
-            .map(|s| libm::log(s * s + offset * offset))
-            .collect();
+        let highest = HIGHEST * offset;
+        let logs = scores.iter().map(|score| score.min(highest));
+        let logs: Vec<f64> = logs.map(|s| libm::log(s * s + offset * offset)).collect();
         let sd = standard_deviation(&logs);
         Self {
             offset,
@@ -30,11 +33,18 @@ impl ScoreScale {
 
     /// The standardised value of a score.
     pub(crate) fn standardise(self, score: f64) -> f64 {
+        let score = score.min(self.highest());
         (libm::log(score * score + self.offset * self.offset) - self.mean) / self.sd
+    }
+
+    /// The score from which on all scores count as one.
+    pub fn highest(self) -> f64 {
+        HIGHEST * self.offset
     }
 
     /// Derivative of the standardised value with respect to the score.
     pub fn slope(self, score: f64) -> f64 {
+        let score = score.min(self.highest());
         2.0 * score / ((score * score + self.offset * self.offset) * self.sd)
     }
 

@@ -119,3 +119,44 @@ fn on_a_slope_paths_in_the_world_find_the_friction_and_turned_paths_are_warned_a
     assert!((best.values[0] - 0.15).abs() < 0.03, "{:?}", best.values);
     assert!(codes(&slides(Alignment::NetDisplacement)).contains(&"folded-directions"));
 }
+
+/// Slides of a worm on a ramp, where a friction below 0.2 makes it slide off by metres, beside millimetres at the true friction.
+#[test]
+fn a_cliff_of_the_score_does_not_hide_the_valley_beside_it() {
+    if !common::is_long_run("a sweep of a worm on a ramp") {
+        return;
+    }
+    let robot = Morphology::read(common::project().join("morphologies/worm4.ron")).unwrap();
+    let mut reality = Experiment::new(robot.assemble());
+    (
+        reality.duration_s,
+        reality.floor.friction,
+        reality.floor.slope_rad,
+    ) = (5.0, 0.26, 0.2);
+    let mut study = Study::builder("cliff", robot)
+        .duration_s(5.0)
+        .align(Alignment::World)
+        .vary("floor.friction", 0.1, 1.0, 19)
+        .vary("floor.slope_rad", 0.18, 0.22, 9)
+        .metric(comparison::by_name("rms").unwrap());
+    for (number, timestep_s) in [4e-4, 5e-4, 6e-4, 8e-4, 1e-3].into_iter().enumerate() {
+        reality.solver.timestep_s = timestep_s;
+        let motion = run(&reality).unwrap().outcome.completed().unwrap();
+        study = study.trajectory(format!("run_{number}"), motion);
+    }
+    let answer = study
+        .build()
+        .unwrap()
+        .sweep(&RunOptions::default())
+        .unwrap();
+    let worst = answer.scores.runs.iter().filter_map(|run| run.score);
+    assert!(worst.fold(0.0, f64::max) > 1.0, "nothing slid off");
+    let verdict = &answer.report.verdicts[0];
+    let (low, high) = verdict.interval.unwrap();
+    println!("friction {low:.3} to {high:.3}, truth 0.26");
+    assert!(
+        low < 0.26 && 0.26 < high && high - low < 0.2,
+        "{}",
+        verdict.text
+    );
+}

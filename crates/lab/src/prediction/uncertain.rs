@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use realgap_core::file::{Seal, read_limited};
 use realgap_core::random::Numbered;
+use realgap_core::statistics::median;
 use realgap_core::{Advice, Code, Error, Result, Warning};
 use realgap_simulation::Experiment;
 use realgap_simulation::parameter::{Assignment, ParameterSet, by_name};
@@ -61,6 +62,29 @@ impl UncertainParameters {
             ranges: Vec::new(),
             groups: groups.cloned().collect(),
         }
+    }
+
+    /// The middle of what is drawn: the median of each parameter over the points, and the middle of each range. A run without noise has
+    /// these values.
+    ///
+    /// # Errors
+    /// None for what [`UncertainParameters::new`] has checked.
+    pub fn centre(&self) -> Result<ParameterSet> {
+        let mut set = ParameterSet::new();
+        for group in &self.groups {
+            for first in group.first().into_iter().flat_map(ParameterSet::iter) {
+                let name = first.parameter.name;
+                let values: Vec<f64> = group.iter().filter_map(|set| set.value(name)).collect();
+                set = set.with(Assignment::new(name, median(&values))?);
+            }
+        }
+        for range in &self.ranges {
+            set = set.with(Assignment::new(
+                &range.name,
+                0.5 * (range.low + range.high),
+            )?);
+        }
+        Ok(set)
     }
 
     /// The ranges in which values are drawn evenly.

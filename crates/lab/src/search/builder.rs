@@ -170,6 +170,7 @@ impl SearchBuilder {
         for name in strategy.descriptors() {
             descriptor_named(name).map_err(|e| e.field("strategy"))?;
         }
+        let uncertain = UncertainParameters::new(self.ranges, self.points)?;
         Ok(Search {
             name: self.name,
             text: self.text,
@@ -178,7 +179,8 @@ impl SearchBuilder {
             space,
             duration_s: self.duration_s,
             set,
-            uncertain: UncertainParameters::new(self.ranges, self.points)?,
+            centre: uncertain.centre()?,
+            uncertain,
             posterior_from: self.posterior_from,
             noise,
             noise_from,

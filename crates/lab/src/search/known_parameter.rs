@@ -9,7 +9,7 @@ use crate::prediction::UncertainParameters;
 use realgap_core::Result;
 use realgap_core::statistics::{mean, median, quantile};
 use realgap_optimization::RunOptions;
-use realgap_simulation::parameter::{Assignment, ParameterSet, by_name};
+use realgap_simulation::parameter::{ParameterSet, by_name};
 
 /// Draws from which the quantiles of a parameter are computed.
 const DRAWS: u64 = 400;
@@ -112,12 +112,8 @@ impl Search {
         if self.uncertain.is_empty() || self.finals().repeats < FEWEST {
             return Ok(None);
         }
-        let mut medians = ParameterSet::new();
-        for known in self.known_parameters()? {
-            medians = medians.with(Assignment::new(&known.parameter, known.median)?);
-        }
         let fixed = Self {
-            uncertain: UncertainParameters::new(Vec::new(), vec![vec![medians]])?,
+            uncertain: UncertainParameters::default(),
             ..self.clone()
         };
         let variance = |far_m: &[f64]| {
@@ -143,5 +139,64 @@ impl Search {
             fixed_sd_m: rest.sqrt(),
             repeats: drawn.len(),
         }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::search::Overrides;
+    use realgap_core::file::Source;
+
+    const SEARCH: &str = "Search(
+        strategy: CmaEs(evaluations: 8, genes: [\"amplitude\"]),
+        start: Morphology(\"worm4.ron\"),
+        duration_s: 1.0,
+        parameters: [
+            (name: \"floor.friction\", low: 0.2, high: 1.0),
+            (name: \"floor.restitution\", low: 0.0, high: 0.4),
+        ],
+    )";
+
+    #[test]
+    fn a_named_posterior_replaces_the_ranges_of_the_file_and_is_named_as_the_origin() {
+        let folder = tempfile::tempdir().unwrap();
+        let robots = concat!(env!("CARGO_MANIFEST_DIR"), "/../../morphologies");
+        let path = std::path::Path::new(robots).join("search.ron");
+        let source = Source::new(&path, SEARCH);
+        let known = |overrides: &Overrides| {
+            let search = Search::parse(&source, overrides).unwrap();
+            (search.known_parameters().unwrap(), search)
+        };
+        let (own, _) = known(&Overrides::default());
+        let friction = |all: &[KnownParameter]| {
+            let found = all.iter().find(|known| known.parameter == "floor.friction");
+            found.unwrap().clone()
+        };
+        assert!(friction(&own).q05_q95[1] > 0.9 && friction(&own).from.contains("evenly"));
+        let rows = (0..21).map(|k| format!("{}\n", 0.50 + 0.001 * f64::from(k)));
+        let draws = format!("floor.friction\n{}", rows.collect::<String>());
+        std::fs::write(folder.path().join("indistinguishable.csv"), draws).unwrap();
+        let (told, search) = known(&Overrides {
+            indistinguishable: Some(folder.path().to_owned()),
+            ..Overrides::default()
+        });
+        let [low, high] = friction(&told).q05_q95;
+        assert!(low >= 0.5 && high <= 0.52, "{low} to {high}");
+        assert!(
+            friction(&told)
+                .from
+                .contains(&folder.path().display().to_string())
+        );
+        // What the posterior does not name is drawn as the file says; a run without noise has the middle of both.
+        let restitution = told
+            .iter()
+            .find(|known| known.parameter == "floor.restitution");
+        assert!(restitution.unwrap().from.contains("evenly"));
+        let robot = realgap_robot::morphology::Morphology::read(
+            std::path::Path::new(robots).join("worm4.ron"),
+        );
+        let floor = search.experiment(&robot.unwrap()).floor;
+        assert!((floor.friction - 0.51).abs() < 1e-9 && (floor.restitution - 0.2).abs() < 1e-9);
     }
 }

@@ -22,6 +22,8 @@ pub struct Search {
     pub(super) duration_s: f64,
     pub(super) set: ParameterSet,
     pub(super) uncertain: UncertainParameters,
+    /// The middle of what repeats draw.
+    pub(super) centre: ParameterSet,
     /// Name of the folder whose posterior is drawn from.
     pub(super) posterior_from: Option<String>,
     pub(super) noise: Noise,
@@ -100,12 +102,12 @@ impl Search {
         format!("robot_{index:05}")
     }
 
-    /// The experiment of a robot with the fixed values, without noise.
+    /// The experiment of a robot without noise: with the fixed values, and with the middle of those that repeats draw.
     pub fn experiment(&self, robot: &Morphology) -> Experiment {
         let mut experiment = Experiment::new(robot.assemble());
         experiment.duration_s = self.duration_s;
         experiment.sampling = Sampling::Rate(60.0);
-        self.set.apply(&experiment)
+        self.centre.apply(&self.set.apply(&experiment))
     }
 
     /// The experiment of a robot with which the search explores: in the second engine, which is cheap, unless the search fixes

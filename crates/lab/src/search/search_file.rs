@@ -154,7 +154,14 @@ fn builder(source: &Source, file: SearchFile, overrides: &Overrides) -> Result<S
         duration_s: file.duration_s,
         set: file.set.into_iter().collect(),
         overruling: overrides.set.clone(),
-        ranges: file.parameters,
+        // A posterior that the caller names is known better than the file's ranges.
+        ranges: match (&overrides.indistinguishable, points.first()) {
+            (Some(_), Some(point)) => {
+                let is_open = |range: &UncertainRange| point.value(&range.name).is_none();
+                file.parameters.into_iter().filter(is_open).collect()
+            }
+            _ => file.parameters,
+        },
         // A folder of points is named for this purpose, so the draws in files of values are left out then.
         posterior_from,
         points: match points.is_empty() {

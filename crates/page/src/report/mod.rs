@@ -14,7 +14,9 @@ mod single_report;
 
 pub(crate) use document::picture::Pictures;
 pub(crate) use document::value::odds;
-pub use folder::page_data::{PAGE_FILE, PageData, RecordedPath, ReplayData, SHOWN_RECORDINGS};
+pub use folder::page_data::{
+    NextCommand, PAGE_FILE, PageData, RecordedPath, ReplayData, SHOWN_RECORDINGS,
+};
 pub use folder::tree::ReportTree;
 pub use folder::{ResultsPage, folder_page};
 pub use replay::look::{ShownSolid, shown_body, shown_parts};

@@ -62,6 +62,8 @@ impl fmt::Display for Answer {
 
 /// The step after the last trial, while nothing is simulated.
 pub(in crate::calibration) const INFERRING: &str = "computing the posterior";
+/// An expected score above this share of the highest that the emulator tells from others is not told.
+const HIGH: f64 = 0.9;
 /// Points from which an answer is drawn.
 const PLACES: usize = 500;
 
@@ -189,14 +191,18 @@ impl Answer {
     }
 
     /// The expected mean score over equally valid settings at these parameter values, with the ends of its 90 % interval; `None` where
-    /// there are too few runs, and for a fit by least squares.
+    /// there are too few runs, where the score is so high that nothing more is known, and for a fit by least squares.
     pub fn expected_with_band(&self, values: &[f64]) -> Option<(f64, (f64, f64))> {
         let (Surface::Emulator(emulator), grid) = self.surface.as_ref()? else {
             return None;
         };
         let (point, engine) = (grid.place_of(values), self.scores.engine);
-        let band = emulator.band(&point, engine, BAND);
-        Some((emulator.mean_in(&point, engine), band))
+        let (mean, band) = (
+            emulator.mean_in(&point, engine),
+            emulator.band(&point, engine, BAND),
+        );
+        // Where the score is high, the emulator knows no more than that.
+        (mean < HIGH * emulator.highest()).then_some((mean, band))
     }
 
     /// The mean difference of net displacements over all equally valid settings at every point of the grid, as all runs let expect,

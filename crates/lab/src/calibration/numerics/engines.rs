@@ -212,7 +212,7 @@ impl Study {
             let places = ranked.into_iter().map(|(_, place)| place);
             let places: Vec<Vec<f64>> = places.chain([here.clone()]).collect();
             let field = emulator.field_in(&places, engine);
-            let all = implausibility(&field, &ScoreCovariance::new(&field, uncertainty));
+            let all = implausibility(&field, &ScoreCovariance::new(&field, uncertainty, None));
             Some(EnginePreference {
                 engine: engine_name,
                 weight: *weight,

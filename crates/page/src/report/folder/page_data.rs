@@ -23,6 +23,9 @@ pub const PAGE_FILE: &str = file::PAGE[0];
 pub struct PageData {
     /// The command that makes the results again.
     pub command: String,
+    /// Commands that use the results, each with what it is for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub next: Vec<NextCommand>,
     /// Length of the simulated runs, seconds.
     pub duration_s: f64,
     /// What recorded paths are: `reality`, or a stand-in for it.
@@ -34,6 +37,17 @@ pub struct PageData {
     pub best_xy_m: Vec<[f64; 2]>,
     /// The best in motion.
     pub replay: Option<ReplayData>,
+}
+
+/// A command that uses the results of a folder.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct NextCommand {
+    /// What it is for, as a sentence.
+    pub purpose: String,
+    /// The command.
+    pub command: String,
 }
 
 /// A path as it is compared: from the origin, net displacement along +x, points at equal steps of time.

@@ -80,11 +80,7 @@ pub(super) fn content(
         Section::new("reproduced", reproduced_title, reproduced),
         Section::new("audit", audit_title, audit(report)),
         pictures.section("pictures", "More pictures", |stem| !is_drawn(stem)),
-        Section::new(
-            "next",
-            "What to do with this answer",
-            next(report, has_paths),
-        ),
+        Section::new("next", "What to do with this answer", next(data)),
     ];
     let is_tuned = report.tuning.is_some();
     PageContent {
@@ -156,6 +152,8 @@ fn maps(
         colours_to: None,
         score_label: format!("{}, half of its 90 % interval", map.score_label),
         missing: "not known".to_owned(),
+        // Only the map of scores chooses a point.
+        table_rows: Vec::new(),
         ..map.clone()
     });
     Some((map, uncertain))
@@ -309,19 +307,13 @@ fn convergence(report: &StudySummary, found: &StudyData) -> String {
 }
 
 /// The commands that use the answer.
-fn next(report: &StudySummary, has_paths: bool) -> String {
-    if report.best.is_none() || report.complete == Some(false) {
-        return String::new();
-    }
-    let search = match has_paths {
-        false => "",
-        true => {
-            "<p>Search for a better robot or gait on this floor, with draws of this posterior in every repeat:</p><pre><code>realgap search SEARCH.ron --posterior THIS_FOLDER</code></pre>"
-        }
-    };
-    format!(
-        "{search}<p>Predict what a robot does with these values, with its odds:</p><pre><code>realgap predict ROBOT.ron --parameters THIS_FOLDER/best.ron</code></pre>"
-    )
+fn next(data: Option<&PageData>) -> String {
+    let all = data.map_or(&[][..], |data| data.next.as_slice());
+    let said = all.iter().map(|next| {
+        let (purpose, command) = (html(&next.purpose), html(&next.command));
+        format!("<p>{purpose}</p><pre><code>{command}</code></pre>")
+    });
+    said.collect()
 }
 
 fn validation(held: &Validation, unit: &str) -> String {

@@ -7,7 +7,7 @@ use crate::plot::{
     draw_stack,
 };
 use realgap_core::error::{Error, Result};
-use realgap_core::unit::{LengthUnit, Unit};
+use realgap_core::unit::{LengthUnit, Unit, number};
 use realgap_sensing::belief::{BeliefReport, DistanceBelief, TrialSet};
 use realgap_sensing::graph::{Scan, ScanLog, Sensorgraph};
 use realgap_sensing::range::{
@@ -210,7 +210,7 @@ pub fn draw_belief(found: &BeliefReport, path: impl AsRef<Path>) -> Result<()> {
     let (count, unit) = (found.readings, &found.unit);
     let rows = found.distances.iter().map(|side| StackRow {
         x: Some(AxisSpec::new(format!("distance ({unit})"), Unit::One)),
-        y_label: format!("belief at {:.4} {unit}", side.distance),
+        y_label: format!("belief at {} {unit}", number(side.distance)),
         y_unit: Unit::One,
         series: belief(side),
     });

@@ -155,10 +155,11 @@ impl<'a> Map<'a> {
             Method::Sweep => {
                 let point = self.cells[index]?;
                 let own = point.score?;
-                match point.runs >= self.study.setting_count() {
-                    true => Some(own),
-                    false => expected().or(Some(own)),
+                if point.runs >= self.study.setting_count() {
+                    return Some(own);
                 }
+                let known = self.answer.expected_with_band(&point.values);
+                Some(known.map_or(own, |(mean, _)| mean))
             }
             Method::Tune(_) => expected(),
         }
