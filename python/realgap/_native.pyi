@@ -135,7 +135,12 @@ class Study:
     def at(self, set: Dict[str, float]) -> Study: ...
     def values(self, point: Sequence[float]) -> List[float]: ...
     def sweep(
-        self, jobs: Optional[int], folder: Optional[str], mode: str, progress: _Progress
+        self,
+        jobs: Optional[int],
+        folder: Optional[str],
+        mode: str,
+        progress: _Progress,
+        audit: bool,
     ) -> Answer: ...
     def tune(
         self,
@@ -147,6 +152,7 @@ class Study:
         folder: Optional[str],
         mode: str,
         progress: _Progress,
+        audit: bool,
     ) -> Answer: ...
 
 @final

@@ -147,6 +147,7 @@ impl Search {
             results,
             finalists: Vec::new(),
             baseline: None,
+            share: None,
         })
     }
 }

@@ -285,7 +285,7 @@ impl Study {
     ) -> PyResult<Answer> {
         let mode = mode_of(mode);
         let way = Way { jobs, progress };
-        let study = &self.asked(audit);
+        let study = &Arc::new(self.asked(audit));
         running::run(py, &way, |run| {
             let answer = match folder {
                 None => study.sweep(run),
@@ -342,7 +342,7 @@ impl Study {
             }
         }
         let way = Way { jobs, progress };
-        let study = &self.asked(audit);
+        let study = &Arc::new(self.asked(audit));
         let answer = running::run(py, &way, |run| {
             let answer = match folder {
                 None => study.tune(&options, run),
@@ -365,7 +365,7 @@ impl Study {
 impl Study {
     /// The study, or one whose answers are not checked by further runs.
     fn asked(&self, audit: bool) -> calibration::Study {
-        let study = self.study.clone();
+        let study = calibration::Study::clone(&self.study);
         match audit {
             true => study,
             false => study.unaudited(),

@@ -28,7 +28,7 @@ const LEAST_EMULATOR_SHARE: f64 = 0.1;
 /// Most candidates for the best point whose settings are completed.
 const CANDIDATES: usize = 5;
 /// Points of a large map whose settings are completed.
-const SETTLED_OF_A_LARGE_MAP: usize = 20;
+const SETTLED_OF_A_LARGE_MAP: usize = 16;
 /// Points of a grid that were not simulated are candidates only where the grid has at most so many points.
 const NODES: usize = 2000;
 
@@ -306,7 +306,7 @@ pub(in crate::calibration) fn with_best_completed(
     Ok((scores, emulator))
 }
 
-/// Points whose settings are all simulated after so many runs: about twenty on a large map, whose picture is looked at, otherwise as
+/// Points whose settings are all simulated after so many runs: sixteen on a large map, whose picture is looked at, otherwise as
 /// many as cost a quarter of the runs.
 fn settled_points(study: &Study, runs: usize) -> usize {
     let settings = study.settings().count;
