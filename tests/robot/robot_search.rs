@@ -401,7 +401,7 @@ fn an_archive_is_written_and_drawn() {
 
 #[test]
 fn shipped_searches_are_sound() {
-    for name in ["best_robot", "best_tripod_gait"] {
+    for name in ["best_robot", "best_tripod_gait", "best_worm", "robot_grid"] {
         let path = project().join(format!("sweeps/{name}.ron"));
         let out = realgap().arg("check").arg(path).assert().success();
         assert!(text(&out.get_output().stdout).contains("search by"));

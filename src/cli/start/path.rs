@@ -1,6 +1,6 @@
 //! The study of recorded paths, which fits the floor.
 
-use realgap::calibration::RunStart;
+use realgap::calibration::{Commands, RunStart};
 use realgap::robot::morphology::Hinge;
 use realgap::trajectory::Recording;
 
@@ -47,10 +47,16 @@ pub(super) fn draft(subject: &Subject, recordings: &[Recording], falls: bool) ->
                 .hint(format!("{hint}, or use the part after it has landed: --crop FROM:TO")),
         );
     }
+    let hinges = subject.robot.assemble().hinges;
+    let has_commands = recordings.iter().all(|recording| {
+        let columns = Commands::default().columns_of(&hinges, &recording.trajectory);
+        !columns.is_empty()
+    });
     let mut before = match starts_as_seen {
         true if is_commanded => "    start: FromRecording, // each run starts from the first sample, as the commands do\n    commands: Commands(), // columns NAME_command_rad, each value is held until the next\n",
         true => "    start: FromRecording, // without servos, each run starts from the first sample\n",
-        false => "    start: Settled, // the robot settles on the floor, then its commands begin\n",
+        false if has_commands => "    start: Settled, // the robot settles on the floor, then its commands begin\n    commands: Commands(), // columns NAME_command_rad, each value is held until the next\n",
+        false => "    start: Settled, // the robot settles on the floor, then it moves as its own file says\n",
     }
     .to_owned();
     if starts_as_seen && !has_velocities {

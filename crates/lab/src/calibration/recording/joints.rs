@@ -132,6 +132,26 @@ fn check_names(
     Err(error)
 }
 
+/// A warning where recorded commands of the robot's servos are not used, because the study does not say so.
+pub(in crate::calibration) fn unused_commands(
+    experiment: &Experiment,
+    recording: &Recording,
+) -> Option<Warning> {
+    let commands = Commands::default();
+    let hinges = &experiment.assembly.hinges;
+    let columns = commands.columns_of(hinges, &recording.trajectory);
+    let names: Vec<&str> = columns
+        .iter()
+        .map(|command| command.column.as_str())
+        .collect();
+    (!names.is_empty()).then(|| {
+        Code::ColumnsIgnored.warning(format!(
+            "recorded commands are not used: {}; the servos follow the gait in the robot's file; with `commands: Commands()` in the study they do what was recorded",
+            names.join(", ")
+        ))
+    })
+}
+
 fn unused(names: &[&str]) -> Warning {
     let message = format!(
         "recorded joints that the robot does not have: {}",

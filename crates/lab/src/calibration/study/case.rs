@@ -133,18 +133,35 @@ fn settled(definition: &Definition, base: &Experiment) -> Result<(Vec<Case>, Vec
     experiment
         .check()
         .map_err(|e| definition.at_file(doubted(e, &definition.recordings)))?;
-    let recordings = definition.recordings.iter().enumerate();
-    let targets = recordings
-        .map(|(index, recording)| target(definition, (index, recording), duration_s, &mut warnings))
-        .collect::<Result<_>>()?;
-    Ok((
-        vec![Case {
+    let mut cases: Vec<Case> = Vec::new();
+    for (index, recording) in definition.recordings.iter().enumerate() {
+        let target = target(definition, (index, recording), duration_s, &mut warnings)?;
+        // Recordings of one start share a run, unless they were commanded differently.
+        let shares = |case: &&mut Case| {
+            let first = &definition.recordings[case.targets[0].recording].trajectory;
+            let commands = definition.commands.as_ref();
+            let hinges = &case.experiment.assembly.hinges;
+            commands
+                .is_none_or(|commands| commands.are_alike(hinges, (first, &recording.trajectory)))
+        };
+        if let Some(case) = cases.iter_mut().find(shares) {
+            case.targets.push(target);
+            continue;
+        }
+        let mut experiment = experiment.clone();
+        match &definition.commands {
+            Some(commands) => commands
+                .set_up(&mut experiment, recording)
+                .map_err(|e| definition.at_file(e))?,
+            None => warnings.extend(joints::unused_commands(&experiment, recording)),
+        }
+        cases.push(Case {
             experiment,
-            targets,
+            targets: vec![target],
             flight: Arc::default(),
-        }],
-        warnings,
-    ))
+        });
+    }
+    Ok((cases, warnings))
 }
 
 fn from_recordings(
