@@ -22,14 +22,20 @@ fn a_sweep_writes_all_files() {
     assert_eq!(
         points.lines().next(),
         Some(
-            "floor.friction,floor.restitution,score,unit,status,displacement_error_m,indistinguishable,runs"
+            "floor.friction,floor.restitution,score,unit,status,displacement_error_m,indistinguishable,runs,setting,mean_score,low,high"
         )
     );
     // The grid, and up to three waves of as many points between its own.
     let count = points.lines().count() - 1;
     assert!((9..=9 + 3 * 9).contains(&count), "{count}");
     assert_eq!(read(&out, "scores.csv").lines().count(), 1 + count * 10);
-    for picture in ["heatmap.png", "heatmap.svg", "trajectories.png"] {
+    for picture in [
+        "heatmap.png",
+        "heatmap.svg",
+        "heatmap_runs.png",
+        "heatmap_uncertainty.png",
+        "trajectories.png",
+    ] {
         assert!(
             std::fs::metadata(out.join(picture)).unwrap().len() > 5_000,
             "{picture}"
@@ -163,7 +169,10 @@ fn a_diverged_point_has_no_score_and_never_wins() {
         .assert()
         .success();
     let points = read(&out, "points.csv");
-    assert!(points.contains("\n0,,m,diverged,,false,0\n"), "{points}");
+    assert!(
+        points.contains("\n0,,m,diverged,,false,0,,,,\n"),
+        "{points}"
+    );
     assert_eq!(summary(&out)["best"]["parameters"]["floor.friction"], 10.0);
     assert_eq!(summary(&out)["diverged"], 1);
 }

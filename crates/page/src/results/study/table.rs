@@ -39,7 +39,8 @@ pub(super) fn points(study: &Study, answer: &Answer) -> CsvTable {
                 _ => String::new(),
             },
         ];
-        let expected = answer.expected_with_band(&point.values);
+        // Nothing is expected of a point whose simulation diverged.
+        let expected = point.score.and(answer.expected_with_band(&point.values));
         let is_settled = point.runs >= settings;
         let (mean, ends) = match (expected, is_settled) {
             (Some((mean, ends)), false) => (Some(mean), Some(ends)),
