@@ -3,7 +3,7 @@
 use realgap::Advice;
 use realgap::file::{Seal, versioned_json};
 use realgap::plot::number;
-use realgap::results::{check_seal, ranked_points};
+use realgap::results::{RankedPoints, check_seal, ranked_points};
 use realgap::store::{Cell, FolderLock, Listing};
 use realgap::text::{cell, shown};
 
@@ -130,7 +130,7 @@ fn table(listing: &Listing, rows: usize) -> String {
 /// The points, with their means over all settings.
 fn table_of_points(
     listing: &Listing,
-    (header, rows): (Vec<String>, Vec<Vec<String>>),
+    RankedPoints { header, rows }: RankedPoints,
     top: Option<usize>,
 ) -> String {
     let mut table = TextTable::new(header.iter().map(|name| (name.as_str(), Side::Right)));

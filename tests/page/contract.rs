@@ -142,7 +142,10 @@ fn check(seed: u64, method: &str) {
     for row in rows.iter().filter(|row| row.runs >= settings) {
         assert!(row.mean.unwrap() >= best.score, "{what}");
     }
-    let (header, ranked) = results::ranked_points(&out).unwrap().unwrap();
+    let results::RankedPoints {
+        header,
+        rows: ranked,
+    } = results::ranked_points(&out).unwrap().unwrap();
     let score = header.iter().position(|name| name == "mean_score").unwrap();
     assert_eq!(
         ranked[0][score].parse::<f64>().unwrap(),

@@ -278,12 +278,20 @@ impl Points {
     }
 }
 
-/// The table of the points of a sweep or a tuning, the best first: its header, then its rows as they stand in `points.csv`. `None` for a
-/// folder that has no means over settings.
+/// The points of a sweep or a tuning, the best first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RankedPoints {
+    /// The names of the columns.
+    pub header: Vec<String>,
+    /// The rows as they stand in `points.csv`.
+    pub rows: Vec<Vec<String>>,
+}
+
+/// The table of the points of a sweep or a tuning, the best first. `None` for a folder that has no means over settings.
 ///
 /// # Errors
 /// A file that cannot be read, or a value that is not a number.
-pub fn ranked_points(folder: &Path) -> Result<Option<(Vec<String>, Vec<Vec<String>>)>> {
+pub fn ranked_points(folder: &Path) -> Result<Option<RankedPoints>> {
     let table = CsvTable::read(folder, file::POINTS)?;
     if table.column("mean_score").is_none() {
         return Ok(None);
@@ -295,7 +303,10 @@ pub fn ranked_points(folder: &Path) -> Result<Option<(Vec<String>, Vec<Vec<Strin
     let header = table.header().into_iter().map(str::to_owned).collect();
     let rows = points.ranked().into_iter();
     let rows = rows.map(|position| table.rows()[position].clone());
-    Ok(Some((header, rows.collect())))
+    Ok(Some(RankedPoints {
+        header,
+        rows: rows.collect(),
+    }))
 }
 
 /// The profiles of a table: its rows up to the next parameter are one curve.

@@ -21,7 +21,7 @@ use realgap_core::error::{Error, Result};
 use realgap_lab::calibration::{Answer, Method, Study};
 
 pub use best::draws;
-pub use data::ranked_points;
+pub use data::{RankedPoints, ranked_points};
 
 /// Writes what an answer holds into `folder`, next to the store where there is one: tables, pictures, the report, the best
 /// values. They take the place of older results once all of them are written. Returned is what the page of the folder shows.
