@@ -151,11 +151,17 @@ impl HeatMap {
             best_text(unit, self.best_score.or(self.score(ix, iy)), &place)
         });
         let best = best.map(|text| (Symbol::Star, text));
-        let count = self.indistinguishable.iter().filter(|is| **is).count();
         let alike = alike_text(&self.indistinguishable).map(|text| {
+            let count = self.indistinguishable.iter().filter(|is| **is).count();
+            let all = self.scores.len();
+            // Where most cells belong to the set, what is outlined are its holes.
+            let part = match 2 * count > all && count < all {
+                true => ", all but the outlined patches",
+                false => "",
+            };
             (
                 Symbol::Outline,
-                format!("{text} ({count} of {} cells)", self.scores.len()),
+                format!("{text} ({count} of {all} cells{part})"),
             )
         });
         let mut entries: Vec<_> = best.into_iter().chain(alike).collect();
