@@ -142,6 +142,10 @@ fn check(seed: u64, method: &str) {
     for row in rows.iter().filter(|row| row.runs >= settings) {
         assert!(row.mean.unwrap() >= best.score, "{what}");
     }
+    // A run with one setting is no mean over all of them.
+    for row in rows.iter().filter(|row| row.runs < settings) {
+        assert!(row.mean.is_none() || row.mean != row.score, "{what}");
+    }
     let results::RankedPoints {
         header,
         rows: ranked,

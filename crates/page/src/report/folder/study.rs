@@ -227,7 +227,10 @@ fn table_of_points(points: &Points, unit: &str) -> String {
     let rows = points.ranked().into_iter().map(|position| {
         let point = &points.points[position];
         let mut row: Vec<String> = point.values.iter().map(|v| number(*v)).collect();
-        row.push(measured(point.mean(), unit));
+        row.push(match has_means {
+            true => measured(point.mean_score, unit),
+            false => measured(point.score, unit),
+        });
         if has_means {
             row.push(shown(point.band.map(|(low, high)| span(low, high, unit))));
             row.push(match (point.is_settled(), point.setting) {

@@ -42,7 +42,7 @@ impl Point {
 
     /// Whether the point was simulated with all equally valid settings, so that its mean is not only expected.
     pub(crate) fn is_settled(&self) -> bool {
-        self.mean_score.is_none_or(|mean| Some(mean) == self.score)
+        self.mean_score.is_some() && self.mean_score == self.score
     }
 }
 
@@ -137,10 +137,7 @@ impl StudyTables {
 
     /// The values in the tables; `folder` is for the message.
     fn data(&self, folder: &Path) -> Result<StudyData> {
-        let points = Points::of(&self.points).map_err(|line| {
-            let error = Error::invalid("a value is not a number");
-            error.at_file(folder.join(file::POINTS)).at_line(line, 1)
-        })?;
+        let points = Points::in_folder(&self.points, folder)?;
         Ok(StudyData {
             points,
             paths: None,
@@ -255,13 +252,21 @@ impl Points {
         })
     }
 
+    /// As [`Points::of`]; the error names the file in this folder.
+    fn in_folder(table: &CsvTable, folder: &Path) -> Result<Self> {
+        Self::of(table).map_err(|line| {
+            let error = Error::invalid("a value is not a number");
+            error.at_file(folder.join(file::POINTS)).at_line(line, 1)
+        })
+    }
+
     /// The positions of the points, the best first: those that were simulated with all settings, then the others, each by their mean
     /// score. A mean that is only expected does not put a point above the best.
     pub(crate) fn ranked(&self) -> Vec<usize> {
         let key = |at: &usize| {
             let point = &self.points[*at];
             let mean = point.mean().unwrap_or(f64::INFINITY);
-            (!point.is_settled() || point.mean().is_none(), mean)
+            (!point.is_settled(), mean)
         };
         let mut order: Vec<usize> = (0..self.points.len()).collect();
         order.sort_by(|a, b| {
@@ -296,10 +301,7 @@ pub fn ranked_points(folder: &Path) -> Result<Option<RankedPoints>> {
     if table.column("mean_score").is_none() {
         return Ok(None);
     }
-    let points = Points::of(&table).map_err(|line| {
-        let error = Error::invalid("a value is not a number");
-        error.at_file(folder.join(file::POINTS)).at_line(line, 1)
-    })?;
+    let points = Points::in_folder(&table, folder)?;
     let header = table.header().into_iter().map(str::to_owned).collect();
     let rows = points.ranked().into_iter();
     let rows = rows.map(|position| table.rows()[position].clone());

@@ -24,7 +24,7 @@ pub(super) fn draw(
     if answer.scores.points.is_empty() {
         return Ok(());
     }
-    let map = Map::new(study, answer);
+    let map = Map::new(study, answer, data);
     let ranges = study.definition().grid.ranges();
     if ranges.len() > 1 {
         map.draw_profiles(draft, data)?;
@@ -84,12 +84,14 @@ struct Map<'a> {
     score: ScoreName,
     /// The point that each cell of the grid shows; empty for an optimizer with more than two parameters.
     cells: Vec<Option<&'a PointScore>>,
+    /// Of a sweep: the row of the table that each cell of the grid shows.
+    rows: BTreeMap<usize, &'a Point>,
     /// Cells with something that cannot be told from the best.
     alike: BTreeSet<usize>,
 }
 
 impl<'a> Map<'a> {
-    fn new(study: &'a Study, answer: &'a Answer) -> Self {
+    fn new(study: &'a Study, answer: &'a Answer, data: &'a StudyData) -> Self {
         let report = &answer.report;
         let definition = study.definition();
         let cells = cells(study, answer);
@@ -117,6 +119,13 @@ impl<'a> Map<'a> {
                 true => BTreeSet::new(),
                 false => in_set(study, answer),
             },
+            rows: answer
+                .scores
+                .points
+                .iter()
+                .map(|point| point.index)
+                .zip(&data.points.points)
+                .collect(),
             cells,
         }
     }
@@ -150,18 +159,9 @@ impl<'a> Map<'a> {
 
     /// The score that the colour of a cell shows: the mean over all equally valid settings, simulated or as all runs let expect.
     fn score(&self, index: usize) -> Option<f64> {
-        let expected = || self.answer.expected_score(&self.grid().values(index));
         match self.answer.method {
-            Method::Sweep => {
-                let point = self.cells[index]?;
-                let own = point.score?;
-                if point.runs >= self.study.setting_count() {
-                    return Some(own);
-                }
-                let known = self.answer.expected_with_band(&point.values);
-                Some(known.map_or(own, |(mean, _)| mean))
-            }
-            Method::Tune(_) => expected(),
+            Method::Sweep => self.rows.get(&index)?.mean(),
+            Method::Tune(_) => self.answer.expected_score(&self.grid().values(index)),
         }
     }
 
@@ -244,7 +244,14 @@ impl<'a> Map<'a> {
     /// Half of the width of the score's 90 % interval over both parameters; `None` where no interval is known.
     fn uncertainty(&self) -> Option<HeatMap> {
         let half = |index: usize| {
-            let (_, (low, high)) = self.answer.expected_with_band(&self.grid().values(index))?;
+            let band = match self.answer.method {
+                Method::Sweep => self.rows.get(&index)?.band,
+                Method::Tune(_) => {
+                    let expected = self.answer.expected_with_band(&self.grid().values(index));
+                    expected.map(|(_, band)| band)
+                }
+            };
+            let (low, high) = band?;
             Some(0.5 * (high - low))
         };
         let scores: Vec<Option<f64>> = self.cells_of_plane().map(half).collect();

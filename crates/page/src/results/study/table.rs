@@ -45,7 +45,9 @@ pub(super) fn points(study: &Study, answer: &Answer) -> CsvTable {
         let (mean, ends) = match (expected, is_settled) {
             (Some((mean, ends)), false) => (Some(mean), Some(ends)),
             (Some((_, ends)), true) => (point.score, Some(ends)),
-            (None, _) => (point.score, None),
+            (None, true) => (point.score, None),
+            // What is not known stays empty: a single run is no mean.
+            (None, false) => (None, None),
         };
         let ends = [ends.map(|(low, _)| low), ends.map(|(_, high)| high)];
         let found = [found, vec![number(mean)], ends.map(number).to_vec()].concat();
