@@ -59,6 +59,11 @@ const LAWS: &[Choice<AssumedLaw>] = &[
         AssumedLaw::Torque,
         "A spring with damping, which yields under load",
     ),
+    (
+        "direct",
+        AssumedLaw::Direct,
+        "A motor that exerts the commanded torque",
+    ),
 ];
 
 fn package(text: &str) -> std::result::Result<(String, PathBuf), String> {
@@ -107,6 +112,7 @@ impl Import {
             passive: self.passive,
             law: self.law,
             hulls: self.hulls.into(),
+            ..Options::default()
         };
         let (robot, notes) = Morphology::import(&source, &options)?;
         let text = text(&self.robot, &robot, &notes)?;

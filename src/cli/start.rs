@@ -1,12 +1,14 @@
 //! `realgap start`: makes a study of the user's files, and prints every guess with its evidence.
 
+mod drive;
 mod joint;
 mod noise;
 mod path;
+mod rehearsal;
 
 use std::io::{BufRead as _, IsTerminal as _};
 
-use realgap::calibration::{Overrides, Study};
+use realgap::calibration::{Overrides, UnusedColumns};
 use realgap::file::{Source, write_ron};
 use realgap::prediction::ensemble::rms_m;
 use realgap::robot::import::is_foreign;
@@ -16,6 +18,8 @@ use realgap::trajectory::{
 
 use super::kit::*;
 use super::shell;
+use drive::Drive;
+use rehearsal::{Rehearsed, rehearse};
 
 /// Make a study of your own recordings and your robot, and detect how the files must be read
 ///
@@ -42,6 +46,9 @@ pub struct Start {
     /// The robot is a cube: its edge in metres and its mass in kilograms
     #[arg(long, num_args = 2, value_names = ["SIDE_M", "MASS_KG"])]
     cube: Option<Vec<f64>>,
+    /// The recorded robot ran the gait of its own file; needed for wheels without recorded commands
+    #[arg(long)]
+    own_gait: bool,
     #[command(flatten)]
     reading: ReadingOptions,
     /// File of the study; a robot made by --cube is written beside it
@@ -55,6 +62,10 @@ struct Draft {
     head: String,
     /// Its fields before the parameters.
     before: String,
+    /// The timestep, seconds; else the program's own.
+    timestep_s: Option<f64>,
+    /// Length of windows and the interval between them, seconds; else whole recordings.
+    horizon: Option<(f64, f64)>,
     /// One line per parameter.
     parameters: String,
     /// Its fields after them.
@@ -89,26 +100,40 @@ impl Start {
         for path in &subject.recordings {
             recordings.extend(read_all(path, &guess.reading)?);
         }
-        let draft = match recordings.iter().all(|r| r.trajectory.is_of_joints()) {
-            true => joint::draft(&mut subject, &recordings, &self.output)?,
-            false => path::draft(&subject, &recordings, guess.has_free_fall)?,
+        let drive = Drive::find(&mut subject, &recordings, &self.output, self.own_gait)?;
+        let mut draft = match recordings.iter().all(|r| r.trajectory.is_of_joints()) {
+            true => joint::draft(&subject, &recordings, &drive)?,
+            false => path::draft(&subject, &recordings, guess.has_free_fall, &drive)?,
         };
-        let text = self.text(&subject, &guess, &draft)?;
-        let source = Source::new(&self.output, text.clone());
-        let checked = Study::parse(&source, &Overrides::default())?;
+        draft.clues.splice(0..0, drive.clues);
+        let Rehearsed {
+            text,
+            study,
+            doubts,
+        } = rehearse(&mut draft, &self.output, |draft| {
+            self.text(&subject, &guess, draft)
+        })?;
         output::write_ron(&self.output, &text)?;
-        terminal::print_warnings(checked.warnings());
-        let clues = said(&guess, &draft).map(|(what, because)| format!("  {what}: {because}"));
-        let mut lines = vec![format!(
+        terminal::print_warnings(study.warnings());
+        let mut lines: Vec<String> = doubts
+            .iter()
+            .map(|doubt| format!("doubt: {doubt}"))
+            .collect();
+        lines.push(format!(
             "{} of {}, read as follows:",
             counted(recordings.len(), "recording"),
             subject.robot.name()
-        )];
-        lines.extend(clues);
+        ));
+        lines.extend(said(&guess, &draft).map(|(what, because)| format!("  {what}: {because}")));
+        lines.extend(study.unused_columns()?.iter().map(unused));
         lines.extend(alike(&recordings));
         lines.push(format!(
-            "written {}, which is valid; next: realgap {}",
+            "written {}, {}; next: realgap {}",
             self.output.display(),
+            match doubts.is_empty() {
+                true => "which is valid",
+                false => "which is valid, but answers nothing before these doubts are settled",
+            },
             draft
                 .next
                 .replace("STUDY", &shell::path(&self.output).to_string())
@@ -207,8 +232,17 @@ impl Start {
                     .replace('\n', "\n    ")
             ),
         };
+        let mut timing = String::new();
+        if let Some(timestep_s) = draft.timestep_s {
+            timing += &format!("    timestep_s: {timestep_s:?},\n");
+        }
+        if let Some((length_s, every_s)) = draft.horizon {
+            timing += &format!(
+                "    horizon: ({length_s:?}, {every_s:?}), // windows of {length_s} s, one every {every_s} s\n"
+            );
+        }
         Ok(format!(
-            "{}Study(\n    description: \"made by realgap start\",\n    morphology: {},\n    recordings: [\n{names}    ],\n{clues}{reading}{}    parameters: [ // `realgap study parameters` lists all parameters\n{}    ],\n{})\n",
+            "{}Study(\n    description: \"made by realgap start\",\n    morphology: {},\n    recordings: [\n{names}    ],\n{clues}{reading}{}{timing}    parameters: [ // `realgap study parameters` lists all parameters\n{}    ],\n{})\n",
             draft.head,
             self.named(&subject.robot_file)?,
             draft.before,
@@ -217,6 +251,16 @@ impl Start {
         )
         .replace("STUDY", &self.output.display().to_string()))
     }
+}
+
+/// A line about recorded columns that the study does not use.
+fn unused(unused: &UnusedColumns) -> String {
+    format!(
+        "  not used: {}: {}; {}",
+        unused.columns.join(", "),
+        unused.because,
+        unused.remedy
+    )
 }
 
 /// Every guess with its evidence.

@@ -78,6 +78,15 @@ impl CommandTrack {
         Self { between, ..self }
     }
 
+    /// The same commands, each multiplied by `factor`.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self {
+            values: self.values.iter().map(|value| factor * value).collect(),
+            ..self.clone()
+        }
+    }
+
     /// The same commands with a column that switches the servo: on where the value is not 0, one value per command.
     #[must_use]
     pub fn switched(mut self, on: &[f64]) -> Self {

@@ -1,13 +1,12 @@
 //! The study of joint logs: commands of the joints, and the servo parameters to fit.
 
 use realgap::calibration::{Commands, RunStart, Unmatched};
-use realgap::robot::import::{AssumedLaw, Options, is_foreign};
 use realgap::robot::morphology::{Freedom, Hinge, ServoLaw, Summary};
+use realgap::simulation::parameter::by_name;
 use realgap::trajectory::{Recording, Trajectory};
 
-use super::super::import;
 use super::super::kit::*;
-use super::{Draft, Subject, noise};
+use super::{Draft, Drive, Subject, noise};
 
 /// Words that occur in the names of command columns.
 const GOALS: [&str; 5] = ["command", "goal", "target", "setpoint", "cmd"];
@@ -16,38 +15,15 @@ const RUNS: usize = 5;
 /// Least number of steps between two samples, and the longest step, seconds.
 const STEPS: f64 = 2.0;
 const LONGEST_STEP_S: f64 = 0.01;
+/// The largest torque of a servo that fits a robot, as a multiple of the torque of its weight at its whole length.
+const SERVO: f64 = 2.0;
 
-/// Whether a recording holds the commands of a servo of the robot.
-pub(super) fn is_commanded(robot: &Morphology, recordings: &[Recording]) -> bool {
-    let hinges = robot.assemble().hinges;
-    let has_commands = |r: &Recording| {
-        !Commands::default()
-            .columns_of(&hinges, &r.trajectory)
-            .is_empty()
-    };
-    recordings.iter().any(has_commands)
-}
-
-/// The study of servos and joints. A free robot of another program is held, and written beside the study.
+/// The study of servos and joints.
 ///
 /// # Errors
-/// A robot that cannot be held, or has none of the recorded joints.
-pub(super) fn draft(
-    subject: &mut Subject,
-    recordings: &[Recording],
-    study: &Path,
-) -> Result<Draft> {
+/// A robot that has none of the recorded joints.
+pub(super) fn draft(subject: &Subject, recordings: &[Recording], drive: &Drive) -> Result<Draft> {
     let mut clues = Vec::new();
-    if subject.robot.assemble().world_from_mount.is_none() && is_foreign(&subject.robot_file) {
-        hold(subject, study)?;
-        clues.push((
-            "the root is held, and servos are springs with damping",
-            format!(
-                "joints alone were recorded, and the robot's file does not state the law of its servos ({} now does)",
-                subject.robot_file.display()
-            ),
-        ));
-    }
     let hinges = subject.robot.assemble().hinges;
     let motion = &recordings[0].trajectory;
     let Unmatched {
@@ -94,7 +70,8 @@ pub(super) fn draft(
     let parameters: Vec<(String, f64, f64)> = recorded
         .iter()
         .flat_map(|hinge| ranges(hinge, has_command(hinge), &summary))
-        .collect();
+        .map(within_bounds)
+        .collect::<Result<_>>()?;
     let is_any_commanded = recorded.iter().any(|hinge| has_command(hinge));
     let commands = only.map(|column| (recorded[0].name.as_str(), column));
     let budget = RUNS * (parameters.len() + RUNS);
@@ -109,7 +86,9 @@ pub(super) fn draft(
 //   realgap {tune}     and which of them do these motions determine?
 "
         ),
-        before: before(motion, commands, is_any_commanded, &left_out),
+        before: before(commands, is_any_commanded, &left_out, drive),
+        timestep_s: Some(timestep_s(motion)),
+        horizon: None,
         parameters: parameters
             .iter()
             .map(|(name, from, to)| {
@@ -124,13 +103,11 @@ pub(super) fn draft(
 
 /// The fields before the parameters; `commands` is the servo and the only column of goals, where that is not called after it.
 fn before(
-    motion: &Trajectory,
     commands: Option<(&str, &str)>,
     is_any_commanded: bool,
     left_out: &[&str],
+    drive: &Drive,
 ) -> String {
-    let sample_s = motion.duration_s() / (motion.times_s().len() - 1) as f64;
-    let timestep_s = floored((sample_s / STEPS).min(LONGEST_STEP_S));
     let mut before =
         "    start: FromRecording, // each run starts with the first recorded angles\n".to_owned();
     if let Some((hinge, column)) = commands {
@@ -138,32 +115,31 @@ fn before(
             "    commands: Commands(columns: [(hinge: {hinge:?}, column: {column:?})]), // each value is held until the next\n"
         );
     } else if is_any_commanded {
-        before += "    commands: Commands(), // columns NAME_command_rad, each value is held until the next\n";
+        before += "    commands: Commands(), // columns NAME_command_rad, NAME_command_rad_s or NAME_command_nm, held until the next\n";
     }
     if !left_out.is_empty() {
         before += &format!("    left_out: {left_out:?},\n");
     }
+    let gait = match drive.gait_values() {
+        "" => String::new(),
+        values => format!(", {values}"),
+    };
     before += &format!(
-        "    timestep_s: {timestep_s:?}, // at least {STEPS} steps per sample\n    set: {{\"solver.engine\": 1}}, // the tree solver, which simulates joints in a fraction of Rapier's time\n"
+        "    set: {{\"solver.engine\": 1{gait}}}, // the tree solver, which simulates joints in a fraction of Rapier's time\n"
     );
     before
 }
 
-/// Reads the robot again with its root held, and its assumed servos as springs, because the servos of arms yield under load.
-fn hold(subject: &mut Subject, study: &Path) -> Result<()> {
-    let source = import::source(&subject.robot_file)?;
-    let options = Options {
-        mounted: true,
-        law: AssumedLaw::Torque,
-        ..Options::default()
-    };
-    let (robot, notes) = Morphology::import(&source, &options)?;
-    let stem = study.file_stem().unwrap_or_default().to_string_lossy();
-    let file = study.with_file_name(format!("{stem}_robot.ron"));
-    output::write_ron(&file, &import::text(&subject.robot_file, &robot, &notes)?)?;
-    subject.robot = robot;
-    subject.robot_file = file;
-    Ok(())
+/// At least [`STEPS`] steps per sample.
+fn timestep_s(motion: &Trajectory) -> f64 {
+    let sample_s = motion.duration_s() / (motion.times_s().len() - 1) as f64;
+    floored((sample_s / STEPS).min(LONGEST_STEP_S))
+}
+
+/// The part of a range that the parameter allows.
+fn within_bounds((name, from, to): (String, f64, f64)) -> Result<(String, f64, f64)> {
+    let (low, high) = by_name(&name)?.bounds;
+    Ok((name, from.clamp(low, high), to.clamp(low, high)))
 }
 
 /// The parameters to fit at a joint, with ranges around the values in the robot's file, or of what a servo of this size may have.
@@ -177,10 +153,11 @@ fn ranges(hinge: &Hinge, has_command: bool, summary: &Summary) -> Vec<(String, f
         )
     };
     let mut all = Vec::new();
-    // The torque that gravity may have about a joint without a servo.
-    let mut torque_nm = summary.mass_kg * 9.81 * summary.body_length_m;
+    // The torque that gravity may have about a joint. The limit of a servo may be far above it, where a file states no limit.
+    let gravity_nm = summary.mass_kg * 9.81 * summary.body_length_m;
+    let mut torque_nm = gravity_nm;
     if let Some(actuator) = hinge.actuator {
-        torque_nm = actuator.servo.max_torque_nm;
+        torque_nm = actuator.servo.max_torque_nm.min(SERVO * gravity_nm);
         match actuator.servo.law {
             ServoLaw::Velocity { gain_per_s } => all.push(around("gain_1_s", gain_per_s)),
             ServoLaw::Torque {
@@ -221,6 +198,22 @@ fn ranges(hinge: &Hinge, has_command: bool, summary: &Summary) -> Vec<(String, f
         ));
     }
     all
+}
+
+/// The only column of commands of a robot with one servo and other names, in a recording of joints.
+pub(super) fn only_command_of<'a>(hinges: &[Hinge], motion: &'a Trajectory) -> Option<&'a str> {
+    let unmatched = Unmatched::of(hinges, motion, Some(&Commands::default()));
+    let strange: Vec<&str> = motion
+        .joints()
+        .iter()
+        .map(|joint| joint.name.as_str())
+        .chain(motion.signals().iter().map(|signal| signal.name.as_str()))
+        .filter(|name| unmatched.columns.contains(name))
+        .collect();
+    let recorded = hinges
+        .iter()
+        .filter(|hinge| motion.joint(&hinge.name).is_some());
+    only_command(&recorded.collect::<Vec<_>>(), &strange)
 }
 
 /// The only column of commands of a robot with one servo, where the column is not named after the servo.

@@ -1,18 +1,22 @@
 //! The study of recorded paths, which fits the floor.
 
-use realgap::calibration::{Commands, RunStart};
+use realgap::calibration::RunStart;
 use realgap::robot::morphology::Hinge;
 use realgap::trajectory::Recording;
 
 use super::super::kit::*;
-use super::joint::is_commanded;
-use super::{Draft, Subject, noise};
+use super::{Draft, Drive, Subject, noise};
 
 /// The study of friction and restitution; `falls` says that the recordings fall freely.
 ///
 /// # Errors
 /// Recordings that fall freely, of a robot that stands on the floor when its run begins.
-pub(super) fn draft(subject: &Subject, recordings: &[Recording], falls: bool) -> Result<Draft> {
+pub(super) fn draft(
+    subject: &Subject,
+    recordings: &[Recording],
+    falls: bool,
+    drive: &Drive,
+) -> Result<Draft> {
     let is_posed = recordings.iter().all(|recording| {
         let motion = &recording.trajectory;
         !motion.is_planar() && motion.orientations_world_from_body().is_some()
@@ -26,7 +30,8 @@ pub(super) fn draft(subject: &Subject, recordings: &[Recording], falls: bool) ->
         hinge.actuator.is_none() && recordings.iter().all(is_known)
     };
     let is_thrown = is_posed && subject.robot.assemble().hinges.iter().all(is_passive);
-    let is_commanded = is_posed && is_commanded(&subject.robot, recordings);
+    let has_commands = !drive.commanded.is_empty();
+    let is_commanded = is_posed && has_commands;
     let starts_as_seen = is_thrown || is_commanded;
     if falls && !starts_as_seen {
         let (found, hint) = match is_posed {
@@ -47,20 +52,22 @@ pub(super) fn draft(subject: &Subject, recordings: &[Recording], falls: bool) ->
                 .hint(format!("{hint}, or use the part after it has landed: --crop FROM:TO")),
         );
     }
-    let hinges = subject.robot.assemble().hinges;
-    let has_commands = recordings.iter().all(|recording| {
-        let columns = Commands::default().columns_of(&hinges, &recording.trajectory);
-        !columns.is_empty()
-    });
     let mut before = match starts_as_seen {
-        true if is_commanded => "    start: FromRecording, // each run starts from the first sample, as the commands do\n    commands: Commands(), // columns NAME_command_rad, each value is held until the next\n",
+        true if is_commanded => "    start: FromRecording, // each run starts from the first sample, as the commands do\n    commands: Commands(), // columns NAME_command_rad, NAME_command_rad_s or NAME_command_nm, held until the next\n",
         true => "    start: FromRecording, // without servos, each run starts from the first sample\n",
-        false if has_commands => "    start: Settled, // the robot settles on the floor, then its commands begin\n    commands: Commands(), // columns NAME_command_rad, each value is held until the next\n",
-        false => "    start: Settled, // the robot settles on the floor, then it moves as its own file says\n",
+        false if has_commands => "    start: Settled, // the robot settles on the floor, then its commands begin\n    commands: Commands(), // columns NAME_command_rad, NAME_command_rad_s or NAME_command_nm, held until the next\n",
+        false if drive.has_own_gait => "    start: Settled, // the robot settles on the floor, then it moves by the gait of its own file\n",
+        false => "    start: Settled, // the robot settles on the floor, where nothing drives it\n",
     }
     .to_owned();
     if starts_as_seen && !has_velocities {
         before += "    start_state: HalfSampleCorrected, // no velocities are recorded: they are computed from differences\n";
+    }
+    if drive.has_own_gait {
+        before += &format!(
+            "    set: {{{}}}, // the gait of the robot's own file drives it\n",
+            drive.gait_values()
+        );
     }
     let metric = if is_thrown { "pose" } else { "rms" };
     let start = match starts_as_seen {
@@ -77,6 +84,8 @@ pub(super) fn draft(subject: &Subject, recordings: &[Recording], falls: bool) ->
 "
         .to_owned(),
         before,
+        timestep_s: None,
+        horizon: None,
         parameters: "        (name: \"floor.friction\", from: 0.05, to: 1.0, points: 11),\n        (name: \"floor.restitution\", from: 0.0, to: 0.8, points: 11),\n".to_owned(),
         after: format!(
             "    metric: \"{metric}\",\n    // On a slope, between walls or beside other bodies directions matter: align: World,\n{noise}"

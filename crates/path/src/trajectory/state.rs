@@ -211,7 +211,7 @@ impl Trajectory {
     ///
     /// # Errors
     /// A number of values that differs from the number of samples, or non-finite ones.
-    pub(crate) fn with_signals(mut self, signals: Vec<Signal>) -> Result<Self> {
+    pub fn with_signals(mut self, signals: Vec<Signal>) -> Result<Self> {
         for signal in &signals {
             let finite = signal.values.iter().all(|value| value.is_finite());
             let what = format!("values of `{}`", signal.name);

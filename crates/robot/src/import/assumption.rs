@@ -16,6 +16,8 @@ pub enum AssumedLaw {
     Velocity,
     /// The servo is a spring with damping, as the position loops of most small servos are: a load deflects it.
     Torque,
+    /// The motor exerts the torque that is commanded.
+    Direct,
 }
 
 impl AssumedLaw {
@@ -29,18 +31,20 @@ impl AssumedLaw {
                 stiffness_nm_rad: max_torque_nm / FULL_RAD,
                 damping_nm_s_rad: max_torque_nm / FULL_RAD / GAIN_1_S,
             },
+            Self::Direct => ServoLaw::Direct,
         }
     }
 
-    /// Description of the assumed law, as the middle of a sentence.
+    /// Description of the assumed law, as the predicate of a sentence about a servo.
     pub(super) fn words(self) -> String {
         match self {
             Self::Velocity => format!(
-                "each turns to its command at {GAIN_1_S} 1/s times its error, without a speed limit where no velocity above 0 is stated,"
+                "turns to its command at {GAIN_1_S} 1/s times its error, without a speed limit where no velocity above 0 is stated,"
             ),
             Self::Torque => format!(
-                "each is a spring that exerts its effort limit at an error of {FULL_RAD}, damped to follow at {GAIN_1_S} 1/s,"
+                "is a spring that exerts its effort limit at an error of {FULL_RAD}, damped to follow at {GAIN_1_S} 1/s,"
             ),
+            Self::Direct => "exerts the commanded torque".to_owned(),
         }
     }
 }

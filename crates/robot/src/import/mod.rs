@@ -22,6 +22,7 @@
 //! ```
 
 mod assumption;
+mod driven;
 mod element;
 mod mesh;
 mod mjcf;
@@ -54,10 +55,14 @@ pub struct Options {
     pub packages: Vec<(String, PathBuf)>,
     /// Whether the root is fixed to the world, even if the file does not say so.
     pub mounted: bool,
+    /// Whether a root that is held is lifted so high that no posture reaches the floor.
+    pub lifted: bool,
     /// Whether joints stay passive for which a URDF states only the limits of a servo.
     pub passive: bool,
     /// The control law that is assumed for servos of which a URDF states only the limits.
     pub law: AssumedLaw,
+    /// Joints that recordings command, each with the law of its servo: it replaces `law`, and a joint without a servo gets one.
+    pub driven: BTreeMap<String, AssumedLaw>,
     /// Largest number of convex hulls into which a mesh is split; with 0 or 1 the mesh is replaced by its convex hull.
     pub hulls: usize,
 }

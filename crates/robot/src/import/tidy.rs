@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::Isometry3;
 use parry3d_f64::query;
 
-use super::Options;
 use super::note::Notes;
+use super::{Options, driven};
 use crate::morphology::body::{JointKind, MAX_BODIES, Pose, Structure, solid_surface};
 use crate::morphology::{Assembly, Module, Morphology, Solid};
 
@@ -14,6 +14,24 @@ use crate::morphology::{Assembly, Module, Morphology, Solid};
 const DEEPEST_M: f64 = 1e-4;
 /// The import adds a doubt about a robot that is longer than this, metres.
 const LARGEST_M: f64 = 50.0;
+
+/// A distance from the root that no part of the robot exceeds in any posture, metres: the sum of the distances between joints and
+/// of their travels, and the size of the robot.
+fn reach_m(structure: &Structure) -> f64 {
+    let links_m = structure.joints.iter().map(|joint| {
+        let (x, y, z) = joint.pose.at_m;
+        let travel_m = match joint.kind {
+            JointKind::Slide { limits_m, .. } => {
+                limits_m.map_or(0.0, |(low, high)| low.abs().max(high.abs()))
+            }
+            _ => 0.0,
+        };
+        (x * x + y * y + z * z).sqrt() + travel_m
+    });
+    let size_m = Morphology::of_bodies(structure.clone())
+        .map_or(0.0, |robot| robot.summary().size_m().norm());
+    links_m.sum::<f64>() + size_m
+}
 
 /// Cleans up an imported robot.
 pub(super) fn tidy(structure: &mut Structure, options: &Options, notes: &mut Notes) {
@@ -27,6 +45,15 @@ pub(super) fn tidy(structure: &mut Structure, options: &Options, notes: &mut Not
     if options.mounted && structure.mount.is_none() {
         structure.mount = Some(Pose::default());
     }
+    let height_m = if options.lifted {
+        reach_m(structure)
+    } else {
+        0.0
+    };
+    if let Some(mount) = &mut structure.mount {
+        mount.at_m.2 += height_m;
+    }
+    driven::drive(structure, options, notes);
     let moving: BTreeSet<&str> = structure
         .joints
         .iter()

@@ -201,8 +201,9 @@ impl Robot<'_> {
     ) -> Result<()> {
         let place = self.reader.place;
         let mimic = child(node, "mimic");
+        let driven = self.reader.options.driven.get(name).copied();
         if effort <= 0.0 {
-            self.passive += 1;
+            self.passive += usize::from(driven.is_none());
             if let Some(mimic) = mimic {
                 let what =
                     format!("the mimic relation of joint `{name}`, which states no effort above 0");
@@ -237,7 +238,7 @@ impl Robot<'_> {
         }
         let max_torque_nm = effort.min(MOST);
         let servo = Servo {
-            law: self.reader.options.law.of(max_torque_nm),
+            law: driven.unwrap_or(self.reader.options.law).of(max_torque_nm),
             max_torque_nm,
             max_speed_rad_s: if velocity > 0.0 {
                 velocity.min(MOST)
@@ -246,7 +247,18 @@ impl Robot<'_> {
             },
             delay_s: 0.0,
         };
-        self.servos += 1;
+        if let Some(law) = driven {
+            let what = format!(
+                "the servo of joint `{name}`, which the recordings command: URDF states only its limits; it {}",
+                law.words()
+            );
+            notes.assumed(
+                place.line(node),
+                what,
+                "state its control law in `actuators`",
+            );
+        }
+        self.servos += usize::from(driven.is_none());
         self.structure.actuators.push(Driver {
             joint: name.to_owned(),
             servo,

@@ -2,6 +2,7 @@
 //! faces.
 
 pub(super) mod joints;
+pub(super) mod prior_run;
 pub(super) mod reproduction;
 pub(super) mod resting;
 pub(super) mod sensitivity;

@@ -61,6 +61,35 @@ const ENDINGS: [(&str, Quantity); 3] = [
     ("_command_nm", Quantity::Torque),
 ];
 
+/// A column that is called after a joint of a robot and commands it, whether or not the joint has a servo.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RecordedCommand {
+    /// Name of the joint.
+    pub hinge: String,
+    /// Name of the column, without `_rad` where it holds angles.
+    pub column: String,
+    /// What is commanded.
+    pub quantity: Quantity,
+}
+
+impl RecordedCommand {
+    /// The commands of these joints in a recording; of several columns for one joint, angles come before speeds and torques.
+    pub fn all_of(hinges: &[Hinge], motion: &Trajectory) -> Vec<Self> {
+        let of = |hinge: &Hinge| {
+            let mut endings = ENDINGS.iter();
+            endings.find_map(|(ending, quantity)| {
+                let column = format!("{}{ending}", hinge.name);
+                recorded(motion, &column).map(|_| Self {
+                    hinge: hinge.name.clone(),
+                    column,
+                    quantity: *quantity,
+                })
+            })
+        };
+        hinges.iter().filter_map(of).collect()
+    }
+}
+
 /// Ending of a switch column after the name of the joint.
 pub(in crate::calibration) const ON: &str = "_on";
 
@@ -91,16 +120,15 @@ impl Commands {
         if !self.columns.is_empty() {
             return self.columns.clone();
         }
-        let servos = hinges.iter().filter(|hinge| hinge.actuator.is_some());
-        let column = |hinge: &Hinge| {
-            let names = ENDINGS.iter().map(|(e, _)| format!("{}{e}", hinge.name));
-            let mut names = names.filter(|name| recorded(motion, name).is_some());
-            Some(CommandColumn {
-                hinge: hinge.name.clone(),
-                column: names.next()?,
-            })
+        let is_servo = |name: &str| {
+            let mut hinges = hinges.iter();
+            hinges.any(|hinge| hinge.name == name && hinge.actuator.is_some())
         };
-        servos.filter_map(column).collect()
+        let commands = RecordedCommand::all_of(hinges, motion).into_iter();
+        let commands = commands.filter(|command| is_servo(&command.hinge));
+        commands
+            .map(|RecordedCommand { hinge, column, .. }| CommandColumn { hinge, column })
+            .collect()
     }
 
     /// Whether two recordings command the hinges of a robot in the same way, sample by sample.

@@ -317,6 +317,10 @@ impl InferredReading {
         fall: Option<motion::Fall>,
         body_m: Option<f64>,
     ) -> bool {
+        if fall.is_none() && is_flat(trajectory) {
+            self.conclude("z points up", "z is 0 throughout, as in flat odometry");
+            return false;
+        }
         let (up, reason) = match fall {
             Some(fall) => (fall.up, "it falls in the opposite direction".to_owned()),
             None => match body_m.and_then(|body_m| motion::above_floor(trajectory, body_m)) {
@@ -387,6 +391,13 @@ impl InferredReading {
             );
         }
     }
+}
+
+/// True if z is 0 throughout and x or y changes, as programs for robots on flat floors write it.
+fn is_flat(trajectory: &Trajectory) -> bool {
+    let places = trajectory.positions_world_m();
+    places.iter().all(|place| place.z == 0.0)
+        && places.iter().any(|place| place.xy() != places[0].xy())
 }
 
 /// A message if recordings without stated axes, of one robot of size `body_m` (metres), probably do not have x forward, y to the left and z

@@ -1,0 +1,56 @@
+//! Servos for joints that a user's recordings command, although the robot's file states none for them.
+
+use super::note::Notes;
+use super::{AssumedLaw, Options};
+use crate::morphology::body::{JointKind, Structure};
+use crate::morphology::{Morphology, Servo};
+
+/// The torque of an assumed servo, as a multiple of the torque that the robot's weight has at its whole length: such a servo does
+/// what is commanded, whatever the load.
+const STRONG: f64 = 10.0;
+/// The torque limit of a joint whose torques are commanded, N m: recorded torques stay within the limits of the real motor anyway.
+const UNLIMITED_NM: f64 = 1e4;
+
+/// Adds a servo to every joint of [`Options::driven`] that moves and has none.
+pub(super) fn drive(structure: &mut Structure, options: &Options, notes: &mut Notes) {
+    if options.driven.is_empty() {
+        return;
+    }
+    let Ok(robot) = Morphology::of_bodies(structure.clone()) else {
+        // The caller's own call of `Morphology::of_bodies` returns the error.
+        return;
+    };
+    let summary = robot.summary();
+    let strong_nm = (STRONG * summary.mass_kg * 9.81 * summary.body_length_m).min(UNLIMITED_NM);
+    for (name, law) in &options.driven {
+        let mut joints = structure.joints.iter();
+        let moves = joints.any(|j| j.name == *name && j.kind != JointKind::Fixed);
+        let has_servo = structure.actuators.iter().any(|d| d.joint == *name);
+        if !moves || has_servo {
+            continue;
+        }
+        let max_torque_nm = match law {
+            AssumedLaw::Direct => UNLIMITED_NM,
+            AssumedLaw::Velocity | AssumedLaw::Torque => strong_nm,
+        };
+        notes.assumed(
+            None,
+            format!(
+                "the servo of joint `{name}`, which the file does not drive and the recordings command: it {}, with at most {max_torque_nm:.4} N m",
+                law.words()
+            ),
+            "state its motor in the robot's file",
+        );
+        structure.actuators.push(crate::morphology::body::Driver {
+            joint: name.clone(),
+            servo: Servo {
+                law: law.of(max_torque_nm),
+                max_torque_nm,
+                max_speed_rad_s: f64::INFINITY,
+                delay_s: 0.0,
+            },
+            gait: None,
+            follows: None,
+        });
+    }
+}

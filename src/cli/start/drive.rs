@@ -1,0 +1,297 @@
+//! What drives the recorded robot: its recorded commands, or the gait of its own file.
+
+use std::collections::BTreeMap;
+
+use realgap::calibration::RecordedCommand;
+use realgap::robot::import::{AssumedLaw, Options, is_foreign};
+use realgap::robot::morphology::{Gait, Hinge, ServoLaw};
+use realgap::simulation::Quantity;
+use realgap::trajectory::Recording;
+
+use super::super::import;
+use super::super::kit::*;
+use super::Subject;
+
+/// A joint whose gait swings farther than this turns like a wheel, radians.
+const WHEEL_RAD: f64 = std::f64::consts::PI;
+/// A recording in which nothing moves farther than this needs no drive: a share of the body length, and radians.
+const STILL: f64 = 0.05;
+/// Joints that are listed in a sentence.
+const LISTED: usize = 4;
+
+/// What drives the robot.
+pub(super) struct Drive {
+    /// The commands in the recordings, for joints with a servo.
+    pub commanded: Vec<RecordedCommand>,
+    /// Whether the servos follow the gait of the robot's file.
+    pub has_own_gait: bool,
+    /// Assumptions, each with its evidence.
+    pub clues: Vec<(&'static str, String)>,
+}
+
+impl Drive {
+    /// Finds what drives the robot. A robot of another program gets the servos that its recorded commands need, and is held where
+    /// joints alone were recorded; it is then written beside the study.
+    ///
+    /// # Errors
+    /// A robot that moves in the recordings although nothing drives it.
+    pub fn find(
+        subject: &mut Subject,
+        recordings: &[Recording],
+        study: &Path,
+        is_own_gait: bool,
+    ) -> Result<Self> {
+        let is_of_joints = recordings.iter().all(|r| r.trajectory.is_of_joints());
+        let is_imported = is_foreign(&subject.robot_file);
+        let mut clues = Vec::new();
+        if is_imported {
+            clues.extend(import_again(subject, recordings, study, is_of_joints)?);
+        }
+        let hinges = subject.robot.assemble().hinges;
+        let has_servo = |command: &RecordedCommand| {
+            let mut hinges = hinges.iter();
+            hinges.any(|hinge| hinge.name == command.hinge && hinge.actuator.is_some())
+        };
+        let (commanded, idle): (Vec<_>, Vec<_>) = all_commands(&hinges, recordings)
+            .into_iter()
+            .partition(has_servo);
+        if !idle.is_empty() {
+            let columns: Vec<&str> = idle.iter().map(|c| c.column.as_str()).collect();
+            clues.push((
+                "recorded commands are not used",
+                format!(
+                    "{}: these joints have no servo in the robot's file; give them a `servo` there",
+                    columns.join(", ")
+                ),
+            ));
+        }
+        let mut drive = Self {
+            commanded,
+            has_own_gait: false,
+            clues,
+        };
+        let is_only_command = is_of_joints
+            && super::joint::only_command_of(&hinges, &recordings[0].trajectory).is_some();
+        if !drive.commanded.is_empty() {
+            check_all_commanded(&hinges, recordings)?;
+        }
+        if !drive.commanded.is_empty() || is_only_command {
+            return Ok(drive);
+        }
+        let moving: Vec<(&Hinge, Gait)> = hinges.iter().filter_map(moving).collect();
+        let has_wheels = moving.iter().any(|(hinge, gait)| is_wheel(hinge, gait));
+        if !moving.is_empty() && (is_own_gait || !has_wheels) {
+            drive.has_own_gait = true;
+            drive.clues.push((
+                "the robot moves by the gait in its own file",
+                format!(
+                    "{}; no commands were recorded; `gait.amplitude_scale: 0` switches it off",
+                    listed(&moving)
+                ),
+            ));
+            return Ok(drive);
+        }
+        let has_servos = hinges.iter().any(|hinge| hinge.actuator.is_some());
+        if has_servos && is_moving(subject, &hinges, recordings) {
+            return Err(undriven(&hinges, recordings, has_wheels));
+        }
+        Ok(drive)
+    }
+
+    /// The parameters that say in the study that the robot's own gait drives it; empty without such a gait.
+    pub fn gait_values(&self) -> &'static str {
+        match self.has_own_gait {
+            true => "\"gait.amplitude_scale\": 1.0, \"gait.frequency_scale\": 1.0",
+            false => "",
+        }
+    }
+}
+
+/// The commands of the first recording that has any.
+fn all_commands(hinges: &[Hinge], recordings: &[Recording]) -> Vec<RecordedCommand> {
+    let all = recordings.iter();
+    let all = all.map(|recording| RecordedCommand::all_of(hinges, &recording.trajectory));
+    all.into_iter().find(|c| !c.is_empty()).unwrap_or_default()
+}
+
+/// Reads a robot of another program again, with the servos that the recorded commands need, and writes it beside the study if it
+/// differs.
+fn import_again(
+    subject: &mut Subject,
+    recordings: &[Recording],
+    study: &Path,
+    is_of_joints: bool,
+) -> Result<Vec<(&'static str, String)>> {
+    let assembly = subject.robot.assemble();
+    let is_free = assembly.world_from_mount.is_none();
+    let law_for = |quantity: Quantity| match quantity {
+        Quantity::Torque => AssumedLaw::Direct,
+        Quantity::Position if is_of_joints && is_free => AssumedLaw::Torque,
+        Quantity::Position | Quantity::Velocity => AssumedLaw::Velocity,
+    };
+    let needs = |command: &RecordedCommand| {
+        let mut hinges = assembly.hinges.iter();
+        let servo = hinges
+            .find(|hinge| hinge.name == command.hinge)
+            .and_then(|hinge| hinge.actuator);
+        servo
+            .is_none_or(|a| command.quantity == Quantity::Torque && a.servo.law != ServoLaw::Direct)
+    };
+    let commands = all_commands(&assembly.hinges, recordings);
+    let is_held_now = is_of_joints && is_free;
+    // The floor of a simulation is at height 0; joints alone do not say that there is one.
+    if !is_of_joints && !commands.iter().any(needs) {
+        return Ok(Vec::new());
+    }
+    let driven: BTreeMap<String, AssumedLaw> = commands
+        .iter()
+        .map(|command| (command.hinge.clone(), law_for(command.quantity)))
+        .collect();
+    let source = import::source(&subject.robot_file)?;
+    let options = Options {
+        mounted: is_of_joints,
+        lifted: true,
+        law: match is_held_now {
+            true => AssumedLaw::Torque,
+            false => AssumedLaw::Velocity,
+        },
+        driven,
+        ..Options::default()
+    };
+    let (robot, notes) = Morphology::import(&source, &options)?;
+    let stem = study.file_stem().unwrap_or_default().to_string_lossy();
+    let file = study.with_file_name(format!("{stem}_robot.ron"));
+    output::write_ron(&file, &import::text(&subject.robot_file, &robot, &notes)?)?;
+    let mut clues = Vec::new();
+    if is_of_joints {
+        clues.push((
+            "the root is held so high that no posture reaches the floor",
+            format!("joints alone were recorded ({} says so)", file.display()),
+        ));
+    }
+    // A law that the first import had already is not assumed for the recordings.
+    let is_assumed = |hinge: &Hinge| {
+        let law = |hinge: &Hinge| hinge.actuator.map(|a| a.servo.law);
+        let mut before = assembly.hinges.iter();
+        let before = before.find(|other| other.name == hinge.name);
+        before.and_then(law) != law(hinge)
+    };
+    let hinges = robot.assemble().hinges;
+    let servos = hinges.iter().filter_map(|hinge| {
+        let law = match hinge.actuator?.servo.law {
+            _ if !is_assumed(hinge) => return None,
+            ServoLaw::Direct => "exerts the commanded torque",
+            ServoLaw::Torque { .. } => "is a spring with damping",
+            ServoLaw::Velocity { .. } => "turns to its command",
+            ServoLaw::Motor(_) => "is a motor with a position loop",
+        };
+        Some((hinge.name.clone(), law))
+    });
+    let servos: Vec<(String, &str)> = servos.collect();
+    for law in [
+        "exerts the commanded torque",
+        "is a spring with damping",
+        "turns to its command",
+    ] {
+        let names = servos.iter().filter(|(_, own)| *own == law);
+        let names: Vec<&str> = names.map(|(name, _)| name.as_str()).collect();
+        if !names.is_empty() {
+            clues.push((
+                "control laws of servos are assumed",
+                format!(
+                    "{}: each {law}; the robot's file does not state it ({} now does)",
+                    shortened(&names),
+                    file.display()
+                ),
+            ));
+        }
+    }
+    subject.robot = robot;
+    subject.robot_file = file;
+    Ok(clues)
+}
+
+/// Refuses recordings of which some hold commands and others do not: servos without commands would follow another drive.
+fn check_all_commanded(hinges: &[Hinge], recordings: &[Recording]) -> Result<()> {
+    let lacks = |r: &&Recording| RecordedCommand::all_of(hinges, &r.trajectory).is_empty();
+    let Some(first) = recordings.iter().find(lacks) else {
+        return Ok(());
+    };
+    let count = recordings.iter().filter(lacks).count();
+    Err(Error::usage("some recordings hold no commands")
+        .at_file(&first.path)
+        .found(format!("{count} of {} without commands", recordings.len()))
+        .allowed("columns of commands in every recording, or in none")
+        .hint("make a study of those with commands and a study of the others"))
+}
+
+/// A hinge whose gait moves it.
+fn moving(hinge: &Hinge) -> Option<(&Hinge, Gait)> {
+    let gait = hinge.actuator?.gait;
+    (gait.amplitude_rad != 0.0 && gait.frequency_hz != 0.0).then_some((hinge, gait))
+}
+
+fn is_wheel(hinge: &Hinge, gait: &Gait) -> bool {
+    hinge.bearing.limits_rad.is_none() && gait.amplitude_rad.abs() > WHEEL_RAD
+}
+
+fn shortened(names: &[&str]) -> String {
+    let shown = names[..names.len().min(LISTED)].join(", ");
+    match names.len().saturating_sub(LISTED) {
+        0 => shown,
+        more => format!("{shown} and {more} more"),
+    }
+}
+
+fn listed(moving: &[(&Hinge, Gait)]) -> String {
+    let gait = |(hinge, gait): &(&Hinge, Gait)| {
+        format!(
+            "{} {} rad at {} Hz",
+            hinge.name, gait.amplitude_rad, gait.frequency_hz
+        )
+    };
+    let all: Vec<String> = moving.iter().map(gait).collect();
+    shortened(&all.iter().map(String::as_str).collect::<Vec<_>>())
+}
+
+/// Whether anything moves in the recordings.
+fn is_moving(subject: &Subject, hinges: &[Hinge], recordings: &[Recording]) -> bool {
+    let body_m = subject.robot.summary().body_length_m;
+    recordings.iter().any(|recording| {
+        let motion = &recording.trajectory;
+        let turns = motion.joints().iter().any(|joint| {
+            let is_hinge = hinges.iter().any(|hinge| hinge.name == joint.name);
+            let first_rad = joint.angles_rad[0];
+            let mut angles = joint.angles_rad.iter();
+            is_hinge && angles.any(|angle| (angle - first_rad).abs() > STILL)
+        });
+        turns || motion.extent_m() > STILL * body_m
+    })
+}
+
+/// The error of a robot that moves although nothing drives it.
+fn undriven(hinges: &[Hinge], recordings: &[Recording], has_wheels: bool) -> Error {
+    let servos = hinges.iter().filter(|hinge| hinge.actuator.is_some());
+    let names: Vec<&str> = servos.map(|hinge| hinge.name.as_str()).collect();
+    let first = names.first().copied().unwrap_or("NAME");
+    let found = match has_wheels {
+        true => {
+            "motion, but no commands; the gait in the robot's file turns wheels, and the recorded robot hardly ran it"
+        }
+        false => {
+            "motion, but no commands, and no gait in the robot's file: the simulated robot would stand still"
+        }
+    };
+    let remedy = match has_wheels {
+        true => "if it did run the gait of its file, say --own-gait",
+        false => "if its joints swing freely, import it with `realgap robot import --passive`",
+    };
+    Error::usage("nothing drives the robot of these recordings")
+        .at_file(&recordings[0].path)
+        .found(found)
+        .allowed(format!(
+            "columns {first}_command_rad (angles), {first}_command_rad_s (speeds) or {first}_command_nm (torques), one per servo: {}",
+            shortened(&names)
+        ))
+        .hint(remedy)
+}
