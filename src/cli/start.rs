@@ -106,6 +106,9 @@ impl Start {
             false => path::draft(&subject, &recordings, guess.has_free_fall, &drive)?,
         };
         draft.clues.splice(0..0, drive.clues);
+        let (count, alike) = (recordings.len(), alike(&recordings));
+        // The study reads the recordings again; thousands of them would be in memory twice.
+        drop(recordings);
         let Rehearsed {
             text,
             study,
@@ -121,12 +124,12 @@ impl Start {
             .collect();
         lines.push(format!(
             "{} of {}, read as follows:",
-            counted(recordings.len(), "recording"),
+            counted(count, "recording"),
             subject.robot.name()
         ));
         lines.extend(said(&guess, &draft).map(|(what, because)| format!("  {what}: {because}")));
         lines.extend(study.unused_columns()?.iter().map(unused));
-        lines.extend(alike(&recordings));
+        lines.extend(alike);
         lines.push(format!(
             "written {}, {}; next: realgap {}",
             self.output.display(),

@@ -10,6 +10,7 @@ mod hint;
 mod kept;
 mod new;
 mod start;
+mod start_drive;
 mod start_noise;
 mod verify;
 mod width;

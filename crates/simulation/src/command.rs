@@ -117,6 +117,11 @@ impl CommandTrack {
         self.quantity
     }
 
+    /// The recorded commands, in the unit of the quantity.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
     /// The rule for the time between two commands.
     pub(super) fn between(&self) -> Between {
         self.between

@@ -25,6 +25,8 @@ pub(super) struct Drive {
     pub commanded: Vec<RecordedCommand>,
     /// Whether the servos follow the gait of the robot's file.
     pub has_own_gait: bool,
+    /// Whether a robot with joints moves although nothing drives it.
+    lacks_drive: bool,
     /// Assumptions, each with its evidence.
     pub clues: Vec<(&'static str, String)>,
 }
@@ -68,6 +70,7 @@ impl Drive {
         let mut drive = Self {
             commanded,
             has_own_gait: false,
+            lacks_drive: false,
             clues,
         };
         let is_only_command = is_of_joints
@@ -92,10 +95,26 @@ impl Drive {
             return Ok(drive);
         }
         let has_servos = hinges.iter().any(|hinge| hinge.actuator.is_some());
-        if has_servos && is_moving(subject, &hinges, recordings) {
+        drive.lacks_drive = !hinges.is_empty() && is_moving(subject, &hinges, recordings);
+        if has_servos && drive.lacks_drive {
             return Err(undriven(&hinges, recordings, has_wheels));
         }
         Ok(drive)
+    }
+
+    /// Refuses recordings of a jointed robot without servos that moves, for a study whose runs start at rest.
+    ///
+    /// # Errors
+    /// Such recordings.
+    pub fn check_at_rest(&self, subject: &Subject, recordings: &[Recording]) -> Result<()> {
+        match self.lacks_drive {
+            true => Err(undriven(
+                &subject.robot.assemble().hinges,
+                recordings,
+                false,
+            )),
+            false => Ok(()),
+        }
     }
 
     /// The parameters that say in the study that the robot's own gait drives it; empty without such a gait.
@@ -269,29 +288,33 @@ fn is_moving(subject: &Subject, hinges: &[Hinge], recordings: &[Recording]) -> b
     })
 }
 
-/// The error of a robot that moves although nothing drives it.
+/// The error of a jointed robot that moves although nothing drives it.
 fn undriven(hinges: &[Hinge], recordings: &[Recording], has_wheels: bool) -> Error {
     let servos = hinges.iter().filter(|hinge| hinge.actuator.is_some());
-    let names: Vec<&str> = servos.map(|hinge| hinge.name.as_str()).collect();
-    let first = names.first().copied().unwrap_or("NAME");
-    let found = match has_wheels {
-        true => {
-            "motion, but no commands; the gait in the robot's file turns wheels, and the recorded robot hardly ran it"
-        }
-        false => {
-            "motion, but no commands, and no gait in the robot's file: the simulated robot would stand still"
-        }
+    let servos: Vec<&str> = servos.map(|hinge| hinge.name.as_str()).collect();
+    let joints: Vec<&str> = hinges.iter().map(|hinge| hinge.name.as_str()).collect();
+    let (found, remedy) = match (has_wheels, servos.is_empty()) {
+        (true, _) => (
+            "motion, but no commands; the gait in the robot's file turns wheels, and the recorded robot hardly ran it",
+            "if it did run the gait of its file, say --own-gait",
+        ),
+        (false, false) => (
+            "motion, but no commands, and no gait in the robot's file: the simulated robot would stand still",
+            "if its joints swing freely, import it with `realgap robot import --passive`",
+        ),
+        (false, true) => (
+            "motion, but neither servos nor commands: the simulated robot would stand still",
+            "a robot that was thrown or pushed starts from its first recorded state, which needs orientations (qw, qx, qy, qz) and all of its joints",
+        ),
     };
-    let remedy = match has_wheels {
-        true => "if it did run the gait of its file, say --own-gait",
-        false => "if its joints swing freely, import it with `realgap robot import --passive`",
-    };
+    let named = if servos.is_empty() { &joints } else { &servos };
+    let first = named.first().copied().unwrap_or("NAME");
     Error::usage("nothing drives the robot of these recordings")
         .at_file(&recordings[0].path)
         .found(found)
         .allowed(format!(
-            "columns {first}_command_rad (angles), {first}_command_rad_s (speeds) or {first}_command_nm (torques), one per servo: {}",
-            shortened(&names)
+            "columns {first}_command_rad (angles), {first}_command_rad_s (speeds) or {first}_command_nm (torques), one per driven joint: {}",
+            shortened(named)
         ))
         .hint(remedy)
 }

@@ -52,6 +52,9 @@ pub(super) fn draft(
                 .hint(format!("{hint}, or use the part after it has landed: --crop FROM:TO")),
         );
     }
+    if !starts_as_seen {
+        drive.check_at_rest(subject, recordings)?;
+    }
     let mut before = match starts_as_seen {
         true if is_commanded => "    start: FromRecording, // each run starts from the first sample, as the commands do\n    commands: Commands(), // columns NAME_command_rad, NAME_command_rad_s or NAME_command_nm, held until the next\n",
         true => "    start: FromRecording, // without servos, each run starts from the first sample\n",

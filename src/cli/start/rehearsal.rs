@@ -9,8 +9,13 @@ use super::{Draft, Overrides};
 
 /// Recordings that are simulated beforehand.
 const MOST: usize = 3;
-/// Joints whose mean error is above this share of the spread of their angles are hardly predicted over the whole run.
-const LOST: f64 = 0.7;
+/// Joints whose mean error is above this share of the spread of their angles are hardly predicted over the whole run: a fit of whole
+/// runs may then end far from the truth.
+const LOST: f64 = 0.3;
+/// Motion that multiplies a small error by more than this over a recording is predicted over windows only.
+const UNSTABLE: f64 = 10.0;
+/// The largest spread of angles that counts, radians.
+const WOUND_RAD: f64 = 1.0;
 /// Joints whose mean error is below this share are predicted well over a window.
 const FOLLOWED: f64 = 0.2;
 /// Lengths of windows that are tried, seconds, from the longest.
@@ -72,9 +77,9 @@ pub(super) fn rehearse(
         draft.clues.push((
             "runs start again and again from what was recorded (`horizon`)",
             format!(
-                "over whole recordings the joints are {:.0} mrad off on average before anything is fitted, and their angles spread by {:.0} mrad",
+                "over whole recordings the joints are {:.0} mrad off before anything is fitted, and small errors grow by a factor of {:.0}",
                 1e3 * prior.joint_error_rad().unwrap_or_default(),
-                1e3 * prior.joint_spread_rad()
+                prior.growth().unwrap_or_default()
             ),
         ));
         (text, study) = parsed(draft)?;
@@ -122,9 +127,13 @@ fn windows(
     parsed: &impl Fn(&Draft) -> Result<(String, Study)>,
     run: &impl Fn(&Study) -> Result<PriorRuns>,
 ) -> Result<Option<(f64, f64)>> {
-    let spread_rad = prior.joint_spread_rad();
+    // Joints that wind up spread without limit, but one that is a radian off is lost, too.
+    let spread_rad = prior.joint_spread_rad().min(WOUND_RAD);
     let is_lost = match prior.joint_error_rad() {
-        Some(error_rad) => error_rad > LOST * spread_rad,
+        // A servo with wrong gains is as far off in a window as over the whole run; only motion that multiplies errors is not.
+        Some(error_rad) => {
+            error_rad > LOST * spread_rad && prior.growth().is_some_and(|growth| growth > UNSTABLE)
+        }
         None => prior.diverged() > 0 && study.definition().metric.needs().joints,
     };
     let recordings = study.definition().recordings.iter();

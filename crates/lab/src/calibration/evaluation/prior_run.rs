@@ -11,6 +11,7 @@ use realgap_core::unit::Unit;
 use realgap_optimization::RunOptions;
 use realgap_path::comparison::joint_error_rad;
 use realgap_path::trajectory::{JointTrack, Trajectory};
+use realgap_simulation::Experiment;
 use realgap_simulation::parameter::ParameterSet;
 
 /// The parameter values of a run before the fit.
@@ -53,6 +54,9 @@ pub struct PriorRun {
     pub joint_error_rad: Option<f64>,
     /// Mean over the recorded joints of the standard deviation of their angles, radians.
     pub joint_spread_rad: f64,
+    /// How many times farther than at their start two runs get from each other whose joints start 0.1 mrad apart, where joints
+    /// alone were recorded.
+    pub growth: Option<f64>,
 }
 
 /// What runs before the fit show.
@@ -108,7 +112,13 @@ impl PriorRuns {
             .min_by(f64::total_cmp)
     }
 
-    /// Mean over the runs of [`PriorRun::joint_spread_rad`].
+    /// The largest [`PriorRun::growth`].
+    pub fn growth(&self) -> Option<f64> {
+        let all = self.runs.iter().filter_map(|run| run.growth);
+        all.max_by(f64::total_cmp)
+    }
+
+    /// Mean over the runs of [`PriorRun::joint_spread_rad`]: an error of this size is as large as that of a joint that stands still.
     pub fn joint_spread_rad(&self) -> f64 {
         mean(
             &self
@@ -118,6 +128,24 @@ impl PriorRuns {
                 .collect::<Vec<f64>>(),
         )
     }
+}
+
+/// How far apart two runs start whose distance is followed, radians.
+const NUDGE_RAD: f64 = 1e-4;
+
+/// How many times farther apart than at their start two runs get; `None` if the second diverges.
+fn growth(experiment: &Experiment, motion: &Trajectory) -> Result<Option<f64>> {
+    let mut nudged = experiment.clone();
+    for joint in &mut nudged.start_joints {
+        joint.angle_rad += NUDGE_RAD;
+    }
+    let outcome = realgap_simulation::run(&nudged)?.outcome;
+    Ok(outcome.get().map(|other| {
+        let joints = motion.joints().iter().zip(other.joints());
+        let apart_rad = joints.flat_map(|(a, b)| a.angles_rad.iter().zip(&b.angles_rad));
+        let apart_rad = apart_rad.map(|(a, b)| (a - b).abs());
+        apart_rad.fold(0.0, f64::max) / NUDGE_RAD
+    }))
 }
 
 /// A difference below this share of the recorded motion is no effect of a command.
@@ -154,7 +182,12 @@ impl Study {
             let case = cases[index / 2];
             let experiment = self.experiment_with(case, &point(at))?;
             let outcome = realgap_simulation::run(&experiment)?.outcome;
-            self.prior_run(at, &self.cases()[case], outcome.get())
+            let mut prior = self.prior_run(at, &self.cases()[case], outcome.get())?;
+            prior.growth = match outcome.get() {
+                Some(motion) if prior.joint_error_rad.is_some() => growth(&experiment, motion)?,
+                _ => None,
+            };
+            Ok(prior)
         })?;
         Ok(PriorRuns {
             runs,
@@ -198,6 +231,7 @@ impl Study {
             },
             joint_error_rad,
             joint_spread_rad,
+            growth: None,
         })
     }
 

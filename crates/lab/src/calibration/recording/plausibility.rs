@@ -1,11 +1,14 @@
 //! Checks of recordings that are probably not as they are read: lengths, angles and heights that do not fit the robot, and a run
 //! that occurs twice.
 
+use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hasher as _};
+
 use nalgebra::{Isometry3, Translation3};
 
 use realgap_core::unit::{LengthUnit, number};
 use realgap_core::{Code, Warning};
-use realgap_path::trajectory::{COMMAND, Recording, odd_axes};
+use realgap_path::trajectory::{COMMAND, Recording, Trajectory, odd_axes};
 use realgap_robot::morphology::Morphology;
 use realgap_simulation::{Experiment, Posture};
 
@@ -117,17 +120,32 @@ pub(in crate::calibration) fn held(robot: &Morphology, recordings: &[Recording])
 
 /// Warnings about a run that occurs twice, which makes reality look more repeatable than it is.
 pub(in crate::calibration) fn duplicate_recordings(recordings: &[Recording]) -> Vec<Warning> {
-    let twin_of = |(index, recording): (usize, &Recording)| {
-        let earlier = recordings[..index].iter();
-        let mut alike = earlier.filter(|other| other.trajectory == recording.trajectory);
-        let message = format!(
-            "{}: is the same run as {}",
-            recording.name,
-            alike.next()?.name
-        );
-        Some(Code::SameRun.warning(message))
-    };
-    recordings.iter().enumerate().filter_map(twin_of).collect()
+    // Trajectories are compared only where a digest of their numbers agrees, so that thousands of recordings take linear time.
+    let mut known: HashMap<u64, Vec<&Recording>> = HashMap::new();
+    let mut warnings = Vec::new();
+    for recording in recordings {
+        let alike = known.entry(digest(&recording.trajectory)).or_default();
+        let mut twins = alike.iter();
+        if let Some(twin) = twins.find(|other| other.trajectory == recording.trajectory) {
+            let message = format!("{}: is the same run as {}", recording.name, twin.name);
+            warnings.push(Code::SameRun.warning(message));
+        }
+        alike.push(recording);
+    }
+    warnings
+}
+
+/// A digest of the positions and the joints' angles of a trajectory.
+fn digest(motion: &Trajectory) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    let positions = motion.positions_world_m().iter();
+    for number in positions.flat_map(|place| place.iter()) {
+        hasher.write_u64(number.to_bits());
+    }
+    for angle_rad in motion.joints().iter().flat_map(|joint| &joint.angles_rad) {
+        hasher.write_u64(angle_rad.to_bits());
+    }
+    hasher.finish()
 }
 
 /// Poses are doubtful where the robot's lowest point is always above the floor, or ever below it, by more than this share of the
@@ -182,7 +200,7 @@ pub(in crate::calibration) fn floor(
 mod tests {
     use super::*;
     use nalgebra::Vector3;
-    use realgap_path::trajectory::{JointTrack, Reading, Trajectory};
+    use realgap_path::trajectory::{JointTrack, Reading};
 
     fn recorded(angles_rad: Vec<f64>) -> Recording {
         let times_s: Vec<f64> = (0..angles_rad.len()).map(|k| 0.1 * k as f64).collect();

@@ -18,6 +18,9 @@ pub struct UnusedColumns {
     pub remedy: String,
 }
 
+/// A distance below this is that of a motion from itself, whose angles are rounded.
+const SAME: f64 = 1e-6;
+
 /// A recorded quantity whose columns are used together.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Recorded {
@@ -337,5 +340,5 @@ fn is_used(
     joints.retain(|joint| is_hinge(&joint.name));
     let simulated = b.motion.clone().with_joints(joints)?;
     let pair = Pair::new((&a.motion, &a.prepared), (&simulated, &b.prepared));
-    Ok(definition.metric.compare(&pair, &context)?.value != 0.0)
+    Ok(definition.metric.compare(&pair, &context)?.value > SAME)
 }

@@ -1,6 +1,8 @@
 //! One simulation of a study and the recordings that it is compared with.
 
 use std::borrow::Cow;
+use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::sync::{Arc, Mutex};
 
 use nalgebra::Vector3;
@@ -134,34 +136,45 @@ fn settled(definition: &Definition, base: &Experiment) -> Result<(Vec<Case>, Vec
         .check()
         .map_err(|e| definition.at_file(doubted(e, &definition.recordings)))?;
     let mut cases: Vec<Case> = Vec::new();
+    // Recordings of one start share a run, unless they were commanded differently. Experiments are compared only where a digest of
+    // their commands agrees, so that thousands of recordings take linear time.
+    let mut known: HashMap<u64, Vec<usize>> = HashMap::new();
     for (index, recording) in definition.recordings.iter().enumerate() {
         let target = target(definition, (index, recording), duration_s, &mut warnings)?;
-        // Recordings of one start share a run, unless they were commanded differently.
-        let shares = |case: &&mut Case| {
-            let first = &definition.recordings[case.targets[0].recording].trajectory;
-            let commands = definition.commands.as_ref();
-            let hinges = &case.experiment.assembly.hinges;
+        let mut own = experiment.clone();
+        if let Some(commands) = &definition.commands {
             commands
-                .is_none_or(|commands| commands.are_alike(hinges, (first, &recording.trajectory)))
-        };
-        if let Some(case) = cases.iter_mut().find(shares) {
-            case.targets.push(target);
+                .set_up(&mut own, recording)
+                .map_err(|e| definition.at_file(e))?;
+        }
+        let alike = known.entry(digest(&own)).or_default();
+        if let Some(shared) = alike.iter().find(|case| cases[**case].experiment == own) {
+            cases[*shared].targets.push(target);
             continue;
         }
-        let mut experiment = experiment.clone();
-        match &definition.commands {
-            Some(commands) => commands
-                .set_up(&mut experiment, recording)
-                .map_err(|e| definition.at_file(e))?,
-            None => warnings.extend(joints::unused_commands(&experiment, recording)),
+        if definition.commands.is_none() {
+            warnings.extend(joints::unused_commands(&own, recording));
         }
+        alike.push(cases.len());
         cases.push(Case {
-            experiment,
+            experiment: own,
             targets: vec![target],
             flight: Arc::default(),
         });
     }
     Ok((cases, warnings))
+}
+
+/// A digest of the commands of an experiment.
+fn digest(experiment: &Experiment) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    for (hinge, track) in &experiment.commands {
+        hinge.hash(&mut hasher);
+        for value in track.values() {
+            hasher.write_u64(value.to_bits());
+        }
+    }
+    hasher.finish()
 }
 
 fn from_recordings(

@@ -131,25 +131,6 @@ impl Commands {
             .collect()
     }
 
-    /// Whether two recordings command the hinges of a robot in the same way, sample by sample.
-    pub(in crate::calibration) fn are_alike(
-        &self,
-        hinges: &[Hinge],
-        (a, b): (&Trajectory, &Trajectory),
-    ) -> bool {
-        let track = |motion: &Trajectory| {
-            let start_s = motion.times_s()[0];
-            let times_s = motion.times_s().iter().map(|t| t - start_s);
-            let columns = self.columns_of(hinges, motion);
-            let values = columns.into_iter().map(|one| {
-                let values = recorded(motion, &one.column).map(|(values, _)| values.to_vec());
-                (one, values)
-            });
-            (times_s.collect::<Vec<f64>>(), values.collect::<Vec<_>>())
-        };
-        self.off.is_empty() && self.gain_after.is_none() && track(a) == track(b)
-    }
-
     /// Sets the commands of the experiment's servos to the recorded commands.
     ///
     /// # Errors

@@ -328,6 +328,13 @@ impl InferredReading {
                     up,
                     format!("it stays near {level_m:.3} m on this axis, as on a floor"),
                 ),
+                None if self.reading.columns.is_empty() => {
+                    self.conclude(
+                        "z points up",
+                        "columns have realgap's own names, whose z points up, and the motion does not say otherwise",
+                    );
+                    return false;
+                }
                 None => {
                     self.ask(Question::Up, "it never falls freely, and on no axis does it stay at a height of about its size");
                     return false;
