@@ -43,6 +43,7 @@ fn main() -> Result<()> {
         seed: 1,
         priors: Vec::new(),
         error_blocks: Vec::new(),
+        own: None,
     };
     // One line in OPTIMIZERS does the same for `realgap tune --optimizer compass`.
     let evaluated = minimise(&Compass, &problem, |point| {

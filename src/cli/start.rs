@@ -1,6 +1,7 @@
 //! `realgap start`: makes a study of the user's files, and prints every guess with its evidence.
 
 mod drive;
+mod gains;
 mod joint;
 mod noise;
 mod path;
@@ -19,6 +20,7 @@ use realgap::trajectory::{
 use super::kit::*;
 use super::shell;
 use drive::Drive;
+use gains::Gains;
 use rehearsal::{Rehearsed, rehearse};
 
 /// Make a study of your own recordings and your robot, and detect how the files must be read
@@ -46,6 +48,10 @@ pub struct Start {
     /// The robot is a cube: its edge in metres and its mass in kilograms
     #[arg(long, num_args = 2, value_names = ["SIDE_M", "MASS_KG"])]
     cube: Option<Vec<f64>>,
+    /// Gains with which the firmware turns commanded angles into torques, in N m/rad and N m s/rad, e.g. 20,1.5; for some joints
+    /// '*_calf_joint=30,2' (repeatable)
+    #[arg(long, value_name = "[JOINT=]KP,KD")]
+    pd: Vec<Gains>,
     /// The recorded robot ran the gait of its own file; needed for wheels without recorded commands
     #[arg(long)]
     own_gait: bool,
@@ -100,7 +106,13 @@ impl Start {
         for path in &subject.recordings {
             recordings.extend(read_all(path, &guess.reading)?);
         }
-        let drive = Drive::find(&mut subject, &recordings, &self.output, self.own_gait)?;
+        let drive = Drive::find(
+            &mut subject,
+            &recordings,
+            &self.output,
+            self.own_gait,
+            &self.pd,
+        )?;
         let mut draft = match recordings.iter().all(|r| r.trajectory.is_of_joints()) {
             true => joint::draft(&subject, &recordings, &drive)?,
             false => path::draft(&subject, &recordings, guess.has_free_fall, &drive)?,

@@ -47,6 +47,7 @@ fn chosen(optimizer: &str, seed: u64, mut score: impl FnMut(&UnitPoint) -> f64) 
         seed,
         priors: Vec::new(),
         error_blocks: Vec::new(),
+        own: None,
     };
     let mut evaluate = |point: UnitPoint| EvaluatedPoint {
         score: Some(score(&point)),

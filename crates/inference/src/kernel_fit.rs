@@ -76,6 +76,7 @@ impl<'a> KernelData<'a> {
             seed: 1,
             priors: Vec::new(),
             error_blocks: Vec::new(),
+            own: None,
         };
         let evaluated = minimise(default_optimizer(), &problem, |at| {
             self.neg_log_posterior(at, &active)

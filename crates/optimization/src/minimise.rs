@@ -13,7 +13,7 @@ use realgap_core::error::Result;
 /// ```
 /// use realgap_optimization::{OptimizationProblem, minimise, optimizer_by_name};
 ///
-/// let problem = OptimizationProblem { points: vec![2], budget: 100, seed: 1, priors: Vec::new(), error_blocks: Vec::new() };
+/// let problem = OptimizationProblem { points: vec![2], budget: 100, seed: 1, priors: Vec::new(), error_blocks: Vec::new(), own: None };
 /// let evaluated = minimise(optimizer_by_name("cma-es")?, &problem, |point| Some((point[0] - 0.3).powi(2)))?;
 /// let best = evaluated.iter().filter_map(|one| one.score).fold(f64::INFINITY, f64::min);
 /// assert!(best < 1e-6);

@@ -30,6 +30,7 @@ fn minimise(
         seed,
         priors: Vec::new(),
         error_blocks: Vec::new(),
+        own: None,
     };
     let mut all: Vec<EvaluatedPoint> = space_filling(dimensions, 0, design, seed)
         .into_iter()
@@ -214,6 +215,7 @@ fn simplex_and_swarm_choose_the_same_points_as_argmin() {
             seed,
             priors: Vec::new(),
             error_blocks: Vec::new(),
+            own: None,
         };
         let design: Vec<EvaluatedPoint> = space_filling(dimensions, 0, design, seed)
             .into_iter()

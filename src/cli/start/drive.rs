@@ -1,9 +1,9 @@
 //! What drives the recorded robot: its recorded commands, or the gait of its own file.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use realgap::calibration::RecordedCommand;
-use realgap::robot::import::{AssumedLaw, Options, is_foreign};
+use realgap::robot::import::{AssumedLaw, Options, PositionGains, is_foreign};
 use realgap::robot::morphology::{Gait, Hinge, ServoLaw};
 use realgap::simulation::Quantity;
 use realgap::trajectory::Recording;
@@ -11,6 +11,7 @@ use realgap::trajectory::Recording;
 use super::super::import;
 use super::super::kit::*;
 use super::Subject;
+use super::gains::{Gains, by_joint, values};
 
 /// A joint whose gait swings farther than this turns like a wheel, radians.
 const WHEEL_RAD: f64 = std::f64::consts::PI;
@@ -25,6 +26,10 @@ pub(super) struct Drive {
     pub commanded: Vec<RecordedCommand>,
     /// Whether the servos follow the gait of the robot's file.
     pub has_own_gait: bool,
+    /// Joints whose gains were stated.
+    pub known_gains: BTreeSet<String>,
+    /// The stated gains of a robot in RON, as values of the study's `set`.
+    set_gains: String,
     /// Whether a robot with joints moves although nothing drives it.
     lacks_drive: bool,
     /// Assumptions, each with its evidence.
@@ -42,14 +47,34 @@ impl Drive {
         recordings: &[Recording],
         study: &Path,
         is_own_gait: bool,
+        gains: &[Gains],
     ) -> Result<Self> {
         let is_of_joints = recordings.iter().all(|r| r.trajectory.is_of_joints());
         let is_imported = is_foreign(&subject.robot_file);
         let mut clues = Vec::new();
+        let gains = by_joint(gains, &subject.robot.assemble().hinges)?;
         if is_imported {
-            clues.extend(import_again(subject, recordings, study, is_of_joints)?);
+            clues.extend(import_again(
+                subject,
+                recordings,
+                (study, is_of_joints),
+                &gains,
+            )?);
         }
         let hinges = subject.robot.assemble().hinges;
+        let set_gains = match is_imported {
+            true => String::new(),
+            false => values(&gains, &hinges)?,
+        };
+        if !gains.is_empty() {
+            clues.push((
+                "gains are known",
+                format!(
+                    "stated for {}: inertia, friction and zero of these joints are fitted, and one factor on all gains, because torque constants are seldom exact",
+                    shortened(&gains.keys().map(String::as_str).collect::<Vec<_>>())
+                ),
+            ));
+        }
         let has_servo = |command: &RecordedCommand| {
             let mut hinges = hinges.iter();
             hinges.any(|hinge| hinge.name == command.hinge && hinge.actuator.is_some())
@@ -67,8 +92,11 @@ impl Drive {
                 ),
             ));
         }
+        check_gains(&hinges, &commanded, recordings)?;
         let mut drive = Self {
             commanded,
+            known_gains: gains.into_keys().collect(),
+            set_gains,
             has_own_gait: false,
             lacks_drive: false,
             clues,
@@ -117,12 +145,16 @@ impl Drive {
         }
     }
 
-    /// The parameters that say in the study that the robot's own gait drives it; empty without such a gait.
-    pub fn gait_values(&self) -> &'static str {
-        match self.has_own_gait {
+    /// The values that the study fixes: those of the robot's own gait, if that drives it, and stated gains.
+    pub fn fixed_values(&self) -> Vec<&str> {
+        let gait = match self.has_own_gait {
             true => "\"gait.amplitude_scale\": 1.0, \"gait.frequency_scale\": 1.0",
             false => "",
-        }
+        };
+        let all = [gait, &self.set_gains];
+        all.into_iter()
+            .filter(|values| !values.is_empty())
+            .collect()
     }
 }
 
@@ -138,8 +170,8 @@ fn all_commands(hinges: &[Hinge], recordings: &[Recording]) -> Vec<RecordedComma
 fn import_again(
     subject: &mut Subject,
     recordings: &[Recording],
-    study: &Path,
-    is_of_joints: bool,
+    (study, is_of_joints): (&Path, bool),
+    gains: &BTreeMap<String, PositionGains>,
 ) -> Result<Vec<(&'static str, String)>> {
     let assembly = subject.robot.assemble();
     let is_free = assembly.world_from_mount.is_none();
@@ -159,7 +191,7 @@ fn import_again(
     let commands = all_commands(&assembly.hinges, recordings);
     let is_held_now = is_of_joints && is_free;
     // The floor of a simulation is at height 0; joints alone do not say that there is one.
-    if !is_of_joints && !commands.iter().any(needs) {
+    if !is_of_joints && gains.is_empty() && !commands.iter().any(needs) {
         return Ok(Vec::new());
     }
     let driven: BTreeMap<String, AssumedLaw> = commands
@@ -175,6 +207,7 @@ fn import_again(
             false => AssumedLaw::Velocity,
         },
         driven,
+        gains: gains.clone(),
         ..Options::default()
     };
     let (robot, notes) = Morphology::import(&source, &options)?;
@@ -198,7 +231,7 @@ fn import_again(
     let hinges = robot.assemble().hinges;
     let servos = hinges.iter().filter_map(|hinge| {
         let law = match hinge.actuator?.servo.law {
-            _ if !is_assumed(hinge) => return None,
+            _ if !is_assumed(hinge) || gains.contains_key(&hinge.name) => return None,
             ServoLaw::Direct => "exerts the commanded torque",
             ServoLaw::Torque { .. } => "is a spring with damping",
             ServoLaw::Velocity { .. } => "turns to its command",
@@ -242,6 +275,30 @@ fn check_all_commanded(hinges: &[Hinge], recordings: &[Recording]) -> Result<()>
         .found(format!("{count} of {} without commands", recordings.len()))
         .allowed("columns of commands in every recording, or in none")
         .hint("make a study of those with commands and a study of the others"))
+}
+
+/// Refuses commanded angles of motors that exert torques: only the gains of the firmware say which torques.
+fn check_gains(
+    hinges: &[Hinge],
+    commanded: &[RecordedCommand],
+    recordings: &[Recording],
+) -> Result<()> {
+    let is_motor = |command: &&RecordedCommand| {
+        let mut hinges = hinges.iter();
+        let hinge = hinges.find(|hinge| hinge.name == command.hinge);
+        let law = hinge.and_then(|hinge| Some(hinge.actuator?.servo.law));
+        command.quantity == Quantity::Position && law == Some(ServoLaw::Direct)
+    };
+    let motors = commanded.iter().filter(is_motor);
+    let motors: Vec<&str> = motors.map(|command| command.hinge.as_str()).collect();
+    if motors.is_empty() {
+        return Ok(());
+    }
+    Err(Error::usage("the robot's motors take torques, and the recordings hold commanded angles")
+        .at_file(&recordings[0].path)
+        .found(format!("{} without gains: {}", counted(motors.len(), "motor"), shortened(&motors)))
+        .allowed("--pd KP,KD: the gains with which the firmware turns angles into torques, N m/rad and N m s/rad")
+        .hint("e.g. --pd 20,1.5; for some of the joints --pd '*_calf_joint=30,2'; they stand in the robot's controller or driver"))
 }
 
 /// A hinge whose gait moves it.

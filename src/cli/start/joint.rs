@@ -10,13 +10,56 @@ use super::{Draft, Drive, Subject, noise};
 
 /// Words that occur in the names of command columns.
 const GOALS: [&str; 5] = ["command", "goal", "target", "setpoint", "cmd"];
-/// Simulations per parameter in the budget of least squares.
-const RUNS: usize = 5;
+/// Simulations per parameter in the budget of least squares: its steps are few, and each takes one run per parameter.
+const RUNS: usize = 8;
 /// Least number of steps between two samples, and the longest step, seconds.
 const STEPS: f64 = 2.0;
 const LONGEST_STEP_S: f64 = 0.01;
+/// The largest delay of a servo, seconds.
+const MOST_DELAY_S: f64 = 0.1;
+/// Largest inertia that only the joint feels, per torque of its servo, s²: with more, the servo could not reach 100 rad/s².
+const ARMATURE_S2: f64 = 0.01;
+/// Largest friction as a share of a joint's torque (dry), and of its torque per rad/s (viscous).
+const FRICTION: f64 = 0.15;
 /// The largest torque of a servo that fits a robot, as a multiple of the torque of its weight at its whole length.
 const SERVO: f64 = 2.0;
+
+/// A parameter to fit: its range, and its own value in the robot's file.
+struct Proposal {
+    name: String,
+    from: f64,
+    to: f64,
+    own: f64,
+}
+
+impl Proposal {
+    /// The part of the range that the parameter allows.
+    fn within_bounds(self) -> Result<Self> {
+        let (low, high) = by_name(&self.name)?.bounds;
+        let (from, to) = (self.from.clamp(low, high), self.to.clamp(low, high));
+        Ok(Self {
+            from,
+            to,
+            own: self.own.clamp(from, to),
+            ..self
+        })
+    }
+
+    /// Its line in the study. The robot's file is weak knowledge: a parameter about which the recordings say nothing stays near
+    /// its own value, and does not wander to an end of its range.
+    fn line(&self) -> String {
+        let Self {
+            name,
+            from,
+            to,
+            own,
+        } = self;
+        let spread = rounded(0.5 * (to - from));
+        format!(
+            "        (name: {name:?}, from: {from:?}, to: {to:?}, prior: ({own:?}, {spread:?})),\n"
+        )
+    }
+}
 
 /// The study of servos and joints.
 ///
@@ -67,14 +110,30 @@ pub(super) fn draft(subject: &Subject, recordings: &[Recording], drive: &Drive) 
         ));
     }
     let summary = subject.robot.summary();
-    let parameters: Vec<(String, f64, f64)> = recorded
+    let unknown = recorded
         .iter()
-        .flat_map(|hinge| ranges(hinge, has_command(hinge), &summary))
-        .map(within_bounds)
+        .filter(|hinge| has_unknown_gains(hinge, has_command(hinge), drive));
+    let unknown: Vec<&str> = unknown.map(|hinge| hinge.name.as_str()).collect();
+    if !unknown.is_empty() {
+        clues.push((
+            "stiffness and damping of servos are fitted, too",
+            format!(
+                "nothing says that the gains of {} are known; gains and inertia explain each other in part: state known gains with --pd",
+                unknown.join(", ")
+            ),
+        ));
+    }
+    let parameters: Vec<Proposal> = proposals(&recorded, has_command, drive, &summary)
+        .into_iter()
+        .map(Proposal::within_bounds)
         .collect::<Result<_>>()?;
+    clues.push((
+        "ranges begin around the robot's own values",
+        "`prior` holds them with half of the range as spread, so that what the recordings do not tell stays near them".to_owned(),
+    ));
     let is_any_commanded = recorded.iter().any(|hinge| has_command(hinge));
     let commands = only.map(|column| (recorded[0].name.as_str(), column));
-    let budget = RUNS * (parameters.len() + RUNS);
+    let budget = RUNS * (parameters.len() + 2);
     let tune = format!("tune STUDY --optimizer gauss-newton --budget {budget}");
     let (noise, clue) = noise::section(recordings, RunStart::Joints, &subject.robot);
     clues.push(clue);
@@ -89,12 +148,7 @@ pub(super) fn draft(subject: &Subject, recordings: &[Recording], drive: &Drive) 
         before: before(commands, is_any_commanded, &left_out, drive),
         timestep_s: Some(timestep_s(motion)),
         horizon: None,
-        parameters: parameters
-            .iter()
-            .map(|(name, from, to)| {
-                format!("        (name: {name:?}, from: {from:?}, to: {to:?}),\n")
-            })
-            .collect(),
+        parameters: parameters.iter().map(Proposal::line).collect(),
         after: format!("    metric: \"joints\",\n    score: Single,\n{noise}"),
         clues,
         next: format!("{tune}    # {}", counted(parameters.len(), "parameter")),
@@ -120,12 +174,11 @@ fn before(
     if !left_out.is_empty() {
         before += &format!("    left_out: {left_out:?},\n");
     }
-    let gait = match drive.gait_values() {
-        "" => String::new(),
-        values => format!(", {values}"),
-    };
+    let mut fixed = vec!["\"solver.engine\": 1"];
+    fixed.extend(drive.fixed_values());
     before += &format!(
-        "    set: {{\"solver.engine\": 1{gait}}}, // the tree solver, which simulates joints in a fraction of Rapier's time\n"
+        "    set: {{{}}}, // the tree solver, which simulates joints in a fraction of Rapier's time\n",
+        fixed.join(", ")
     );
     before
 }
@@ -136,65 +189,125 @@ fn timestep_s(motion: &Trajectory) -> f64 {
     floored((sample_s / STEPS).min(LONGEST_STEP_S))
 }
 
-/// The part of a range that the parameter allows.
-fn within_bounds((name, from, to): (String, f64, f64)) -> Result<(String, f64, f64)> {
-    let (low, high) = by_name(&name)?.bounds;
-    Ok((name, from.clamp(low, high), to.clamp(low, high)))
+/// The parameters to fit, with ranges around the values in the robot's file, or of what a servo of this size may have: those that
+/// are seldom known (inertia that only the joint feels, friction, the zero of the encoder, one delay), and the gains where they are
+/// not known either.
+fn proposals(
+    recorded: &[&Hinge],
+    has_command: impl Fn(&Hinge) -> bool,
+    drive: &Drive,
+    summary: &Summary,
+) -> Vec<Proposal> {
+    let mut all = Vec::new();
+    for hinge in recorded {
+        all.extend(of_servo(hinge, has_command(hinge), drive));
+        all.extend(of_hinge(hinge, has_command(hinge), drive, summary));
+    }
+    let has_delay = |hinge: &&&Hinge| {
+        has_command(hinge) && !matches!(law(hinge), Some(ServoLaw::Direct) | None)
+    };
+    if !drive.known_gains.is_empty() {
+        // Stated gains are numbers of the firmware; how much torque they are depends on torque constants, which are seldom exact.
+        all.push(proposal("servo.gain", (0.5, 2.0), 1.0));
+    }
+    if recorded.iter().any(|hinge| has_delay(&hinge)) {
+        all.push(proposal("servo.latency_s", (0.0, MOST_DELAY_S), 0.0));
+    }
+    all
 }
 
-/// The parameters to fit at a joint, with ranges around the values in the robot's file, or of what a servo of this size may have.
-fn ranges(hinge: &Hinge, has_command: bool, summary: &Summary) -> Vec<(String, f64, f64)> {
-    let name = &hinge.name;
+fn proposal(name: &str, (from, to): (f64, f64), own: f64) -> Proposal {
+    Proposal {
+        name: name.to_owned(),
+        from,
+        to,
+        own,
+    }
+}
+
+fn law(hinge: &Hinge) -> Option<ServoLaw> {
+    hinge.actuator.map(|actuator| actuator.servo.law)
+}
+
+/// Whether both gains of a joint's servo are to be fitted.
+fn has_unknown_gains(hinge: &Hinge, has_command: bool, drive: &Drive) -> bool {
+    let has_gains = matches!(law(hinge), Some(ServoLaw::Torque { .. }));
+    has_gains && has_command && !drive.known_gains.contains(&hinge.name)
+}
+
+/// The parameters of a joint's servo.
+fn of_servo(hinge: &Hinge, has_command: bool, drive: &Drive) -> Vec<Proposal> {
     let around = |parameter: &str, value: f64| {
-        (
-            format!("servo.{name}.{parameter}"),
-            rounded(value / 10.0),
-            rounded(value * 4.0),
-        )
+        let range = (rounded(value / 10.0), rounded(value * 4.0));
+        proposal(&format!("servo.{}.{parameter}", hinge.name), range, value)
     };
-    let mut all = Vec::new();
+    match law(hinge) {
+        Some(ServoLaw::Velocity { gain_per_s }) => vec![around("gain_1_s", gain_per_s)],
+        Some(ServoLaw::Torque {
+            stiffness_nm_rad,
+            damping_nm_s_rad,
+        }) if has_unknown_gains(hinge, has_command, drive) => vec![
+            around("stiffness_nm_rad", stiffness_nm_rad),
+            around(
+                "damping_nm_s_rad",
+                damping_nm_s_rad.max(stiffness_nm_rad * 0.01),
+            ),
+        ],
+        Some(ServoLaw::Motor(motor)) => vec![
+            around("torque_constant_nm_a", motor.torque_constant_nm_a),
+            around("armature_kg_m2", motor.armature_kg_m2.max(1e-6)),
+        ],
+        Some(ServoLaw::Torque { .. } | ServoLaw::Direct) | None => Vec::new(),
+    }
+}
+
+/// The parameters of a joint's bearing, and of its zero.
+fn of_hinge(hinge: &Hinge, has_command: bool, drive: &Drive, summary: &Summary) -> Vec<Proposal> {
+    let name = &hinge.name;
     // The torque that gravity may have about a joint. The limit of a servo may be far above it, where a file states no limit.
     let gravity_nm = summary.mass_kg * 9.81 * summary.body_length_m;
-    let mut torque_nm = gravity_nm;
-    if let Some(actuator) = hinge.actuator {
-        torque_nm = actuator.servo.max_torque_nm.min(SERVO * gravity_nm);
-        match actuator.servo.law {
-            ServoLaw::Velocity { gain_per_s } => all.push(around("gain_1_s", gain_per_s)),
-            ServoLaw::Torque {
-                stiffness_nm_rad,
-                damping_nm_s_rad,
-            } => {
-                all.push(around("stiffness_nm_rad", stiffness_nm_rad));
-                let damping = damping_nm_s_rad.max(stiffness_nm_rad * 0.01);
-                all.push(around("damping_nm_s_rad", damping));
-            }
-            ServoLaw::Motor(motor) => {
-                all.push(around("torque_constant_nm_a", motor.torque_constant_nm_a));
-                all.push(around("armature_kg_m2", motor.armature_kg_m2.max(1e-6)));
-            }
-            ServoLaw::Direct => all.push((
-                format!("hinge.{name}.armature_kg_m2"),
-                0.0,
-                rounded(summary.mass_kg * summary.body_length_m.powi(2)),
-            )),
-        }
+    let torque_nm = match hinge.actuator {
+        Some(actuator) => actuator.servo.max_torque_nm.min(SERVO * gravity_nm),
+        None => gravity_nm,
+    };
+    let bearing = &hinge.bearing;
+    let up_to = |parameter: &str, value: f64, times: f64, least: f64| {
+        let most = rounded((times * value).max(least));
+        proposal(&format!("hinge.{name}.{parameter}"), (0.0, most), value)
+    };
+    let mut all = Vec::new();
+    let feels_inertia = matches!(law(hinge), Some(ServoLaw::Torque { .. } | ServoLaw::Direct));
+    if feels_inertia {
+        all.push(up_to(
+            "armature_kg_m2",
+            bearing.armature_kg_m2,
+            20.0,
+            ARMATURE_S2 * torque_nm,
+        ));
     }
-    let is_slide = hinge.freedom == Freedom::Slide;
-    let offset = if is_slide { 0.01 } else { 0.1 };
-    let part = if hinge.actuator.is_some() { 0.2 } else { 0.1 };
-    all.push((
-        format!("hinge.{name}.dry_nm"),
-        0.0,
-        rounded(part * torque_nm),
-    ));
-    if has_command && !matches!(hinge.actuator.map(|a| a.servo.law), Some(ServoLaw::Direct)) {
-        all.push((format!("servo.{name}.latency_s"), 0.0, 0.1));
-        all.push((format!("servo.{name}.offset_rad"), -offset, offset));
-    } else {
-        all.push((
-            format!("hinge.{name}.viscous_nm_s_rad"),
+    // Viscous friction and the damping of a servo whose command stands still are one.
+    let is_damped = matches!(
+        law(hinge),
+        Some(ServoLaw::Velocity { .. } | ServoLaw::Motor(_))
+    );
+    if !has_unknown_gains(hinge, has_command, drive) && !(has_command && is_damped) {
+        all.push(up_to(
+            "viscous_nm_s_rad",
+            bearing.viscous_nm_s_rad,
+            5.0,
+            FRICTION * torque_nm,
+        ));
+    }
+    all.push(up_to("dry_nm", bearing.dry_nm, 5.0, FRICTION * torque_nm));
+    if has_command && !matches!(law(hinge), Some(ServoLaw::Direct)) {
+        let most = match hinge.freedom == Freedom::Slide {
+            true => 0.01,
+            false => 0.1,
+        };
+        all.push(proposal(
+            &format!("joint.{name}.zero_rad"),
+            (-most, most),
             0.0,
-            rounded(part * torque_nm),
         ));
     }
     all

@@ -66,10 +66,15 @@ pub(super) fn draft(
     if starts_as_seen && !has_velocities {
         before += "    start_state: HalfSampleCorrected, // no velocities are recorded: they are computed from differences\n";
     }
-    if drive.has_own_gait {
+    let fixed = drive.fixed_values();
+    if !fixed.is_empty() {
         before += &format!(
-            "    set: {{{}}}, // the gait of the robot's own file drives it\n",
-            drive.gait_values()
+            "    set: {{{}}}, // {}\n",
+            fixed.join(", "),
+            match drive.has_own_gait {
+                true => "the gait of the robot's own file drives it",
+                false => "the gains that were stated",
+            }
         );
     }
     let metric = if is_thrown { "pose" } else { "rms" };

@@ -40,6 +40,7 @@ fn fitted(
         seed: 1,
         priors: Vec::new(),
         error_blocks: blocks,
+        own: None,
     };
     let errors = |point: &UnitPoint| -> Vec<f64> {
         let simulated = model(&grid.values_at(point));

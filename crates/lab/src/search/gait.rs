@@ -119,6 +119,7 @@ impl Search {
             seed,
             priors: Vec::new(),
             error_blocks: Vec::new(),
+            own: None,
         };
         let mut told: Vec<EvaluatedPoint> = Vec::new();
         let can_walk = design.iter().any(|told| told.score.is_some());

@@ -485,6 +485,7 @@ mod tests {
             seed: 1,
             priors: Vec::new(),
             error_blocks: Vec::new(),
+            own: None,
         };
         let mut evaluated = Vec::new();
         let mut sizes = Vec::new();

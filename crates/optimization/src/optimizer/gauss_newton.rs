@@ -17,7 +17,7 @@ pub use channel::{ErrorBlock, blocks_of};
 pub use problem::{Linearisation, slopes};
 pub use robust::{robust_loss, robust_slope};
 
-/// Gauss–Newton with Marquardt's damping, from the middle of the ranges and then from further space-filling points.
+/// Gauss–Newton with Marquardt's damping, from the own values and then from further space-filling points.
 pub(super) struct GaussNewton;
 
 /// Space-filling points of which the best is the start of a descent, and most parameters for which the first descent has them, too.
@@ -187,13 +187,14 @@ fn search(
     let dimensions = problem.dimensions();
     let mut begun = 0;
     loop {
-        // The first start is the median of the priors or the middle of the ranges, or, of a few parameters without priors, the best of
-        // the middle and some space-filling points; each further one is the best of more such points. A descent costs several times
+        // The first start is the own values (or the medians of priors, or the middle of the ranges); of a few parameters without
+        // priors, the best of these, the middle and some space-filling points; each further one is the best of more such points. A descent costs several times
         // as many runs as these do.
         let starts = match begun {
             0 => {
-                let mut starts = vec![problem.middle()];
+                let mut starts = vec![problem.beginning()];
                 if has_more_starts(problem) {
+                    starts.push(problem.middle());
                     starts.extend(space_filling(dimensions, 0, STARTS, problem.seed));
                 }
                 starts
@@ -241,7 +242,7 @@ impl Optimizer for GaussNewton {
     }
 
     fn doc(&self) -> &'static str {
-        "Least squares on single errors with finite differences (Gauss-Newton, damped after Marquardt 1963, robust), for many parameters and a smooth metric such as joints; starts from the middle of the ranges, then from other points."
+        "Least squares on single errors with finite differences (Gauss-Newton, damped after Marquardt 1963, robust), for many parameters and a smooth metric such as joints; starts from the robot's own values, then from other points."
     }
 
     fn design(&self, _dimensions: usize) -> usize {
@@ -251,7 +252,7 @@ impl Optimizer for GaussNewton {
     fn batch(&self, problem: &OptimizationProblem) -> usize {
         let first = match has_more_starts(problem) {
             // With fewer runs there would be no derivatives.
-            true => 1 + STARTS,
+            true => 2 + STARTS,
             false => 1,
         };
         first + problem.dimensions().max(DAMPINGS.len())
@@ -314,6 +315,7 @@ mod tests {
                 seed: 1,
                 priors: Vec::new(),
                 error_blocks: Vec::new(),
+                own: None,
             };
             let mut evaluated: Vec<EvaluatedPoint> = Vec::new();
             while evaluated.len() < budget {

@@ -65,12 +65,27 @@ pub struct OptimizationProblem {
     /// The channels and logs of the errors, in their order; empty if all errors are of one channel and log. Only the least-squares
     /// optimizer uses it.
     pub error_blocks: Vec<ErrorBlock>,
+    /// The point that is known without a fit, e.g. a robot's values in its own file; it is the first point of the fit.
+    pub own: Option<UnitPoint>,
 }
 
 impl OptimizationProblem {
     /// Number of parameters.
     pub fn dimensions(&self) -> usize {
         self.points.len()
+    }
+
+    /// The point at which a fit begins: the medians of the priors, else the own values if they are known, else the middle. A
+    /// parameter about which the recordings say nothing then stays at its own value.
+    fn beginning(&self) -> UnitPoint {
+        let Some(own) = &self.own else {
+            return self.middle();
+        };
+        let prior = |axis: usize| self.priors.get(axis).copied().flatten();
+        let at = |(axis, own): (usize, &f64)| {
+            prior(axis).map_or(*own, |(median, _)| median.clamp(0.0, 1.0))
+        };
+        own.iter().enumerate().map(at).collect()
     }
 
     /// The medians of the priors; the middle of the range for a parameter without a prior.

@@ -63,8 +63,20 @@ pub struct Options {
     pub law: AssumedLaw,
     /// Joints that recordings command, each with the law of its servo: it replaces `law`, and a joint without a servo gets one.
     pub driven: BTreeMap<String, AssumedLaw>,
+    /// Joints whose firmware turns commanded angles into torques, each with its gains: they replace the law of its servo, and a joint
+    /// without a servo gets one.
+    pub gains: BTreeMap<String, PositionGains>,
     /// Largest number of convex hulls into which a mesh is split; with 0 or 1 the mesh is replaced by its convex hull.
     pub hulls: usize,
+}
+
+/// The gains of a position loop: torque = stiffness · (command − angle) − damping · speed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PositionGains {
+    /// Proportional gain, N m/rad.
+    pub stiffness_nm_rad: f64,
+    /// Derivative gain, N m s/rad.
+    pub damping_nm_s_rad: f64,
 }
 
 /// A robot from another format.

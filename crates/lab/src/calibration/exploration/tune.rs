@@ -265,12 +265,20 @@ impl<'a> Tuning<'a> {
         run: &'a RunOptions<'a>,
     ) -> Result<Self> {
         let brief = brief(study, options)?;
-        let design = first_design(study, options);
+        let mut design = space_filling(
+            brief.dimensions(),
+            0,
+            first_design(study, options),
+            brief.seed,
+        );
+        if let (Some(first), Some(own)) = (design.first_mut(), &brief.own) {
+            first.clone_from(own);
+        }
         Ok(Self {
             study,
             budget: options.budget.max(sink.rows().finished()?.len()),
             options,
-            design: space_filling(brief.dimensions(), 0, design, brief.seed),
+            design,
             brief,
             run,
             sink,

@@ -2,7 +2,7 @@
 
 use crate::calibration::{Study, TuneOptions};
 use realgap_core::{Advice, Error, Result};
-use realgap_optimization::OptimizationProblem;
+use realgap_optimization::{OptimizationProblem, UnitPoint};
 
 /// Largest budget: all points are held in memory, and every proposal looks at all of them.
 const MOST_POINTS: usize = 1_000_000;
@@ -50,6 +50,23 @@ fn check_errors(study: &Study, options: &TuneOptions) -> Result<()> {
     .allowed("joints"))
 }
 
+/// The coordinates of the values that the robot and the floor have without a fit, within the ranges; the middle of the range of a
+/// parameter without such a value.
+fn own_values(study: &Study) -> UnitPoint {
+    let definition = study.definition();
+    let ranges = definition.grid.ranges().iter();
+    let all = ranges
+        .zip(&definition.parameters)
+        .map(|(range, parameter)| {
+            let experiment = definition.set.apply(&definition.untuned(parameter));
+            let value = parameter.value(&experiment);
+            value.map_or(0.5, |value| {
+                range.coordinate(value.clamp(range.from, range.to))
+            })
+        });
+    all.collect()
+}
+
 /// The optimization problem of the study.
 ///
 /// # Errors
@@ -64,6 +81,7 @@ pub(super) fn brief(study: &Study, options: &TuneOptions) -> Result<Optimization
         seed: definition.seed,
         priors: definition.priors.clone(),
         error_blocks: Vec::new(),
+        own: Some(own_values(study)),
     };
     check_errors(study, options)?;
     let batch = options.optimizer.batch(&brief).max(1);

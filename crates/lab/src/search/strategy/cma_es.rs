@@ -107,6 +107,7 @@ impl Strategy for CmaEs {
             seed: self.seed,
             priors: Vec::new(),
             error_blocks: Vec::new(),
+            own: None,
         };
         let history = History {
             design: &[],
