@@ -68,12 +68,7 @@ fn score(metric: &dyn Metric, real: &Trajectory, simulated: &Trajectory) -> f64 
         spread: Some(&spread),
         body_length_m: Some(0.1),
     };
-    let pair = Pair {
-        real,
-        simulated,
-        real_prepared: &real_prepared,
-        simulated_prepared: &simulated_prepared,
-    };
+    let pair = Pair::new((real, &real_prepared), (simulated, &simulated_prepared));
     let score = metric.compare(&pair, &context).unwrap();
     assert_eq!(score.unit, metric.unit());
     assert!(score.samples > 0, "{}", metric.name());
@@ -168,12 +163,7 @@ fn an_unknown_metric_is_refused_with_the_list_of_known_metrics() {
 fn a_metric_without_the_data_that_it_needs_gives_an_error() {
     let line = Trajectory::new(vec![0.0, 1.0], vec![Vector3::zeros(), Vector3::x()]).unwrap();
     let prepared = prepare(&line).unwrap();
-    let pair = Pair {
-        real: &line,
-        simulated: &line,
-        real_prepared: &prepared,
-        simulated_prepared: &prepared,
-    };
+    let pair = Pair::new((&line, &prepared), (&line, &prepared));
     let missing = |name: &str| {
         let context = Context::default();
         by_name(name).unwrap().compare(&pair, &context).unwrap_err()

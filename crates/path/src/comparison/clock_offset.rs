@@ -1,0 +1,380 @@
+//! How much one recorder's clock is ahead of the other's, from the correlation of speeds.
+
+use super::speed_profile::SpeedProfile;
+use crate::trajectory::Trajectory;
+use realgap_core::statistics::{jackknife_variance, median};
+
+/// The largest number of moments at which speeds are compared in the first search.
+const MOST_MOMENTS: f64 = 2000.0;
+/// The largest number of moments in the closer search.
+const MOST_CLOSE_MOMENTS: f64 = 2e5;
+/// Shifts are searched up to this share of the shorter duration, in both directions.
+const REACH: f64 = 0.5;
+/// The fewest moments from which an offset is estimated.
+const FEWEST_MOMENTS: usize = 24;
+/// The number of lengths of window that are tried, each twice as long as the one before: noise asks for long windows, detail for
+/// short ones.
+const WINDOWS: i32 = 7;
+/// The smallest correlation of speeds that shows an offset.
+const CORRELATED: f64 = 0.5;
+/// Of shifts whose correlation is less than this below the best, the one nearest to no shift counts: a gait repeats itself.
+const EQUALLY_GOOD: f64 = 0.01;
+/// Number of blocks of the recording that are left out in turn to estimate the uncertainty.
+const BLOCKS: usize = 20;
+/// Interpolation between samples shifts an estimate by up to this share of their interval.
+const INTERPOLATION: f64 = 0.02;
+
+/// An offset between two clocks, with its uncertainty.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ClockOffset {
+    /// How much later the other trajectory's stamps are than the reference's for the same moment, seconds.
+    pub offset_s: f64,
+    /// Standard deviation of `offset_s`, from leaving out blocks of the recordings, seconds.
+    pub deviation_s: f64,
+    /// Correlation of the speeds at this offset, mean over moving and turning.
+    pub correlation: f64,
+    /// The longer of the two usual intervals of samples, seconds.
+    pub interval_s: f64,
+}
+
+/// The offset of the other trajectory's clock that makes speeds agree best, among offsets near `about_s`; `None` where speeds do not
+/// show one.
+///
+/// Both trajectories are turned into speeds of moving and, where both have orientations, of turning, over windows of several lengths; the
+/// window with the smallest uncertainty counts. Shifts of up to half of the shorter duration are searched, in both directions.
+pub fn clock_offset(
+    reference: &Trajectory,
+    other: &Trajectory,
+    about_s: f64,
+) -> Option<ClockOffset> {
+    let interval_s = usual_interval_s(reference).max(usual_interval_s(other));
+    let shorter_s = reference.duration_s().min(other.duration_s());
+    let longer_s = reference.duration_s().max(other.duration_s());
+    // Times are counted from the reference's start, because epochs have few digits to spare.
+    let other_start_s = (other.times_s()[0] - reference.times_s()[0]) - about_s;
+    let search = Search {
+        reference,
+        other,
+        other_start_s,
+    };
+    let first_step_s = interval_s.max(longer_s / MOST_MOMENTS);
+    let best = |steps_from_s: f64, middle_s: f64, reach_of: &dyn Fn(f64) -> f64| {
+        let steps = (0..WINDOWS).map(|power| steps_from_s * 2f64.powi(power));
+        let found = steps.filter_map(|step_s| search.at_step(step_s, middle_s, reach_of(step_s)));
+        found.min_by(|a, b| a.deviation_s.total_cmp(&b.deviation_s))
+    };
+    let mut found = best(first_step_s, 0.0, &|_| REACH * shorter_s)?;
+    if first_step_s > interval_s {
+        // The first search was coarse; a second one looks closely around what it found.
+        let near_s = 2.0 * first_step_s + 4.0 * found.deviation_s;
+        let close_step_s = interval_s.max(longer_s / MOST_CLOSE_MOMENTS);
+        let closer = best(close_step_s, found.offset_s, &|step_s| {
+            near_s.max(2.0 * step_s)
+        });
+        found = closer.unwrap_or(found);
+    }
+    Some(ClockOffset {
+        offset_s: about_s + found.offset_s,
+        deviation_s: found.deviation_s.hypot(INTERPOLATION * interval_s),
+        correlation: found.correlation,
+        interval_s,
+    })
+}
+
+/// The median time between samples, seconds.
+fn usual_interval_s(trajectory: &Trajectory) -> f64 {
+    let pairs = trajectory.times_s().windows(2);
+    median(&pairs.map(|pair| pair[1] - pair[0]).collect::<Vec<_>>())
+}
+
+/// Two trajectories whose speeds are compared.
+#[derive(Debug, Clone, Copy)]
+struct Search<'a> {
+    reference: &'a Trajectory,
+    other: &'a Trajectory,
+    /// Time of the other's first sample after that of the reference, seconds.
+    other_start_s: f64,
+}
+
+/// The best shift on one grid.
+#[derive(Debug, Clone, Copy)]
+struct Found {
+    offset_s: f64,
+    deviation_s: f64,
+    correlation: f64,
+}
+
+/// The channels of two profiles.
+type Channels<'a> = [(&'a [f64], &'a [f64])];
+
+impl Search<'_> {
+    /// The best shift of `middle_s` ± `reach_s`, with speeds at multiples of `step_s` over windows of two steps.
+    fn at_step(self, step_s: f64, middle_s: f64, reach_s: f64) -> Option<Found> {
+        let window_s = 2.0 * step_s;
+        let profile = |of, start_s| SpeedProfile::new(of, start_s, step_s, window_s);
+        let a = profile(self.reference, 0.0);
+        let b = profile(self.other, self.other_start_s);
+        let channels = a.channels(&b);
+        let shortest = a.linear_m_s.len().min(b.linear_m_s.len());
+        if shortest < FEWEST_MOMENTS {
+            return None;
+        }
+        // Every shift keeps at least half of what the shorter one has.
+        let enough = FEWEST_MOMENTS.max(shortest / 2);
+        let lag_of = |shift_s: f64| (shift_s / step_s).round() as i64;
+        let lags = lag_of(middle_s - reach_s) - 1..=lag_of(middle_s + reach_s) + 1;
+        // Sample i of the reference meets sample i + lag + between of the other.
+        let between = a.first - b.first;
+        let all: Vec<(i64, f64)> = lags
+            .filter_map(|lag| {
+                let sums = sums_at(&channels, lag + between, 1);
+                let (_, moments) = overlap(&channels, lag + between);
+                (moments >= enough).then_some(())?;
+                Some((lag, correlation(&sums)?))
+            })
+            .collect();
+        let highest = all
+            .iter()
+            .map(|(_, r)| *r)
+            .fold(f64::NEG_INFINITY, f64::max);
+        let is_peak = |index: usize| {
+            let at = |index: usize| all.get(index).map_or(f64::NEG_INFINITY, |(_, r)| *r);
+            let (before, here, after) = (at(index.wrapping_sub(1)), all[index].1, at(index + 1));
+            here >= before && here >= after && here >= highest - EQUALLY_GOOD
+        };
+        let peaks = (0..all.len()).filter(|index| is_peak(*index));
+        let (lag, correlation) = peaks
+            .map(|index| all[index])
+            .min_by_key(|(lag, _)| (lag - lag_of(middle_s)).abs())?;
+        if correlation < CORRELATED {
+            return None;
+        }
+        let around = [-1, 0, 1].map(|by| sums_at(&channels, lag + between + by, BLOCKS));
+        let top = peak(&around, None)?;
+        let left_out: Vec<f64> = (0..BLOCKS)
+            .map(|block| peak(&around, Some(block)))
+            .collect::<Option<_>>()?;
+        Some(Found {
+            offset_s: (lag as f64 + top) * step_s,
+            deviation_s: jackknife_variance(&left_out).sqrt() * step_s,
+            correlation,
+        })
+    }
+}
+
+/// The first moment of the reference that has a partner at this lag, and the number of such moments.
+fn overlap(channels: &Channels<'_>, lag: i64) -> (usize, usize) {
+    let (a, b) = channels[0];
+    let from = (-lag).max(0);
+    let to = (a.len() as i64).min(b.len() as i64 - lag);
+    let count = usize::try_from(to - from).unwrap_or(0);
+    (usize::try_from(from).unwrap_or(0), count)
+}
+
+/// Sums from which a correlation is computed.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    n: f64,
+    a: f64,
+    b: f64,
+    aa: f64,
+    bb: f64,
+    ab: f64,
+}
+
+impl Sums {
+    fn of(a: &[f64], b: &[f64]) -> Self {
+        let mut sums = Self {
+            n: a.len() as f64,
+            ..Self::default()
+        };
+        for (a, b) in a.iter().zip(b) {
+            sums.a += a;
+            sums.b += b;
+            sums.aa += a * a;
+            sums.bb += b * b;
+            sums.ab += a * b;
+        }
+        sums
+    }
+
+    fn plus(self, other: Self, sign: f64) -> Self {
+        Self {
+            n: self.n + sign * other.n,
+            a: self.a + sign * other.a,
+            b: self.b + sign * other.b,
+            aa: self.aa + sign * other.aa,
+            bb: self.bb + sign * other.bb,
+            ab: self.ab + sign * other.ab,
+        }
+    }
+
+    /// The correlation; `None` where one of the two is constant.
+    fn correlation(self) -> Option<f64> {
+        let covariance = self.ab - self.a * self.b / self.n;
+        let (of_a, of_b) = (
+            self.aa - self.a * self.a / self.n,
+            self.bb - self.b * self.b / self.n,
+        );
+        // Below this share of its square a variance is rounding.
+        let varies = of_a > 1e-9 * self.aa && of_b > 1e-9 * self.bb;
+        varies.then(|| covariance / (of_a * of_b).sqrt())
+    }
+}
+
+/// The sums of every channel at a lag, in this number of blocks of equal length.
+fn sums_at(channels: &Channels<'_>, lag: i64, blocks: usize) -> Vec<Vec<Sums>> {
+    let (first, count) = overlap(channels, lag);
+    let partner = usize::try_from(first as i64 + lag).unwrap_or(0);
+    let of_channel = |(a, b): &(&[f64], &[f64])| {
+        let (a, b) = (&a[first..first + count], &b[partner..partner + count]);
+        let end = |block: usize| block * count / blocks;
+        let parts = (0..blocks).map(|block| end(block)..end(block + 1));
+        parts
+            .map(|part| Sums::of(&a[part.clone()], &b[part]))
+            .collect()
+    };
+    channels.iter().map(of_channel).collect()
+}
+
+/// The mean correlation over the channels that vary; `None` where none does.
+fn correlation(sums: &[Vec<Sums>]) -> Option<f64> {
+    correlation_without(sums, None)
+}
+
+fn correlation_without(sums: &[Vec<Sums>], left_out: Option<usize>) -> Option<f64> {
+    let of_channel = |blocks: &Vec<Sums>| {
+        let all = blocks
+            .iter()
+            .fold(Sums::default(), |sum, block| sum.plus(*block, 1.0));
+        let rest = left_out.map_or(all, |block| all.plus(blocks[block], -1.0));
+        rest.correlation()
+    };
+    let varying: Vec<f64> = sums.iter().filter_map(of_channel).collect();
+    let count = varying.len() as f64;
+    (count > 0.0).then(|| varying.iter().sum::<f64>() / count)
+}
+
+/// The place of the top of the parabola through three neighbouring correlations, in steps from the middle one.
+fn peak(around: &[Vec<Vec<Sums>>; 3], left_out: Option<usize>) -> Option<f64> {
+    let at = |index: usize| correlation_without(&around[index], left_out);
+    let (before, here, after) = (at(0)?, at(1)?, at(2)?);
+    let bend = before - 2.0 * here + after;
+    if bend >= 0.0 {
+        return None;
+    }
+    Some((0.5 * (before - after) / bend).clamp(-1.0, 1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{UnitQuaternion, Vector3};
+
+    /// Numbers of mean 0 and variance 1: sums of twelve numbers of a linear congruential generator.
+    fn noise(seed: u64) -> impl FnMut() -> f64 {
+        let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
+        let mut uniform = move || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        move || (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+    }
+
+    /// A wandering body, sampled at `rate_hz` from `from_s` to `to_s`, with noise in its positions.
+    fn wandering(rate_hz: f64, [from_s, to_s]: [f64; 2], noise_m: f64, seed: u64) -> Trajectory {
+        let mut noise = noise(seed);
+        let count = ((to_s - from_s) * rate_hz) as usize;
+        let times_s: Vec<f64> = (0..count).map(|i| from_s + i as f64 / rate_hz).collect();
+        let at = |t: f64| {
+            let along = 0.3 * t + 0.1 * (1.3 * t).sin() + 0.05 * (0.37 * t * t / 10.0).sin();
+            Vector3::new(along, 0.2 * (0.8 * t).sin(), 0.02 * (2.1 * t).cos())
+        };
+        let positions: Vec<Vector3<f64>> = times_s
+            .iter()
+            .map(|t| at(*t) + noise_m * Vector3::from_fn(|_, _| noise()))
+            .collect();
+        Trajectory::new(times_s, positions).unwrap()
+    }
+
+    fn moved(path: &Trajectory) -> Trajectory {
+        let turn = UnitQuaternion::from_euler_angles(0.4, -1.2, 2.0);
+        let all = path.positions_world_m().iter();
+        path.clone()
+            .with_positions(
+                all.map(|p| turn * p + Vector3::new(5.0, 1.0, -2.0))
+                    .collect(),
+            )
+            .unwrap()
+    }
+
+    #[test]
+    fn an_offset_is_found_with_its_sign_in_other_frames_and_at_other_rates() {
+        let reference = wandering(50.0, [1000.0, 1040.0], 0.0, 1);
+        for (offset_s, rate_hz, noise_m) in [
+            (0.5, 50.0, 0.0),
+            (-1.7, 30.0, 0.0),
+            (0.0, 20.0, 0.0),
+            (0.137, 30.0, 0.002),
+            (-0.021, 100.0, 0.005),
+            (4.0, 10.0, 0.002),
+        ] {
+            let other = moved(&wandering(rate_hz, [1003.0, 1036.0], noise_m, 2));
+            let found = clock_offset(&reference, &other.later(offset_s).unwrap(), 0.0).unwrap();
+            let error_s = (found.offset_s - offset_s).abs();
+            assert!(
+                error_s < 4.0 * found.deviation_s && found.deviation_s < 0.05,
+                "{offset_s} {rate_hz} {noise_m}: {found:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_stated_uncertainty_is_that_of_repeats() {
+        let mut within = 0;
+        let runs = 40;
+        for seed in 0..runs {
+            let reference = wandering(50.0, [0.0, 30.0], 0.004, 2 * seed);
+            let other = wandering(40.0, [0.0, 30.0], 0.004, 2 * seed + 1)
+                .later(0.25)
+                .unwrap();
+            let found = clock_offset(&reference, &other, 0.0).unwrap();
+            within += u64::from((found.offset_s - 0.25).abs() < 2.0 * found.deviation_s);
+        }
+        // Two standard deviations hold 95 %; 32 of 40 or fewer would be seen by chance in one of a thousand trials.
+        assert!(within > 32, "{within} of {runs}");
+    }
+
+    #[test]
+    fn a_clock_of_another_epoch_is_found_about_a_given_offset() {
+        let reference = wandering(50.0, [1.7e9, 1.7e9 + 30.0], 0.0, 1);
+        let epoch_s = reference.times_s()[0];
+        let other = reference.later(12.4 - epoch_s).unwrap();
+        let found = clock_offset(&reference, &other, 12.4 - epoch_s + 0.3).unwrap();
+        assert!(
+            (found.offset_s - (12.4 - epoch_s)).abs() < 0.002,
+            "{found:?}"
+        );
+    }
+
+    #[test]
+    fn steady_motion_and_rest_show_no_offset() {
+        let times_s: Vec<f64> = (0..500).map(|i| 0.02 * f64::from(i)).collect();
+        for speed_m_s in [0.0, 0.4] {
+            let steady = times_s
+                .iter()
+                .map(|t| Vector3::new(speed_m_s * t, 0.0, 0.0));
+            let steady = Trajectory::new(times_s.clone(), steady.collect()).unwrap();
+            assert_eq!(clock_offset(&steady, &steady, 0.0), None);
+        }
+        // Years between samples, and two samples only.
+        let jump = Trajectory::new(
+            vec![0.0, 1.0, 1.7e9],
+            vec![Vector3::zeros(), Vector3::x(), Vector3::y()],
+        )
+        .unwrap();
+        assert_eq!(clock_offset(&jump, &jump, 0.0), None);
+    }
+}
