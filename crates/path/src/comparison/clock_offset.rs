@@ -19,6 +19,12 @@ const WINDOWS: i32 = 7;
 const CORRELATED: f64 = 0.5;
 /// Of shifts whose correlation is less than this below the best, the one nearest to no shift counts: a gait repeats itself.
 const EQUALLY_GOOD: f64 = 0.01;
+/// Two tops of the correlation are different ones if it falls by this between them.
+const VALLEY: f64 = 0.2;
+/// A top is the part in which the correlation falls by this …
+const LEAST_DROP: f64 = 0.02;
+/// … or by this share of what is missing to 1, which is due to noise, but never by more than a valley.
+const NOISE_IN_DROP: f64 = 1.0;
 /// Number of blocks of the recording that are left out in turn to estimate the uncertainty.
 const BLOCKS: usize = 20;
 /// Interpolation between samples shifts an estimate by up to this share of their interval.
@@ -133,23 +139,14 @@ impl Search<'_> {
                 Some((lag, correlation(&sums)?))
             })
             .collect();
-        let highest = all
-            .iter()
-            .map(|(_, r)| *r)
-            .fold(f64::NEG_INFINITY, f64::max);
-        let is_peak = |index: usize| {
-            let at = |index: usize| all.get(index).map_or(f64::NEG_INFINITY, |(_, r)| *r);
-            let (before, here, after) = (at(index.wrapping_sub(1)), all[index].1, at(index + 1));
-            here >= before && here >= after && here >= highest - EQUALLY_GOOD
-        };
-        let peaks = (0..all.len()).filter(|index| is_peak(*index));
-        let (lag, correlation) = peaks
-            .map(|index| all[index])
-            .min_by_key(|(lag, _)| (lag - lag_of(middle_s)).abs())?;
+        let (lag, correlation, half_width) = nearest_top(&all, lag_of(middle_s))?;
         if correlation < CORRELATED {
             return None;
         }
-        let around = [-1, 0, 1].map(|by| sums_at(&channels, lag + between + by, BLOCKS));
+        let around = -half_width..=half_width;
+        let around: Vec<_> = around
+            .map(|by| sums_at(&channels, lag + between + by, BLOCKS))
+            .collect();
         let top = peak(&around, None)?;
         let left_out: Vec<f64> = (0..BLOCKS)
             .map(|block| peak(&around, Some(block)))
@@ -255,15 +252,69 @@ fn correlation_without(sums: &[Vec<Sums>], left_out: Option<usize>) -> Option<f6
     (count > 0.0).then(|| varying.iter().sum::<f64>() / count)
 }
 
-/// The place of the top of the parabola through three neighbouring correlations, in steps from the middle one.
-fn peak(around: &[Vec<Vec<Sums>>; 3], left_out: Option<usize>) -> Option<f64> {
-    let at = |index: usize| correlation_without(&around[index], left_out);
-    let (before, here, after) = (at(0)?, at(1)?, at(2)?);
-    let bend = before - 2.0 * here + after;
-    if bend >= 0.0 {
-        return None;
+/// The top nearest to the lag `middle` among tops that are about as high as the highest: its lag, its correlation, and how many lags to
+/// either side belong to it. Tops are different ones if the correlation falls between them.
+fn nearest_top(all: &[(i64, f64)], middle: i64) -> Option<(i64, f64, i64)> {
+    let highest = |mut range: std::ops::Range<usize>| {
+        let first = range.next()?;
+        Some(range.fold(first, |top, index| {
+            if all[index].1 > all[top].1 {
+                index
+            } else {
+                top
+            }
+        }))
+    };
+    // The part around an index in which the correlation stays above a level.
+    let above = |index: usize, level: f64| {
+        let low = |index: &usize| all[*index].1 < level;
+        let from = (0..index).rev().find(low).map_or(0, |index| index + 1);
+        let to = (index..all.len()).find(low).unwrap_or(all.len());
+        from..to
+    };
+    let best = highest(0..all.len())?;
+    let (mut top, mut lowest) = (best, f64::INFINITY);
+    // From the best towards the middle: after every valley there may be another top.
+    let towards: Vec<usize> = match all[best].0 > middle {
+        true => (0..best).rev().collect(),
+        false => (best + 1..all.len()).collect(),
+    };
+    let nearer =
+        |index: usize, than: usize| (all[index].0 - middle).abs() < (all[than].0 - middle).abs();
+    for index in towards {
+        let here = all[index].1;
+        lowest = lowest.min(here);
+        if lowest < here - VALLEY && here >= all[best].1 - EQUALLY_GOOD && nearer(index, top) {
+            top = highest(above(index, here - VALLEY))?;
+        }
     }
-    Some((0.5 * (before - after) / bend).clamp(-1.0, 1.0))
+    let correlation = all[top].1;
+    let drop = (NOISE_IN_DROP * (1.0 - correlation)).clamp(LEAST_DROP, VALLEY);
+    let belongs = above(top, correlation - drop);
+    // A symmetric part that lies in the search; a top at its end is none.
+    let width = (top - belongs.start).min(belongs.end - 1 - top).max(1);
+    let inside = top >= width && top + width < all.len();
+    inside.then_some((all[top].0, correlation, width as i64))
+}
+
+/// The place of the top of the parabola that fits correlations at neighbouring lags best, in steps from the middle one.
+fn peak(around: &[Vec<Vec<Sums>>], left_out: Option<usize>) -> Option<f64> {
+    let half = (around.len() / 2) as f64;
+    let (mut sums, mut n) = ([0.0; 5], 0.0);
+    for (index, sums_here) in around.iter().enumerate() {
+        let (k, r) = (
+            index as f64 - half,
+            correlation_without(sums_here, left_out)?,
+        );
+        let terms = [k * k, k * k * k * k, r, k * r, k * k * r];
+        sums.iter_mut()
+            .zip(terms)
+            .for_each(|(sum, term)| *sum += term);
+        n += 1.0;
+    }
+    let [k2, k4, r, kr, k2r] = sums;
+    let (slope, bend) = (kr / k2, (n * k2r - k2 * r) / (n * k4 - k2 * k2));
+    (bend < 0.0).then(|| (-0.5 * slope / bend).clamp(-half, half))
 }
 
 #[cfg(test)]
@@ -288,7 +339,8 @@ mod tests {
         let mut noise = noise(seed);
         let count = ((to_s - from_s) * rate_hz) as usize;
         let times_s: Vec<f64> = (0..count).map(|i| from_s + i as f64 / rate_hz).collect();
-        let at = |t: f64| {
+        let at = |time_s: f64| {
+            let t = time_s.rem_euclid(1000.0);
             let along = 0.3 * t + 0.1 * (1.3 * t).sin() + 0.05 * (0.37 * t * t / 10.0).sin();
             Vector3::new(along, 0.2 * (0.8 * t).sin(), 0.02 * (2.1 * t).cos())
         };
