@@ -25,6 +25,25 @@ pub struct Synchronised {
     pub warnings: Vec<Warning>,
 }
 
+impl Synchronised {
+    /// One line about the time of the comparison; one line per recording where they differ.
+    pub fn text(&self) -> String {
+        let lines = self
+            .synchrony
+            .iter()
+            .map(|synchrony| format!("time: {synchrony}"));
+        let mut lines: Vec<String> = lines.collect();
+        lines.dedup();
+        if lines.len() > 1 {
+            let named = self.others.iter().zip(&self.synchrony);
+            lines = named
+                .map(|(other, synchrony)| format!("time of {}: {synchrony}", other.name))
+                .collect();
+        }
+        lines.join("\n")
+    }
+}
+
 /// Brings recordings onto one time, so that these metrics can compare them.
 ///
 /// Metrics of paths compare the time that all recordings have in common; metrics of samples ([`Metric::is_of_samples`]) compare the reference
