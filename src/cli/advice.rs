@@ -103,7 +103,7 @@ fn option(advice: &Advice) -> String {
                 .to_owned()
         }
         Advice::EstimateOffset => {
-            "two clocks of one run: --offset auto finds their offset".to_owned()
+            "find the offset between two clocks of one run with --offset auto".to_owned()
         }
         Advice::ListParameters => "`realgap study parameters` lists all of them".to_owned(),
         other => other.to_string(),

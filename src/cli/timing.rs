@@ -42,9 +42,11 @@ impl TypedValueParser for TimeParser {
         let renamed = value.to_str().and_then(TimeBase::renamed);
         parsed.map_err(|mut error| {
             if let Some(now) = renamed {
+                let tip = format!("`{}` is now called `{now}`", value.display());
+                error.remove(ContextKind::SuggestedValue);
                 error.insert(
-                    ContextKind::SuggestedValue,
-                    ContextValue::String(now.name().to_owned()),
+                    ContextKind::Suggested,
+                    ContextValue::StyledStrs(vec![tip.into()]),
                 );
             }
             error

@@ -5,6 +5,7 @@
 
 mod association;
 mod basis;
+mod clock_doubt;
 mod clock_offset;
 mod cluster;
 mod compare;

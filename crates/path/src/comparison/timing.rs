@@ -6,12 +6,13 @@ use std::str::FromStr;
 use serde::Serialize;
 
 use super::association::{Association, Matched, Stamped};
+use super::clock_doubt::visible_offset;
 use super::clock_offset::{ClockOffset, clock_offset};
 use super::time_base::TimeBase;
 use super::umeyama::Umeyama;
 use crate::trajectory::{Span, Trajectory};
 use realgap_core::error::{Advice, Error, Result};
-use realgap_core::unit::decimals;
+use realgap_core::unit::{decimals, number};
 use realgap_core::warning::{Code, Warning};
 
 /// Trajectories have too little in common if it is less than this share of one of them.
@@ -193,45 +194,6 @@ fn no_common_time([reference, other]: [Span; 2], offset: Offset) -> Error {
     }
 }
 
-/// An offset is visible if it is larger than this many sample intervals …
-const VISIBLE_INTERVALS: f64 = 3.0;
-/// … and than this many standard deviations, …
-const VISIBLE_DEVIATIONS: f64 = 4.0;
-/// … and if the error after alignment falls to less than this share when the stamps are shifted.
-const VISIBLE_FALL: f64 = 0.5;
-
-/// A doubt about the clocks if an offset explains most of the error.
-fn visible_offset(reference: Stamped<'_>, other: Stamped<'_>) -> Option<Warning> {
-    let found = clock_offset(reference.trajectory, other.trajectory, 0.0)?;
-    let least_s =
-        (VISIBLE_INTERVALS * found.interval_s).max(VISIBLE_DEVIATIONS * found.deviation_s);
-    if found.offset_s.abs() <= least_s {
-        return None;
-    }
-    let error_m = |offset_s: f64| {
-        let matched = Matched::new(reference, other, offset_s, Association::Interpolated).ok()?;
-        let aligned = matched.aligned(Umeyama::Se3);
-        let [p, q] = aligned.positions_m();
-        let squares = p.iter().zip(q).map(|(p, q)| (p - q).norm_squared());
-        Some((squares.sum::<f64>() / p.len() as f64).sqrt())
-    };
-    let (as_stamped_m, shifted_m) = (error_m(0.0)?, error_m(found.offset_s)?);
-    (shifted_m < VISIBLE_FALL * as_stamped_m).then(|| {
-        let direction = if found.offset_s > 0.0 { "late" } else { "early" };
-        Code::ClockOffset.warning(format!(
-            "the stamps look {} s {direction} (± {} s): shifted by this, the error after alignment falls from {} to {}",
-            decimals(found.offset_s.abs(), 3),
-            decimals(found.deviation_s, 3),
-            metres(as_stamped_m),
-            metres(shifted_m),
-        ))
-    })
-}
-
-fn metres(value_m: f64) -> String {
-    realgap_core::unit::quantity(value_m, realgap_core::unit::Unit::Metre)
-}
-
 /// What two trajectories have in common in time. It is a part of every row of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -280,7 +242,7 @@ impl fmt::Display for Synchrony {
             write!(f, "; offset {} s", decimals(offset_s, 3))?;
         }
         if let Some(deviation_s) = self.offset_deviation_s {
-            write!(f, " (± {} s)", decimals(deviation_s, 3))?;
+            write!(f, " (± {} s)", number(deviation_s))?;
         }
         Ok(())
     }
