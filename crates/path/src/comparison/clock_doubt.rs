@@ -22,8 +22,15 @@ const PARTS: usize = 4;
 const COUNTS: f64 = 0.25;
 
 /// A doubt about the clocks if an offset explains most of the error.
+///
+/// Recordings whose stamps both begin at 0 are not doubted: their times are counted from their own starts and not by a clock, and two
+/// tosses or pushes that were triggered at different moments are no fault.
 pub(super) fn visible_offset(reference: Stamped<'_>, other: Stamped<'_>) -> Option<Warning> {
+    let starts_s = [reference, other].map(|stamped| stamped.trajectory.times_s()[0].abs());
     let found = clock_offset(reference.trajectory, other.trajectory, 0.0)?;
+    if starts_s.iter().all(|start_s| *start_s < found.interval_s) {
+        return None;
+    }
     let least_s = (INTERVALS * found.interval_s).max(DEVIATIONS * found.deviation_s);
     if found.offset_s.abs() <= least_s || found.correlation < CORRELATED {
         return None;
@@ -106,6 +113,27 @@ mod tests {
             assert!(warning.message.contains(words), "{warning}");
             assert_eq!(warning.code, Code::ClockOffset);
         }
+    }
+
+    #[test]
+    fn times_since_each_start_are_no_clock() {
+        let whole = walk(1.0);
+        let stamps = whole.times_s();
+        let from = |index: usize| {
+            let part = whole.positions_world_m()[index..].to_vec();
+            let times_s = stamps[index..].iter().map(|t| t - stamps[index]);
+            Trajectory::new(times_s.collect(), part).unwrap()
+        };
+        let (whole, begun_later) = (from(0), from(30));
+        assert_eq!(visible_offset(stamped(&whole), stamped(&begun_later)), None);
+        let by_a_clock = [&whole, &begun_later].map(|path| path.later(5.0).unwrap());
+        let [a, b] = by_a_clock.each_ref().map(stamped);
+        assert!(
+            visible_offset(a, b)
+                .unwrap()
+                .message
+                .contains("1.000 s early")
+        );
     }
 
     #[test]

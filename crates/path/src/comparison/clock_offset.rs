@@ -132,11 +132,13 @@ impl Search<'_> {
         // Sample i of the reference meets sample i + lag + between of the other.
         let between = a.first - b.first;
         let all: Vec<(i64, f64)> = lags
-            .filter_map(|lag| {
-                let sums = sums_at(&channels, lag + between, 1);
-                let (_, moments) = overlap(&channels, lag + between);
-                (moments >= enough).then_some(())?;
-                Some((lag, correlation(&sums)?))
+            .filter(|lag| overlap(&channels, lag + between).1 >= enough)
+            // A body that rests throughout the common part shows nothing.
+            .map(|lag| {
+                (
+                    lag,
+                    correlation(&sums_at(&channels, lag + between, 1)).unwrap_or(0.0),
+                )
             })
             .collect();
         let (lag, correlation, half_width) = nearest_top(&all, lag_of(middle_s))?;

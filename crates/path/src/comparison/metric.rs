@@ -211,7 +211,7 @@ fn different_durations(pair: &Pair<'_>) -> Option<Warning> {
     let differ = (real_s - simulated_s).abs() > 0.01 * real_s.max(simulated_s);
     differ.then(|| {
         Code::DifferentDurations.warning(format!(
-            "a trajectory of {real_s:.2} s is compared with one of {simulated_s:.2} s, point by point in relative time"
+            "a trajectory of {real_s:.2} s is compared with one of {simulated_s:.2} s, point by point at equal fractions of their durations"
         ))
     })
 }
