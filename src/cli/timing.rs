@@ -80,19 +80,11 @@ enum Rule {
 }
 
 /// What is done to the matched samples of the other trajectory.
-const ALIGNMENTS: &[Choice<Umeyama>] = &[
-    ("none", Umeyama::None, "Positions as they are"),
-    (
-        "se3",
-        Umeyama::Se3,
-        "Moved and turned onto the reference, as evo's -a",
-    ),
-    (
-        "sim3",
-        Umeyama::Sim3,
-        "Moved, turned and scaled onto the reference, as evo's -as",
-    ),
-];
+const ALIGNMENTS: &[Choice<Umeyama>] = &[of(Umeyama::None), of(Umeyama::Se3), of(Umeyama::Sim3)];
+
+const fn of(alignment: Umeyama) -> Choice<Umeyama> {
+    (alignment.name(), alignment, alignment.about())
+}
 
 /// Which moments and samples belong together.
 #[derive(Debug, Clone, Args)]

@@ -151,6 +151,7 @@ fn old_words_and_options_that_do_not_belong_together_are_wrong_usage() {
             "no samples are matched",
         ),
         (&["--max-difference", "-1"], "0 or more"),
+        (&["--metric", "rms", "--align", "se3"], "no matched samples"),
         (
             &["--associate", "interpolate", "--max-difference", "1"],
             "belongs to --associate nearest",

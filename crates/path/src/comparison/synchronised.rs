@@ -50,7 +50,7 @@ impl Synchronised {
 /// with each other recording by itself.
 ///
 /// # Errors
-/// Recordings without a common time; for metrics of samples, recordings of which fewer than two samples belong together.
+/// Recordings without a common time; an association or an alignment that no metric uses; for metrics of samples, recordings of which fewer than two samples belong together.
 pub fn synchronise(
     mut reference: Recording,
     mut others: Vec<Recording>,
@@ -59,6 +59,9 @@ pub fn synchronise(
 ) -> Result<Synchronised> {
     let of_samples = metrics.iter().any(|metric| metric.is_of_samples());
     let of_paths = metrics.iter().any(|metric| !metric.is_of_samples());
+    if !of_samples {
+        timing.check_unused()?;
+    }
     let mut in_time = Vec::with_capacity(others.len());
     let mut matched = Vec::with_capacity(others.len());
     let mut warnings = Vec::new();

@@ -96,6 +96,23 @@ impl Timing {
         Ok(())
     }
 
+    /// Checks that nothing is stated that only metrics of samples use.
+    ///
+    /// # Errors
+    /// An association or an alignment.
+    pub(super) fn check_unused(&self) -> Result<()> {
+        let field = match (self.association == Association::default(), self.alignment) {
+            (true, Umeyama::None) => return Ok(()),
+            (true, _) => "align",
+            (false, _) => "associate",
+        };
+        Err(
+            Error::usage("this metric compares paths, and no matched samples")
+                .field(field)
+                .allowed("for the metrics ape, umeyama-ape, rpe and rotation"),
+        )
+    }
+
     /// Brings two trajectories onto one time.
     ///
     /// # Errors

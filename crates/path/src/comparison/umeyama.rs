@@ -28,7 +28,7 @@ impl Umeyama {
     pub const ALL: [Self; 3] = [Self::None, Self::Se3, Self::Sim3];
 
     /// The name in options and in results.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::None => "none",
             Self::Se3 => "se3",
@@ -37,7 +37,7 @@ impl Umeyama {
     }
 
     /// The meaning, for a list of choices.
-    pub fn about(self) -> &'static str {
+    pub const fn about(self) -> &'static str {
         match self {
             Self::None => "Positions as they are",
             Self::Se3 => "Moved and turned onto the reference, as evo's -a",
@@ -121,7 +121,7 @@ mod tests {
     #[test]
     fn a_moved_turned_and_scaled_set_is_brought_back() {
         let points: Vec<Vector3<f64>> = (0..20)
-            .map(|i| f64::from(i))
+            .map(f64::from)
             .map(|t| Vector3::new(t.sin(), 0.3 * t, (0.7 * t).cos()))
             .collect();
         let turn = UnitQuaternion::from_euler_angles(0.4, -1.1, 2.5);
