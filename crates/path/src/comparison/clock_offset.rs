@@ -6,7 +6,9 @@ use realgap_core::statistics::{jackknife_variance, median};
 
 /// The largest number of moments at which speeds are compared in the first search.
 const MOST_MOMENTS: f64 = 2000.0;
-/// The largest number of moments in the closer search.
+/// A finer search has steps that are shorter by this.
+const FINER: f64 = 8.0;
+/// The largest number of moments in the finest search.
 const MOST_CLOSE_MOMENTS: f64 = 2e5;
 /// Shifts are searched up to this share of the shorter duration, in both directions.
 const REACH: f64 = 0.5;
@@ -25,6 +27,8 @@ const VALLEY: f64 = 0.2;
 const LEAST_DROP: f64 = 0.02;
 /// … or by this share of what is missing to 1, which is due to noise, but never by more than a valley.
 const NOISE_IN_DROP: f64 = 1.0;
+/// A top that another window found is sought again within this many steps.
+const AROUND: f64 = 16.0;
 /// Number of blocks of the recording that are left out in turn to estimate the uncertainty.
 const BLOCKS: usize = 20;
 /// Interpolation between samples shifts an estimate by up to this share of their interval.
@@ -64,27 +68,43 @@ pub fn clock_offset(
         other_start_s,
     };
     let first_step_s = interval_s.max(longer_s / MOST_MOMENTS);
-    let best = |steps_from_s: f64, middle_s: f64, reach_of: &dyn Fn(f64) -> f64| {
-        let steps = (0..WINDOWS).map(|power| steps_from_s * 2f64.powi(power));
-        let found = steps.filter_map(|step_s| search.at_step(step_s, middle_s, reach_of(step_s)));
-        found.min_by(|a, b| a.deviation_s.total_cmp(&b.deviation_s))
+    let finest_s = interval_s.max(longer_s / MOST_CLOSE_MOMENTS);
+    let coarse = windows(first_step_s)
+        .filter_map(|step_s| search.at_step(step_s, 0.0, REACH * shorter_s))
+        .map(|found| search.closer(found, first_step_s, finest_s));
+    let mut tops: Vec<Found> = coarse.collect();
+    // No shift at all is a candidate, too: a coarse search may have passed over it.
+    let none = Found {
+        offset_s: 0.0,
+        deviation_s: 0.0,
+        correlation: 0.0,
+        step_s: first_step_s,
     };
-    let mut found = best(first_step_s, 0.0, &|_| REACH * shorter_s)?;
-    if first_step_s > interval_s {
-        // The first search was coarse; a second one looks closely around what it found.
-        let near_s = 2.0 * first_step_s + 4.0 * found.deviation_s;
-        let close_step_s = interval_s.max(longer_s / MOST_CLOSE_MOMENTS);
-        let closer = best(close_step_s, found.offset_s, &|step_s| {
-            near_s.max(2.0 * step_s)
-        });
-        found = closer.unwrap_or(found);
-    }
+    tops.extend((first_step_s > finest_s).then(|| search.closer(none, first_step_s, finest_s)));
+    let sure = tops.iter().filter(|top| top.correlation >= CORRELATED);
+    let surest = *sure.min_by(|a, b| a.deviation_s.total_cmp(&b.deviation_s))?;
+    // Tops of different windows are compared at one window.
+    let others = tops.iter().filter_map(|top| {
+        let reach_s = AROUND * surest.step_s + 4.0 * top.deviation_s;
+        search.at_step(surest.step_s, top.offset_s, reach_s)
+    });
+    let at_one: Vec<Found> = std::iter::once(surest).chain(others).collect();
+    let highest = at_one.iter().map(|top| top.correlation).fold(0.0, f64::max);
+    let good = at_one
+        .iter()
+        .filter(|top| top.correlation >= highest - EQUALLY_GOOD);
+    let found = good.min_by(|a, b| a.offset_s.abs().total_cmp(&b.offset_s.abs()))?;
     Some(ClockOffset {
         offset_s: about_s + found.offset_s,
         deviation_s: found.deviation_s.hypot(INTERPOLATION * interval_s),
         correlation: found.correlation,
         interval_s,
     })
+}
+
+/// The steps that are tried; each window is two steps long.
+fn windows(first_step_s: f64) -> impl Iterator<Item = f64> {
+    (0..WINDOWS).map(move |power| first_step_s * 2f64.powi(power))
 }
 
 /// The median time between samples, seconds.
@@ -108,6 +128,7 @@ struct Found {
     offset_s: f64,
     deviation_s: f64,
     correlation: f64,
+    step_s: f64,
 }
 
 /// The channels of two profiles.
@@ -157,7 +178,23 @@ impl Search<'_> {
             offset_s: (lag as f64 + top) * step_s,
             deviation_s: jackknife_variance(&left_out).sqrt() * step_s,
             correlation,
+            step_s,
         })
+    }
+
+    /// A top of a search with steps of `first_step_s`, looked at with finer and finer ones.
+    fn closer(self, top: Found, first_step_s: f64, finest_s: f64) -> Found {
+        let (mut found, mut step_s) = (top, first_step_s);
+        while step_s > finest_s {
+            let near_s = 2.0 * step_s + 4.0 * found.deviation_s;
+            step_s = (step_s / FINER).max(finest_s);
+            let tops = windows(step_s).filter_map(|step_s| {
+                self.at_step(step_s, found.offset_s, near_s.max(2.0 * step_s))
+            });
+            let surest = tops.min_by(|a, b| a.deviation_s.total_cmp(&b.deviation_s));
+            found = surest.unwrap_or(found);
+        }
+        found
     }
 }
 
@@ -217,7 +254,7 @@ impl Sums {
         );
         // Below this share of its square a variance is rounding.
         let varies = of_a > 1e-9 * self.aa && of_b > 1e-9 * self.bb;
-        varies.then(|| covariance / (of_a * of_b).sqrt())
+        varies.then(|| (covariance / (of_a * of_b).sqrt()).clamp(-1.0, 1.0))
     }
 }
 
@@ -430,5 +467,22 @@ mod tests {
         )
         .unwrap();
         assert_eq!(clock_offset(&jump, &jump, 0.0), None);
+    }
+
+    #[test]
+    fn a_motion_that_repeats_itself_is_not_shifted_by_a_period() {
+        let times_s: Vec<f64> = (0..60_000).map(|i| 0.01 * f64::from(i)).collect();
+        let at = |t: &f64| {
+            let along = 0.3 * t + 0.1 * (1.3 * t + 3.0 * (0.1 * t).sin()).sin();
+            Vector3::new(along, 0.2 * (0.8 * t).sin() * (0.003 * t).cos(), 0.0)
+        };
+        let path = Trajectory::new(times_s.clone(), times_s.iter().map(at).collect()).unwrap();
+        for offset_s in [0.0, 0.3, -7.0] {
+            let found = clock_offset(&path, &path.later(offset_s).unwrap(), 0.0).unwrap();
+            assert!(
+                (found.offset_s - offset_s).abs() < 0.002,
+                "{offset_s}: {found:?}"
+            );
+        }
     }
 }
