@@ -45,12 +45,7 @@ fn compare(criterion: &mut Criterion) {
         .collect();
     let all: Vec<&Prepared> = all.iter().collect();
     let basis = Basis::fit(&all, Components::default()).expect("a basis");
-    let pair = Pair {
-        real: &real,
-        simulated: &simulated,
-        real_prepared: all[0],
-        simulated_prepared: all[1],
-    };
+    let pair = Pair::new((&real, all[0]), (&simulated, all[1]));
     let context = Context {
         spread: None,
         basis: Some(&basis),

@@ -190,7 +190,7 @@ pub mod guide {
                 "morphology" "multibody-joint" "net-displacement" "noise" "noise-floor" "numerical-audit" "objective"
                 "overfitted" "parameter" "plate" "point" "prediction-card" "prepared-path" "prior" "profile" "provenance"
                 "recording" "repeat" "restitution" "resume" "run" "sampling-error" "score" "sensorgraph" "servo-law" "session"
-                "settled" "shard" "simulation-confidence" "stand-in" "strategy" "study" "substep" "timestep" "toppled"
+                "settled" "shard" "simulation-confidence" "stand-in" "strategy" "study" "substep" "time-of-a-comparison" "timestep" "toppled"
                 "tracked-module" "trajectory" "trajectory-files" "transfer" "tree-solver" "trial" "verdict" "wave"
                 "winners-curse";
             [design]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Dict, List, Mapping, Optional, Sequence, Tuple, Union, cast
 
 from . import _native
@@ -28,6 +28,13 @@ class Distances:
     net_displacement_m: float
     warnings: Tuple[Warning, ...]
     distances: Mapping[str, float]
+    time: str = "fraction"
+    common_s: Optional[float] = None
+    matched: Optional[int] = None
+    unmatched_reference: Optional[int] = None
+    unmatched: Optional[int] = None
+    offset_s: Optional[float] = None
+    offset_deviation_s: Optional[float] = None
 
 
 class Comparison:
@@ -128,7 +135,7 @@ class Comparison:
 
 
 def _distances(row: JsonObject) -> Distances:
-    known = ("trajectory", "reference", "net_displacement_m", "warnings")
+    known = {field.name for field in fields(Distances)}
     rest = {name: value for name, value in row.items() if name not in known}
     return cast(Distances, typed(Distances, {**row, "distances": rest}))
 
@@ -141,9 +148,18 @@ def compare(
     components: Optional[int] = None,
     variance: Optional[float] = None,
     body_length_m: Optional[float] = None,
-    equal_times: bool = False,
+    time: str = "clock",
+    associate: str = "nearest",
+    max_difference_s: Optional[float] = None,
+    align: str = "none",
+    offset_s: Union[float, str, None] = None,
 ) -> Comparison:
-    """Compares motions with a reference after preparing them as `prepare` does; without a metric, by all metrics that need positions only.
+    """Compares motions with a reference; without a metric, by all metrics that need positions only.
+
+    `time` is "clock" (stamps of one clock), "start" (times since each start) or "fraction" (equal fractions of the durations).
+    ape, umeyama-ape, rpe and rotation compare samples that belong together in time: the nearest within `max_difference_s` (0.01),
+    or with `associate="interpolate"` at every sample of the reference; `align` is "none", "se3" or "sim3". `offset_s` is how much
+    later the stamps of the motions are, or "auto". All other metrics compare paths as `prepare` makes them.
 
     >>> float(realgap.compare(recordings[0], recordings[1], metric="rms")) > 0.0
     True
@@ -156,6 +172,10 @@ def compare(
         components=components,
         variance=variance,
         body_length_m=body_length_m,
-        equal_times=equal_times,
+        time=time,
+        associate=associate,
+        max_difference_s=max_difference_s,
+        align=align,
+        offset=None if offset_s is None else str(offset_s),
     )
     return Comparison(reference, others, metrics, how)

@@ -5,11 +5,14 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use realgap::comparison::{Comparison, Components, Context, Metric, position_metrics};
+use realgap::comparison::{
+    Association, Comparison, Components, Context, MAX_DIFFERENCE_S, Metric, Synchronised, Timing,
+    position_metrics, synchronise,
+};
 use realgap::plot::{Caption, Overlay, OverlayPath, draw_overlay};
-use realgap::trajectory::{self, JointTrack, Meta, Reading, Recording, Source, cut_to_shortest};
+use realgap::trajectory::{self, JointTrack, Meta, Reading, Recording, Source};
 use realgap::unit::Unit;
-use realgap::{Error, Result, Warning};
+use realgap::{Error, Result};
 use serde_json::{Map, Value, json};
 
 use crate::array;
@@ -250,7 +253,42 @@ struct HowToCompare {
     components: Option<usize>,
     variance: Option<f64>,
     body_length_m: Option<f64>,
-    equal_times: bool,
+    /// Words of the command's options; the number of seconds of an offset is a text, too.
+    time: String,
+    associate: String,
+    max_difference_s: Option<f64>,
+    align: String,
+    offset: Option<String>,
+}
+
+impl HowToCompare {
+    fn timing(&self) -> Result<Timing> {
+        let association = match (self.associate.as_str(), self.max_difference_s) {
+            ("nearest", within_s) => Association::Nearest {
+                max_difference_s: within_s.unwrap_or(MAX_DIFFERENCE_S),
+            },
+            ("interpolate", None) => Association::Interpolated,
+            ("interpolate", Some(_)) => {
+                return Err(Error::usage("a largest difference belongs to `nearest`")
+                    .field("max_difference_s"));
+            }
+            (other, _) => {
+                return Err(Error::usage("there is no such association")
+                    .field("associate")
+                    .found(other)
+                    .allowed("nearest, interpolate"));
+            }
+        };
+        let offset = self.offset.as_deref().map(str::parse).transpose()?;
+        let timing = Timing {
+            base: self.time.parse()?,
+            association,
+            alignment: self.align.parse()?,
+            offset: offset.unwrap_or_default(),
+        };
+        timing.check()?;
+        Ok(timing)
+    }
 }
 
 /// One row per recording as JSON, one column per metric; the paths are drawn into `picture` where it is given.
@@ -270,33 +308,27 @@ pub fn compare(
             .map(callback::metric)
             .collect::<PyResult<_>>()?,
     };
-    let mut reference = (*reference.recording).clone();
-    let mut others: Vec<Recording> = others
+    let reference = (*reference.recording).clone();
+    let others: Vec<Recording> = others
         .iter()
         .map(|other| (*other.get().recording).clone())
         .collect();
     py.detach(|| {
         let how: HowToCompare = of_text("compare", how)?;
-        let mut said = Vec::new();
-        if how.equal_times {
-            let mut all: Vec<&mut Recording> =
-                std::iter::once(&mut reference).chain(&mut others).collect();
-            said.extend(cut_to_shortest(&mut all)?);
-        }
-        let rows = rows(&reference, &others, &metrics, &how, &said, picture)?;
+        let in_time = synchronise(reference, others, &how.timing()?, &metrics)?;
+        let rows = rows(&in_time, &metrics, &how, picture)?;
         to_text(&rows)
     })
     .or_raise(py)
 }
 
 fn rows(
-    reference: &Recording,
-    others: &[Recording],
+    in_time: &Synchronised,
     metrics: &[&'static dyn Metric],
     how: &HowToCompare,
-    said: &[Warning],
     picture: Option<PathBuf>,
 ) -> Result<Vec<Value>> {
+    let (reference, others) = (&in_time.reference, &in_time.others);
     let components = match (how.components, how.variance) {
         (Some(_), Some(_)) => {
             return Err(
@@ -308,7 +340,7 @@ fn rows(
         (None, None) => Components::default(),
     };
     components.check().map_err(Error::into_usage)?;
-    let comparison = Comparison::new(reference, others, components)?;
+    let comparison = Comparison::new(reference, others, components)?.with_matched(&in_time.matched);
     let context = Context {
         basis: Some(comparison.basis()),
         spread: None,
@@ -325,7 +357,10 @@ fn rows(
         row.insert("reference".to_owned(), json!(reference.name));
         let net_m = pair.simulated_prepared.net_displacement_m();
         row.insert("net_displacement_m".to_owned(), json!(net_m));
-        let mut warnings = said.to_vec();
+        if let Value::Object(fields) = json!(in_time.synchrony[index]) {
+            row.extend(fields);
+        }
+        let mut warnings = in_time.warnings.clone();
         warnings.extend(comparison.warnings());
         let mut first = None;
         for metric in metrics {

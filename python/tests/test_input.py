@@ -123,6 +123,12 @@ def test_errors_about_wrong_options_say_what_is_allowed(tripod, recordings):
         realgap.simulate(tripod, joint="rubber")
     with refused("metric", "pcaa"):
         realgap.compare(*recordings, metric="pcaa")
+    with refused("`relative` is now called `fraction`"):
+        realgap.compare(recordings[0], recordings[1], time="relative")
+    with refused("associate", "nearest, interpolate"):
+        realgap.compare(recordings[0], recordings[1], associate="next")
+    with refused("no samples are matched"):
+        realgap.compare(recordings[0], recordings[1], time="fraction", offset_s=0.5)
     vary = {"floor.friction": (0.2, 0.8, 3)}
     study = realgap.Study.of(tripod, recordings, vary, metric="rms", duration_s=0.5)
     for jobs in (0, -1, 10**6):
@@ -206,3 +212,19 @@ def test_a_folder_of_other_results_is_left_alone(study_file, tmp_path):
             other.sweep(folder=first, **how)
         assert "--" not in str(caught.value)
     assert other.sweep(folder=first, restart=True).report == other.sweep().report
+
+
+def test_motions_are_compared_by_the_clock_since_their_starts_or_by_fractions(recordings):
+    whole = recordings[0]
+    late = realgap.Trajectory(whole.times_s + 100.5, whole.positions_m, whole.quaternions, name="late")
+    with refused("no common time"):
+        realgap.compare(whole, late, metric="ape")
+    assert float(realgap.compare(whole, late, metric="ape", time="start")) < 1e-9
+    assert float(realgap.compare(whole, late, metric="ape", offset_s=100.5)) < 1e-9
+    found = realgap.compare(whole, late, metric="ape", offset_s="auto").rows[0]
+    assert abs(found.offset_s - 100.5) < 0.05
+    assert found.time == "clock" and found.matched > 0.9 * len(whole.times_s)
+    turned = realgap.Trajectory(whole.times_s, 2.0 * whole.positions_m + 1.0, whole.quaternions)
+    assert float(realgap.compare(whole, turned, metric="ape")) > 0.5
+    assert float(realgap.compare(whole, turned, metric="ape", align="sim3")) < 1e-9
+    assert realgap.compare(whole, turned, metric="ape", time="fraction").rows[0].matched is None

@@ -24,7 +24,8 @@ pub fn in_options(error: Error) -> Error {
 pub fn warning_in_options(warning: &Warning) -> String {
     let options = match warning.code {
         Code::FreeParameter => "--parameters best.ron, or --set NAME=VALUE",
-        Code::DifferentDurations => "--time absolute compares at equal times",
+        Code::ClockOffset => "--offset auto",
+        Code::DifferentDurations => "--time start compares at equal times",
         Code::Hole | Code::Standstill => "--crop FROM:TO",
         Code::QuaternionOrder => "--quaternion ORDER",
         Code::SeveralRobots => "--where COLUMN=VALUE",
@@ -93,6 +94,16 @@ fn option(advice: &Advice) -> String {
         Advice::LeastSquares => {
             "to see which parameters the joint logs determine, and what each log adds: realgap tune STUDY --optimizer gauss-newton"
                 .to_owned()
+        }
+        Advice::OtherTime => {
+            "compare times since each start with --time start, or equal fractions of the durations with --time fraction".to_owned()
+        }
+        Advice::Associate => {
+            "allow more with --max-difference S, or interpolate with --associate interpolate"
+                .to_owned()
+        }
+        Advice::EstimateOffset => {
+            "find the offset between two clocks of one run with --offset auto".to_owned()
         }
         Advice::ListParameters => "`realgap study parameters` lists all of them".to_owned(),
         other => other.to_string(),

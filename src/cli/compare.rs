@@ -3,22 +3,25 @@
 use std::collections::BTreeMap;
 
 use realgap::comparison::{
-    self, Basis, Comparison, Components, Context, Metric, Row, position_metrics,
+    self, Basis, Comparison, Components, Context, Metric, Row, Synchronised, Synchrony,
+    position_metrics, synchronise,
 };
 use realgap::file::{Source as SourceText, versioned_json};
 use realgap::plot::{Caption, Cloud, Overlay, OverlayPath, draw_lines, draw_overlay, plane};
 use realgap::results::{Timed, draw_over_time};
-use realgap::trajectory::{self, Prepared, Recording, Source, cut_to_shortest};
+use realgap::trajectory::{self, Prepared, Recording, Source};
 
 use super::kind::{Kind, explain};
 use super::kit::*;
-use super::option::TimeOption;
+use super::timing::TimingOptions;
 
 /// Compare trajectories with a reference: real with simulated, or real with real
 ///
-/// Use it to measure how far single runs are from a recording, without a study. Every trajectory is resampled to 182
-/// points uniform in time, moved to start at the origin and turned so that its net displacement lies on +x (paper
-/// 003, section 2.2); then each metric measures the distance. `displacement` is the part of a path's distance that
+/// Use it to measure how far single runs are from a recording, without a study. By default stamps are those of one
+/// clock: what the files have in common in time is compared. Runs of different clocks, e.g. a simulation and a
+/// recording, are compared with --time start. The metrics ape, umeyama-ape, rpe and rotation compare matched samples as
+/// they are, as evo does; for the others every trajectory is resampled to 182 points uniform in time, moved to start at
+/// the origin and turned so that its net displacement lies on +x (paper 003, section 2.2). `displacement` is the part of a path's distance that
 /// comes from its net displacement, `shape` is the remaining part. Values of `pca` depend on which trajectories are
 /// compared together, unless --save-basis and --basis let comparisons share a basis.
 #[derive(Debug, Args)]
@@ -27,7 +30,8 @@ use super::option::TimeOption;
 Examples:
   realgap compare real.csv simulated.csv --plot gap.png
   realgap compare real.csv runs/*.csv --metric rms --over-time time.png
-  realgap compare real.csv simulated.csv --metric pose --body-length 0.06")]
+  realgap compare real.csv simulated.csv --metric pose --body-length 0.06
+  realgap compare truth.tum estimate.tum --metric ape --align se3 --offset auto")]
 pub struct Compare {
     /// The reference, usually the real run (.csv or .tum)
     reference: PathBuf,
@@ -52,9 +56,8 @@ pub struct Compare {
     /// Body length of the robot in metres, for the metric `pose`
     #[arg(long, value_name = "M")]
     body_length: Option<f64>,
-    /// Compare paths at equal fractions of their durations, or at equal times up to the end of the shortest path
-    #[arg(long, value_enum, default_value_t)]
-    time: TimeOption,
+    #[command(flatten)]
+    timing: TimingOptions,
     #[command(flatten)]
     reading: ReadingOptions,
     #[command(flatten)]
@@ -80,6 +83,9 @@ const NAMED_DOTS: usize = 5;
 pub struct Compared {
     #[serde(flatten)]
     row: Row,
+    /// What it has in common in time with the reference.
+    #[serde(flatten)]
+    synchrony: Synchrony,
     /// What the reader should know.
     warnings: Vec<Warning>,
 }
@@ -101,6 +107,9 @@ pub struct Scored {
     unit: Unit,
     /// Samples that were compared.
     samples: usize,
+    /// What it has in common in time with the reference.
+    #[serde(flatten)]
+    synchrony: Synchrony,
     /// What the reader should know.
     warnings: Vec<Warning>,
 }
@@ -136,6 +145,7 @@ impl Compare {
             (None, None) => Components::default(),
         };
         components.check().map_err(Error::into_usage)?;
+        let timing = self.timing.timing()?;
         if chosen.is_none() && self.body_length.is_some() {
             return Err(Error::usage("--body-length belongs to --metric pose").hint(
                 "`all` covers the metrics of positions only; name pose or rotation instead",
@@ -146,8 +156,8 @@ impl Compare {
             trajectory::read(path, self.reading.of_file(index, files)?)
                 .map_err(|error| explain(path, Kind::Trajectory, error))
         };
-        let mut reference = read(0, &self.reference)?;
-        let mut others: Vec<Recording> = self
+        let reference = read(0, &self.reference)?;
+        let others: Vec<Recording> = self
             .trajectories
             .iter()
             .enumerate()
@@ -165,40 +175,40 @@ impl Compare {
                 });
             }
         }
-        if self.time == TimeOption::Absolute {
-            let mut all: Vec<&mut Recording> =
-                std::iter::once(&mut reference).chain(&mut others).collect();
-            said.extend(cut_to_shortest(&mut all)?);
-        }
+        let metrics = chosen.map_or_else(position_metrics, |metric| vec![metric]);
+        let in_time = synchronise(reference, others, &timing, &metrics)?;
+        said.extend(in_time.warnings.iter().cloned());
+        let (reference, others) = (&in_time.reference, &in_time.others);
         let comparison = match &self.basis {
             Some(file) => {
                 let basis = Basis::parse(&SourceText::read(file, "basis")?)?;
-                Comparison::new(&reference, &others, components)?.with_basis(basis)
+                Comparison::new(reference, others, components)?.with_basis(basis)
             }
-            None => Comparison::new(&reference, &others, components)?,
+            None => Comparison::new(reference, others, components)?,
         };
+        let comparison = comparison.with_matched(&in_time.matched);
         said.extend(comparison.warnings());
         terminal::print_warnings(&said);
         match chosen {
-            None => self.print_all(&comparison, &said)?,
-            Some(metric) => self.print_one(&comparison, metric, &others, &said)?,
+            None => self.print_all(&comparison, &in_time, &said)?,
+            Some(metric) => self.print_one(&comparison, metric, &in_time, &said)?,
         }
         if let Some(plot) = &self.plot {
             let metric = chosen.unwrap_or(comparison::METRICS[0]);
-            self.draw(plot, &comparison, metric, &reference, &others)?;
+            self.draw(plot, &comparison, metric, reference, others)?;
             terminal::note(format!("drawn: {}", plot.display()));
         }
         if let Some(file) = &self.over_time {
             let paths = comparison.others_prepared().iter();
             let rest = others.iter().zip(paths).map(|(r, path)| timed(r, path));
-            let first = timed(&reference, comparison.reference_prepared());
+            let first = timed(reference, comparison.reference_prepared());
             let all: Vec<Timed<'_>> = std::iter::once(first).chain(rest).collect();
-            let what = stand_in(&reference, &others);
+            let what = stand_in(reference, others);
             draw_over_time(&all, &format!("same start, same heading{what}"), file)?;
             terminal::note(format!("drawn: {}", file.display()));
         }
         if let Some(plane) = &self.plane {
-            self.draw_plane(plane, &comparison, &others)?;
+            self.draw_plane(plane, &comparison, others)?;
             terminal::note(format!("drawn: {}", plane.display()));
         }
         if let Some(file) = &self.save_basis {
@@ -209,14 +219,21 @@ impl Compare {
         Ok(())
     }
 
-    fn print_all(&self, comparison: &Comparison<'_>, said: &[Warning]) -> Result<()> {
+    fn print_all(
+        &self,
+        comparison: &Comparison<'_>,
+        in_time: &Synchronised,
+        said: &[Warning],
+    ) -> Result<()> {
         let metrics = position_metrics();
         let rows = comparison.rows(&metrics)?;
         terminal::print_warnings(rows.iter().flat_map(|row| &row.warnings));
         if self.print.is_json() {
-            let rows = rows.into_iter().map(|row| Compared {
+            let rows = rows.into_iter().zip(&in_time.synchrony);
+            let rows = rows.map(|(row, synchrony)| Compared {
                 warnings: said.iter().chain(&row.warnings).cloned().collect(),
                 row,
+                synchrony: *synchrony,
             });
             return terminal::print_answers(&rows.collect::<Vec<_>>());
         }
@@ -247,9 +264,10 @@ impl Compare {
             });
         }
         terminal::print(format!(
-            "distance from {} ({} principal components kept)\n{}",
+            "distance from {} ({} principal components kept)\n{}\n{}",
             self.reference.display(),
             comparison.basis().kept(),
+            in_time.text(),
             terminal::table(&table)
         ));
         Ok(())
@@ -259,22 +277,25 @@ impl Compare {
         &self,
         comparison: &Comparison<'_>,
         metric: &dyn Metric,
-        others: &[Recording],
+        in_time: &Synchronised,
         said: &[Warning],
     ) -> Result<()> {
+        let others = &in_time.others;
         let scores = self.scores(comparison, metric, others)?;
         let mut warnings: Vec<&Warning> = scores.iter().flat_map(|score| &score.warnings).collect();
         warnings.dedup();
         terminal::print_warnings(warnings);
         if self.print.is_json() {
             let reference = self.reference.file_stem().unwrap_or_default();
-            let rows = others.iter().zip(&scores).map(|(other, score)| Scored {
+            let rows = others.iter().zip(&in_time.synchrony).zip(&scores);
+            let rows = rows.map(|((other, synchrony), score)| Scored {
                 trajectory: other.name.clone(),
                 reference: reference.to_string_lossy().into_owned(),
                 value: [(metric.column(), score.value)].into(),
                 metric: metric.name(),
                 unit: score.unit,
                 samples: score.samples,
+                synchrony: *synchrony,
                 warnings: said.iter().chain(&score.warnings).cloned().collect(),
             });
             return terminal::print_answers(&rows.collect::<Vec<_>>());
@@ -292,10 +313,11 @@ impl Compare {
             ]);
         }
         terminal::print(format!(
-            "{} from {}: {}\n{}",
+            "{} from {}: {}\n{}\n{}",
             metric.name(),
             self.reference.display(),
             metric.doc(),
+            in_time.text(),
             terminal::table(&table)
         ));
         Ok(())

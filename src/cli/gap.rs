@@ -1,15 +1,16 @@
 //! `realgap gap`: the distance between simulation and reality in noise floors.
 
 use realgap::calibration::{Overrides, Study, read_noise};
-use realgap::comparison::{Components, DEFAULT_METRIC, Metric, by_name};
+use realgap::comparison::{Components, DEFAULT_METRIC, Metric, TimeBase, by_name};
 use realgap::plan::Work;
 use realgap::prediction::gap::{FloorReport, GapOptions, Scoring, StudyGap, read_sets};
 use realgap::report::PageData;
 use realgap::results::{Kind, write_floor, write_gap};
 
 use super::kit::*;
-use super::option::{MOST_REPEATS, TimeOption, metric_option};
+use super::option::{MOST_REPEATS, metric_option};
 use super::page;
+use super::timing::{TimeOption, TimeParser};
 
 /// Measure how many noise floors the simulation is away from reality, and until when to trust it
 ///
@@ -39,9 +40,9 @@ pub struct Gap {
     /// of a set [default: condition, where there is one]
     #[arg(long, value_name = "COLUMN", conflicts_with = "study")]
     group: Option<String>,
-    /// Without a study: compare the runs of a set at equal fractions of their durations, or at equal times up to the end of the
-    /// shortest run; a study always compares at equal times
-    #[arg(long, value_enum, conflicts_with = "study")]
+    /// Without a study: compare the runs of a set at times since each start up to the end of the shortest run, or at equal fractions
+    /// of their durations; repeats have no common clock, and a study always compares at times since each start [default: fraction]
+    #[arg(long, value_name = "TIME", value_parser = TimeParser, conflicts_with = "study")]
     time: Option<TimeOption>,
     /// Metric, repeatable [default: the study's (or pca), rms and displacement]
     #[arg(long = "metric", value_name = "NAME")]
@@ -170,6 +171,20 @@ impl Gap {
         Ok(())
     }
 
+    /// Whether runs are compared at times since each start.
+    fn equal_times(&self) -> Result<bool> {
+        match self.time.map(|time| time.0) {
+            Some(TimeBase::Clock) => Err(Error::usage(
+                "repeats of a run were recorded one after the other, so they have no common time by the clock",
+            )
+            .field("time")
+            .found("clock")
+            .allowed("start, fraction")),
+            Some(TimeBase::Start) => Ok(true),
+            Some(TimeBase::Fraction) | None => Ok(false),
+        }
+    }
+
     fn recordings_alone(&self) -> Result<()> {
         if !self.values.parameter_set()?.is_empty() {
             return Err(Error::usage("nothing is simulated without a study")
@@ -183,7 +198,7 @@ impl Gap {
             seed: 1,
         };
         let overrides = Overrides {
-            equal_times: self.time == Some(TimeOption::Absolute),
+            equal_times: self.equal_times()?,
             ..self.recordings.overrides()?
         };
         let sets = read_sets(&overrides, self.group.as_deref())?;

@@ -107,6 +107,7 @@ mod stream;
 mod submit;
 mod sweep;
 mod terminal;
+mod timing;
 mod tune;
 mod verify;
 mod work;

@@ -84,16 +84,6 @@ where
     })
 }
 
-/// At which times two trajectories are compared.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-pub enum TimeOption {
-    /// At equal fractions of their durations
-    #[default]
-    Relative,
-    /// At equal times since their starts
-    Absolute,
-}
-
 /// Formulations of joints.
 pub const JOINTS: &[Choice<JointFormulation>] = &[
     (

@@ -281,6 +281,7 @@ fn runs_of_different_length_are_compared_with_a_warning() {
     let out = realgap()
         .args(["compare", "real_trajectories/tripod_standin/run_00.csv"])
         .arg(&short)
+        .args(["--time", "fraction"])
         .assert()
         .success();
     assert!(text(&out.get_output().stderr).contains("different-durations"));

@@ -4,6 +4,7 @@
 mod cli;
 #[path = "../common/mod.rs"]
 mod common;
+mod compare_time;
 mod equal_runs;
 mod foreign;
 mod hint;

@@ -129,6 +129,9 @@ advice! {
     LetOptimizerChoose "Let an optimizer choose the points instead of evaluating a whole grid." "let an optimizer choose the points";
     HoldRoot "Fix the root of an imported robot to the world." "import the robot as mounted, and give the file that the import has written";
     LeastSquares "Fit joint logs by least squares." "the optimizer gauss-newton fits joint logs by least squares, and reports which parameters they determine and what each log adds";
+    OtherTime "Compare at times since each start, or at equal fractions of the durations." "compare at times since each start (`start`), or at equal fractions of the durations (`fraction`)";
+    Associate "Match samples farther apart in time, or interpolate." "allow a larger difference of times, or interpolate the other trajectory";
+    EstimateOffset "Estimate the offset between two clocks." "let the offset between the clocks be estimated from the speeds";
     ListParameters "Look up the names of all parameters." "look up the names in the registry of parameters";
 }
 

@@ -68,6 +68,7 @@ codes! {
     BodyContradicted "body-contradicted" "Recorded free flight contradicts the masses, inertias or hinges of the robot's file." "adopt the values that `realgap study identify` found, or weigh and measure the robot again";
     CentreOfMassContradicted "centre-of-mass-contradicted" "Recorded free flight gives another centre of mass than the robot's file." "adopt the values that `realgap study identify` writes";
     CentreOfMassOutside "centre-of-mass-outside" "A centre of mass lies outside of its cube." "correct the centre of mass in the robot's file";
+    ClockOffset "clock-offset" "The stamps of two recordings look as if one clock were ahead of the other." "let the offset be estimated, or correct the stamps of one file";
     CoarseGrid "coarse-grid" "Beliefs (distributions over the position) are narrower than the cells of their grid." "give the belief more cells";
     ColumnsIgnored "columns-ignored" "A recording has columns that nothing uses." "say what the columns are when reading, or leave them out of the file";
     ComponentsMissDifference "components-miss-difference" "The kept principal components contain little of the difference between two runs." "use the metric `rms`, or keep more components";
@@ -174,6 +175,7 @@ codes! {
     UnlikelyMass "unlikely-mass" "A module is lighter than air or denser than any metal." "give masses in kilograms and lengths in metres";
     UnlikelyTime "unlikely-time" "Times do not look like seconds." "name the unit of time when reading";
     UnmatchedConditions "unmatched-conditions" "A condition is in only one of two logs." "log the same conditions in both";
+    UnmatchedSamples "unmatched-samples" "Large parts of two recordings have no partner in the other." "check that the files are of the same run and clock; else compare times since each start";
     Unresolved "unresolved" "Numerical settings change a score as much as a parameter does." "use finer numerics, another gait or another metric; more recordings will not help";
     UnsynchronisedClocks "unsynchronised-clocks" "Joints move before their command, or with a growing delay." "stamp commands and angles with one clock";
     VelocitiesLate "velocities-late" "Recorded velocities belong to an earlier moment." "let `realgap study identify` correct the lag, or record velocities without a filter";

@@ -9,4 +9,5 @@ mod inferred_reading;
 mod metric_contract;
 mod preparation;
 mod principal_components;
+mod time;
 mod whitened;

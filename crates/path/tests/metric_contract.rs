@@ -7,8 +7,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use realgap_core::unit::Unit;
 use realgap_path::comparison::{
-    Basis, Components, Context, DEFAULT_METRIC, METRICS, Metric, Pair, Spread, by_name, compare,
-    pose_errors,
+    Association, Basis, Components, Context, DEFAULT_METRIC, METRICS, Metric, Pair, Spread, Timing,
+    by_name, compare, compare_in_time, pose_errors,
 };
 use realgap_path::trajectory::{JointTrack, Trajectory, prepare};
 
@@ -68,16 +68,32 @@ fn score(metric: &dyn Metric, real: &Trajectory, simulated: &Trajectory) -> f64 
         spread: Some(&spread),
         body_length_m: Some(0.1),
     };
-    let pair = Pair {
-        real,
-        simulated,
-        real_prepared: &real_prepared,
-        simulated_prepared: &simulated_prepared,
-    };
+    let pair = Pair::new((real, &real_prepared), (simulated, &simulated_prepared));
     let score = metric.compare(&pair, &context).unwrap();
     assert_eq!(score.unit, metric.unit());
     assert!(score.samples > 0, "{}", metric.name());
     score.value
+}
+
+/// The score over the nearest samples, for the metrics that have one.
+fn nearest_score(metric: &dyn Metric, real: &Trajectory, simulated: &Trajectory) -> Option<f64> {
+    let of_samples = metric.is_of_samples();
+    let score = || compare_in_time(real, simulated, metric.name(), &Timing::default()).unwrap();
+    of_samples.then(|| score().value)
+}
+
+/// The score over interpolated samples, for the metrics that have one.
+fn sample_score(metric: &dyn Metric, real: &Trajectory, simulated: &Trajectory) -> Option<f64> {
+    if !metric.is_of_samples() {
+        return None;
+    }
+    let timing = Timing {
+        association: Association::Interpolated,
+        ..Timing::default()
+    };
+    let score = compare_in_time(real, simulated, metric.name(), &timing).unwrap();
+    assert_eq!(score.unit, metric.unit());
+    Some(score.value)
 }
 
 fn shape() -> impl Strategy<Value = [f64; 5]> {
@@ -94,6 +110,10 @@ proptest! {
             let distance = score(*metric, &a, &b);
             prop_assert!(distance.is_finite() && distance >= 0.0, "{} {distance}", metric.name());
             prop_assert!(score(*metric, &a, &a) <= 1e-7, "{}", metric.name());
+            if let Some(distance) = sample_score(*metric, &a, &b) {
+                prop_assert!(distance.is_finite() && distance >= 0.0, "{} {distance}", metric.name());
+                prop_assert!(sample_score(*metric, &a, &a) <= Some(1e-7), "{}", metric.name());
+            }
         }
     }
 
@@ -103,6 +123,10 @@ proptest! {
         for metric in METRICS.iter().filter(|metric| metric.is_symmetric()) {
             let (there, back) = (score(*metric, &a, &b), score(*metric, &b, &a));
             prop_assert!((there - back).abs() <= 1e-9 * (1.0 + there), "{}", metric.name());
+            let (there, back) = (nearest_score(*metric, &a, &b), nearest_score(*metric, &b, &a));
+            if let (Some(there), Some(back)) = (there, back) {
+                prop_assert!((there - back).abs() <= 1e-9 * (1.0 + there), "{}", metric.name());
+            }
         }
     }
 
@@ -119,6 +143,13 @@ proptest! {
             let here = score(*metric, &a, &b);
             let there = score(*metric, &moved(&a, angle, shift), &moved(&b, angle, shift));
             prop_assert!((here - there).abs() <= 1e-8 * (1.0 + here), "{} {here} {there}", metric.name());
+            let (a, b) = (&a, &b);
+            if let (Some(here), Some(there)) = (
+                sample_score(*metric, a, b),
+                sample_score(*metric, &moved(a, angle, shift), &moved(b, angle, shift)),
+            ) {
+                prop_assert!((here - there).abs() <= 1e-8 * (1.0 + here), "{} {here} {there}", metric.name());
+            }
         }
     }
 
@@ -168,12 +199,7 @@ fn an_unknown_metric_is_refused_with_the_list_of_known_metrics() {
 fn a_metric_without_the_data_that_it_needs_gives_an_error() {
     let line = Trajectory::new(vec![0.0, 1.0], vec![Vector3::zeros(), Vector3::x()]).unwrap();
     let prepared = prepare(&line).unwrap();
-    let pair = Pair {
-        real: &line,
-        simulated: &line,
-        real_prepared: &prepared,
-        simulated_prepared: &prepared,
-    };
+    let pair = Pair::new((&line, &prepared), (&line, &prepared));
     let missing = |name: &str| {
         let context = Context::default();
         by_name(name).unwrap().compare(&pair, &context).unwrap_err()

@@ -83,12 +83,7 @@ fn fitness_and_shape_are_separated() {
             vec![nalgebra::Vector3::zeros(), nalgebra::Vector3::x()],
         )
         .unwrap();
-        let pair = Pair {
-            real: &motion,
-            simulated: &motion,
-            real_prepared: a,
-            simulated_prepared: b,
-        };
+        let pair = Pair::new((&motion, a), (&motion, b));
         let metric = by_name(metric).unwrap();
         metric.compare(&pair, &Context::default()).unwrap().value
     };

@@ -26,14 +26,14 @@ fn a_path_at_another_speed_is_not_the_same_run() {
         let said = text(&out.get_output().stderr);
         (rows[0]["rms_m"].as_f64().unwrap(), said, rows)
     };
-    let (rms_m, said, _) = compare(&[]);
+    let (rms_m, said, _) = compare(&["--time", "fraction"]);
     assert!(rms_m < 1e-9);
     assert!(
-        said.contains("different-durations") && said.contains("--time absolute"),
+        said.contains("different-durations") && said.contains("--time start"),
         "{said}"
     );
     // 20 s of the slow one are 14 s of the fast one's way.
-    let (rms_m, said, rows) = compare(&["--time", "absolute"]);
+    let (rms_m, said, rows) = compare(&["--time", "start"]);
     assert!(rms_m > 0.05, "{rms_m}");
     assert!(!said.contains("different-durations"), "{said}");
     assert!(
@@ -41,6 +41,14 @@ fn a_path_at_another_speed_is_not_the_same_run() {
         "{said}"
     );
     assert_eq!(rows[0]["warnings"][0]["code"], "read-as");
+    // Both begin at 0, so the clock says the same.
+    let (by_clock_m, said, rows) = compare(&[]);
+    assert_eq!(by_clock_m, rms_m);
+    assert_eq!(rows[0]["time"], "clock");
+    assert!(
+        said.contains("over the 20.000 s that all recordings have in common"),
+        "{said}"
+    );
     // Between repeats that have no study it can be asked for, too.
     let glob = folder.path().join("*.csv");
     let gap = |options: &[&str]| {
@@ -53,7 +61,7 @@ fn a_path_at_another_speed_is_not_the_same_run() {
         let report: serde_json::Value = serde_json::from_slice(&out.get_output().stdout).unwrap();
         report["sets"][0].to_string()
     };
-    assert!(gap(&["--time", "absolute"]).contains("over the first 20.000 s"));
+    assert!(gap(&["--time", "start"]).contains("over the first 20.000 s"));
     assert!(!gap(&[]).contains("over the first"));
 }
 

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::association::Matched;
 use super::basis::Basis;
 use super::spread::Spread;
 use crate::trajectory::{Prepared, Trajectory};
@@ -20,10 +21,13 @@ pub struct Pair<'a> {
     pub real_prepared: &'a Prepared,
     /// `simulated`, prepared.
     pub simulated_prepared: &'a Prepared,
+    /// The samples that belong together in time. Metrics of samples ([`Metric::is_of_samples`]) compare them where they are given, and
+    /// the prepared points otherwise.
+    pub matched: Option<&'a Matched>,
 }
 
 impl<'a> Pair<'a> {
-    /// Two trajectories, each with its prepared form.
+    /// Two trajectories, each with its prepared form; no samples are matched.
     pub fn new(
         (real, real_prepared): (&'a Trajectory, &'a Prepared),
         (simulated, simulated_prepared): (&'a Trajectory, &'a Prepared),
@@ -33,7 +37,14 @@ impl<'a> Pair<'a> {
             simulated,
             real_prepared,
             simulated_prepared,
+            matched: None,
         }
+    }
+
+    /// The same pair with matched samples.
+    #[must_use]
+    pub fn with_matched(self, matched: Option<&'a Matched>) -> Self {
+        Self { matched, ..self }
     }
 }
 
@@ -143,6 +154,11 @@ pub trait Metric: Sync {
     fn is_pose(&self) -> bool {
         false
     }
+    /// True if the distance is one of samples: it is computed over the matched samples where the pair has them ([`Pair::matched`]), and over
+    /// the prepared points otherwise.
+    fn is_of_samples(&self) -> bool {
+        false
+    }
     /// Computes the distance; the caller has made sure that everything in [`Metric::needs`] is present.
     ///
     /// # Errors
@@ -174,7 +190,8 @@ pub trait Metric: Sync {
                 .hint("check the unit of the trajectories, and the tracker for lost samples"));
         }
         let mut warnings = measured.warnings;
-        if needs.preparation {
+        let uses_matched = self.is_of_samples() && pair.matched.is_some();
+        if needs.preparation && !uses_matched {
             warnings.extend_from_slice(pair.real_prepared.warnings());
             warnings.extend_from_slice(pair.simulated_prepared.warnings());
             warnings.extend(different_durations(pair));
@@ -194,7 +211,7 @@ fn different_durations(pair: &Pair<'_>) -> Option<Warning> {
     let differ = (real_s - simulated_s).abs() > 0.01 * real_s.max(simulated_s);
     differ.then(|| {
         Code::DifferentDurations.warning(format!(
-            "a trajectory of {real_s:.2} s is compared with one of {simulated_s:.2} s, point by point in relative time"
+            "a trajectory of {real_s:.2} s is compared with one of {simulated_s:.2} s, point by point at equal fractions of their durations"
         ))
     })
 }

@@ -1,7 +1,8 @@
-//! Metrics that include orientation: `rotation` on prepared trajectories, `pose` on the recorded samples.
+//! Metrics that include orientation: `rotation` on matched samples or prepared points, `pose` on the recorded samples.
 
 use serde::Serialize;
 
+use super::evo::orientations;
 use super::joint;
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use crate::trajectory::{Interpolator, Trajectory};
@@ -10,7 +11,8 @@ use realgap_core::error::{Error, Result};
 use realgap_core::unit::Unit;
 use realgap_core::warning::{Code, Warning};
 
-/// Mean angle of R_real⁻¹ R_sim over the prepared (resampled and turned) orientations, degrees.
+/// Mean angle of R_real⁻¹ R_sim, degrees, over the matched samples as they are, or over the prepared (resampled and turned) orientations
+/// where no samples are matched.
 #[derive(Debug, Clone, Copy)]
 pub struct Rotation;
 
@@ -19,16 +21,16 @@ impl Metric for Rotation {
         name: &'static str = "rotation";
         column: &'static str = "rotation_deg";
         unit: Unit = Unit::Degree;
-        doc: &'static str = "mean angle between the orientations, after aligning start and heading";
+        doc: &'static str = "evo's absolute pose error, rotation angle, mean";
         needs: Needs = Needs {
             orientation: true,
             ..Needs::POINTS
         };
+        is_of_samples: bool = true;
     }
 
     fn measure(&self, pair: &Pair<'_>, _: &Context<'_>) -> Result<Measurement> {
-        let (a, b) = (pair.real_prepared, pair.simulated_prepared);
-        let (Some(a), Some(b)) = (a.orientations(), b.orientations()) else {
+        let Some([a, b]) = orientations(pair) else {
             return Err(
                 Error::invalid("a trajectory was prepared without orientations")
                     .field("rotation")

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use serde::{Serialize, Serializer};
 
+use super::association::Matched;
 use super::basis::{Basis, Components};
 use super::metric::{Context, Metric, Pair};
 use super::registry::METRICS;
@@ -87,6 +88,7 @@ pub struct Comparison<'a> {
     reference_prepared: Prepared,
     others_prepared: Vec<Prepared>,
     basis: Basis,
+    matched: &'a [Option<Matched>],
 }
 
 impl<'a> Comparison<'a> {
@@ -133,6 +135,7 @@ impl<'a> Comparison<'a> {
             reference_prepared,
             others_prepared,
             basis,
+            matched: &[],
         })
     }
 
@@ -140,6 +143,13 @@ impl<'a> Comparison<'a> {
     #[must_use]
     pub fn with_basis(self, basis: Basis) -> Self {
         Self { basis, ..self }
+    }
+
+    /// The same comparison with matched samples of the reference and of each other recording, for metrics of samples
+    /// ([`Synchronised::matched`](super::Synchronised)). Without them these metrics compare prepared points.
+    #[must_use]
+    pub fn with_matched(self, matched: &'a [Option<Matched>]) -> Self {
+        Self { matched, ..self }
     }
 
     /// The basis: fitted to all distinct recordings, or given by [`Comparison::with_basis`].
@@ -184,6 +194,7 @@ impl<'a> Comparison<'a> {
             simulated: &self.others.get(index)?.trajectory,
             real_prepared: &self.reference_prepared,
             simulated_prepared: self.others_prepared.get(index)?,
+            matched: self.matched.get(index).and_then(Option::as_ref),
         })
     }
 
@@ -245,7 +256,7 @@ impl<'a> Comparison<'a> {
     }
 }
 
-/// Compares `others` with `reference` by every position metric; see [`Comparison`].
+/// Compares `others` with `reference` by every position metric, at equal fractions of their durations; see [`Comparison`].
 ///
 /// # Errors
 /// The errors of [`Comparison::new`] and [`Comparison::rows`].

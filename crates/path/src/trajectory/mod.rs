@@ -33,6 +33,7 @@ mod resolution;
 mod sample;
 #[cfg(feature = "schema")]
 mod schema;
+mod span;
 mod state;
 mod table;
 mod text;
@@ -61,6 +62,7 @@ pub use registry::{
 };
 pub use resample::{Interpolator, resample};
 pub use resolution::resolution;
+pub use span::Span;
 pub use state::{JointTrack, Signal, State, Trajectory};
 pub use text::{MAX_COLUMNS, MAX_FILE_BYTES, MAX_ROWS};
 pub use tum::Tum;

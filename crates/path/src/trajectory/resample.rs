@@ -31,6 +31,15 @@ pub fn resample(trajectory: &Trajectory, points: usize) -> Result<Trajectory> {
         });
         places.push(interpolator.place(since_start_s));
     }
+    at_places(trajectory, times_s, &places)
+}
+
+/// The trajectory at these places, with these times; signals are left out, because they are held and not interpolated.
+pub(super) fn at_places(
+    trajectory: &Trajectory,
+    times_s: Vec<f64>,
+    places: &[Place],
+) -> Result<Trajectory> {
     let positions = places
         .iter()
         .map(|place| place.lerp(trajectory.positions_world_m()))
@@ -83,6 +92,11 @@ impl Place {
         } else {
             a + (b - a) * self.fraction
         }
+    }
+
+    /// The value that held at this time.
+    pub(super) fn held(self, values: &[f64]) -> f64 {
+        values[self.before + usize::from(self.fraction >= 1.0)]
     }
 
     pub(super) fn lerp(self, values: &[Vector3<f64>]) -> Vector3<f64> {

@@ -245,6 +245,24 @@ impl Trajectory {
         })
     }
 
+    /// The same trajectory with times that are `by_s` seconds later.
+    ///
+    /// # Errors
+    /// A shift so large that times are no longer finite or no longer differ from each other.
+    pub fn later(&self, by_s: f64) -> Result<Self> {
+        let times_s: Vec<f64> = self.times_s.iter().map(|time_s| time_s + by_s).collect();
+        let increases = times_s.windows(2).all(|pair| pair[0] < pair[1]);
+        if !(increases && times_s.iter().all(|time_s| time_s.is_finite())) {
+            return Err(Error::invalid("times cannot be shifted by this")
+                .found(format!("{by_s} s"))
+                .allowed("a shift that keeps the times apart"));
+        }
+        Ok(Self {
+            times_s,
+            ..self.clone()
+        })
+    }
+
     /// Marks the trajectory as planar: z was not recorded, and is 0 everywhere.
     #[must_use]
     pub fn planar(mut self) -> Self {
