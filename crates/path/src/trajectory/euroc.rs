@@ -80,6 +80,10 @@ impl Format for Euroc {
         Csv.parse(text, &self.mapped(text, reading)?)
     }
 
+    fn parse_split(&self, text: &str, reading: &Reading) -> Result<Vec<Parsed>> {
+        Csv.parse_split(text, &self.mapped(text, reading)?)
+    }
+
     fn render(&self, trajectory: &Trajectory) -> Result<Rendered> {
         let mut warnings = beyond_poses("EuRoC files", trajectory);
         let mut text = format!("{HEADER}\n");

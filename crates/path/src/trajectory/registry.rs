@@ -145,7 +145,7 @@ pub fn parse_all(
         group_columns.retain(|name| columns.contains(name));
         return file.groups(&group_columns);
     }
-    Ok(vec![file.single()?])
+    file.all()
 }
 
 /// Reads all recordings in a file as repeats in named sets. Recordings with one value of the column `set_column` form a set, in which the
@@ -189,7 +189,7 @@ pub fn read_sets(
         let all = if has(run) {
             file.groups(&[run])?
         } else {
-            vec![file.single()?]
+            file.all()?
         };
         return Ok(all.into_iter().map(|r| (String::new(), r)).collect());
     };
@@ -242,7 +242,36 @@ impl<'a> File<'a> {
             .unwrap_or_default()
     }
 
+    /// The recordings of a file without a column that names them: one, or all runs and bodies if the reading splits them.
+    fn all(&self) -> Result<Vec<Recording>> {
+        let has_bodies = !body_column::names(&self.columns()).is_empty();
+        if self.reading.split != Some(true) || has_bodies {
+            return Ok(vec![self.single()?]);
+        }
+        let parts = self.format.parse_split(&self.text, &self.reading);
+        let parts = parts.map_err(|error| error.at_file(self.path))?;
+        let is_one = parts.len() == 1;
+        let named = parts.into_iter().enumerate().map(|(index, parsed)| {
+            let name = match is_one {
+                true => self.stem(),
+                false => format!("{}/{}", self.stem(), index + 1),
+            };
+            self.recording(name, parsed)
+        });
+        named.collect()
+    }
+
     fn single(&self) -> Result<Recording> {
+        if self.reading.split == Some(true) && body_column::names(&self.columns()).is_empty() {
+            let mut all = self.all()?;
+            return match (all.len(), all.pop()) {
+                (1, Some(only)) => Ok(only),
+                (count, _) => Err(Error::invalid("one recording is needed, and the file holds several")
+                    .at_file(self.path)
+                    .found(format!("{count} runs or bodies"))
+                    .hint("write each of them into a file of its own")),
+            };
+        }
         let parse = |text: &str, reading: &Reading| {
             let parsed = self.format.parse(text, reading);
             parsed.map_err(|error| error.at_file(self.path))

@@ -5,7 +5,9 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use super::format::Parsed;
 use super::joint_column::{self, JointColumns};
 use super::reading::Reading;
+use super::stamp::{self, Calendar};
 use super::text::{Cell, check_rows};
+use super::time_order::{Disorder, InFile};
 use super::{JointTrack, Signal, Trajectory};
 use realgap_core::error::{Advice, Error, Result};
 use realgap_core::unit::{counted, number};
@@ -27,12 +29,37 @@ const NO_QUATERNION: f64 = 1e-6;
 /// The message of an error about the order of samples.
 pub(super) const TIME_GOES_BACK: &str = "time does not increase";
 
+/// Where the times of samples come from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Clock {
+    /// One column: a number, a date, or a time of day.
+    Column(usize),
+    /// Seconds in one column, and the part below one second in another.
+    TwoColumns(usize, usize),
+    /// A column that counts samples at this rate, 1/s.
+    Counter(usize, f64),
+    /// No column: samples are taken at this rate, 1/s.
+    Rate(f64),
+}
+
+impl Clock {
+    /// The columns of the time.
+    pub(super) fn columns(self) -> impl Iterator<Item = usize> {
+        let (first, second) = match self {
+            Self::Column(column) | Self::Counter(column, _) => (Some(column), None),
+            Self::TwoColumns(whole, rest) => (Some(whole), Some(rest)),
+            Self::Rate(_) => (None, None),
+        };
+        first.into_iter().chain(second)
+    }
+}
+
 /// The index of every column in a line; `names` are used in messages, `factors` convert from the file's units to SI.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Layout {
     pub(super) names: Vec<String>,
     pub(super) factors: Vec<f64>,
-    pub(super) time: usize,
+    pub(super) clock: Clock,
     /// x and y; `None` in a recording with joints only.
     pub(super) place: Option<[usize; 2]>,
     pub(super) z: Option<usize>,
@@ -55,6 +82,17 @@ pub(super) struct Layout {
 pub(super) struct Samples {
     sorts: bool,
     skips_lost: bool,
+    is_unpadded: bool,
+    calendar: Calendar,
+    /// The number of rows, including those that are left out.
+    rows: usize,
+    /// The line of each sample.
+    lines: Vec<u32>,
+    /// Line and column of the first time that is not later than the one before.
+    first_late: Option<(usize, usize)>,
+    /// The text of the last time, and the number of steps back that end if the digits behind the dot are whole nanoseconds.
+    last_stamp: String,
+    unpadded_steps: usize,
     times_s: Vec<f64>,
     positions_m: Vec<Vector3<f64>>,
     orientations: Vec<UnitQuaternion<f64>>,
@@ -78,6 +116,13 @@ impl Samples {
         Self {
             sorts: reading.sort == Some(true),
             skips_lost: reading.skip_lost == Some(true),
+            is_unpadded: reading.unpadded_stamps == Some(true),
+            calendar: Calendar::default(),
+            rows: 0,
+            lines: Vec::new(),
+            first_late: None,
+            last_stamp: String::new(),
+            unpadded_steps: 0,
             times_s: Vec::new(),
             positions_m: Vec::new(),
             orientations: Vec::new(),
@@ -99,7 +144,8 @@ impl Samples {
         check_columns(layout, cells, line)?;
         check_rows(self.times_s.len(), line)?;
         self.last_line = line;
-        let needed = std::iter::once(layout.time)
+        self.rows += 1;
+        let needed = (layout.clock.columns())
             .chain(layout.place.into_iter().flatten())
             .chain(layout.z)
             .chain(layout.quaternion.into_iter().flatten())
@@ -114,7 +160,7 @@ impl Samples {
             Ok::<f64, Error>(number * layout.factors[index])
         };
 
-        let time_s = number(layout.time)?;
+        let time_s = self.time_s(layout, cells)?;
         let z = layout.z.map_or(Ok(0.0), number)?;
         let [x, y] = layout.place.map_or([Ok(0.0), Ok(0.0)], |xy| xy.map(number));
         let position = Vector3::new(x?, y?, z);
@@ -151,16 +197,13 @@ impl Samples {
                 self.repeated += 1;
                 return Ok(());
             }
-            if !self.sorts {
-                let error = Error::invalid(TIME_GOES_BACK)
-                    .field(&layout.names[layout.time])
-                    .found(format!("{time_s} after {last}"))
-                    .allowed("strictly increasing times");
-                let error = match &layout.time_hint {
-                    Some(hint) => error.hint(hint).advise(Advice::ChooseRobot),
-                    None => error.advise(Advice::SortSamples),
-                };
-                return Err(cells[layout.time].locate(error));
+            let cell = layout.clock.columns().next().map(|column| &cells[column]);
+            if let Some(cell) = cell {
+                let found = cell.locate(Error::invalid(TIME_GOES_BACK));
+                self.first_late = self.first_late.or(found.line_column());
+                let [before, now] =
+                    [&*self.last_stamp, cell.text].map(stamp::seconds_dot_nanoseconds);
+                self.unpadded_steps += usize::from(before.is_some() && before < now);
             }
             self.late += 1;
         }
@@ -175,18 +218,94 @@ impl Samples {
             self.linear_m_s.push(linear);
             self.angular_rad_s.push(angular);
         }
+        if let Clock::Column(column) = layout.clock {
+            self.last_stamp.clear();
+            self.last_stamp.push_str(cells[column].text);
+        }
         self.times_s.push(time_s);
+        self.lines.push(u32::try_from(line).unwrap_or(u32::MAX));
         self.positions_m.push(position);
         Ok(())
+    }
+
+    /// The time of the sample in `cells`, seconds.
+    fn time_s(&mut self, layout: &Layout, cells: &[Cell<'_>]) -> Result<f64> {
+        let number = |index: usize| cells[index].number(&layout.names[index]);
+        match layout.clock {
+            Clock::Rate(rate_hz) => Ok((self.rows - 1) as f64 / rate_hz),
+            Clock::Counter(column, rate_hz) => Ok(number(column)? / rate_hz),
+            Clock::TwoColumns(whole, rest) => {
+                Ok(number(whole)? * layout.factors[whole] + number(rest)? * layout.factors[rest])
+            }
+            Clock::Column(column) => {
+                let (text, factor) = (cells[column].text, layout.factors[column]);
+                if self.is_unpadded
+                    && let Some((seconds, nanoseconds)) = stamp::seconds_dot_nanoseconds(text)
+                {
+                    return Ok(seconds as f64 + f64::from(nanoseconds) * 1e-9);
+                }
+                if factor != 1.0
+                    && let Some(seconds) = stamp::whole_units(text, factor)
+                {
+                    return Ok(seconds);
+                }
+                match number(column) {
+                    Ok(number) => Ok(number * factor),
+                    Err(error) => match stamp::stamp(text) {
+                        Some(stamp) => Ok(self.calendar.seconds(stamp)),
+                        None => Err(error),
+                    },
+                }
+            }
+        }
     }
 
     pub(super) fn is_empty(&self) -> bool {
         self.times_s.is_empty()
     }
 
-    /// Sorts all columns by time; of several samples at one time, the first is kept. Returns the largest distance of the others from it,
-    /// metres.
-    fn sort(&mut self) -> f64 {
+    /// The places by which runs and bodies are told apart: positions, or the angles of the first three joints.
+    fn places(&self, layout: &Layout) -> Vec<Vector3<f64>> {
+        if layout.place.is_some() {
+            return self.positions_m.clone();
+        }
+        let angle = |joint: usize, sample: usize| {
+            let joint = self.joints.get(joint);
+            joint.map_or(0.0, |joint| joint.angles_rad[sample])
+        };
+        let samples = 0..self.times_s.len();
+        samples
+            .map(|k| Vector3::new(angle(0, k), angle(1, k), angle(2, k)))
+            .collect()
+    }
+
+    /// The samples with these indices, in this order.
+    fn part(&self, order: &[usize]) -> Self {
+        fn of<T: Copy>(all: &[T], order: &[usize]) -> Vec<T> {
+            match all.is_empty() {
+                true => Vec::new(),
+                false => order.iter().map(|index| all[*index]).collect(),
+            }
+        }
+        let joints = self.joints.iter();
+        let signals = self.signals.iter();
+        Self {
+            lines: of(&self.lines, order),
+            times_s: of(&self.times_s, order),
+            positions_m: of(&self.positions_m, order),
+            orientations: of(&self.orientations, order),
+            linear_m_s: of(&self.linear_m_s, order),
+            angular_rad_s: of(&self.angular_rad_s, order),
+            joints: joints.map(|joint| joint.map(|all| of(all, order))).collect(),
+            signals: signals.map(|signal| signal.map(|all| of(all, order))).collect(),
+            last_stamp: String::new(),
+            ..*self
+        }
+    }
+
+    /// The samples in the order of times; of several samples at one time, the first is kept. The second value is the largest distance of the
+    /// others from it, metres.
+    fn sorted(&self) -> (Self, f64) {
         let times_s = &self.times_s;
         let mut order: Vec<usize> = (0..times_s.len()).collect();
         order.sort_by(|a, b| times_s[*a].total_cmp(&times_s[*b]));
@@ -199,26 +318,72 @@ impl Samples {
             }
             is_same
         });
-        fn sorted<T: Copy>(all: &mut Vec<T>, order: &[usize]) {
-            if !all.is_empty() {
-                *all = order.iter().map(|index| all[*index]).collect();
+        (self.part(&order), farthest_m)
+    }
+
+    /// The error about times that go back: it names the first row, counts the rows, and says what may have happened.
+    fn goes_back(&self, layout: &Layout, disorder: Disorder) -> Error {
+        let steps = self.in_file(&self.positions_m).steps_back();
+        let first = steps.first().copied().unwrap_or(0);
+        let mut error = Error::invalid(TIME_GOES_BACK);
+        if let Some((line, column)) = self.first_late {
+            error = error.at_line(line, column);
+        }
+        if let Some(column) = layout.clock.columns().next() {
+            error = error.field(&layout.names[column]);
+        }
+        let mut found = format!(
+            "{} after {} in line {}",
+            self.times_s[first],
+            self.times_s[first.saturating_sub(1)],
+            self.lines[first]
+        );
+        if let [_, second, ..] = steps.as_slice() {
+            found += &format!(
+                ", again in line {}; {} in {} samples",
+                self.lines[*second],
+                counted(steps.len(), "step"),
+                self.times_s.len()
+            );
+        }
+        let error = error.found(found).allowed("strictly increasing times");
+        if let Some(hint) = &layout.time_hint {
+            return error.hint(hint).advise(Advice::ChooseRobot);
+        }
+        if self.unpadded_steps == steps.len() && !self.is_unpadded {
+            return error
+                .hint("as whole nanoseconds behind the dot, without leading zeros, times increase")
+                .advise(Advice::UnpaddedStamps);
+        }
+        let runs = counted(steps.len() + 1, "run");
+        match disorder {
+            Disorder::Late => error.advise(Advice::SortSamples),
+            Disorder::Appended => {
+                let places = self.places(layout);
+                let jump = (places[first] - places[first - 1]).norm();
+                let unit = if layout.place.is_some() { "m" } else { "rad" };
+                error
+                    .hint(format!(
+                        "{runs} in one file, or a clock that was set back: there, the position changes by {} {unit}; sorting would mix them",
+                        number(jump)
+                    ))
+                    .advise(Advice::Split)
             }
+            Disorder::Alternating(bodies) => error
+                .hint(format!("the rows of {bodies} bodies or runs seem to alternate; sorting would mix them"))
+                .advise(Advice::Split)
+                .advise(Advice::ChooseRobot),
+            Disorder::Unclear => error
+                .hint("the rows of several runs or bodies seem to be mixed: a column that names them would tell them apart")
+                .advise(Advice::ChooseRobot),
         }
-        sorted(&mut self.positions_m, &order);
-        sorted(&mut self.orientations, &order);
-        sorted(&mut self.linear_m_s, &order);
-        sorted(&mut self.angular_rad_s, &order);
-        for joint in &mut self.joints {
-            sorted(&mut joint.angles_rad, &order);
-            if let Some(speeds) = &mut joint.speeds_rad_s {
-                sorted(speeds, &order);
-            }
+    }
+
+    fn in_file<'a>(&'a self, places: &'a [Vector3<f64>]) -> InFile<'a> {
+        InFile {
+            times_s: &self.times_s,
+            places,
         }
-        for signal in &mut self.signals {
-            sorted(&mut signal.values, &order);
-        }
-        sorted(&mut self.times_s, &order);
-        farthest_m
     }
 
     fn unit(&mut self, q: Quaternion<f64>, first: &Cell<'_>) -> Result<UnitQuaternion<f64>> {
@@ -255,7 +420,18 @@ impl Samples {
     /// The trajectory, with its warnings added to the given `warnings`.
     pub(super) fn finish(mut self, layout: &Layout, mut warnings: Vec<Warning>) -> Result<Parsed> {
         let given = self.times_s.len();
-        let farthest_m = if self.late > 0 { self.sort() } else { 0.0 };
+        let mut farthest_m = 0.0;
+        if self.late > 0 {
+            let places = self.places(layout);
+            match self.in_file(&places).disorder() {
+                Some(Disorder::Late) if self.sorts => {
+                    let (sorted, far_m) = self.sorted();
+                    (self, farthest_m) = (sorted, far_m);
+                }
+                Some(disorder) => return Err(self.goes_back(layout, disorder)),
+                None => {}
+            }
+        }
         let at_one_time = given - self.times_s.len();
         if self.times_s.len() < 2 {
             return Err(Error::invalid("too few points for a trajectory")
@@ -279,15 +455,16 @@ impl Samples {
             self.repeated,
             "that repeat the previous sample left out",
         );
+        let first = self.first_late.map_or(0, |(line, _)| line);
         left_out(
             Code::SamplesSorted,
             self.late,
-            "no later than the previous sample; all samples are sorted by time",
+            &format!("no later than the previous sample, the first in line {first}; all samples are sorted by time"),
         );
         let mut why = "at the same time as an earlier sample left out".to_owned();
         if farthest_m > 0.0 {
             let far = number(farthest_m);
-            why += &format!(", at up to {far} m from it: are these several objects?");
+            why += &format!(", at up to {far} m from it");
         }
         left_out(Code::SamplesSorted, at_one_time, &why);
         if self.renormalised > 0 {
@@ -312,6 +489,45 @@ impl Samples {
             trajectory,
             warnings,
         })
+    }
+
+    /// The trajectories of all runs and bodies in the file, in the order of their first samples.
+    ///
+    /// # Errors
+    /// Samples that cannot be told apart; the errors of [`Samples::finish`].
+    pub(super) fn finish_split(
+        self,
+        layout: &Layout,
+        warnings: &[Warning],
+    ) -> Result<Vec<Parsed>> {
+        let places = self.places(layout);
+        let file = self.in_file(&places);
+        let disorder = file.disorder();
+        let is_whole = layout.time_hint.is_some() || self.is_mistaken_for_disorder();
+        let Some(parts) = file.parts().filter(|_| disorder.is_none() || !is_whole) else {
+            return Err(self.goes_back(layout, disorder.unwrap_or(Disorder::Unclear)));
+        };
+        if parts.len() < 2 {
+            let sorted = Self { sorts: true, ..self };
+            return Ok(vec![sorted.finish(layout, warnings.to_vec())?]);
+        }
+        let finished = parts.iter().enumerate().map(|(index, part)| {
+            let mut part = Self {
+                late: 0,
+                ..self.part(part)
+            };
+            if index > 0 {
+                // What was left out is said once.
+                (part.lost, part.repeated, part.renormalised) = (0, 0, 0);
+            }
+            part.finish(layout, warnings.to_vec())
+        });
+        finished.collect()
+    }
+
+    /// True if another notation of times explains every step back.
+    fn is_mistaken_for_disorder(&self) -> bool {
+        self.late > 0 && self.unpadded_steps == self.late && !self.is_unpadded
     }
 }
 
