@@ -2,7 +2,6 @@
 
 use clap::error::{ContextKind, ContextValue, ErrorKind as ClapKind};
 use clap::{Command, CommandFactory};
-use realgap::unit::LengthUnit;
 use realgap::warning::Code;
 use realgap::{Advice, Error, ErrorKind, Warning};
 
@@ -29,7 +28,9 @@ pub fn warning_in_options(warning: &Warning) -> String {
         Code::QuaternionOrder => "--quaternion ORDER",
         Code::SeveralRobots => "--where COLUMN=VALUE",
         Code::UnknownAxes => "--axes world, y-up, z-down or camera",
-        Code::UnlikelyLength => "--unit UNIT",
+        Code::UnlikelyLength => {
+            "--unit UNIT, or --column 'x=NAME in UNIT' where a name states another one"
+        }
         Code::UnlikelyTime => "--time-unit UNIT",
         _ => return warning.to_string(),
     };
@@ -64,9 +65,11 @@ fn option(advice: &Advice) -> String {
         Advice::FewerThreads => "use fewer --jobs".to_owned(),
         Advice::OtherOptimizer => "choose another --optimizer".to_owned(),
         Advice::OtherSeed => "choose another --seed".to_owned(),
-        Advice::Unit(LengthUnit::Metre) => "read it with --unit m".to_owned(),
-        Advice::Unit(LengthUnit::Centimetre) => "read it with --unit cm".to_owned(),
-        Advice::Unit(LengthUnit::Millimetre) => "read it with --unit mm".to_owned(),
+        Advice::Unit(unit) => format!("read it with --unit {}", unit.symbol()),
+        Advice::Scale => "give the metres of one unit with --scale, e.g. --scale 0.0021, or a known length over its size in the file: --scale 0.5/238".to_owned(),
+        Advice::Split => "read them as separate recordings with --split".to_owned(),
+        Advice::UnpaddedStamps => "read 12.5 as 12 s and 5 ns with --unpadded-stamps".to_owned(),
+        Advice::Axes => "say which way axes point with --axes world, y-up, z-down or camera".to_owned(),
         Advice::MapColumns => {
             "say which column is which, e.g. --column 'x=NAME in mm' (docs/recordings.md)"
                 .to_owned()

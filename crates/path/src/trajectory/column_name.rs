@@ -117,7 +117,9 @@ pub(super) fn counts_samples(name: &str) -> bool {
         "no", "count", "counter",
     ];
     let words = words(name);
-    words.last().is_some_and(|last| counters.contains(&last.as_str()))
+    words
+        .last()
+        .is_some_and(|last| counters.contains(&last.as_str()))
 }
 
 #[cfg(test)]

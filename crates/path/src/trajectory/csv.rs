@@ -46,7 +46,9 @@ impl Format for Csv {
     fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {
         let explained = |error| explain(error, text, reading);
         let (table, samples) = samples(text, reading)?;
-        let mut parsed = samples.finish(&table.layout, table.warnings).map_err(explained)?;
+        let mut parsed = samples
+            .finish(&table.layout, table.warnings)
+            .map_err(explained)?;
         parsed.warnings.extend(mixed_robots(text, reading));
         Ok(parsed)
     }
@@ -54,7 +56,9 @@ impl Format for Csv {
     fn parse_split(&self, text: &str, reading: &Reading) -> Result<Vec<Parsed>> {
         let explained = |error| explain(error, text, reading);
         let (table, samples) = samples(text, reading)?;
-        samples.finish_split(&table.layout, &table.warnings).map_err(explained)
+        samples
+            .finish_split(&table.layout, &table.warnings)
+            .map_err(explained)
     }
 
     fn order(&self, text: &str, reading: &Reading) -> QuaternionOrder {

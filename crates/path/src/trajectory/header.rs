@@ -124,21 +124,32 @@ impl<'c, 'a> Header<'c, 'a> {
         }
         let is_stated = |column: &Column| column.factor.is_some();
         let column = self.reading.columns.get(Role::Time);
-        Ok(match rate_hz.filter(|_| counts_samples(self.cells[time].text)) {
-            Some(rate_hz) if !column.is_some_and(is_stated) => Clock::Counter(time, rate_hz),
-            _ => Clock::Column(time),
-        })
+        Ok(
+            match rate_hz.filter(|_| counts_samples(self.cells[time].text)) {
+                Some(rate_hz) if !column.is_some_and(is_stated) => Clock::Counter(time, rate_hz),
+                _ => Clock::Column(time),
+            },
+        )
     }
 
     /// The factor from the unit of a column to SI. The unit in a mapping comes first, then the one in the column's name, the one in the row of
     /// units, and the unit of the reading.
     fn factor(&mut self, role: Role, index: usize) -> Result<f64> {
         let measure = role.measure();
-        if let Some(factor) = self.reading.columns.get(role).and_then(|column| column.factor) {
+        if let Some(factor) = self
+            .reading
+            .columns
+            .get(role)
+            .and_then(|column| column.factor)
+        {
             return Ok(factor);
         }
         let text = self.cells[index].text;
-        let in_row = || self.units.get(index).and_then(|cell| unit_in_row(cell, measure));
+        let in_row = || {
+            self.units
+                .get(index)
+                .and_then(|cell| unit_in_row(cell, measure))
+        };
         let usual = match role {
             Role::Nanos => 1e-9,
             _ => self.reading.factor(measure),
@@ -178,7 +189,10 @@ impl<'c, 'a> Header<'c, 'a> {
                 excerpt_list(&names)
             ))
         });
-        contradicted.into_iter().chain(self.ignored_warning()).collect()
+        contradicted
+            .into_iter()
+            .chain(self.ignored_warning())
+            .collect()
     }
 
     /// True if any column is the angle of a joint.
@@ -246,7 +260,9 @@ impl<'c, 'a> Header<'c, 'a> {
     fn optional(&mut self, role: Role) -> Result<Option<usize>> {
         if let Some(column) = self.reading.columns.get(role) {
             // A name may end with the words `in mm`, as a mapping does.
-            let index = self.place(&column.name).or_else(|| self.place(&column.to_string()));
+            let index = self
+                .place(&column.name)
+                .or_else(|| self.place(&column.to_string()));
             let index = index.ok_or_else(|| self.not_there(role, column))?;
             self.used[index] = true;
             self.factors[index] = self.factor(role, index)?;
@@ -256,7 +272,7 @@ impl<'c, 'a> Header<'c, 'a> {
         let is_named = |cell: &Cell<'_>| names.iter().any(|name| name == cell.text);
         let mut found: Vec<usize> = Vec::new();
         for (index, cell) in self.cells.iter().enumerate() {
-            if is_named(cell) && !self.used[index] {
+            if is_named(cell) {
                 found.push(index);
             }
         }

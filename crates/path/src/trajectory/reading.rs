@@ -356,7 +356,10 @@ impl fmt::Display for Reading {
         let lists = self.lists.iter();
         parts.extend(lists.map(|(column, ours)| format!("`{column}` as {}", ours.join(", "))));
         parts.extend(self.length.map(|unit| format!("lengths in {unit}")));
-        parts.extend(self.scale.map(|scale| format!("lengths in units of {scale} m")));
+        parts.extend(
+            self.scale
+                .map(|scale| format!("lengths in units of {scale} m")),
+        );
         parts.extend(self.time.map(|unit| format!("times in {unit}")));
         parts.extend(self.angle.map(|unit| format!("angles in {unit}")));
         parts.extend(

@@ -196,6 +196,38 @@ pub fn read_sets(
     file.keyed(&[column, run])
 }
 
+impl Reading {
+    /// True if the mapping of this reading fits a file: it has one of the columns, or there is no mapping. Files of formats without names of
+    /// columns fit no mapping.
+    ///
+    /// # Errors
+    /// A file that cannot be read at all.
+    pub fn fits(&self, path: &Path) -> Result<bool> {
+        let is_any = self.columns.is_empty() && self.names.is_empty() && self.lists.is_empty();
+        if is_any {
+            return Ok(true);
+        }
+        let bytes = named_bytes(path)?;
+        let format = format_in(path, &bytes)?;
+        let plain = Self {
+            names: Default::default(),
+            lists: Default::default(),
+            ..self.clone()
+        };
+        let text = format
+            .decode(bytes, &plain)
+            .map_err(|error| error.at_file(path))?;
+        let columns = format.columns(&text, &plain);
+        let mapped = self.columns.iter().map(|(_, column)| column.name.as_str());
+        let renamed = self
+            .names
+            .keys()
+            .chain(self.lists.keys())
+            .map(String::as_str);
+        Ok(mapped.chain(renamed).any(|name| columns.contains(&name)))
+    }
+}
+
 /// The text of a file with the settings for reading it.
 struct File<'a> {
     path: &'a Path,
@@ -266,10 +298,12 @@ impl<'a> File<'a> {
             let mut all = self.all()?;
             return match (all.len(), all.pop()) {
                 (1, Some(only)) => Ok(only),
-                (count, _) => Err(Error::invalid("one recording is needed, and the file holds several")
-                    .at_file(self.path)
-                    .found(format!("{count} runs or bodies"))
-                    .hint("write each of them into a file of its own")),
+                (count, _) => Err(Error::invalid(
+                    "one recording is needed, and the file holds several",
+                )
+                .at_file(self.path)
+                .found(format!("{count} runs or bodies"))
+                .hint("write each of them into a file of its own")),
             };
         }
         let parse = |text: &str, reading: &Reading| {

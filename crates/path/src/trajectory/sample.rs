@@ -296,8 +296,12 @@ impl Samples {
             orientations: of(&self.orientations, order),
             linear_m_s: of(&self.linear_m_s, order),
             angular_rad_s: of(&self.angular_rad_s, order),
-            joints: joints.map(|joint| joint.map(|all| of(all, order))).collect(),
-            signals: signals.map(|signal| signal.map(|all| of(all, order))).collect(),
+            joints: joints
+                .map(|joint| joint.map(|all| of(all, order)))
+                .collect(),
+            signals: signals
+                .map(|signal| signal.map(|all| of(all, order)))
+                .collect(),
             last_stamp: String::new(),
             ..*self
         }
@@ -459,7 +463,9 @@ impl Samples {
         left_out(
             Code::SamplesSorted,
             self.late,
-            &format!("no later than the previous sample, the first in line {first}; all samples are sorted by time"),
+            &format!(
+                "no later than the previous sample, the first in line {first}; all samples are sorted by time"
+            ),
         );
         let mut why = "at the same time as an earlier sample left out".to_owned();
         if farthest_m > 0.0 {
@@ -495,11 +501,7 @@ impl Samples {
     ///
     /// # Errors
     /// Samples that cannot be told apart; the errors of [`Samples::finish`].
-    pub(super) fn finish_split(
-        self,
-        layout: &Layout,
-        warnings: &[Warning],
-    ) -> Result<Vec<Parsed>> {
+    pub(super) fn finish_split(self, layout: &Layout, warnings: &[Warning]) -> Result<Vec<Parsed>> {
         let places = self.places(layout);
         let file = self.in_file(&places);
         let disorder = file.disorder();
@@ -508,7 +510,10 @@ impl Samples {
             return Err(self.goes_back(layout, disorder.unwrap_or(Disorder::Unclear)));
         };
         if parts.len() < 2 {
-            let sorted = Self { sorts: true, ..self };
+            let sorted = Self {
+                sorts: true,
+                ..self
+            };
             return Ok(vec![sorted.finish(layout, warnings.to_vec())?]);
         }
         let finished = parts.iter().enumerate().map(|(index, part)| {

@@ -73,7 +73,11 @@ pub(super) fn stamp(text: &str) -> Option<Stamp> {
     if !is_date {
         return time_of_day(text).map(Stamp::OfDay);
     }
-    let day_s = days_since_1970(number(&text[..4])?, number(&text[5..7])?, number(&text[8..10])?)?;
+    let day_s = days_since_1970(
+        number(&text[..4])?,
+        number(&text[5..7])?,
+        number(&text[8..10])?,
+    )?;
     let (clock, offset_s) = zone(text[11..].trim())?;
     let of_day_s = time_of_day(clock)?;
     // Whole seconds are added first, so that the fraction is rounded once.
@@ -109,7 +113,8 @@ fn time_of_day(clock: &str) -> Option<f64> {
     let second = parts.next().unwrap_or(Some(0))?;
     // A leap second is the 61st of its minute.
     let is_sound = hour < 24 && minute < 60 && second <= 60 && parts.next().is_none();
-    is_sound.then(|| (hour * 3600 + minute * 60 + second) as f64)
+    is_sound
+        .then(|| (hour * 3600 + minute * 60 + second) as f64)
         .and_then(|seconds| Some(seconds + fraction(clock)?))
 }
 
@@ -165,8 +170,17 @@ mod tests {
             assert_eq!(stamp(text), Some(Stamp::Absolute(seconds)), "{text}");
         }
         for text in [
-            "", ":", "12", "2024-13-01T00:00:00Z", "2024-03-01T25:00:00Z", "2024-03-01T12:00:00+2",
-            "1:2:3:4", "12:0a:00", "2024-03-01T12:00:00.Z", "2024-03-01T::", "\u{e9}:::::::::::",
+            "",
+            ":",
+            "12",
+            "2024-13-01T00:00:00Z",
+            "2024-03-01T25:00:00Z",
+            "2024-03-01T12:00:00+2",
+            "1:2:3:4",
+            "12:0a:00",
+            "2024-03-01T12:00:00.Z",
+            "2024-03-01T::",
+            "\u{e9}:::::::::::",
         ] {
             assert_eq!(stamp(text), None, "{text}");
         }
@@ -175,16 +189,30 @@ mod tests {
     #[test]
     fn the_day_after_midnight_goes_on() {
         let mut calendar = Calendar::default();
-        let all = ["23:59:59.5", "00:00:00.5", "12:00:00", "23:59:59", "0:00:01"];
+        let all = [
+            "23:59:59.5",
+            "00:00:00.5",
+            "12:00:00",
+            "23:59:59",
+            "0:00:01",
+        ];
         let seconds = all.map(|text| calendar.seconds(stamp(text).unwrap()));
-        assert_eq!(seconds, [86_399.5, 86_400.5, 129_600.0, 172_799.0, 172_801.0]);
+        assert_eq!(
+            seconds,
+            [86_399.5, 86_400.5, 129_600.0, 172_799.0, 172_801.0]
+        );
     }
 
     #[test]
     fn nanoseconds_since_1970_are_rounded_once() {
         for text in ["1700000000123456789", "1700000000000000001", "-1500000000"] {
             let ns: i128 = text.parse().unwrap();
-            let decimal = format!("{}{}.{:09}", if ns < 0 { "-" } else { "" }, ns.abs() / 1_000_000_000, ns.abs() % 1_000_000_000);
+            let decimal = format!(
+                "{}{}.{:09}",
+                if ns < 0 { "-" } else { "" },
+                ns.abs() / 1_000_000_000,
+                ns.abs() % 1_000_000_000
+            );
             let exact: f64 = decimal.parse().unwrap();
             assert_eq!(whole_units(text, 1e-9), Some(exact), "{text}");
         }

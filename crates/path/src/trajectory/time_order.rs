@@ -63,7 +63,11 @@ impl InFile<'_> {
     }
 
     fn usual_step(&self, lag: usize) -> f64 {
-        median((lag..self.times_s.len()).map(|k| self.step(k - lag, k)).collect())
+        median(
+            (lag..self.times_s.len())
+                .map(|k| self.step(k - lag, k))
+                .collect(),
+        )
     }
 
     /// The number of bodies whose rows alternate; `None` if all rows are of one body.
@@ -94,10 +98,19 @@ impl InFile<'_> {
         if self.times_s.len() >= STRETCH * (steps + 1) {
             return Some(Disorder::Appended);
         }
+        let all: Vec<usize> = (0..self.times_s.len()).collect();
+        let is_separable = || self.increases(&self.of_bodies(all, NEARER));
         Some(match self.bodies(NEARER) {
-            Some(bodies) => Disorder::Alternating(bodies),
-            None => Disorder::Unclear,
+            Some(bodies) if is_separable() => Disorder::Alternating(bodies),
+            _ => Disorder::Unclear,
         })
+    }
+
+    /// True if every part has several samples, and times that increase.
+    fn increases(&self, parts: &[Vec<usize>]) -> bool {
+        let t = self.times_s;
+        let mut parts = parts.iter();
+        parts.all(|part| part.len() > 1 && part.windows(2).all(|w| t[w[0]] < t[w[1]]))
     }
 
     /// The number of bodies whose rows alternate although times increase throughout.
@@ -150,11 +163,7 @@ impl InFile<'_> {
             Some(Disorder::Alternating(_)) => self.of_bodies(all(), NEARER),
             Some(Disorder::Unclear) => return None,
         };
-        let increases = |part: &Vec<usize>| {
-            let t = self.times_s;
-            part.len() > 1 && part.windows(2).all(|w| t[w[0]] < t[w[1]])
-        };
-        parts.iter().all(increases).then_some(parts)
+        self.increases(&parts).then_some(parts)
     }
 
     /// These samples, separated into bodies by continuity: each sample belongs to the body that is nearest to it, going on as it went.
@@ -201,7 +210,10 @@ mod tests {
 
     fn judged(rows: &[(f64, f64, f64)]) -> (Option<Disorder>, Option<usize>) {
         let times_s: Vec<f64> = rows.iter().map(|row| row.0).collect();
-        let places: Vec<_> = rows.iter().map(|row| Vector3::new(row.1, row.2, 0.0)).collect();
+        let places: Vec<_> = rows
+            .iter()
+            .map(|row| Vector3::new(row.1, row.2, 0.0))
+            .collect();
         let file = InFile {
             times_s: &times_s,
             places: &places,
@@ -212,7 +224,9 @@ mod tests {
     /// A robot that drives along x from `from`, sampled every 0.1 s.
     fn run(from: f64, start_s: f64) -> Vec<(f64, f64, f64)> {
         let times = (0..60).map(f64::from);
-        times.map(|k| (start_s + 0.1 * k, from + 0.02 * k, 0.01 * k)).collect()
+        times
+            .map(|k| (start_s + 0.1 * k, from + 0.02 * k, 0.01 * k))
+            .collect()
     }
 
     #[test]
@@ -228,10 +242,17 @@ mod tests {
         let back = [plain.clone(), run(1.2, 5.0 + 5.6)].concat();
         assert_eq!(judged(&back), (Some(Disorder::Appended), Some(2)));
         let alternate = |other: &[(f64, f64, f64)]| -> Vec<_> {
-            plain.iter().zip(other).flat_map(|(a, b)| [*a, *b]).collect()
+            plain
+                .iter()
+                .zip(other)
+                .flat_map(|(a, b)| [*a, *b])
+                .collect()
         };
         let same_times = alternate(&run(3.0, 5.0));
-        assert_eq!(judged(&same_times), (Some(Disorder::Alternating(2)), Some(2)));
+        assert_eq!(
+            judged(&same_times),
+            (Some(Disorder::Alternating(2)), Some(2))
+        );
         let between = alternate(&run(3.0, 5.02));
         assert_eq!(judged(&between), (None, Some(2)));
         let shuffled: Vec<_> = (0..60).map(|k| plain[(k * 37) % 60]).collect();

@@ -57,33 +57,33 @@ impl Format for Tum {
 
 /// The layout of the lines, and the samples in them.
 fn samples(text: &str, reading: &Reading, order: QuaternionOrder) -> Result<(Layout, Samples)> {
-        let (time, length) = (
-            reading.factor(Measure::Time),
-            reading.factor(Measure::Length),
-        );
-        let layout = Layout {
-            names: ["timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw"]
-                .map(str::to_owned)
-                .to_vec(),
-            factors: vec![time, length, length, length, 1.0, 1.0, 1.0, 1.0],
-            clock: Clock::Column(0),
-            place: Some([1, 2]),
-            z: Some(3),
-            quaternion: Some(order.wxyz([4, 5, 6, 7])),
-            heading: None,
-            velocity: None,
-            joints: Vec::new(),
-            signals: Vec::new(),
-            time_hint: None,
-        };
-        let mut samples = Samples::new(reading);
-        let mut cells = Vec::new();
-        for (index, line) in text.lines().enumerate() {
-            let line = line.split(['#', '%']).next().unwrap_or_default();
-            cut(line, index + 1, Separator::Space, &mut cells)?;
-            if !cells.is_empty() {
-                samples.push(&layout, &cells, index + 1)?;
-            }
+    let (time, length) = (
+        reading.factor(Measure::Time),
+        reading.factor(Measure::Length),
+    );
+    let layout = Layout {
+        names: ["timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw"]
+            .map(str::to_owned)
+            .to_vec(),
+        factors: vec![time, length, length, length, 1.0, 1.0, 1.0, 1.0],
+        clock: Clock::Column(0),
+        place: Some([1, 2]),
+        z: Some(3),
+        quaternion: Some(order.wxyz([4, 5, 6, 7])),
+        heading: None,
+        velocity: None,
+        joints: Vec::new(),
+        signals: Vec::new(),
+        time_hint: None,
+    };
+    let mut samples = Samples::new(reading);
+    let mut cells = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        let line = line.split(['#', '%']).next().unwrap_or_default();
+        cut(line, index + 1, Separator::Space, &mut cells)?;
+        if !cells.is_empty() {
+            samples.push(&layout, &cells, index + 1)?;
         }
-        Ok((layout, samples))
+    }
+    Ok((layout, samples))
 }

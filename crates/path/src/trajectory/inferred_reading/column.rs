@@ -38,7 +38,10 @@ fn lines_before(text: &str) -> Option<usize> {
     let first = (0..lines.len()).find(|index| is_header(index, 1));
     // A row of units may stand between names and numbers; then the names look like units to nobody.
     let above_units = (0..lines.len()).find(|index| {
-        let units = lines.get(index + 1).map(|line| cells_of(line)).unwrap_or_default();
+        let units = lines
+            .get(index + 1)
+            .map(|line| cells_of(line))
+            .unwrap_or_default();
         let is_units = super::super::column_name::is_row_of_units(units.into_iter());
         is_units && is_header(index, 2)
     });
@@ -95,7 +98,11 @@ pub(super) fn infer_columns(text: &str, guess: &mut InferredReading) -> Result<(
         });
     }
     let own_place = is_mapped(Role::X) && is_mapped(Role::Y);
-    let sets = if own_place { Vec::new() } else { complete_sets(&found) };
+    let sets = if own_place {
+        Vec::new()
+    } else {
+        complete_sets(&found)
+    };
     if sets.is_empty() && !own_place && !has_joints(&names) {
         if is_geographic(&names) {
             return Err(lacks("both x and y")
@@ -118,7 +125,10 @@ pub(super) fn infer_columns(text: &str, guess: &mut InferredReading) -> Result<(
         let options: Vec<String> = (candidates.iter())
             .map(|one| format!("{} (x from `{}`)", one.name, one.x()))
             .collect();
-        guess.ask(Question::Body, format!("positions of {}", options.join(", ")));
+        guess.ask(
+            Question::Body,
+            format!("positions of {}", options.join(", ")),
+        );
         if let Some(open) = guess.ambiguities.last_mut() {
             open.candidates = candidates;
         }
@@ -182,7 +192,9 @@ fn mapping(
                 Some(StatedUnit::Known(symbol, _)) => format!(" in {symbol}"),
                 _ => String::new(),
             };
-            columns = columns.clone().with(role, &format!("{}{unit}", column.name))?;
+            columns = columns
+                .clone()
+                .with(role, &format!("{}{unit}", column.name))?;
         }
         Ok(())
     };
@@ -219,7 +231,10 @@ fn mapping(
         put(Role::Run, run)?;
     }
     let Some(whose) = whose else {
-        return Ok((columns, times.iter().map(|time| time.name.to_owned()).collect()));
+        return Ok((
+            columns,
+            times.iter().map(|time| time.name.to_owned()).collect(),
+        ));
     };
     let of = |role: Role| {
         let mut all = found.iter();
@@ -239,7 +254,10 @@ fn mapping(
     } else if let Some(heading) = of(Role::Heading) {
         put(Role::Heading, heading)?;
     }
-    Ok((columns, times.iter().map(|time| time.name.to_owned()).collect()))
+    Ok((
+        columns,
+        times.iter().map(|time| time.name.to_owned()).collect(),
+    ))
 }
 
 /// True if two names differ in their last word only.
@@ -258,10 +276,16 @@ fn twice(found: &[Named<'_>], whose: Option<&str>, columns: &Columns) -> Result<
         let used = columns.get(column.role);
         if let Some(used) = used
             && used.name != column.name
-            && found.iter().any(|other| other.name == used.name && other.whose == column.whose)
+            && found
+                .iter()
+                .any(|other| other.name == used.name && other.whose == column.whose)
         {
             return Err(Error::invalid("two columns seem to hold the same quantity")
-                .found(format!("{} and {}", excerpt(&used.name), excerpt(column.name)))
+                .found(format!(
+                    "{} and {}",
+                    excerpt(&used.name),
+                    excerpt(column.name)
+                ))
                 .hint("in files of several bodies, each body has its own set of columns")
                 .advise(Advice::MapColumns));
         }
@@ -365,7 +389,10 @@ fn cells<'a>(text: &'a str, reading: &Reading, name: &str) -> impl Iterator<Item
     let names = Csv.columns(text, reading);
     let at = names.iter().position(|known| *known == name);
     let skipped = reading.skip_lines.unwrap_or(0);
-    let rows = text.lines().skip(skipped).filter(|line| !line.trim().is_empty());
+    let rows = text
+        .lines()
+        .skip(skipped)
+        .filter(|line| !line.trim().is_empty());
     let header = rows.clone().next().map(Separator::of_header);
     rows.filter_map(move |line| {
         let mut cells = Vec::new();
@@ -387,9 +414,13 @@ pub(super) fn has_dates(text: &str, reading: &Reading) -> bool {
 /// The columns of a kind of quantity that are read, each with its role.
 fn read_columns(text: &str, reading: &Reading, measure: Measure) -> Vec<(Role, String)> {
     let names = Csv.columns(text, reading);
-    let roles = Role::ALL.iter().filter(|role| role.measure() == measure && **role != Role::Nanos);
+    let roles = Role::ALL
+        .iter()
+        .filter(|role| role.measure() == measure && **role != Role::Nanos);
     let of = |role: &Role| match reading.columns.get(*role) {
-        Some(column) => names.contains(&column.name.as_str()).then(|| column.name.clone()),
+        Some(column) => names
+            .contains(&column.name.as_str())
+            .then(|| column.name.clone()),
         None => (names.iter())
             .find(|name| {
                 let rest = name.strip_prefix(role.name());
@@ -411,7 +442,11 @@ pub(super) fn names_time_unit(text: &str, reading: &Reading) -> bool {
 
 /// The size in metres of the unit in which x is written, if its mapping, its name or a row of units states it.
 pub(super) fn stated_length_m(text: &str, reading: &Reading) -> Option<f64> {
-    if let Some(factor) = reading.columns.get(Role::X).and_then(|column| column.factor) {
+    if let Some(factor) = reading
+        .columns
+        .get(Role::X)
+        .and_then(|column| column.factor)
+    {
         return Some(factor);
     }
     let columns = read_columns(text, reading, Measure::Length);

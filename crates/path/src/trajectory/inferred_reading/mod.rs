@@ -23,7 +23,7 @@ use super::time_order::InFile;
 use super::{Recording, Trajectory, plausibility};
 use realgap_core::error::{Advice, Error, Result};
 
-use realgap_core::unit::number;
+use realgap_core::unit::{LengthUnit, number};
 use realgap_core::warning::Code;
 
 /// How files are to be read, with the evidence, and the questions that the files alone do not answer.
@@ -59,6 +59,43 @@ pub struct Ambiguity {
     pub candidates: Vec<Candidate>,
 }
 
+impl Ambiguity {
+    /// The question as an error that says how to answer it.
+    pub fn error(&self) -> Error {
+        let error = Error::usage("the recordings leave a question open").found(&self.found);
+        let names: Vec<&str> = self
+            .candidates
+            .iter()
+            .map(|one| one.name.as_str())
+            .collect();
+        match self.question {
+            Question::Time => error
+                .allowed("in which unit are times: s, ms, us, ns?")
+                .advise(Advice::TimeUnit),
+            Question::Length => error
+                .allowed("in which unit are lengths: m, cm, mm, in, ft, or a scale?")
+                .advise(Advice::Unit(LengthUnit::Metre))
+                .advise(Advice::Unit(LengthUnit::Millimetre))
+                .advise(Advice::Scale),
+            Question::Up => error
+                .allowed("which way do axes point: world (z up), y-up, z-down, camera?")
+                .advise(Advice::Axes),
+            Question::Robot => error
+                .allowed("whose rows are read?")
+                .advise(Advice::ChooseRobot),
+            Question::Body => error
+                .allowed(format!("which of them is read: {}?", names.join(", ")))
+                .hint((self.candidates.first()).map_or_else(String::new, |one| {
+                    format!("for {}, map its columns: {}", one.name, one.mapping())
+                }))
+                .advise(Advice::MapColumns),
+            Question::Split => error
+                .allowed("are these several recordings, or is it one?")
+                .advise(Advice::Split),
+        }
+    }
+}
+
 /// The columns of one body in a file that has columns of several.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate {
@@ -69,6 +106,13 @@ pub struct Candidate {
 }
 
 impl Candidate {
+    /// The mapping in words.
+    fn mapping(&self) -> String {
+        let columns = self.columns.iter();
+        let columns = columns.map(|(role, column)| format!("{}={column}", role.name()));
+        columns.collect::<Vec<_>>().join(", ")
+    }
+
     /// The name of the column of x.
     pub fn x(&self) -> &str {
         let column = self.columns.get(Role::X);
@@ -179,6 +223,18 @@ impl InferredReading {
         Ok(guess)
     }
 
+    /// As [`InferredReading::of_file`], where nobody can be asked: the first open question is an error that says how to answer it.
+    ///
+    /// # Errors
+    /// An open question; the errors of [`InferredReading::of_file`].
+    pub fn without_questions(path: &Path, known: &Reading) -> Result<Self> {
+        let guess = Self::of_file(path, known)?;
+        match guess.ambiguities.first() {
+            Some(open) => Err(open.error().at_file(path)),
+            None => Ok(guess),
+        }
+    }
+
     /// Reads the first recording of the first file with inferred columns and times; `None` if a question has to be answered first.
     fn read_first(&mut self, path: &Path) -> Result<Option<(Content, Recording)>> {
         let format = format_of(path)?;
@@ -282,7 +338,9 @@ impl InferredReading {
                 self.reading.unpadded_stamps = Some(true);
                 self.conclude(
                     "digits behind the dot of times are whole nanoseconds without leading zeros",
-                    format!("with them times increase throughout, and as decimals they do not: {reason}"),
+                    format!(
+                        "with them times increase throughout, and as decimals they do not: {reason}"
+                    ),
                 );
             } else if can(Advice::SortSamples) && self.reading.sort.is_none() {
                 self.reading.sort = Some(true);

@@ -17,31 +17,122 @@ const ORIENTATION: [&str; 9] = [
 ];
 /// Words beside an axis that say nothing about whose position or orientation it is.
 const FILLERS: [&str; 28] = [
-    "pose", "poses", "position", "pos", "point", "translation", "trans", "transform", "transforms",
-    "field", "message", "msg", "coord", "coordinate", "coordinates", "location", "loc", "p", "t",
-    "tf", "data", "state", "value", "world", "global", "xyz", "rpy", "angle",
+    "pose",
+    "poses",
+    "position",
+    "pos",
+    "point",
+    "translation",
+    "trans",
+    "transform",
+    "transforms",
+    "field",
+    "message",
+    "msg",
+    "coord",
+    "coordinate",
+    "coordinates",
+    "location",
+    "loc",
+    "p",
+    "t",
+    "tf",
+    "data",
+    "state",
+    "value",
+    "world",
+    "global",
+    "xyz",
+    "rpy",
+    "angle",
 ];
 /// Words that make the column neither a position nor an orientation nor a heading: velocities and other quantities, …
 const OTHERS: [&str; 35] = [
-    "v", "vel", "velocity", "twist", "linear", "angular", "lin", "ang", "speed", "rate", "acc",
-    "accel", "acceleration", "omega", "gyro", "gyr", "euler", "mag", "force", "torque", "w", "bias",
-    "std", "stddev", "sigma", "cov", "covariance", "var", "variance", "error", "err", "offset",
-    "size", "scale", "wrench",
+    "v",
+    "vel",
+    "velocity",
+    "twist",
+    "linear",
+    "angular",
+    "lin",
+    "ang",
+    "speed",
+    "rate",
+    "acc",
+    "accel",
+    "acceleration",
+    "omega",
+    "gyro",
+    "gyr",
+    "euler",
+    "mag",
+    "force",
+    "torque",
+    "w",
+    "bias",
+    "std",
+    "stddev",
+    "sigma",
+    "cov",
+    "covariance",
+    "var",
+    "variance",
+    "error",
+    "err",
+    "offset",
+    "size",
+    "scale",
+    "wrench",
 ];
 /// … and what is commanded instead of measured.
 const COMMANDS: [&str; 14] = [
-    "goal", "target", "cmd", "command", "commanded", "des", "desired", "ref", "reference",
-    "setpoint", "sp", "waypoint", "planned", "plan",
+    "goal",
+    "target",
+    "cmd",
+    "command",
+    "commanded",
+    "des",
+    "desired",
+    "ref",
+    "reference",
+    "setpoint",
+    "sp",
+    "waypoint",
+    "planned",
+    "plan",
 ];
 /// Words that name a time.
 const TIMES: [&str; 12] = [
-    "t", "time", "times", "timestamp", "timestamps", "stamp", "stamps", "elapsed", "epoch",
-    "datetime", "ts", "clock",
+    "t",
+    "time",
+    "times",
+    "timestamp",
+    "timestamps",
+    "stamp",
+    "stamps",
+    "elapsed",
+    "epoch",
+    "datetime",
+    "ts",
+    "clock",
 ];
 /// Words with which a time is a duration, not a stamp.
 const DURATIONS: [&str; 15] = [
-    "delta", "dt", "exec", "execution", "compute", "computation", "duration", "lap", "loop", "cpu",
-    "step", "diff", "processing", "latency", "delay",
+    "delta",
+    "dt",
+    "exec",
+    "execution",
+    "compute",
+    "computation",
+    "duration",
+    "lap",
+    "loop",
+    "cpu",
+    "step",
+    "diff",
+    "processing",
+    "latency",
+    "delay",
 ];
 /// Words that name a heading.
 const HEADINGS: [&str; 4] = ["yaw", "heading", "theta", "psi"];
@@ -74,7 +165,8 @@ pub(super) fn named(name: &str) -> Option<Named<'_>> {
         let unit = unit_of_word(unit, role.measure())?;
         Some((role, whose, rank, Some(unit)))
     });
-    let found = with_unit.or_else(|| role(&all).map(|(role, whose, rank)| (role, whose, rank, None)));
+    let found =
+        with_unit.or_else(|| role(&all).map(|(role, whose, rank)| (role, whose, rank, None)));
     let (role, whose, rank, unit) = found?;
     Some(Named {
         name,
@@ -115,7 +207,9 @@ fn role(words: &[String]) -> Option<(Role, String, usize)> {
         // `w.x` is an angular velocity, but `q.w` is a part of an orientation.
         let is_turn = matches!(role, Role::Qw | Role::Qx | Role::Qy | Role::Qz);
         let others = words.iter().filter(|other| other != word);
-        let is_other = others.clone().any(|word| is_any(word, &OTHERS) && !(is_turn && word == "w"));
+        let is_other = others
+            .clone()
+            .any(|word| is_any(word, &OTHERS) && !(is_turn && word == "w"));
         let is_command = others.clone().any(|word| is_any(word, &COMMANDS));
         let whose = whose(&|other| other == *word || is_any(other, &ORIENTATION));
         return (!is_other && !is_command).then_some((*role, whose, 0));
@@ -139,10 +233,17 @@ fn role(words: &[String]) -> Option<(Role, String, usize)> {
 
 /// The axis in a word: `x`, `tx`, `px`, `posx`, `qx`, `quatx`; `is_turn` says that other words of the name speak of an orientation.
 fn axis(word: &str, is_turn: bool) -> Option<Role> {
-    let turns = [("w", Role::Qw), ("x", Role::Qx), ("y", Role::Qy), ("z", Role::Qz)];
+    let turns = [
+        ("w", Role::Qw),
+        ("x", Role::Qx),
+        ("y", Role::Qy),
+        ("z", Role::Qz),
+    ];
     for (letter, role) in turns {
         let fused = ["q", "quat", "quaternion"];
-        let is_fused = fused.iter().any(|start| word.strip_prefix(start) == Some(letter));
+        let is_fused = fused
+            .iter()
+            .any(|start| word.strip_prefix(start) == Some(letter));
         if is_fused || (is_turn && word == letter) {
             return Some(role);
         }
@@ -154,8 +255,12 @@ fn axis(word: &str, is_turn: bool) -> Option<Role> {
     let found = places.iter().find(|(letter, _)| {
         let before = ["", "t", "p", "pos", "position", "loc", "coord"];
         let after = ["pos", "position", "coord"];
-        before.iter().any(|start| word.strip_prefix(start) == Some(letter))
-            || after.iter().any(|end| word.strip_suffix(end) == Some(letter))
+        before
+            .iter()
+            .any(|start| word.strip_prefix(start) == Some(letter))
+            || after
+                .iter()
+                .any(|end| word.strip_suffix(end) == Some(letter))
     });
     found.map(|(_, role)| *role)
 }
@@ -206,12 +311,28 @@ mod tests {
             ("t_ms", Role::Time, ""),
         ] {
             let found = named(name);
-            let found = found.as_ref().map(|found| (found.role, found.whose.as_str()));
+            let found = found
+                .as_ref()
+                .map(|found| (found.role, found.whose.as_str()));
             assert_eq!(found, Some((role, whose)), "{name}");
         }
         for name in [
-            "vx", "twist.twist.linear.x", "goal_x", "w.x", "accel x", "pose.covariance[0]", "speed",
-            "yaw_rate", "cmd_yaw", "exec_time", "frame_id", "roll", "s", "m", "battery", "max_x_y",
+            "vx",
+            "twist.twist.linear.x",
+            "goal_x",
+            "w.x",
+            "accel x",
+            "pose.covariance[0]",
+            "speed",
+            "yaw_rate",
+            "cmd_yaw",
+            "exec_time",
+            "frame_id",
+            "roll",
+            "s",
+            "m",
+            "battery",
+            "max_x_y",
         ] {
             assert_eq!(named(name), None, "{name}");
         }

@@ -188,8 +188,8 @@ impl InferredReading {
             format!("in {name} it moves {:.3} body lengths", lengths(metres))
         };
         let is_slow = lengths(now) <= FAST_1_S * motion.duration_s();
-        let is_plausible = *LENGTHS.start() <= lengths(now)
-            && (lengths(now) <= *LENGTHS.end() || is_slow);
+        let is_plausible =
+            *LENGTHS.start() <= lengths(now) && (lengths(now) <= *LENGTHS.end() || is_slow);
         if is_stated && is_plausible {
             let name = match column::unit_of_size(now) {
                 Some(unit) => unit.to_string(),
@@ -233,13 +233,19 @@ impl InferredReading {
             self.set_length(file, LengthUnit::Metre, f64::NAN)?;
             self.conclude(
                 "lengths are taken for metres",
-                format!("nothing states their unit, and a speed of {} m/s suits a robot", number(speed_m_s)),
+                format!(
+                    "nothing states their unit, and a speed of {} m/s suits a robot",
+                    number(speed_m_s)
+                ),
             );
             return Ok(());
         }
         self.ask(
             Question::Length,
-            format!("nothing states the unit, and in metres the speed is {} m/s", number(speed_m_s)),
+            format!(
+                "nothing states the unit, and in metres the speed is {} m/s",
+                number(speed_m_s)
+            ),
         );
         Ok(())
     }
