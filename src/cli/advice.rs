@@ -31,7 +31,9 @@ pub fn warning_in_options(warning: &Warning) -> String {
         Code::UnlikelyLength => {
             "--unit UNIT, or --column 'x=NAME in UNIT' where a name states another one"
         }
-        Code::UnlikelyTime => "--time-unit UNIT",
+        Code::UnlikelyTime => {
+            "--time-unit UNIT, or --column 't=NAME in UNIT' where a name states another one"
+        }
         _ => return warning.to_string(),
     };
     format!("{} ({options}) [{}]", warning.message, warning.code)
@@ -81,7 +83,7 @@ fn option(advice: &Advice) -> String {
         Advice::Rate => "give the number of samples per second, e.g. --rate-hz 10".to_owned(),
         Advice::Topic => "choose one with --topic, and --child-frame of transforms".to_owned(),
         Advice::Crop => "choose another part with --crop FROM:TO".to_owned(),
-        Advice::TimeUnit => "say their unit, e.g. --time-unit ms".to_owned(),
+        Advice::TimeUnit => "say their unit, e.g. --time-unit ms, or --column 't=t_s in ms' where the name states another one".to_owned(),
         Advice::Recordings => "name them with --recordings 'FOLDER/*.csv'".to_owned(),
         Advice::CalibratedValues => {
             "give values with --parameters best.ron, or --set NAME=VALUE".to_owned()

@@ -34,9 +34,14 @@ pub fn answer(open: &Ambiguity, known: &mut Reading) -> Result<()> {
         Question::Time => line
             .parse()
             .map_or_else(wrong, |unit| known.time = Some(unit)),
-        Question::Length => line
-            .parse()
-            .map_or_else(wrong, |unit| known.length = Some(unit)),
+        Question::Length => {
+            // A unit that contradicts the names of the columns has to be mapped.
+            if let Some(one) = open.candidates.iter().find(|one| one.name == line) {
+                known.columns = one.columns.clone();
+            }
+            line.parse()
+                .map_or_else(wrong, |unit| known.length = Some(unit));
+        }
         Question::Up => line
             .parse::<Axes>()
             .map_or_else(wrong, |axes| known.axes = Some(axes)),

@@ -172,7 +172,8 @@ impl<'c, 'a> Header<'c, 'a> {
                     Measure::Time => self.reading.time.is_some(),
                     _ => self.reading.angle.is_some(),
                 };
-                if is_stated && (size / usual - 1.0).abs() > 1e-12 {
+                let is_new = !self.contradicted.contains(&index);
+                if is_stated && is_new && (size / usual - 1.0).abs() > 1e-12 {
                     self.contradicted.push(index);
                 }
                 Ok(size)

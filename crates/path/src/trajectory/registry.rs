@@ -396,8 +396,13 @@ impl<'a> File<'a> {
             mut warnings,
         } = parsed;
         let trajectory = self.to_world_frame(trajectory)?;
-        if !self.reading.is_usual() {
-            let how = format!("recordings are read with {}", self.reading);
+        let mut used = self.reading.clone();
+        if warnings.iter().any(|w| w.code == Code::UnitInName) {
+            // The stated unit is not used, and this is said.
+            (used.length, used.scale) = (None, None);
+        }
+        if !used.is_usual() {
+            let how = format!("recordings are read with {used}");
             warnings.push(Code::ReadAs.warning(how));
         }
         warnings.extend(plausibility::warnings(

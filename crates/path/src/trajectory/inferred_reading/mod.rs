@@ -72,6 +72,13 @@ impl Ambiguity {
             Question::Time => error
                 .allowed("in which unit are times: s, ms, us, ns?")
                 .advise(Advice::TimeUnit),
+            Question::Length if !self.candidates.is_empty() => error
+                .allowed("are lengths in the unit that the names of the columns state, or in which: m, cm, mm?")
+                .hint((self.candidates.last()).map_or_else(String::new, |one| {
+                    format!("in {}, map the columns: {}", one.name, one.mapping())
+                }))
+                .advise(Advice::Unit(LengthUnit::Metre))
+                .advise(Advice::MapColumns),
             Question::Length => error
                 .allowed("in which unit are lengths: m, cm, mm, in, ft, or a scale?")
                 .advise(Advice::Unit(LengthUnit::Metre))

@@ -2,7 +2,7 @@
 
 use super::super::column::Measure;
 use super::super::{Recording, Role, Trajectory, plausibility};
-use super::{Content, FALL, InferredReading, Question, column, motion};
+use super::{Candidate, Content, FALL, InferredReading, Question, column, motion};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, LengthUnit, TimeUnit, number};
 
@@ -150,7 +150,7 @@ impl InferredReading {
         }
         let is_given = self.reading.length.is_some() || self.reading.scale.is_some();
         let (now, is_stated) = self.length_now(file);
-        if is_given && !is_named_otherwise(file, self, now) {
+        if is_given {
             let doubt = body_m.map(|body_m| {
                 let lengths = motion::reach_m(motion) / body_m;
                 let doubt = match LENGTHS.contains(&lengths) {
@@ -159,9 +159,13 @@ impl InferredReading {
                 };
                 format!("; so it moves {} body lengths{doubt}", number(lengths))
             });
+            let by = match is_named_otherwise(file, self, now) {
+                true => "the names of the columns state this, not the unit that was given",
+                false => "this is stated",
+            };
             self.conclude(
                 format!("lengths are in units of {now} m"),
-                format!("this is stated{}", doubt.unwrap_or_default()),
+                format!("{by}{}", doubt.unwrap_or_default()),
             );
             return Ok(false);
         }
@@ -211,9 +215,29 @@ impl InferredReading {
                 let all = LengthUnit::METRIC.iter();
                 let all: Vec<String> = all.map(|u| distance(u.to_string(), u.metres())).collect();
                 self.ask(Question::Length, all.join(", "));
+                if let (true, Some(text)) = (is_stated, &file.text) {
+                    self.offer_mappings(text)?;
+                }
                 Ok(false)
             }
         }
+    }
+
+    /// Adds to the last question how the columns are mapped for each unit, because their names state one that may be wrong.
+    fn offer_mappings(&mut self, text: &str) -> Result<()> {
+        let mut candidates = Vec::new();
+        for unit in LengthUnit::METRIC {
+            let mut reading = self.reading.clone();
+            column::restate(text, &mut reading, Measure::Length, unit.symbol())?;
+            candidates.push(Candidate {
+                name: unit.symbol().to_owned(),
+                columns: reading.columns,
+            });
+        }
+        if let Some(open) = self.ambiguities.last_mut() {
+            open.candidates = candidates;
+        }
+        Ok(())
     }
 
     /// Takes lengths of an unstated unit for metres, if the speeds are those of robots; asks otherwise.
