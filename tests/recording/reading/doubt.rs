@@ -256,7 +256,9 @@ fn compare_doubts_lengths_of_one_file_that_are_a_thousand_times_those_of_the_oth
     };
     let (error, _) = compare(&[]);
     assert!(
-        error.contains("other goes 1000 times as far as metres") && error.contains("(--unit UNIT)"),
+        error.contains("other goes 1000 times as far as metres")
+            && error.contains("x_m in mm")
+            && error.contains("--unit UNIT"),
         "{error}"
     );
     // The names say metres, and a stated unit does not override them; a mapping does.
