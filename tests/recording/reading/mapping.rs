@@ -324,11 +324,11 @@ fn every_refusal_of_a_recording_names_a_remedy_of_this_tool() {
     }
     // The remedies work.
     let read = |csv: &str, how: &str| read_text(csv, reading(how));
-    let sorted = read(
-        "t_s,x_m,y_m\n0,0,0\n2,2,2\n1,1,1\n2,2,2.1\n",
-        "(sort: true)",
-    );
-    assert_eq!(sorted.trajectory.times_s(), [0.0, 1.0, 2.0]);
+    let rest: String = (3..22).map(|k| format!("{k},{k},{k}\n")).collect();
+    let late = format!("t_s,x_m,y_m\n0,0,0\n2,2,2\n1,1,1\n2,2,2.1\n{rest}");
+    let sorted = read(&late, "(sort: true)");
+    assert_eq!(sorted.trajectory.times_s()[..3], [0.0, 1.0, 2.0]);
+    assert_eq!(sorted.trajectory.len(), 22);
     assert_eq!(sorted.trajectory.positions_world_m()[2].y, 2.0);
     assert_eq!(
         said(&sorted, Code::SamplesSorted),

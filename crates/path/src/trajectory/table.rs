@@ -94,8 +94,8 @@ pub(super) fn header_line<'a>(
         let is_number = |cell: &&str| Separator::of_header(name).number(cell).is_some();
         let names_columns = names.len() > 1
             && names.len() == values.len()
-            && values.iter().any(|cell| is_number(&cell))
-            && !names.iter().any(|cell| is_number(&cell));
+            && values.iter().any(&is_number)
+            && !names.iter().any(is_number);
         if names_columns {
             *lines = below;
             return Some((at, name));
