@@ -9,7 +9,7 @@ use realgap_core::Warning;
 use realgap_core::unit::LengthUnit;
 use realgap_core::warning::Code;
 use realgap_path::trajectory::{
-    Axes, FORMATS, Reading, Trajectory, read, read_all, read_groups, write,
+    Axes, FORMATS, InferredReading, Reading, Trajectory, read, read_all, read_groups, write,
 };
 
 fn refuse(name: &str, text: &str) -> String {
@@ -148,6 +148,27 @@ proptest! {
     fn no_text_makes_a_parser_panic(text in "(t_s,x_m,y_m(,q[wxyz]){0,4}\n)?[-0-9.,e \"#\nnaif\u{e9}]{0,200}") {
         for format in FORMATS {
             let _either = format.parse(&text, &LengthUnit::Metre.into());
+        }
+    }
+
+    #[test]
+    fn no_text_makes_splitting_or_inference_panic(
+        text in "(#|%)?(t_s,x_m,y_m|time;x;y|sec nanosec x y yaw|t,a.x,a.y,b.x,b.y)\n(s,m,m\n)?([-0-9.,;: TZe\"#\n+/\u{b0}]{0,40}\n){0,6}",
+        rows in prop::collection::vec((0..9_i32, -9..9_i32, -9..9_i32), 0..60),
+    ) {
+        let split = Reading { split: Some(true), ..Reading::default() };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("any.csv");
+        let table: String = rows.iter().map(|(t, x, y)| format!("{t},{x},{y}\n")).collect();
+        for text in [text, format!("t_s,x_m,y_m\n{table}")] {
+            for format in FORMATS {
+                let _either = format.parse_split(&text, &split);
+            }
+            std::fs::write(&path, text).unwrap();
+            for known in [&split, &Reading::default()] {
+                let _either = InferredReading::of_file(&path, known);
+                let _either = InferredReading::infer(std::slice::from_ref(&path), known, Some(0.1));
+            }
         }
     }
 }

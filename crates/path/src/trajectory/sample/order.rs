@@ -148,9 +148,13 @@ impl Samples {
         let places = self.places(layout);
         let file = self.in_file(&places);
         let disorder = file.disorder();
-        let is_whole = layout.time_hint.is_some() || self.is_mistaken_for_disorder();
-        let Some(parts) = file.parts().filter(|_| disorder.is_none() || !is_whole) else {
-            return Err(self.goes_back(layout, disorder.unwrap_or(Disorder::Unclear)));
+        let is_explained = layout.time_hint.is_some() || self.is_mistaken_for_disorder();
+        let parts = match (file.parts(), disorder) {
+            (_, Some(disorder)) if is_explained => return Err(self.goes_back(layout, disorder)),
+            (Some(parts), _) => parts,
+            (None, Some(disorder)) => return Err(self.goes_back(layout, disorder)),
+            // Times increase, and the bodies cannot be told apart, or there are too few samples.
+            (None, None) => Vec::new(),
         };
         if parts.len() < 2 {
             let sorted = Self {
