@@ -222,9 +222,10 @@ fn a_length_that_does_not_fit_the_robot_is_doubted() {
             "{message}"
         );
         // The remedy that is named works.
-        let remedies = message.split('`');
-        let remedy = remedies.filter(|part| part.contains(&format!("in {unit}")));
-        let remedy = remedy.last().unwrap();
+        let mut remedies = message.split('`').rev();
+        let remedy = remedies
+            .find(|part| part.contains(&format!("in {unit}")))
+            .unwrap();
         assert_eq!(warned(factor, &format!("reading: ({remedy}),")), None);
     }
     // Metres that are read as millimetres.
