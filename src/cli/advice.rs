@@ -2,7 +2,6 @@
 
 use clap::error::{ContextKind, ContextValue, ErrorKind as ClapKind};
 use clap::{Command, CommandFactory};
-use realgap::unit::LengthUnit;
 use realgap::warning::Code;
 use realgap::{Advice, Error, ErrorKind, Warning};
 
@@ -30,8 +29,12 @@ pub fn warning_in_options(warning: &Warning) -> String {
         Code::QuaternionOrder => "--quaternion ORDER",
         Code::SeveralRobots => "--where COLUMN=VALUE",
         Code::UnknownAxes => "--axes world, y-up, z-down or camera",
-        Code::UnlikelyLength => "--unit UNIT",
-        Code::UnlikelyTime => "--time-unit UNIT",
+        Code::UnlikelyLength => {
+            "--unit UNIT, or --column 'x=NAME in UNIT' where a name states another one"
+        }
+        Code::UnlikelyTime => {
+            "--time-unit UNIT, or --column 't=NAME in UNIT' where a name states another one"
+        }
         _ => return warning.to_string(),
     };
     format!("{} ({options}) [{}]", warning.message, warning.code)
@@ -65,9 +68,11 @@ fn option(advice: &Advice) -> String {
         Advice::FewerThreads => "use fewer --jobs".to_owned(),
         Advice::OtherOptimizer => "choose another --optimizer".to_owned(),
         Advice::OtherSeed => "choose another --seed".to_owned(),
-        Advice::Unit(LengthUnit::Metre) => "read it with --unit m".to_owned(),
-        Advice::Unit(LengthUnit::Centimetre) => "read it with --unit cm".to_owned(),
-        Advice::Unit(LengthUnit::Millimetre) => "read it with --unit mm".to_owned(),
+        Advice::Unit(unit) => format!("read it with --unit {}", unit.symbol()),
+        Advice::Scale => "give the metres of one unit with --scale, e.g. --scale 0.0021, or a known length over its size in the file: --scale 0.5/238".to_owned(),
+        Advice::Split => "read them as separate recordings with --split".to_owned(),
+        Advice::UnpaddedStamps => "read 12.5 as 12 s and 5 ns with --unpadded-stamps".to_owned(),
+        Advice::Axes => "say which way axes point with --axes world, y-up, z-down or camera".to_owned(),
         Advice::MapColumns => {
             "say which column is which, e.g. --column 'x=NAME in mm' (docs/recordings.md)"
                 .to_owned()
@@ -79,7 +84,7 @@ fn option(advice: &Advice) -> String {
         Advice::Rate => "give the number of samples per second, e.g. --rate-hz 10".to_owned(),
         Advice::Topic => "choose one with --topic, and --child-frame of transforms".to_owned(),
         Advice::Crop => "choose another part with --crop FROM:TO".to_owned(),
-        Advice::TimeUnit => "say their unit, e.g. --time-unit ms".to_owned(),
+        Advice::TimeUnit => "say their unit, e.g. --time-unit ms, or --column 't=t_s in ms' where the name states another one".to_owned(),
         Advice::Recordings => "name them with --recordings 'FOLDER/*.csv'".to_owned(),
         Advice::CalibratedValues => {
             "give values with --parameters best.ron, or --set NAME=VALUE".to_owned()

@@ -21,6 +21,7 @@ use realgap::{results::draw_arena, results::portrait, trajectory};
 use super::kind::Kind;
 use super::kit::*;
 use super::option::Format;
+use super::question;
 use report::{FileReport, Motion, Outcome, Varied};
 
 /// Validate files of realgap and recordings, and print what they contain
@@ -80,7 +81,7 @@ impl Check {
         let mut reports = Vec::new();
         let mut failed = 0;
         for (index, path) in self.files.iter().enumerate() {
-            let reading = self.reading.of_file(index, self.files.len())?;
+            let reading = self.reading.of_path(path, index, self.files.len())?;
             let found = describe(path, &reading, self.dynamics, self.robot.as_deref());
             if let Err(error) = &found {
                 failed += 1;
@@ -436,7 +437,7 @@ fn motion(path: &Path, reading: &Reading) -> Result<Contents> {
     let mut lines = Vec::new();
     let mut recordings = Vec::new();
     let mut warnings = Vec::new();
-    for recording in trajectory::read_all(path, reading)? {
+    for recording in question::read_all(path, reading)? {
         let motion = &recording.trajectory;
         let prepared = trajectory::prepare(motion).map_err(|e| e.at_file(path))?;
         let has_orientations = motion.orientations_world_from_body().is_some();

@@ -9,10 +9,11 @@ use realgap::comparison::{
 use realgap::file::{Source as SourceText, versioned_json};
 use realgap::plot::{Caption, Cloud, Overlay, OverlayPath, draw_lines, draw_overlay, plane};
 use realgap::results::{Timed, draw_over_time};
-use realgap::trajectory::{self, Prepared, Recording, Source};
+use realgap::trajectory::{Prepared, Recording, Source};
 
 use super::kind::{Kind, explain};
 use super::kit::*;
+use super::question;
 use super::timing::TimingOptions;
 
 /// Compare trajectories with a reference: real with simulated, or real with real
@@ -153,7 +154,7 @@ impl Compare {
         }
         let files = 1 + self.trajectories.len();
         let read = |index: usize, path: &PathBuf| {
-            trajectory::read(path, self.reading.of_file(index, files)?)
+            question::read(path, &self.reading.of_path(path, index, files)?)
                 .map_err(|error| explain(path, Kind::Trajectory, error))
         };
         let reference = read(0, &self.reference)?;

@@ -85,6 +85,7 @@ mod parameters;
 mod plan;
 mod predict;
 mod progress;
+mod question;
 mod reading;
 mod record;
 #[cfg(all(test, feature = "papers"))]

@@ -1,6 +1,6 @@
 //! Options that say how recordings are to be read.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use realgap::trajectory::{Axes, Columns, Crop, Only, QuaternionOrder, Reading};
@@ -13,16 +13,19 @@ pub struct ReadingOptions {
     /// File with the fields of a study's `reading`, which says how recordings are read (- for none)
     #[arg(long = "reading", value_name = "FILE", help_heading = READING)]
     reading_files: Vec<PathBuf>,
-    /// Unit of length: m, cm or mm
+    /// Unit of length: m, cm, mm, in, ft, or px together with --scale; a unit in a column's name has priority
     #[arg(long, value_name = "UNIT", help_heading = READING)]
-    unit: Vec<LengthUnit>,
+    unit: Vec<UnitOption>,
+    /// Metres per unit of the file's lengths, e.g. 0.0021 per pixel, or as a known length over its size in the file: 0.5/238
+    #[arg(long, value_name = "METRES", help_heading = READING)]
+    scale: Vec<ScaleOption>,
     /// Unit of time: s, ms, us or ns
     #[arg(long, value_name = "UNIT", help_heading = READING)]
     time_unit: Vec<TimeUnit>,
     /// Unit of angle: rad or deg
     #[arg(long, value_name = "UNIT", help_heading = READING)]
     angle_unit: Vec<AngleUnit>,
-    /// Column of a quantity, e.g. 't=%time in ns', 'x=pose.x in mm' or 'run=trial' (repeatable); quantities: t x y z qw qx qy qz
+    /// Column of a quantity, e.g. 't=%time in ns', 'x=pose.x in mm' or 'run=trial' (repeatable); quantities: t t_ns x y z qw qx qy qz
     /// heading vx vy vz wx wy wz condition run
     #[arg(long, value_name = "WHAT=NAME", help_heading = READING)]
     column: Vec<String>,
@@ -35,16 +38,22 @@ pub struct ReadingOptions {
     /// Use only the rows in which a column has this value, e.g. robot=3
     #[arg(long = "where", value_name = "COLUMN=VALUE", help_heading = READING)]
     whose: Vec<Only>,
-    /// Sort samples by time
+    /// Sort samples by time, where a few of them are out of order
     #[arg(long, help_heading = READING)]
     sort_samples: bool,
+    /// Read the runs or bodies of one file as separate recordings: where times start again, or rows alternate between places
+    #[arg(long, help_heading = READING)]
+    split: bool,
+    /// Times are SECONDS.NANOSECONDS without leading zeros: 12.5 is 12 s and 5 ns
+    #[arg(long, help_heading = READING)]
+    unpadded_stamps: bool,
     /// Leave out samples in which a number is missing
     #[arg(long, help_heading = READING)]
     skip_lost: bool,
     /// Number of lines before the line with the names of the columns
     #[arg(long, value_name = "N", help_heading = READING)]
     skip_lines: Option<usize>,
-    /// Samples per second, for files without times (KITTI)
+    /// Samples per second, for files without times, or with a column that counts samples
     #[arg(long, value_name = "HZ", help_heading = READING)]
     rate_hz: Vec<f64>,
     /// The topic whose poses are read (MCAP, bags of ROS 2), e.g. /odom
@@ -56,6 +65,44 @@ pub struct ReadingOptions {
     /// Which way the axes of poses point: world (z up), camera (x right, y down, z forward), y-up or z-down
     #[arg(long, value_name = "AXES", help_heading = READING)]
     axes: Vec<Axes>,
+}
+
+/// A unit of length, or pixels, whose size is given apart.
+#[derive(Debug, Clone, Copy)]
+struct UnitOption(Option<LengthUnit>);
+
+impl std::str::FromStr for UnitOption {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        match text {
+            "px" => Ok(Self(None)),
+            text => match LengthUnit::by_word(text) {
+                Some(unit) => Ok(Self(Some(unit))),
+                None => text.parse().map(|unit| Self(Some(unit))),
+            },
+        }
+    }
+}
+
+/// Metres per unit, as a number or as a fraction.
+#[derive(Debug, Clone, Copy)]
+struct ScaleOption(f64);
+
+impl std::str::FromStr for ScaleOption {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let number = |text: &str| text.trim().parse::<f64>().ok();
+        let scale = match text.split_once('/') {
+            Some((length, units)) => number(length).zip(number(units)).map(|(l, u)| l / u),
+            None => number(text),
+        };
+        let scale = scale.filter(|scale| scale.is_finite() && *scale > 0.0);
+        scale
+            .map(Self)
+            .ok_or_else(|| "allowed: metres per unit, e.g. 0.0021 or 0.5/238".to_owned())
+    }
 }
 
 const READING: &str = "How recordings are read (docs/recordings.md)";
@@ -82,21 +129,52 @@ impl ReadingOptions {
         self.of_file(0, 1)
     }
 
+    /// How the file `path` is read. A `--reading` that is given once for several files concerns those with its columns; any other file is read
+    /// without it.
+    pub fn of_path(&self, path: &Path, index: usize, files: usize) -> Result<Reading> {
+        if files < 2 || self.reading_files.len() != 1 {
+            return self.of_file(index, files);
+        }
+        let whole = self.of_file(index, files)?;
+        match whole.fits(path)? {
+            true => Ok(whole),
+            false => Self {
+                reading_files: Vec::new(),
+                ..self.clone()
+            }
+            .of_file(index, files),
+        }
+    }
+
     /// How file `index` of `files` is read: an option that is given once is for all files, otherwise each is for one file.
     pub fn of_file(&self, index: usize, files: usize) -> Result<Reading> {
         let mut columns = Columns::default();
         for text in &self.column {
             columns = columns.with_text(text).map_err(Error::into_usage)?;
         }
+        let unit = pick(&self.unit, "unit", index, files)?;
+        let scale = pick(&self.scale, "scale", index, files)?;
+        if matches!(unit, Some(UnitOption(None))) && scale.is_none() {
+            return Err(Error::usage("the size of a pixel is not known")
+                .field("unit")
+                .found("px")
+                .allowed("px together with --scale, the metres of one pixel")
+                .hint(
+                    "a known length over its pixels is a scale, too: --unit px --scale 0.5/238",
+                ));
+        }
         let own = Reading {
             columns,
-            length: pick(&self.unit, "unit", index, files)?,
+            length: unit.and_then(|UnitOption(unit)| unit),
+            scale: scale.map(|ScaleOption(scale)| scale),
             time: pick(&self.time_unit, "time_unit", index, files)?,
             angle: pick(&self.angle_unit, "angle_unit", index, files)?,
             quaternion: pick(&self.quaternion, "quaternion", index, files)?,
             crop: pick(&self.crop, "crop", index, files)?,
             only: pick(&self.whose, "where", index, files)?,
             sort: self.sort_samples.then_some(true),
+            split: self.split.then_some(true),
+            unpadded_stamps: self.unpadded_stamps.then_some(true),
             skip_lost: self.skip_lost.then_some(true),
             skip_lines: self.skip_lines,
             rate_hz: pick(&self.rate_hz, "rate_hz", index, files)?,

@@ -7,17 +7,14 @@ mod noise;
 mod path;
 mod rehearsal;
 
-use std::io::{BufRead as _, IsTerminal as _};
-
 use realgap::calibration::{Overrides, UnusedColumns};
 use realgap::file::{Source, write_ron};
 use realgap::prediction::ensemble::rms_m;
 use realgap::robot::import::is_foreign;
-use realgap::trajectory::{
-    Ambiguity, Axes, InferredReading, Prepared, Question, Reading, Recording, prepare, read_all,
-};
+use realgap::trajectory::{InferredReading, Prepared, Reading, Recording, prepare, read_all};
 
 use super::kit::*;
+use super::question::answer;
 use super::shell;
 use drive::Drive;
 use gains::Gains;
@@ -317,52 +314,4 @@ fn alike(recordings: &[Recording]) -> Option<String> {
         "  are these repeats of one run? With the same start and heading, their paths lie up to {:.0} % of their reach apart",
         100.0 * farthest_m / reach_m
     ))
-}
-
-/// Asks on a terminal; elsewhere names the option that answers.
-fn answer(open: &Ambiguity, known: &mut Reading) -> Result<()> {
-    let (question, option) = match open.question {
-        Question::Time => (
-            "In which unit are times (s, ms, us, ns)?",
-            "--time-unit UNIT",
-        ),
-        Question::Length => ("In which unit are lengths (m, cm, mm)?", "--unit UNIT"),
-        Question::Up => (
-            "Which way do axes point (world: z up; y-up; z-down; camera)?",
-            "--axes AXES",
-        ),
-        Question::Robot => (
-            "Whose rows are read (COLUMN=VALUE)?",
-            "--where COLUMN=VALUE",
-        ),
-    };
-    if !std::io::stdin().is_terminal() || !std::io::stderr().is_terminal() {
-        return Err(Error::usage("the recordings leave a question open")
-            .found(&open.found)
-            .allowed(question)
-            .hint(format!("answer with {option}")));
-    }
-    terminal::note(format!("{question} {}", open.found));
-    let mut line = String::new();
-    let read = std::io::stdin().lock().read_line(&mut line);
-    if read.map_err(|e| Error::io("read the answer", "standard input", &e))? == 0 {
-        return Err(Error::interrupted("no answer"));
-    }
-    let line = line.trim();
-    let wrong = |why: String| terminal::note(why);
-    match open.question {
-        Question::Time => line
-            .parse()
-            .map_or_else(wrong, |unit| known.time = Some(unit)),
-        Question::Length => line
-            .parse()
-            .map_or_else(wrong, |unit| known.length = Some(unit)),
-        Question::Up => line
-            .parse::<Axes>()
-            .map_or_else(wrong, |axes| known.axes = Some(axes)),
-        Question::Robot => line
-            .parse()
-            .map_or_else(wrong, |only| known.only = Some(only)),
-    }
-    Ok(())
 }

@@ -259,7 +259,23 @@ fn runs_that_do_not_fit_the_robot_or_the_room_are_refused_before_any_picture() {
     let args = [
         "sense", "picture", "pen.ron", "--watch", "middle", "--run", "mm.csv", "--robot", &cube,
     ];
-    desk.done("2", &[&args[..], &["--unit", "mm", "-o", "out"]].concat());
+    desk.done(
+        "2",
+        &[
+            &args[..],
+            &[
+                "--column",
+                "x=x_m in mm",
+                "--column",
+                "y=y_m in mm",
+                "--column",
+                "z=z_m in mm",
+                "-o",
+                "out",
+            ],
+        ]
+        .concat(),
+    );
     for args in [
         &["--watch", "middle", "--run", "parts.csv"][..],
         &[

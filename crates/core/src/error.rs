@@ -117,10 +117,14 @@ advice! {
     MapColumns "Say which column of a recording holds which quantity." "say which column is which: `columns: (t: \"NAME in ms\", x: \"NAME in mm\", ...)` in `reading`";
     ChooseRobot "Read one robot, or one run, of a file that holds several." "read one of them: `only: (column: \"NAME\", value: \"VALUE\")` in `reading`";
     SortSamples "Sort the samples of a recording by time." "sort them: `sort: true` in `reading`";
+    Split "Read the runs or bodies of one file as separate recordings." "read them as separate recordings: `split: true` in `reading`";
+    Scale "State the size of a file's unit of length." "state the metres of one unit of the file's lengths, e.g. `scale: 0.0021` in `reading`";
+    UnpaddedStamps "Read stamps whose nanoseconds lack leading zeros." "read 12.5 as 12 s and 5 ns: `unpadded_stamps: true` in `reading`";
     SkipLost "Leave out samples that the tracker has lost." "leave lost samples out: `skip_lost: true` in `reading`";
     SkipLines "Begin to read below the first lines." "begin to read below the first lines: `skip_lines: N` in `reading`";
     Rate "State the sampling rate of a recording without times." "state the sampling rate, e.g. `rate_hz: 10` in `reading`";
     Topic "Say which topic of a log holds the recording." "choose one topic: `topic: \"/NAME\"` in `reading`, and `child_frame: \"NAME\"` for transforms";
+    Axes "Say which way the axes of poses point." "say which way axes point: `axes: \"world\"` (z up), `y-up`, `z-down` or `camera` in `reading`";
     Crop "Read another part of a recording." "choose another part: `crop: (from_s: ..., to_s: ...)` in `reading`";
     TimeUnit "State the unit of a recording's times." "state the unit of the times: `time: \"ms\"` in `reading`";
     Recordings "Name the recordings." "name the recordings, e.g. FOLDER/*.csv";
@@ -320,6 +324,16 @@ impl Error {
     /// The message without location, found, allowed and hint.
     pub fn message(&self) -> &str {
         &self.0.message
+    }
+
+    /// What was found, if known.
+    pub fn found_text(&self) -> Option<&str> {
+        self.0.found.as_deref()
+    }
+
+    /// What the user can do next, without the remedies of [`Error::advice`].
+    pub fn hint_text(&self) -> Option<&str> {
+        self.0.hint.as_deref()
     }
 
     /// The file, if the error belongs to one.

@@ -169,6 +169,7 @@ codes! {
     UnconfirmedPosterior "unconfirmed-posterior" "Runs at draws of a posterior fit worse than the posterior promises." "tune with another seed or a larger budget, and compare the intervals";
     UndefinedHeading "undefined-heading" "A path that goes nowhere has no heading." "compare with a metric that needs no heading, or let the robot walk farther";
     UnequalMoments "unequal-moments" "Moments of inertia differ although a method assumes that they are equal." "use a body whose moments are equal, or do not rely on spins";
+    UnitInName "unit-in-name" "A unit was stated, but the name of a column states another one, which is used." "if the name is wrong, map the column with its unit, e.g. `columns: (x: \"x_m in mm\")`";
     UnknownAxes "unknown-axes" "A recording does not state the directions of its axes, or its motion contradicts them." "state them when reading: `axes: \"world\"` (z up), `y-up`, `z-down` or `camera` (z forward, y down)";
     UnlikelyAngle "unlikely-angle" "Recorded angles lie far beyond their joint's limits." "name columns of degrees NAME_deg, or give the joint its zero or its true limits";
     UnlikelyLength "unlikely-length" "Lengths do not fit the robot, or each other." "name the unit of lengths when reading";

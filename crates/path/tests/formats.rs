@@ -7,8 +7,9 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use realgap_core::Warning;
 use realgap_core::unit::LengthUnit;
+use realgap_core::warning::Code;
 use realgap_path::trajectory::{
-    Axes, FORMATS, Reading, Trajectory, read, read_all, read_groups, write,
+    Axes, FORMATS, InferredReading, Reading, Trajectory, read, read_all, read_groups, write,
 };
 
 fn refuse(name: &str, text: &str) -> String {
@@ -149,6 +150,27 @@ proptest! {
             let _either = format.parse(&text, &LengthUnit::Metre.into());
         }
     }
+
+    #[test]
+    fn no_text_makes_splitting_or_inference_panic(
+        text in "(#|%)?(t_s,x_m,y_m|time;x;y|sec nanosec x y yaw|t,a.x,a.y,b.x,b.y)\n(s,m,m\n)?([-0-9.,;: TZe\"#\n+/\u{b0}]{0,40}\n){0,6}",
+        rows in prop::collection::vec((0..9_i32, -9..9_i32, -9..9_i32), 0..60),
+    ) {
+        let split = Reading { split: Some(true), ..Reading::default() };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("any.csv");
+        let table: String = rows.iter().map(|(t, x, y)| format!("{t},{x},{y}\n")).collect();
+        for text in [text, format!("t_s,x_m,y_m\n{table}")] {
+            for format in FORMATS {
+                let _either = format.parse_split(&text, &split);
+            }
+            std::fs::write(&path, text).unwrap();
+            for known in [&split, &Reading::default()] {
+                let _either = InferredReading::of_file(&path, known);
+                let _either = InferredReading::infer(std::slice::from_ref(&path), known, Some(0.1));
+            }
+        }
+    }
 }
 
 #[test]
@@ -163,9 +185,9 @@ fn errors_name_file_line_column_and_what_to_do() {
             "found:   t_s, x_m",
         ),
         (
-            "t_s,x_cm,y_cm\n0,0,0\n",
+            "t_s,x_px,y_px\n0,0,0\n",
             "run.csv:1:1: x_m: ",
-            "read it in centimetres",
+            "say which column is which",
         ),
         (
             "0,0,0\n1,1,1\n",
@@ -263,13 +285,29 @@ fn lengths_are_scaled_and_angles_are_not() {
         "x_cm,y_cm,z_cm,vx_cm_s,vy_cm_s,vz_cm_s",
         "x,y,z,vx,vy,vz",
     ];
-    for names in names {
+    let metres = Vector3::new(100.0, 200.0, 300.0);
+    for (names, place) in names
+        .into_iter()
+        .zip([metres, metres / 100.0, metres / 100.0])
+    {
         let text = format!(
             "t_s,{names},wx_rad_s,wy_rad_s,wz_rad_s\n0,0,0,0,0,0,0,0,0,0\n1,100,200,300,10,20,30,1,2,3\n"
         );
-        let trajectory = accept(&text, LengthUnit::Centimetre).trajectory;
-        assert!((trajectory.positions_world_m()[1] - Vector3::new(1.0, 2.0, 3.0)).norm() < 1e-15);
-        assert!((trajectory.velocities_world_m_s().unwrap()[1].y - 0.2).abs() < 1e-15);
+        let recording = accept(&text, LengthUnit::Centimetre);
+        let trajectory = &recording.trajectory;
+        assert!((trajectory.positions_world_m()[1] - place).norm() < 1e-12);
+        assert!((trajectory.velocities_world_m_s().unwrap()[1].y - 0.1 * place.y).abs() < 1e-12);
+        // A unit in a name has priority over a stated unit, and this is said.
+        let is_said = recording
+            .warnings
+            .iter()
+            .any(|w| w.code == Code::UnitInName);
+        assert_eq!(
+            is_said,
+            names.starts_with("x_m"),
+            "{:?}",
+            recording.warnings
+        );
         assert_eq!(
             trajectory.angular_velocities_body_rad_s().unwrap()[1].y,
             2.0

@@ -32,14 +32,18 @@ fn times_in_another_unit_are_doubted() {
     for (factor, unit) in [(1e3, "ms"), (1e6, "us"), (1e9, "ns")] {
         let csv = own_form(&times(factor));
         let recording = read_text(&csv, LengthUnit::Metre);
-        let remedy = format!("`time: \"{unit}\"` makes it 50");
-        assert!(said(&recording, Code::UnlikelyTime).contains(&remedy));
-        let cured = read_text(&csv, reading(&format!("(time: \"{unit}\")")));
+        let remedy = format!("columns: (t: \"t_s in {unit}\")");
+        let said = said(&recording, Code::UnlikelyTime);
+        assert!(
+            said.contains(&remedy) && said.contains("makes it 50"),
+            "{said}"
+        );
+        let cured = read_text(&csv, reading(&format!("({remedy})")));
         assert_eq!(codes(&cured), [Code::ReadAs], "{:?}", cured.warnings);
         assert!((cured.trajectory.duration_s() - 20.0).abs() < 1e-6);
     }
     // Seconds that are read as nanoseconds are as unlikely.
-    let wrong = read_text(&own_form(&walk()), reading("(time: \"ns\")"));
+    let wrong = read_text(&own_form(&walk()), reading("(columns: (t: \"t_s in ns\"))"));
     assert!(codes(&wrong).contains(&Code::UnlikelyTime));
 }
 
@@ -214,16 +218,19 @@ fn a_length_that_does_not_fit_the_robot_is_doubted() {
     for (factor, unit) in [(100.0, "cm"), (1000.0, "mm")] {
         let message = warned(factor, "").unwrap();
         assert!(
-            message.contains(&format!("`length: \"{unit}\"` makes it")),
+            message.contains("makes it") && message.contains(&format!("in {unit}\"")),
             "{message}"
         );
-        assert_eq!(
-            warned(factor, &format!("reading: (length: \"{unit}\"),")),
-            None
-        );
+        // The remedy that is named works.
+        let mut remedies = message.split('`').rev();
+        let remedy = remedies
+            .find(|part| part.contains(&format!("in {unit}")))
+            .unwrap();
+        assert_eq!(warned(factor, &format!("reading: ({remedy}),")), None);
     }
     // Metres that are read as millimetres.
-    assert!(warned(1.0, "reading: (length: \"mm\"),").is_some());
+    let wrong = "reading: (columns: (x: \"x_m in mm\", y: \"y_m in mm\")),";
+    assert!(warned(1.0, wrong).is_some());
 }
 
 #[test]
@@ -250,16 +257,30 @@ fn compare_doubts_lengths_of_one_file_that_are_a_thousand_times_those_of_the_oth
     };
     let (error, _) = compare(&[]);
     assert!(
-        error.contains("other goes 1000 times as far as metres") && error.contains("(--unit UNIT)"),
+        error.contains("other goes 1000 times as far as metres")
+            && error.contains("x_m in mm")
+            && error.contains("--unit UNIT"),
         "{error}"
     );
-    let (error, code) = compare(&["--unit", "m", "--unit", "mm"]);
+    // The names say metres, and a stated unit does not override them; a mapping does.
+    let (error, _) = compare(&["--unit", "m", "--unit", "mm"]);
+    assert!(
+        error.contains("unit-in-name") && error.contains("unlikely-length"),
+        "{error}"
+    );
+    let how = file(
+        folder.path(),
+        "mm.ron",
+        "(columns: (x: \"x_m in mm\", y: \"y_m in mm\", z: \"z_m in mm\"))",
+    );
+    let how = how.to_str().unwrap();
+    let (error, code) = compare(&["--reading", "-", "--reading", how]);
     assert!(
         !error.contains("unlikely-length") && code == Some(0),
         "{error}"
     );
     assert!(
-        error.contains("other: recordings are read with lengths in millimetres"),
+        error.contains("other: recordings are read with x from `x_m in mm`"),
         "{error}"
     );
     let (error, code) = compare(&["--unit", "m", "--unit", "mm", "--unit", "m"]);

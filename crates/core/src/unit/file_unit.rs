@@ -41,6 +41,27 @@ units! {
     Centimetre "cm" "centimetres" 0.01;
     /// Millimetres.
     Millimetre "mm" "millimetres" 0.001;
+    /// International inches.
+    Inch "in" "inches" 0.0254;
+    /// International feet.
+    Foot "ft" "feet" 0.3048;
+}
+
+impl LengthUnit {
+    /// The units that a file without any statement may have; the others are read only where a file or a person states them.
+    pub const METRIC: &[Self] = &[Self::Metre, Self::Centimetre, Self::Millimetre];
+
+    /// The unit that a word in lower case names, e.g. `mm`, `millimeters` or `inch`.
+    pub fn by_word(word: &str) -> Option<Self> {
+        Some(match word {
+            "m" | "meter" | "meters" | "metre" | "metres" => Self::Metre,
+            "cm" | "centimeter" | "centimeters" | "centimetre" | "centimetres" => Self::Centimetre,
+            "mm" | "millimeter" | "millimeters" | "millimetre" | "millimetres" => Self::Millimetre,
+            "in" | "inch" | "inches" => Self::Inch,
+            "ft" | "foot" | "feet" => Self::Foot,
+            _ => return None,
+        })
+    }
 }
 
 units! {
@@ -57,6 +78,22 @@ units! {
     Nanosecond "ns" "nanoseconds" 1e-9;
 }
 
+impl TimeUnit {
+    /// The unit that a word in lower case names, e.g. `ns`, `nsec` or `nanoseconds`.
+    pub fn by_word(word: &str) -> Option<Self> {
+        Some(match word {
+            "s" | "sec" | "secs" | "second" | "seconds" => Self::Second,
+            "ms" | "msec" | "msecs" | "millis" | "millisec" | "millisecs" | "millisecond"
+            | "milliseconds" => Self::Millisecond,
+            "us" | "\u{b5}s" | "\u{3bc}s" | "usec" | "usecs" | "micros" | "microsec"
+            | "microsecs" | "microsecond" | "microseconds" => Self::Microsecond,
+            "ns" | "nsec" | "nsecs" | "nanos" | "nanosec" | "nanosecs" | "nanosecond"
+            | "nanoseconds" => Self::Nanosecond,
+            _ => return None,
+        })
+    }
+}
+
 units! {
     /// Unit of angle of a file; everything inside the crate is radians.
     AngleUnit, "angle", radians:
@@ -65,4 +102,15 @@ units! {
     Radian "rad" "radians" 1.0;
     /// Degrees.
     Degree "deg" "degrees" std::f64::consts::PI / 180.0;
+}
+
+impl AngleUnit {
+    /// The unit that a word in lower case names, e.g. `deg`, `degrees` or `radians`.
+    pub fn by_word(word: &str) -> Option<Self> {
+        Some(match word {
+            "rad" | "rads" | "radian" | "radians" => Self::Radian,
+            "deg" | "degs" | "degree" | "degrees" | "\u{b0}" => Self::Degree,
+            _ => return None,
+        })
+    }
 }

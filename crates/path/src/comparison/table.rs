@@ -176,12 +176,14 @@ impl<'a> Comparison<'a> {
             let size = factor.max(factor.recip());
             let unit = ANOTHER_UNIT.iter().find(|(sizes, _)| sizes.contains(&size));
             let (_, unit) = unit.filter(|_| extent_m(other).min(reference_m) > STILL_M)?;
-            let ends = (&other.name, &self.reference.name);
+            let ends = (other, self.reference);
             let (larger, smaller) = if factor > 1.0 { ends } else { (ends.1, ends.0) };
             Some(Code::UnlikelyLength.warning(format!(
-                "{larger} goes {} times as far as {smaller}: if its lengths are in {unit}, read it with `length: \"{}\"`",
+                "{} goes {} times as far as {}: if its lengths are in {unit}, read it with `{}`",
+                larger.name,
                 number(size),
-                unit.symbol()
+                smaller.name,
+                larger.in_unit(*unit)
             )))
         });
         unlike.collect()

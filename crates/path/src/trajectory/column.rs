@@ -88,6 +88,7 @@ macro_rules! roles {
 
 roles! {
     Time "t" Time "Time.";
+    Nanos "t_ns" Time "The part of a time below one second, in nanoseconds, if a second column holds it.";
     X "x" Length "Position along world x.";
     Y "y" Length "Position along world y.";
     Z "z" Length "Position along world z, up.";

@@ -11,7 +11,7 @@ use super::format::{Format, Parsed, Rendered};
 use super::mixed_robots::{explain, mixed_robots};
 use super::reading::{QuaternionOrder, Reading};
 use super::relabel::relabelled;
-use super::sample::Samples;
+use super::sample::{Clock, Samples};
 use super::table::{Table, header_line};
 use super::text::{Cell, cells_of, decode_text, push_number};
 use realgap_core::constant_methods;
@@ -25,9 +25,10 @@ const ANGULAR: [&str; 3] = ["wx_rad_s", "wy_rad_s", "wz_rad_s"];
 /// Units are in the column names. Without z the trajectory is planar. Quaternions have the real part first and are
 /// world from body. Linear velocities are in the world frame, angular velocities in the body frame.
 ///
-/// A [`Reading`] describes files that differ from this. If it sets the unit of lengths to centimetres, every length and linear velocity is
-/// scaled, and its column may be named `x_m`, `x_cm`, or only `x`; likewise `vx_m_s`, `vx_cm_s`, `vx`.
-/// A header without commas may be separated by semicolons or tabs; numbers may then have decimal commas.
+/// Names end with their unit: `x_m`, `x_mm`, `t_ms`, `vx_cm_s`. A [`Reading`] describes files that differ from this. If it states the unit of
+/// lengths, a column may be named `x` or `vx`; a unit in a name has priority, and only a mapping (`x_m in mm`) overrides it. A row of units
+/// below the names states units, too. Lines that begin with `#` or `%` are comments. A header without commas may be separated by
+/// semicolons, tabs or spaces; numbers may then have decimal commas.
 #[derive(Debug, Clone, Copy)]
 pub struct Csv;
 
@@ -43,9 +44,21 @@ impl Format for Csv {
     }
 
     fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {
-        let mut parsed = single(text, reading).map_err(|error| explain(error, text, reading))?;
+        let explained = |error| explain(error, text, reading);
+        let (table, samples) = samples(text, reading)?;
+        let mut parsed = samples
+            .finish(&table.layout, table.warnings)
+            .map_err(explained)?;
         parsed.warnings.extend(mixed_robots(text, reading));
         Ok(parsed)
+    }
+
+    fn parse_split(&self, text: &str, reading: &Reading) -> Result<Vec<Parsed>> {
+        let explained = |error| explain(error, text, reading);
+        let (table, samples) = samples(text, reading)?;
+        samples
+            .finish_split(&table.layout, &table.warnings)
+            .map_err(explained)
     }
 
     fn order(&self, text: &str, reading: &Reading) -> QuaternionOrder {
@@ -67,7 +80,6 @@ impl Format for Csv {
 
     fn applied(&self, text: &str, reading: &Reading) -> Reading {
         let mut applied = Reading {
-            rate_hz: None,
             topic: None,
             child_frame: None,
             ..reading.clone()
@@ -75,8 +87,16 @@ impl Format for Csv {
         let columns = self.columns(text, reading);
         let is_mapped = |column: &str| columns.contains(&column);
         if !reading.columns.is_empty() && !reading.columns.iter().any(|(_, c)| is_mapped(&c.name)) {
+            // Units that are stated beside columns are those of a file with these columns.
             applied.columns = Columns::default();
+            (applied.length, applied.scale) = (None, None);
+            (applied.time, applied.angle) = (None, None);
             applied.only = reading.only.clone().filter(|only| is_mapped(&only.column));
+        }
+        // A sampling rate is for files without times.
+        let clock = Table::open(text, &applied, &[]).map(|table| table.layout.clock);
+        if let Ok(Clock::Column(_) | Clock::TwoColumns(..)) = clock {
+            applied.rate_hz = None;
         }
         applied
     }
@@ -202,8 +222,8 @@ pub(super) fn text_of(trajectory: &Trajectory) -> String {
     text
 }
 
-/// Reads a text that holds one trajectory.
-fn single(text: &str, reading: &Reading) -> Result<Parsed> {
+/// The header and all samples of a text.
+fn samples<'a>(text: &'a str, reading: &Reading) -> Result<(Table<'a>, Samples)> {
     let mut table = Table::open(text, reading, &[])?;
     let mut samples = Samples::new(reading);
     while let Some((line, cells)) = table.rows.next()? {
@@ -214,5 +234,5 @@ fn single(text: &str, reading: &Reading) -> Result<Parsed> {
     {
         return Err(error);
     }
-    samples.finish(&table.layout, table.warnings)
+    Ok((table, samples))
 }

@@ -8,6 +8,7 @@ use super::reading::Reading;
 use super::text::{first_line, push_number};
 use realgap_core::constant_methods;
 use realgap_core::error::Result;
+use realgap_core::unit::TimeUnit;
 
 /// The CSV files of the EuRoC micro aerial vehicle data, of ASL's other data sets and of programs that are evaluated on them.
 ///
@@ -45,10 +46,10 @@ impl Euroc {
         let mut own = Columns::default();
         for column in Csv.columns(text, reading) {
             let name = column.split_whitespace().next().unwrap_or_default();
-            if name == TIME && reading.time.is_none() {
-                own = own.with(Role::Time, &format!("{column} in ns"))?;
-            } else if name == TIME {
-                own = own.with(Role::Time, column)?;
+            if name == TIME {
+                // The format's own name states nanoseconds even in files of other programs that write another unit.
+                let unit = reading.time.unwrap_or(TimeUnit::Nanosecond);
+                own = own.with(Role::Time, &format!("{column} in {}", unit.symbol()))?;
             } else if let Some((role, _)) = NAMES.iter().find(|(_, known)| *known == name) {
                 own = own.with(*role, column)?;
             }
@@ -78,6 +79,10 @@ impl Format for Euroc {
 
     fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {
         Csv.parse(text, &self.mapped(text, reading)?)
+    }
+
+    fn parse_split(&self, text: &str, reading: &Reading) -> Result<Vec<Parsed>> {
+        Csv.parse_split(text, &self.mapped(text, reading)?)
     }
 
     fn render(&self, trajectory: &Trajectory) -> Result<Rendered> {

@@ -64,11 +64,24 @@ pub trait Format: Sync {
     /// # Errors
     /// Anything that is not a trajectory in this format, with line and column.
     fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed>;
+    /// Reads the runs or bodies of `text` as separate trajectories: times start again, or rows alternate between several places.
+    ///
+    /// # Errors
+    /// The errors of [`Format::parse`]; rows that cannot be told apart.
+    fn parse_split(&self, text: &str, reading: &Reading) -> Result<Vec<Parsed>> {
+        Ok(vec![self.parse(text, reading)?])
+    }
     /// The settings of `reading` that concern this text; for example, a mapping is dropped if the text has none of its columns.
     fn applied(&self, text: &str, reading: &Reading) -> Reading {
         let _ = text;
+        // Units that are stated beside columns are those of a file with these columns.
+        let is_of_columns = !reading.columns.is_empty();
         Reading {
             columns: Columns::default(),
+            length: reading.length.filter(|_| !is_of_columns),
+            scale: reading.scale.filter(|_| !is_of_columns),
+            time: reading.time.filter(|_| !is_of_columns),
+            angle: reading.angle.filter(|_| !is_of_columns),
             only: None,
             skip_lines: None,
             rate_hz: None,

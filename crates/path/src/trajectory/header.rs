@@ -1,9 +1,10 @@
 //! Interprets the header line of a CSV file: the role and the unit of each column.
 
-use super::column::{Column, Role};
+use super::column::{Column, Measure, Role};
+use super::column_name::{StatedUnit, counts_samples, unit_in_name, unit_in_row};
 use super::joint_column;
 use super::reading::Reading;
-use super::sample::Layout;
+use super::sample::{Clock, Layout};
 use super::text::{Cell, Separator, excerpt};
 use realgap_core::error::{Advice, Error, Result};
 use realgap_core::unit::{AngleUnit, LengthUnit, TimeUnit};
@@ -18,6 +19,10 @@ pub(super) struct Header<'c, 'a> {
     cells: &'c [Cell<'a>],
     used: Vec<bool>,
     factors: Vec<f64>,
+    /// The row of units below the names; empty if there is none.
+    units: Vec<&'a str>,
+    /// Columns whose names state another unit than the reading.
+    contradicted: Vec<usize>,
     reading: &'c Reading,
     separator: Separator,
 }
@@ -25,6 +30,7 @@ pub(super) struct Header<'c, 'a> {
 impl<'c, 'a> Header<'c, 'a> {
     pub(super) fn new(
         cells: &'c [Cell<'a>],
+        units: Vec<&'a str>,
         reading: &'c Reading,
         separator: Separator,
     ) -> Result<Self> {
@@ -41,13 +47,15 @@ impl<'c, 'a> Header<'c, 'a> {
             cells,
             used: vec![false; cells.len()],
             factors: vec![1.0; cells.len()],
+            units,
+            contradicted: Vec::new(),
             reading,
             separator,
         })
     }
 
     pub(super) fn layout(&mut self, group_columns: &[&str]) -> Result<Layout> {
-        let time = self.required(Role::Time)?;
+        let clock = self.clock()?;
         let places = [self.optional(Role::X)?, self.optional(Role::Y)?];
         let place = if places == [None, None] && self.has_joints() {
             // The recording has joints only.
@@ -83,7 +91,7 @@ impl<'c, 'a> Header<'c, 'a> {
         Ok(Layout {
             names: self.cells.iter().map(|c| excerpt(c.text)).collect(),
             factors: self.factors.clone(),
-            time,
+            clock,
             place,
             z,
             quaternion,
@@ -93,6 +101,99 @@ impl<'c, 'a> Header<'c, 'a> {
             joints: Vec::new(),
             signals: Vec::new(),
         })
+    }
+
+    /// Where times come from. A sampling rate serves files without times, and those whose time is a count of samples.
+    fn clock(&mut self) -> Result<Clock> {
+        let rate_hz = self.reading.rate_hz;
+        let Some(time) = self.optional(Role::Time)? else {
+            let Some(rate_hz) = rate_hz else {
+                return self.required(Role::Time).map(Clock::Column);
+            };
+            let counter = (0..self.cells.len()).find(|k| counts_samples(self.cells[*k].text));
+            return Ok(match counter {
+                Some(column) => {
+                    self.used[column] = true;
+                    Clock::Counter(column, rate_hz)
+                }
+                None => Clock::Rate(rate_hz),
+            });
+        };
+        if let Some(nanos) = self.optional(Role::Nanos)? {
+            return Ok(Clock::TwoColumns(time, nanos));
+        }
+        let is_stated = |column: &Column| column.factor.is_some();
+        let column = self.reading.columns.get(Role::Time);
+        Ok(
+            match rate_hz.filter(|_| counts_samples(self.cells[time].text)) {
+                Some(rate_hz) if !column.is_some_and(is_stated) => Clock::Counter(time, rate_hz),
+                _ => Clock::Column(time),
+            },
+        )
+    }
+
+    /// The factor from the unit of a column to SI. The unit in a mapping comes first, then the one in the column's name, the one in the row of
+    /// units, and the unit of the reading.
+    fn factor(&mut self, role: Role, index: usize) -> Result<f64> {
+        let measure = role.measure();
+        if let Some(factor) = self
+            .reading
+            .columns
+            .get(role)
+            .and_then(|column| column.factor)
+        {
+            return Ok(factor);
+        }
+        let text = self.cells[index].text;
+        let in_row = || {
+            self.units
+                .get(index)
+                .and_then(|cell| unit_in_row(cell, measure))
+        };
+        let usual = match role {
+            Role::Nanos => 1e-9,
+            _ => self.reading.factor(measure),
+        };
+        match unit_in_name(text, measure).or_else(in_row) {
+            None => Ok(usual),
+            Some(StatedUnit::Pixel) if self.reading.scale.is_some() => Ok(usual),
+            Some(StatedUnit::Pixel) => Err(self.cells[index].locate(
+                Error::invalid("the size of a pixel is not known")
+                    .field(text)
+                    .found("lengths in pixels")
+                    .allowed("the metres of one pixel, where the robot moves")
+                    .advise(Advice::Scale),
+            )),
+            Some(StatedUnit::Known(_, size)) => {
+                let is_stated = match measure {
+                    Measure::Length | Measure::Velocity => {
+                        self.reading.length.is_some() || self.reading.scale.is_some()
+                    }
+                    Measure::Time => self.reading.time.is_some(),
+                    _ => self.reading.angle.is_some(),
+                };
+                let is_new = !self.contradicted.contains(&index);
+                if is_stated && is_new && (size / usual - 1.0).abs() > 1e-12 {
+                    self.contradicted.push(index);
+                }
+                Ok(size)
+            }
+        }
+    }
+
+    /// The warnings about the header.
+    pub(super) fn warnings(&self) -> Vec<Warning> {
+        let contradicted = (!self.contradicted.is_empty()).then(|| {
+            let names: Vec<&str> = self.contradicted.iter().map(|k| self.cells[*k].text).collect();
+            Code::UnitInName.warning(format!(
+                "the units in the names of columns are used, not the stated one: {}; if a name is wrong, map the column with its unit, e.g. `columns: (x: \"x_m in mm\")`",
+                excerpt_list(&names)
+            ))
+        });
+        contradicted
+            .into_iter()
+            .chain(self.ignored_warning())
+            .collect()
     }
 
     /// True if any column is the angle of a joint.
@@ -116,7 +217,7 @@ impl<'c, 'a> Header<'c, 'a> {
                 self.used[index] = true;
                 Ok(index)
             }
-            None => Err(self.missing(name, false)),
+            None => Err(self.missing(name)),
         }
     }
 
@@ -129,77 +230,79 @@ impl<'c, 'a> Header<'c, 'a> {
         self.cells.iter().position(|cell| cell.text == name)
     }
 
-    /// The names that a column of this role may have without a mapping: with the unit, or without it if the reading states the unit of the
-    /// file.
+    /// The names that a column of this role may have without a mapping: with any unit, or without one if the reading or a row below the names
+    /// states it. The name with the SI unit comes first.
     fn names(&self, role: Role) -> Vec<String> {
         let reading = self.reading;
         let name = role.name();
-        let lengths = |per: &str| {
-            let mut names = vec![format!("{name}_m{per}")];
-            let other = |unit: &LengthUnit| *unit != LengthUnit::Metre;
-            if let Some(unit) = reading.length.filter(other) {
-                names.extend([format!("{name}_{}{per}", unit.symbol()), name.to_owned()]);
-            }
-            names
+        let of = |base: &str, units: &[&str], per: &str, is_stated: bool| {
+            let named = units.iter().map(|unit| format!("{base}_{unit}{per}"));
+            let bare = is_stated.then(|| base.to_owned());
+            named.chain(bare).collect::<Vec<_>>()
         };
+        let has_units = !self.units.is_empty();
+        let lengths: Vec<&str> = LengthUnit::ALL.iter().map(|unit| unit.symbol()).collect();
+        let times: Vec<&str> = TimeUnit::ALL.iter().map(|unit| unit.symbol()).collect();
+        let angles: Vec<&str> = AngleUnit::ALL.iter().map(|unit| unit.symbol()).collect();
+        let has_length = reading.length.is_some() || reading.scale.is_some() || has_units;
         match role {
-            Role::Time => {
-                let mut names = vec!["t_s".to_owned()];
-                let other = |unit: &TimeUnit| *unit != TimeUnit::Second;
-                if let Some(unit) = reading.time.filter(other) {
-                    names.extend([format!("t_{}", unit.symbol()), "t".to_owned()]);
-                }
-                names
-            }
-            Role::X | Role::Y | Role::Z => lengths(""),
-            Role::Vx | Role::Vy | Role::Vz => lengths("_s"),
+            Role::Time => of(name, &times, "", reading.time.is_some() || has_units),
+            Role::X | Role::Y | Role::Z => of(name, &lengths, "", has_length),
+            Role::Vx | Role::Vy | Role::Vz => of(name, &lengths, "_s", has_length),
             Role::Wx | Role::Wy | Role::Wz => {
-                let mut names = vec![format!("{name}_rad_s")];
-                let other = |unit: &AngleUnit| *unit != AngleUnit::Radian;
-                if let Some(unit) = reading.angle.filter(other) {
-                    names.extend([format!("{name}_{}_s", unit.symbol()), name.to_owned()]);
-                }
-                names
+                of(name, &angles, "_s", reading.angle.is_some() || has_units)
             }
             Role::Qw | Role::Qx | Role::Qy | Role::Qz => vec![name.to_owned()],
             // Files of other programs use these names with other meanings, so they need a mapping.
-            Role::Heading | Role::Condition | Role::Run => Vec::new(),
+            Role::Heading | Role::Condition | Role::Run | Role::Nanos => Vec::new(),
         }
     }
 
     fn optional(&mut self, role: Role) -> Result<Option<usize>> {
-        let usual = self.reading.factor(role.measure());
         if let Some(column) = self.reading.columns.get(role) {
-            let index = self.place(&column.name);
+            // A name may end with the words `in mm`, as a mapping does.
+            let index = self
+                .place(&column.name)
+                .or_else(|| self.place(&column.to_string()));
             let index = index.ok_or_else(|| self.not_there(role, column))?;
             self.used[index] = true;
-            self.factors[index] = column.factor.unwrap_or(usual);
+            self.factors[index] = self.factor(role, index)?;
             return Ok(Some(index));
         }
         let names = self.names(role);
-        let mut found = None;
+        let is_named = |cell: &Cell<'_>| names.iter().any(|name| name == cell.text);
+        let mut found: Vec<usize> = Vec::new();
         for (index, cell) in self.cells.iter().enumerate() {
-            if names.iter().any(|name| name == cell.text) {
-                if let Some(other) = found.replace(index) {
-                    let other: &Cell<'_> = &self.cells[other];
-                    return Err(cell.locate(
-                        Error::invalid("two columns hold the same quantity")
-                            .found(format!("{} and {}", other.text, cell.text)),
-                    ));
-                }
-                self.used[index] = true;
-                self.factors[index] = usual;
+            if is_named(cell) {
+                found.push(index);
             }
         }
-        Ok(found)
+        let index = match found.as_slice() {
+            [] => return Ok(None),
+            [index] => *index,
+            [first, second, ..] => {
+                let [first, second] = [first, second].map(|index| &self.cells[*index]);
+                return Err(second.locate(
+                    Error::invalid("two columns hold the same quantity")
+                        .found(format!("{} and {}", first.text, second.text))
+                        .advise(Advice::MapColumns),
+                ));
+            }
+        };
+        self.used[index] = true;
+        self.factors[index] = self.factor(role, index)?;
+        Ok(Some(index))
     }
 
     fn required(&mut self, role: Role) -> Result<usize> {
         match self.optional(role)? {
             Some(index) => Ok(index),
             None => {
-                let names = self.names(role);
-                Err(self.missing(&names.join(" or "), role != Role::Time))
+                let error = self.missing(&self.usual_name(role));
+                Err(match role {
+                    Role::Time => error.advise(Advice::Rate),
+                    _ => error,
+                })
             }
         }
     }
@@ -211,16 +314,13 @@ impl<'c, 'a> Header<'c, 'a> {
         for (index, role) in indices.iter_mut().zip(roles) {
             match self.optional(*role)? {
                 Some(found) => *index = found,
-                None => missing.push(self.names(*role).join(" or ")),
+                None => missing.push(self.usual_name(*role)),
             }
         }
         match missing.len() {
             0 => Ok(Some(indices)),
             n if n == K => Ok(None),
-            _ => {
-                let is_length = LINEAR.contains(&roles[0]);
-                Err(self.missing(&missing.join(", "), is_length))
-            }
+            _ => Err(self.missing(&missing.join(", "))),
         }
     }
 
@@ -255,22 +355,16 @@ impl<'c, 'a> Header<'c, 'a> {
         excerpt_list(&found)
     }
 
-    fn missing(&self, what: &str, is_length: bool) -> Error {
+    /// The name in the SI unit.
+    fn usual_name(&self, role: Role) -> String {
+        self.names(role).into_iter().next().unwrap_or_default()
+    }
+
+    fn missing(&self, what: &str) -> Error {
         let names = || self.cells.iter().map(|cell| cell.text);
         let error = self.at_start(Error::invalid("missing column"));
         let error = error.field(what).found(self.found());
-        let has = |suffix: &str| {
-            names().any(|name| name.ends_with(suffix) || name.ends_with(&format!("{suffix}_s")))
-        };
-        if is_length && has("_cm") {
-            error
-                .hint("the file is in centimetres")
-                .advise(Advice::Unit(LengthUnit::Centimetre))
-        } else if is_length && has("_mm") {
-            error
-                .hint("the file is in millimetres")
-                .advise(Advice::Unit(LengthUnit::Millimetre))
-        } else if names().all(|name| self.separator.number(name).is_some()) {
+        if names().all(|name| self.separator.number(name).is_some()) {
             error
                 .hint("the first line must name the columns: t_s,x_m,y_m[,z_m][,qw,qx,qy,qz]; if other lines come before it")
                 .advise(Advice::SkipLines)
@@ -281,9 +375,11 @@ impl<'c, 'a> Header<'c, 'a> {
         }
     }
 
-    pub(super) fn ignored_warning(&self) -> Option<Warning> {
+    fn ignored_warning(&self) -> Option<Warning> {
         let ignored = self.unused();
-        let ignored: Vec<&str> = ignored.iter().map(|i| self.cells[*i].text).collect();
+        let ignored = ignored.iter().map(|i| self.cells[*i].text);
+        // A column without a name is the count of rows that some programs write.
+        let ignored: Vec<&str> = ignored.filter(|name| !name.is_empty()).collect();
         // The four columns of an orientation are often called q0 to q3, which does not say which one is the real part.
         let is_turn = ignored
             .iter()

@@ -55,7 +55,8 @@ fn labels<'a>(text: &'a str, reading: &Reading) -> Option<(Vec<Label<'a>>, f64)>
         };
         let layout = &table.layout;
         let [x, y] = layout.place?;
-        let (Some(time), Some(x), Some(y)) = (number(layout.time), number(x), number(y)) else {
+        let time = layout.clock.columns().next().map_or(Some(0.0), number);
+        let (Some(time), Some(x), Some(y)) = (time, number(x), number(y)) else {
             continue;
         };
         let z = layout.z.and_then(number).unwrap_or(0.0);

@@ -8,6 +8,7 @@ mod axes;
 mod body_column;
 mod clock;
 mod column;
+mod column_name;
 mod crop;
 mod csv;
 mod distance;
@@ -34,9 +35,11 @@ mod sample;
 #[cfg(feature = "schema")]
 mod schema;
 mod span;
+mod stamp;
 mod state;
 mod table;
 mod text;
+mod time_order;
 mod tum;
 
 pub use align::Alignment;
@@ -47,7 +50,7 @@ pub use csv::Csv;
 pub use distance::{mean_square_m2, rms_m};
 pub use euroc::Euroc;
 pub use format::{Format, Parsed, Rendered};
-pub use inferred_reading::{Ambiguity, Evidence, InferredReading, Question, odd_axes};
+pub use inferred_reading::{Ambiguity, Candidate, Evidence, InferredReading, Question, odd_axes};
 pub use joint_column::{COMMAND, may_be_attitude};
 pub use kitti::Kitti;
 pub use log::{Mcap, Rosbag};

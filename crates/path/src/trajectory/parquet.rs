@@ -42,6 +42,10 @@ impl Format for Parquet {
         Csv.parse(text, reading)
     }
 
+    fn parse_split(&self, text: &str, reading: &Reading) -> Result<Vec<Parsed>> {
+        Csv.parse_split(text, reading)
+    }
+
     fn applied(&self, text: &str, reading: &Reading) -> Reading {
         Csv.applied(text, reading)
     }

@@ -101,7 +101,10 @@ fn time(trajectory: &Trajectory) -> Option<String> {
         .iter()
         .map(|unit| (unit, 1.0 / (usual_s * unit.seconds())))
         .filter(|(unit, rate_hz)| **unit != TimeUnit::Second && RATES_HZ.contains(rate_hz))
-        .map(|(unit, rate_hz)| format!("`time: \"{}\"` makes it {rate_hz:.3} Hz", unit.symbol()))
+        .map(|(unit, rate_hz)| {
+            let unit = unit.symbol();
+            format!("`time: \"{unit}\"`, or `columns: (t: \"t_s in {unit}\")` where the name states seconds, makes it {rate_hz:.3} Hz")
+        })
         .collect();
     Some(if others.is_empty() {
         format!("{interval}: is the unit of time right?")

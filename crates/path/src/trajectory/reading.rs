@@ -147,6 +147,9 @@ pub struct Reading {
     /// Unit of lengths (and of velocities, per second) whose columns do not state a unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub length: Option<LengthUnit>,
+    /// Metres per unit of the file's lengths, for columns that do not state a unit: for example metres per pixel.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scale: Option<f64>,
     /// Unit of times whose columns do not state a unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<TimeUnit>,
@@ -162,16 +165,22 @@ pub struct Reading {
     /// The robot whose rows are read, in files with rows of several robots.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub only: Option<Only>,
-    /// True if samples are sorted by time; of several samples at one time, the first is kept.
+    /// True if samples are sorted by time, where a few of them are out of order; of several samples at one time, the first is kept.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sort: Option<bool>,
+    /// True if a file in which times start again, or in which the rows of several bodies alternate, is read as several recordings.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub split: Option<bool>,
+    /// True if times are written as SECONDS.NANOSECONDS without leading zeros of the nanoseconds: 12.5 is 12 s and 5 ns.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unpadded_stamps: Option<bool>,
     /// True if rows with a missing number are left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub skip_lost: Option<bool>,
     /// Number of lines before the line that names the columns.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub skip_lines: Option<usize>,
-    /// Sampling rate of files without times, samples per second.
+    /// Sampling rate of files without times or with a column that counts samples, samples per second.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rate_hz: Option<f64>,
     /// The topic whose poses are read, in files with messages of several topics.
@@ -244,6 +253,12 @@ impl Reading {
                 .allowed("two numbers from -1 to 1; for other directions of the axes set `axes`");
             return Some(("floor_leans", error));
         }
+        let is_scale = |scale: &f64| (1e-12..=1e12).contains(scale);
+        if let Some(scale) = self.scale.filter(|scale| !is_scale(scale)) {
+            let error = Error::invalid("the scale of lengths is out of range");
+            let error = error.found(scale).allowed("1e-12 to 1e12 metres per unit");
+            return Some(("scale", error));
+        }
         let is_rate = |rate_hz: &f64| (1e-6..=1e9).contains(rate_hz);
         self.rate_hz
             .filter(|rate_hz| !is_rate(rate_hz))
@@ -264,12 +279,15 @@ impl Reading {
             names: merged(self.names, &other.names),
             lists: merged(self.lists, &other.lists),
             length: self.length.or(other.length),
+            scale: self.scale.or(other.scale),
             time: self.time.or(other.time),
             angle: self.angle.or(other.angle),
             quaternion: self.quaternion.or(other.quaternion),
             crop: self.crop.or(other.crop),
             only: self.only.or_else(|| other.only.clone()),
             sort: self.sort.or(other.sort),
+            split: self.split.or(other.split),
+            unpadded_stamps: self.unpadded_stamps.or(other.unpadded_stamps),
             skip_lost: self.skip_lost.or(other.skip_lost),
             skip_lines: self.skip_lines.or(other.skip_lines),
             rate_hz: self.rate_hz.or(other.rate_hz),
@@ -293,7 +311,10 @@ impl Reading {
 
     /// Factor from the file's unit to SI, for columns that do not state a unit.
     pub(super) fn factor(&self, measure: Measure) -> f64 {
-        let length = || self.length.unwrap_or_default().metres();
+        let length = || {
+            let unit_m = self.length.unwrap_or_default().metres();
+            self.scale.unwrap_or(unit_m)
+        };
         let angle = || self.angle.unwrap_or_default().radians();
         match measure {
             Measure::Time => self.time.unwrap_or_default().seconds(),
@@ -335,6 +356,10 @@ impl fmt::Display for Reading {
         let lists = self.lists.iter();
         parts.extend(lists.map(|(column, ours)| format!("`{column}` as {}", ours.join(", "))));
         parts.extend(self.length.map(|unit| format!("lengths in {unit}")));
+        parts.extend(
+            self.scale
+                .map(|scale| format!("lengths in units of {scale} m")),
+        );
         parts.extend(self.time.map(|unit| format!("times in {unit}")));
         parts.extend(self.angle.map(|unit| format!("angles in {unit}")));
         parts.extend(
@@ -346,6 +371,12 @@ impl fmt::Display for Reading {
         }
         if self.sort == Some(true) {
             parts.push("sorted by time".to_owned());
+        }
+        if self.split == Some(true) {
+            parts.push("runs or bodies split".to_owned());
+        }
+        if self.unpadded_stamps == Some(true) {
+            parts.push("times as SECONDS.NANOSECONDS without leading zeros".to_owned());
         }
         if self.skip_lost == Some(true) {
             parts.push("without lost samples".to_owned());

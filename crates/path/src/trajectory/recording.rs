@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Reading, Trajectory};
+use super::column::Measure;
+use super::column_name::unit_in_name;
+use super::{Reading, Role, Trajectory};
+use realgap_core::unit::LengthUnit;
 use realgap_core::warning::Warning;
 
 /// The source of the motion in a recording: a real robot or a simulator.
@@ -83,4 +86,34 @@ pub struct Recording {
     pub reading: Reading,
     /// Warnings that the reader should know (ignored columns, renormalised quaternions).
     pub warnings: Vec<Warning>,
+}
+
+impl Recording {
+    /// The settings of a reading that read the lengths of this file in another unit. A unit in the name of a column has priority over a stated
+    /// unit, so such columns are mapped.
+    pub fn in_unit(&self, unit: LengthUnit) -> String {
+        let symbol = unit.symbol();
+        let is_table = matches!(
+            self.path.extension().and_then(|ending| ending.to_str()),
+            Some("csv" | "parquet")
+        );
+        let name = |role: Role| match self.reading.columns.get(role) {
+            Some(column) => column.name.clone(),
+            None => format!("{}_{}", role.name(), LengthUnit::Metre.symbol()),
+        };
+        let mapped = self.reading.columns.get(Role::X);
+        let is_named = unit_in_name(&name(Role::X), Measure::Length).is_some();
+        let is_own = mapped.is_none() && self.reading.length.is_none();
+        if !is_table || !(is_own || is_named && mapped.is_some()) {
+            return format!("length: \"{symbol}\"");
+        }
+        let mut roles = vec![Role::X, Role::Y];
+        if !self.trajectory.is_planar() {
+            roles.push(Role::Z);
+        }
+        let columns = roles
+            .into_iter()
+            .map(|role| format!("{}: \"{} in {symbol}\"", role.name(), name(role)));
+        format!("columns: ({})", columns.collect::<Vec<_>>().join(", "))
+    }
 }

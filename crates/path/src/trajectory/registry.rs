@@ -145,7 +145,7 @@ pub fn parse_all(
         group_columns.retain(|name| columns.contains(name));
         return file.groups(&group_columns);
     }
-    Ok(vec![file.single()?])
+    file.all()
 }
 
 /// Reads all recordings in a file as repeats in named sets. Recordings with one value of the column `set_column` form a set, in which the
@@ -189,11 +189,43 @@ pub fn read_sets(
         let all = if has(run) {
             file.groups(&[run])?
         } else {
-            vec![file.single()?]
+            file.all()?
         };
         return Ok(all.into_iter().map(|r| (String::new(), r)).collect());
     };
     file.keyed(&[column, run])
+}
+
+impl Reading {
+    /// True if the mapping of this reading fits a file: it has one of the columns, or there is no mapping. Files of formats without names of
+    /// columns fit no mapping.
+    ///
+    /// # Errors
+    /// A file that cannot be read at all.
+    pub fn fits(&self, path: &Path) -> Result<bool> {
+        let is_any = self.columns.is_empty() && self.names.is_empty() && self.lists.is_empty();
+        if is_any {
+            return Ok(true);
+        }
+        let bytes = named_bytes(path)?;
+        let format = format_in(path, &bytes)?;
+        let plain = Self {
+            names: Default::default(),
+            lists: Default::default(),
+            ..self.clone()
+        };
+        let text = format
+            .decode(bytes, &plain)
+            .map_err(|error| error.at_file(path))?;
+        let columns = format.columns(&text, &plain);
+        let mapped = self.columns.iter().map(|(_, column)| column.name.as_str());
+        let renamed = self
+            .names
+            .keys()
+            .chain(self.lists.keys())
+            .map(String::as_str);
+        Ok(mapped.chain(renamed).any(|name| columns.contains(&name)))
+    }
 }
 
 /// The text of a file with the settings for reading it.
@@ -242,7 +274,38 @@ impl<'a> File<'a> {
             .unwrap_or_default()
     }
 
+    /// The recordings of a file without a column that names them: one, or all runs and bodies if the reading splits them.
+    fn all(&self) -> Result<Vec<Recording>> {
+        let has_bodies = !body_column::names(&self.columns()).is_empty();
+        if self.reading.split != Some(true) || has_bodies {
+            return Ok(vec![self.single()?]);
+        }
+        let parts = self.format.parse_split(&self.text, &self.reading);
+        let parts = parts.map_err(|error| error.at_file(self.path))?;
+        let is_one = parts.len() == 1;
+        let named = parts.into_iter().enumerate().map(|(index, parsed)| {
+            let name = match is_one {
+                true => self.stem(),
+                false => format!("{}/{}", self.stem(), index + 1),
+            };
+            self.recording(name, parsed)
+        });
+        named.collect()
+    }
+
     fn single(&self) -> Result<Recording> {
+        if self.reading.split == Some(true) && body_column::names(&self.columns()).is_empty() {
+            let mut all = self.all()?;
+            return match (all.len(), all.pop()) {
+                (1, Some(only)) => Ok(only),
+                (count, _) => Err(Error::invalid(
+                    "one recording is needed, and the file holds several",
+                )
+                .at_file(self.path)
+                .found(format!("{count} runs or bodies"))
+                .hint("write each of them into a file of its own")),
+            };
+        }
         let parse = |text: &str, reading: &Reading| {
             let parsed = self.format.parse(text, reading);
             parsed.map_err(|error| error.at_file(self.path))
@@ -333,8 +396,13 @@ impl<'a> File<'a> {
             mut warnings,
         } = parsed;
         let trajectory = self.to_world_frame(trajectory)?;
-        if !self.reading.is_usual() {
-            let how = format!("recordings are read with {}", self.reading);
+        let mut used = self.reading.clone();
+        if warnings.iter().any(|w| w.code == Code::UnitInName) {
+            // The stated unit is not used, and this is said.
+            (used.length, used.scale) = (None, None);
+        }
+        if !used.is_usual() {
+            let how = format!("recordings are read with {used}");
             warnings.push(Code::ReadAs.warning(how));
         }
         warnings.extend(plausibility::warnings(

@@ -1,11 +1,15 @@
 //! Converts the lines of a file into samples, and checks every sample.
 
+mod order;
+
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::format::Parsed;
 use super::joint_column::{self, JointColumns};
 use super::reading::Reading;
+use super::stamp::{self, Calendar};
 use super::text::{Cell, check_rows};
+use super::time_order::Disorder;
 use super::{JointTrack, Signal, Trajectory};
 use realgap_core::error::{Advice, Error, Result};
 use realgap_core::unit::{counted, number};
@@ -27,12 +31,37 @@ const NO_QUATERNION: f64 = 1e-6;
 /// The message of an error about the order of samples.
 pub(super) const TIME_GOES_BACK: &str = "time does not increase";
 
+/// Where the times of samples come from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Clock {
+    /// One column: a number, a date, or a time of day.
+    Column(usize),
+    /// Seconds in one column, and the part below one second in another.
+    TwoColumns(usize, usize),
+    /// A column that counts samples at this rate, 1/s.
+    Counter(usize, f64),
+    /// No column: samples are taken at this rate, 1/s.
+    Rate(f64),
+}
+
+impl Clock {
+    /// The columns of the time.
+    pub(super) fn columns(self) -> impl Iterator<Item = usize> {
+        let (first, second) = match self {
+            Self::Column(column) | Self::Counter(column, _) => (Some(column), None),
+            Self::TwoColumns(whole, rest) => (Some(whole), Some(rest)),
+            Self::Rate(_) => (None, None),
+        };
+        first.into_iter().chain(second)
+    }
+}
+
 /// The index of every column in a line; `names` are used in messages, `factors` convert from the file's units to SI.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Layout {
     pub(super) names: Vec<String>,
     pub(super) factors: Vec<f64>,
-    pub(super) time: usize,
+    pub(super) clock: Clock,
     /// x and y; `None` in a recording with joints only.
     pub(super) place: Option<[usize; 2]>,
     pub(super) z: Option<usize>,
@@ -55,6 +84,17 @@ pub(super) struct Layout {
 pub(super) struct Samples {
     sorts: bool,
     skips_lost: bool,
+    is_unpadded: bool,
+    calendar: Calendar,
+    /// The number of rows, including those that are left out.
+    rows: usize,
+    /// The line of each sample.
+    lines: Vec<u32>,
+    /// Line and column of the first time that is not later than the one before.
+    first_late: Option<(usize, usize)>,
+    /// The text of the last time, and the number of steps back that end if the digits behind the dot are whole nanoseconds.
+    last_stamp: String,
+    unpadded_steps: usize,
     times_s: Vec<f64>,
     positions_m: Vec<Vector3<f64>>,
     orientations: Vec<UnitQuaternion<f64>>,
@@ -78,6 +118,13 @@ impl Samples {
         Self {
             sorts: reading.sort == Some(true),
             skips_lost: reading.skip_lost == Some(true),
+            is_unpadded: reading.unpadded_stamps == Some(true),
+            calendar: Calendar::default(),
+            rows: 0,
+            lines: Vec::new(),
+            first_late: None,
+            last_stamp: String::new(),
+            unpadded_steps: 0,
             times_s: Vec::new(),
             positions_m: Vec::new(),
             orientations: Vec::new(),
@@ -99,7 +146,8 @@ impl Samples {
         check_columns(layout, cells, line)?;
         check_rows(self.times_s.len(), line)?;
         self.last_line = line;
-        let needed = std::iter::once(layout.time)
+        self.rows += 1;
+        let needed = (layout.clock.columns())
             .chain(layout.place.into_iter().flatten())
             .chain(layout.z)
             .chain(layout.quaternion.into_iter().flatten())
@@ -114,7 +162,7 @@ impl Samples {
             Ok::<f64, Error>(number * layout.factors[index])
         };
 
-        let time_s = number(layout.time)?;
+        let time_s = self.time_s(layout, cells)?;
         let z = layout.z.map_or(Ok(0.0), number)?;
         let [x, y] = layout.place.map_or([Ok(0.0), Ok(0.0)], |xy| xy.map(number));
         let position = Vector3::new(x?, y?, z);
@@ -151,16 +199,13 @@ impl Samples {
                 self.repeated += 1;
                 return Ok(());
             }
-            if !self.sorts {
-                let error = Error::invalid(TIME_GOES_BACK)
-                    .field(&layout.names[layout.time])
-                    .found(format!("{time_s} after {last}"))
-                    .allowed("strictly increasing times");
-                let error = match &layout.time_hint {
-                    Some(hint) => error.hint(hint).advise(Advice::ChooseRobot),
-                    None => error.advise(Advice::SortSamples),
-                };
-                return Err(cells[layout.time].locate(error));
+            let cell = layout.clock.columns().next().map(|column| &cells[column]);
+            if let Some(cell) = cell {
+                let found = cell.locate(Error::invalid(TIME_GOES_BACK));
+                self.first_late = self.first_late.or(found.line_column());
+                let [before, now] =
+                    [&*self.last_stamp, cell.text].map(stamp::seconds_dot_nanoseconds);
+                self.unpadded_steps += usize::from(before.is_some() && before < now);
             }
             self.late += 1;
         }
@@ -175,50 +220,50 @@ impl Samples {
             self.linear_m_s.push(linear);
             self.angular_rad_s.push(angular);
         }
+        if let Clock::Column(column) = layout.clock {
+            self.last_stamp.clear();
+            self.last_stamp.push_str(cells[column].text);
+        }
         self.times_s.push(time_s);
+        self.lines.push(u32::try_from(line).unwrap_or(u32::MAX));
         self.positions_m.push(position);
         Ok(())
     }
 
-    pub(super) fn is_empty(&self) -> bool {
-        self.times_s.is_empty()
+    /// The time of the sample in `cells`, seconds.
+    fn time_s(&mut self, layout: &Layout, cells: &[Cell<'_>]) -> Result<f64> {
+        let number = |index: usize| cells[index].number(&layout.names[index]);
+        match layout.clock {
+            Clock::Rate(rate_hz) => Ok((self.rows - 1) as f64 / rate_hz),
+            Clock::Counter(column, rate_hz) => Ok(number(column)? / rate_hz),
+            Clock::TwoColumns(whole, rest) => {
+                Ok(number(whole)? * layout.factors[whole] + number(rest)? * layout.factors[rest])
+            }
+            Clock::Column(column) => {
+                let (text, factor) = (cells[column].text, layout.factors[column]);
+                if self.is_unpadded
+                    && let Some((seconds, nanoseconds)) = stamp::seconds_dot_nanoseconds(text)
+                {
+                    return Ok(seconds as f64 + f64::from(nanoseconds) * 1e-9);
+                }
+                if factor != 1.0
+                    && let Some(seconds) = stamp::whole_units(text, factor)
+                {
+                    return Ok(seconds);
+                }
+                match number(column) {
+                    Ok(number) => Ok(number * factor),
+                    Err(error) => match stamp::stamp(text) {
+                        Some(stamp) => Ok(self.calendar.seconds(stamp)),
+                        None => Err(error),
+                    },
+                }
+            }
+        }
     }
 
-    /// Sorts all columns by time; of several samples at one time, the first is kept. Returns the largest distance of the others from it,
-    /// metres.
-    fn sort(&mut self) -> f64 {
-        let times_s = &self.times_s;
-        let mut order: Vec<usize> = (0..times_s.len()).collect();
-        order.sort_by(|a, b| times_s[*a].total_cmp(&times_s[*b]));
-        let mut farthest_m = 0.0_f64;
-        order.dedup_by(|a, b| {
-            let is_same = times_s[*a] == times_s[*b];
-            if is_same {
-                let difference_m = self.positions_m[*a] - self.positions_m[*b];
-                farthest_m = farthest_m.max(difference_m.norm());
-            }
-            is_same
-        });
-        fn sorted<T: Copy>(all: &mut Vec<T>, order: &[usize]) {
-            if !all.is_empty() {
-                *all = order.iter().map(|index| all[*index]).collect();
-            }
-        }
-        sorted(&mut self.positions_m, &order);
-        sorted(&mut self.orientations, &order);
-        sorted(&mut self.linear_m_s, &order);
-        sorted(&mut self.angular_rad_s, &order);
-        for joint in &mut self.joints {
-            sorted(&mut joint.angles_rad, &order);
-            if let Some(speeds) = &mut joint.speeds_rad_s {
-                sorted(speeds, &order);
-            }
-        }
-        for signal in &mut self.signals {
-            sorted(&mut signal.values, &order);
-        }
-        sorted(&mut self.times_s, &order);
-        farthest_m
+    pub(super) fn is_empty(&self) -> bool {
+        self.times_s.is_empty()
     }
 
     fn unit(&mut self, q: Quaternion<f64>, first: &Cell<'_>) -> Result<UnitQuaternion<f64>> {
@@ -255,7 +300,18 @@ impl Samples {
     /// The trajectory, with its warnings added to the given `warnings`.
     pub(super) fn finish(mut self, layout: &Layout, mut warnings: Vec<Warning>) -> Result<Parsed> {
         let given = self.times_s.len();
-        let farthest_m = if self.late > 0 { self.sort() } else { 0.0 };
+        let mut farthest_m = 0.0;
+        if self.late > 0 {
+            let places = self.places(layout);
+            match self.in_file(&places).disorder() {
+                Some(Disorder::Late) if self.sorts => {
+                    let (sorted, far_m) = self.sorted();
+                    (self, farthest_m) = (sorted, far_m);
+                }
+                Some(disorder) => return Err(self.goes_back(layout, disorder)),
+                None => {}
+            }
+        }
         let at_one_time = given - self.times_s.len();
         if self.times_s.len() < 2 {
             return Err(Error::invalid("too few points for a trajectory")
@@ -279,15 +335,18 @@ impl Samples {
             self.repeated,
             "that repeat the previous sample left out",
         );
+        let first = self.first_late.map_or(0, |(line, _)| line);
         left_out(
             Code::SamplesSorted,
             self.late,
-            "no later than the previous sample; all samples are sorted by time",
+            &format!(
+                "no later than the previous sample, the first in line {first}; all samples are sorted by time"
+            ),
         );
         let mut why = "at the same time as an earlier sample left out".to_owned();
         if farthest_m > 0.0 {
             let far = number(farthest_m);
-            why += &format!(", at up to {far} m from it: are these several objects?");
+            why += &format!(", at up to {far} m from it");
         }
         left_out(Code::SamplesSorted, at_one_time, &why);
         if self.renormalised > 0 {

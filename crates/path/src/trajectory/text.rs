@@ -143,14 +143,19 @@ pub(super) enum Separator {
 }
 
 impl Separator {
-    /// The separator of a header line: a comma if the line contains one, else a semicolon or a tab.
+    /// The separator of a header line: a comma if the line contains one, else a semicolon, a tab or a space; but a semicolon if there are
+    /// more of them than commas, which then stand inside of names.
     pub(super) fn of_header(line: &str) -> Self {
-        if line.contains(',') {
+        let count = |separator: char| line.matches(separator).count();
+        let commas = count(',');
+        if commas > 0 && commas >= count(';') {
             Self::Comma
         } else if line.contains(';') {
             Self::Semicolon
         } else if line.contains('\t') {
             Self::Tab
+        } else if line.trim().contains(' ') && !line.contains('"') {
+            Self::Space
         } else {
             Self::Comma
         }

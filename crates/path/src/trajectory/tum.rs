@@ -4,7 +4,7 @@ use super::Trajectory;
 use super::column::Measure;
 use super::format::{Format, Parsed, Rendered, beyond_poses};
 use super::reading::{QuaternionOrder, Reading};
-use super::sample::{Layout, Samples};
+use super::sample::{Clock, Layout, Samples};
 use super::text::{Separator, cut, push_number};
 use realgap_core::constant_methods;
 use realgap_core::error::Result;
@@ -29,36 +29,13 @@ impl Format for Tum {
     }
 
     fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {
-        let (time, length) = (
-            reading.factor(Measure::Time),
-            reading.factor(Measure::Length),
-        );
-        let order = self.order(text, reading);
-        let layout = Layout {
-            names: ["timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw"]
-                .map(str::to_owned)
-                .to_vec(),
-            factors: vec![time, length, length, length, 1.0, 1.0, 1.0, 1.0],
-            time: 0,
-            place: Some([1, 2]),
-            z: Some(3),
-            quaternion: Some(order.wxyz([4, 5, 6, 7])),
-            heading: None,
-            velocity: None,
-            joints: Vec::new(),
-            signals: Vec::new(),
-            time_hint: None,
-        };
-        let mut samples = Samples::new(reading);
-        let mut cells = Vec::new();
-        for (index, line) in text.lines().enumerate() {
-            let line = line.split('#').next().unwrap_or_default();
-            cut(line, index + 1, Separator::Space, &mut cells)?;
-            if !cells.is_empty() {
-                samples.push(&layout, &cells, index + 1)?;
-            }
-        }
+        let (layout, samples) = samples(text, reading, self.order(text, reading))?;
         samples.finish(&layout, Vec::new())
+    }
+
+    fn parse_split(&self, text: &str, reading: &Reading) -> Result<Vec<Parsed>> {
+        let (layout, samples) = samples(text, reading, self.order(text, reading))?;
+        samples.finish_split(&layout, &[])
     }
 
     fn render(&self, trajectory: &Trajectory) -> Result<Rendered> {
@@ -76,4 +53,37 @@ impl Format for Tum {
             warnings: beyond_poses("TUM files", trajectory),
         })
     }
+}
+
+/// The layout of the lines, and the samples in them.
+fn samples(text: &str, reading: &Reading, order: QuaternionOrder) -> Result<(Layout, Samples)> {
+    let (time, length) = (
+        reading.factor(Measure::Time),
+        reading.factor(Measure::Length),
+    );
+    let layout = Layout {
+        names: ["timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw"]
+            .map(str::to_owned)
+            .to_vec(),
+        factors: vec![time, length, length, length, 1.0, 1.0, 1.0, 1.0],
+        clock: Clock::Column(0),
+        place: Some([1, 2]),
+        z: Some(3),
+        quaternion: Some(order.wxyz([4, 5, 6, 7])),
+        heading: None,
+        velocity: None,
+        joints: Vec::new(),
+        signals: Vec::new(),
+        time_hint: None,
+    };
+    let mut samples = Samples::new(reading);
+    let mut cells = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        let line = line.split(['#', '%']).next().unwrap_or_default();
+        cut(line, index + 1, Separator::Space, &mut cells)?;
+        if !cells.is_empty() {
+            samples.push(&layout, &cells, index + 1)?;
+        }
+    }
+    Ok((layout, samples))
 }

@@ -33,13 +33,13 @@ pub(in crate::calibration) fn lengths(
         if !is_far && !is_near {
             return None;
         }
-        let others = LengthUnit::ALL
+        let others = LengthUnit::METRIC
             .iter()
             .filter(|_| is_far)
             .filter_map(|unit| {
                 let there = far * unit.metres();
                 let fits = *unit != LengthUnit::Metre && (NEAR..FAR).contains(&there);
-                fits.then(|| format!("`length: \"{}\"` makes it {}", unit.symbol(), number(there)))
+                fits.then(|| format!("`{}` makes it {}", recording.in_unit(*unit), number(there)))
             });
         let others: Vec<String> = others.collect();
         let remedy = if others.is_empty() {

@@ -10,7 +10,7 @@ use crate::claim::{self, Claim};
 use realgap_core::unit::{Unit, counted};
 use realgap_core::{Advice, Error, Result, Warning};
 use realgap_optimization::RunOptions;
-use realgap_path::trajectory::{self, Recording};
+use realgap_path::trajectory::{self, InferredReading, Reading, Recording};
 
 /// Name of the set where no column groups the recordings.
 const UNNAMED: &str = "all recordings";
@@ -24,6 +24,21 @@ pub struct SetOfRuns {
     pub runs: Vec<Sample>,
     /// What the reader should know.
     pub warnings: Vec<Warning>,
+}
+
+/// The recordings of one file, with an inferred reading if the stated one does not suffice.
+fn read_file(
+    path: &Path,
+    reading: &Reading,
+    group_column: Option<&str>,
+) -> Result<Vec<(String, Recording)>> {
+    match trajectory::read_sets(path, reading, group_column) {
+        Err(_) if path.is_file() => {
+            let inferred = InferredReading::without_questions(path, reading)?;
+            trajectory::read_sets(path, &inferred.reading, group_column)
+        }
+        read => read,
+    }
 }
 
 /// Reads the recordings that `overrides` names (globs relative to the current folder), in sets: one for each value of
@@ -45,7 +60,7 @@ pub fn read_sets(overrides: &Overrides, group_column: Option<&str>) -> Result<Ve
     let mut sets: Vec<(String, Vec<Recording>)> = Vec::new();
     let (mut index, mut taken) = (0, 0);
     for path in recording_paths(&overrides.recordings, Path::new(""))? {
-        for (name, recording) in trajectory::read_sets(&path, &overrides.reading, group_column)? {
+        for (name, recording) in read_file(&path, &overrides.reading, group_column)? {
             if taken < limit && overrides.part.is_none_or(|part| part.contains(index)) {
                 taken += 1;
                 match sets.iter_mut().find(|(known, _)| *known == name) {

@@ -6,18 +6,24 @@
 
 mod column;
 mod motion;
+mod role;
+mod unit;
 
 use std::path::{Path, PathBuf};
 
 use super::axes::Axes;
+use super::column::{Columns, Role};
 use super::csv::Csv;
+use super::euroc::Euroc;
 use super::format::Format as _;
+use super::meta::read_meta_beside;
 use super::reading::{Crop, Reading};
 use super::registry::{format_of, parse_all, read_bytes};
+use super::time_order::InFile;
 use super::{Recording, Trajectory, plausibility};
 use realgap_core::error::{Advice, Error, Result};
 
-use realgap_core::unit::{GRAVITY_M_S2, LengthUnit, TimeUnit, number};
+use realgap_core::unit::{LengthUnit, number};
 use realgap_core::warning::Code;
 
 /// How files are to be read, with the evidence, and the questions that the files alone do not answer.
@@ -43,12 +49,82 @@ pub struct Evidence {
 }
 
 /// A question that the files alone do not answer.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Ambiguity {
     /// The question.
     pub question: Question,
     /// What was found in the files about it.
     pub found: String,
+    /// The sets of columns among which to choose, if the question is about them.
+    pub candidates: Vec<Candidate>,
+}
+
+impl Ambiguity {
+    /// The question as an error that says how to answer it.
+    pub fn error(&self) -> Error {
+        let error = Error::usage("the recordings leave a question open").found(&self.found);
+        let names: Vec<&str> = self
+            .candidates
+            .iter()
+            .map(|one| one.name.as_str())
+            .collect();
+        match self.question {
+            Question::Time => error
+                .allowed("in which unit are times: s, ms, us, ns?")
+                .advise(Advice::TimeUnit),
+            Question::Length if !self.candidates.is_empty() => error
+                .allowed("are lengths in the unit that the names of the columns state, or in which: m, cm, mm?")
+                .hint((self.candidates.last()).map_or_else(String::new, |one| {
+                    format!("in {}, map the columns: {}", one.name, one.mapping())
+                }))
+                .advise(Advice::Unit(LengthUnit::Metre))
+                .advise(Advice::MapColumns),
+            Question::Length => error
+                .allowed("in which unit are lengths: m, cm, mm, in, ft, or a scale?")
+                .advise(Advice::Unit(LengthUnit::Metre))
+                .advise(Advice::Unit(LengthUnit::Millimetre))
+                .advise(Advice::Scale),
+            Question::Up => error
+                .allowed("which way do axes point: world (z up), y-up, z-down, camera?")
+                .advise(Advice::Axes),
+            Question::Robot => error
+                .allowed("whose rows are read?")
+                .advise(Advice::ChooseRobot),
+            Question::Body => error
+                .allowed(format!("which of them is read: {}?", names.join(", ")))
+                .hint((self.candidates.first()).map_or_else(String::new, |one| {
+                    format!("for {}, map its columns: {}", one.name, one.mapping())
+                }))
+                .advise(Advice::MapColumns),
+            Question::Split => error
+                .allowed("are these several recordings, or is it one?")
+                .advise(Advice::Split),
+        }
+    }
+}
+
+/// The columns of one body in a file that has columns of several.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    /// The words of the columns' names that say whose they are.
+    pub name: String,
+    /// The mapping that reads this body.
+    pub columns: Columns,
+}
+
+impl Candidate {
+    /// The mapping in words.
+    fn mapping(&self) -> String {
+        let columns = self.columns.iter();
+        let columns = columns.map(|(role, column)| format!("{}={column}", role.name()));
+        columns.collect::<Vec<_>>().join(", ")
+    }
+
+    /// The name of the column of x.
+    pub fn x(&self) -> &str {
+        let column = self.columns.get(Role::X);
+        column.map_or("", |column| column.name.as_str())
+    }
 }
 
 /// A question about files that the user has to answer.
@@ -62,14 +138,20 @@ pub enum Question {
     Up,
     /// The rows of which robot are read, if a file holds several?
     Robot,
+    /// The columns of which body are read, if a file holds several?
+    Body,
+    /// Is a file whose times start again, or whose rows alternate between places, read as several recordings?
+    Split,
 }
 
-/// Plausible sampling rates of trackers, Hz.
-const RATES_HZ: std::ops::RangeInclusive<f64> = 0.9..=2500.0;
-/// Plausible distances that a recorded robot moves, in body lengths.
-const LENGTHS: std::ops::RangeInclusive<f64> = 0.15..=150.0;
 /// Relative tolerance between the acceleration of free fall and gravity.
 const FALL: f64 = 0.12;
+
+/// The bytes of the first file, and its text if it is a table with named columns.
+struct Content {
+    bytes: Vec<u8>,
+    text: Option<String>,
+}
 
 impl InferredReading {
     /// Infers how these files are to be read, mainly from the first file. Settings of `known` are kept; `body_m` is the size of the robot,
@@ -86,35 +168,37 @@ impl InferredReading {
             reading: known.clone(),
             ..Self::default()
         };
-        let format = format_of(path)?;
-        let bytes = read_bytes(path)?;
-        if format.name() == Csv.name() {
-            let text = format.decode(bytes.clone(), known);
-            let text = text.map_err(|e| e.at_file(path))?;
-            column::infer_columns(&text, &mut guess).map_err(|e| e.at_file(path))?;
-        }
-        let mut recording = guess.first(path, &bytes)?;
-        if known.time.is_none() && guess.time(&recording.trajectory) {
-            recording = guess.first(path, &bytes)?;
-        }
+        let Some((file, recording)) = guess.read_first(path)? else {
+            return Ok(guess);
+        };
+        let mut recording = recording;
         if guess.has_question(&Question::Robot) {
             return Ok(guess);
         }
         let fall = motion::free_fall(&recording.trajectory);
         guess.has_free_fall = fall.is_some();
-        if guess.length(&recording, fall, body_m) {
-            recording = guess.first(path, &bytes)?;
+        if guess.length(&file, &recording, fall, body_m)? {
+            match guess.first(path, &file.bytes)? {
+                Some(again) => recording = again,
+                None => return Ok(guess),
+            }
         }
         if known.axes.is_none()
             && !recording.trajectory.is_planar()
             && guess.up(&recording.trajectory, fall, body_m)
         {
-            recording = guess.first(path, &bytes)?;
+            match guess.first(path, &file.bytes)? {
+                Some(again) => recording = again,
+                None => return Ok(guess),
+            }
         }
         let mut all = vec![recording.clone()];
         for other in &paths[1..] {
             let bytes = read_bytes(other)?;
-            all.push(guess.first(other, &bytes)?);
+            match guess.first(other, &bytes)? {
+                Some(other) => all.push(other),
+                None => return Ok(guess),
+            }
         }
         if let Some(found) = motion::mirrored(&all) {
             return Err(Error::invalid("the recording is mirrored")
@@ -128,6 +212,89 @@ impl InferredReading {
         Ok(guess)
     }
 
+    /// Infers what is needed to read one file at all, for a purpose that has no robot: columns, units, and lost or unsorted samples. Settings of
+    /// `known` are kept. Neither a part is chosen, nor axes are turned.
+    ///
+    /// # Errors
+    /// The errors of [`InferredReading::infer`], but for mirrored axes.
+    pub fn of_file(path: &Path, known: &Reading) -> Result<Self> {
+        let mut guess = Self {
+            reading: known.clone(),
+            ..Self::default()
+        };
+        if let Some((file, recording)) = guess.read_first(path)? {
+            let fall = motion::free_fall(&recording.trajectory);
+            guess.has_free_fall = fall.is_some();
+            guess.length_without_robot(&file, &recording, fall)?;
+        }
+        Ok(guess)
+    }
+
+    /// As [`InferredReading::of_file`], where nobody can be asked: the first open question is an error that says how to answer it.
+    ///
+    /// # Errors
+    /// An open question; the errors of [`InferredReading::of_file`].
+    pub fn without_questions(path: &Path, known: &Reading) -> Result<Self> {
+        let guess = Self::of_file(path, known)?;
+        match guess.ambiguities.first() {
+            Some(open) => Err(open.error().at_file(path)),
+            None => Ok(guess),
+        }
+    }
+
+    /// Reads the first recording of the first file with inferred columns and times; `None` if a question has to be answered first.
+    fn read_first(&mut self, path: &Path) -> Result<Option<(Content, Recording)>> {
+        let format = format_of(path)?;
+        let bytes = read_bytes(path)?;
+        let mut file = Content { bytes, text: None };
+        // The settings beside the file count as known.
+        let meta = read_meta_beside(path)?.map(|meta| meta.reading);
+        if let Some(meta) = &meta {
+            self.reading = self.reading.clone().or(meta);
+        }
+        if format.name() == Csv.name() && !Euroc.recognises(&file.bytes) {
+            let text = format.decode(file.bytes.clone(), &self.reading);
+            let text = text.map_err(|e| e.at_file(path))?;
+            column::infer_columns(&text, self).map_err(|e| e.at_file(path))?;
+            file.text = Some(text);
+        }
+        if self.has_question(&Question::Body) {
+            return Ok(None);
+        }
+        let Some(mut recording) = self.first(path, &file.bytes)? else {
+            return Ok(None);
+        };
+        if self.reading.time.is_none() && self.time(&file, &recording.trajectory)? {
+            match self.first(path, &file.bytes)? {
+                Some(again) => recording = again,
+                None => return Ok(None),
+            }
+        }
+        if self.alternates(&recording.trajectory) {
+            return Ok(None);
+        }
+        Ok(Some((file, recording)))
+    }
+
+    /// Asks whether the file is split, if its rows seem to alternate between bodies although times increase.
+    fn alternates(&mut self, trajectory: &Trajectory) -> bool {
+        if self.reading.split.is_some() || trajectory.is_of_joints() {
+            return false;
+        }
+        let file = InFile {
+            times_s: trajectory.times_s(),
+            places: trajectory.positions_world_m(),
+        };
+        let Some(bodies) = file.hidden_bodies() else {
+            return false;
+        };
+        self.ask(
+            Question::Split,
+            format!("the rows seem to alternate between {bodies} bodies: every row is over 10 times as near to the row {bodies} later as to the next one"),
+        );
+        true
+    }
+
     fn conclude(&mut self, finding: impl Into<String>, reason: impl Into<String>) {
         self.evidence.push(Evidence {
             finding: finding.into(),
@@ -139,6 +306,7 @@ impl InferredReading {
         self.ambiguities.push(Ambiguity {
             question,
             found: found.into(),
+            candidates: Vec::new(),
         });
     }
 
@@ -147,14 +315,14 @@ impl InferredReading {
         all.any(|ambiguity| ambiguity.question == *question)
     }
 
-    /// Reads the first recording of a file, and adds settings without which it cannot be read.
-    fn first(&mut self, path: &Path, bytes: &[u8]) -> Result<Recording> {
+    /// Reads the first recording of a file, and adds settings without which it cannot be read; `None` if a question has to be answered first.
+    fn first(&mut self, path: &Path, bytes: &[u8]) -> Result<Option<Recording>> {
         loop {
             let error = match parse_all(path, bytes.to_vec(), &self.reading) {
                 Ok(mut all) if !all.is_empty() => {
                     let recording = all.swap_remove(0);
                     self.several_robots(&recording);
-                    return Ok(recording);
+                    return Ok(Some(recording));
                 }
                 Ok(_) => return Err(Error::invalid("the file holds no recording").at_file(path)),
                 Err(error) => error,
@@ -163,13 +331,31 @@ impl InferredReading {
             let where_ = error
                 .line_column()
                 .map(|(line, _)| format!("line {line}: "));
-            let reason = format!("{}{}", where_.unwrap_or_default(), error.message());
+            let found = error.found_text().map(|found| format!(" ({found})"));
+            let reason = format!(
+                "{}{}{}",
+                where_.unwrap_or_default(),
+                error.message(),
+                found.unwrap_or_default()
+            );
             if can(Advice::SkipLost) && self.reading.skip_lost.is_none() {
                 self.reading.skip_lost = Some(true);
                 self.conclude("samples that the tracker has lost are left out", reason);
+            } else if can(Advice::UnpaddedStamps) && self.reading.unpadded_stamps.is_none() {
+                self.reading.unpadded_stamps = Some(true);
+                self.conclude(
+                    "digits behind the dot of times are whole nanoseconds without leading zeros",
+                    format!(
+                        "with them times increase throughout, and as decimals they do not: {reason}"
+                    ),
+                );
             } else if can(Advice::SortSamples) && self.reading.sort.is_none() {
                 self.reading.sort = Some(true);
                 self.conclude("samples are sorted by time", reason);
+            } else if can(Advice::Split) && self.reading.split.is_none() {
+                let hint = error.hint_text().unwrap_or_default();
+                self.ask(Question::Split, format!("{reason}: {hint}"));
+                return Ok(None);
             } else {
                 return Err(error);
             }
@@ -183,131 +369,6 @@ impl InferredReading {
         if let (Some(warning), false) = (recording.warnings.iter().find(several), asked) {
             self.ask(Question::Robot, warning.message.clone());
         }
-    }
-
-    /// Infers the unit of time from the interval between samples; true if the reading has changed.
-    fn time(&mut self, trajectory: &Trajectory) -> bool {
-        let now = self.reading.columns.get(super::Role::Time);
-        let factor = now.and_then(|column| column.factor);
-        let usual_s = plausibility::usual_interval_s(trajectory);
-        // The interval in the file's own unit.
-        let usual = usual_s / factor.unwrap_or(1.0);
-        let rate_hz = |unit: &TimeUnit| 1.0 / (usual * unit.seconds());
-        if RATES_HZ.contains(&(1.0 / usual_s)) && (factor.is_some() || usual < 0.2) {
-            self.conclude(
-                format!("the sampling rate is {:.4} Hz", 1.0 / usual_s),
-                format!("the usual interval between two samples is {usual_s:.6} s"),
-            );
-            return false;
-        }
-        let likely: Vec<TimeUnit> = TimeUnit::ALL
-            .iter()
-            .copied()
-            .filter(|unit| RATES_HZ.contains(&rate_hz(unit)))
-            .collect();
-        match likely.as_slice() {
-            [unit] if factor.is_none() => {
-                self.reading.time = Some(*unit);
-                self.conclude(
-                    format!("times are in {unit}"),
-                    format!(
-                        "the interval between samples is {}, so the sampling rate is {:.4} Hz",
-                        number(usual),
-                        rate_hz(unit)
-                    ),
-                );
-                true
-            }
-            _ => {
-                self.ask(
-                    Question::Time,
-                    format!("the interval between samples is {usual} in the file's own unit"),
-                );
-                false
-            }
-        }
-    }
-
-    /// Infers the unit of length from free fall or from the robot's size; true if the reading has changed.
-    fn length(
-        &mut self,
-        recording: &Recording,
-        fall: Option<motion::Fall>,
-        body_m: Option<f64>,
-    ) -> bool {
-        if recording.trajectory.is_of_joints() {
-            return false;
-        }
-        let column = self.reading.columns.get(super::Role::X);
-        let named = column.and_then(|column| column.factor);
-        // The unit with which the lengths were read, in metres.
-        let now = named.unwrap_or_else(|| self.reading.length.unwrap_or_default().metres());
-        let is_stated = named.is_some() || self.reading.length.is_some() || column.is_none();
-        let of = |metres: f64| {
-            let mut all = LengthUnit::ALL.iter().copied();
-            all.find(|unit| (unit.metres() / metres - 1.0).abs() < 1e-6)
-        };
-        if let Some(fall) = fall {
-            let size = fall.size_m_s2;
-            let fits = |unit: &&LengthUnit| {
-                let there = size * unit.metres() / now;
-                (there / GRAVITY_M_S2 - 1.0).abs() < FALL
-            };
-            if let Some(unit) = LengthUnit::ALL.iter().find(fits) {
-                let there = size * unit.metres() / now;
-                let reason =
-                    format!("with this unit, its acceleration in free flight is {there:.2} m/s²");
-                self.conclude(format!("lengths are in {unit}"), reason);
-                return self.set_length(*unit, of(now));
-            }
-        }
-        let Some(body_m) = body_m else {
-            if !is_stated {
-                self.ask(
-                    Question::Length,
-                    "no column name states the unit, the recording contains no free fall, and no robot is given",
-                );
-            }
-            return false;
-        };
-        let reach = motion::reach_m(&recording.trajectory) / now;
-        let lengths = |unit: &LengthUnit| reach * unit.metres() / body_m;
-        let likely: Vec<LengthUnit> = LengthUnit::ALL
-            .iter()
-            .copied()
-            .filter(|unit| LENGTHS.contains(&lengths(unit)))
-            .collect();
-        let current = of(now).filter(|unit| is_stated && likely.contains(unit));
-        let distance =
-            |unit: &LengthUnit| format!("in {unit} it moves {:.3} body lengths", lengths(unit));
-        match (current, likely.as_slice()) {
-            (Some(unit), _) => {
-                self.conclude(
-                    format!("lengths are in {unit}"),
-                    format!("the names of the columns say so, and {}", distance(&unit)),
-                );
-                false
-            }
-            (None, [unit]) if !is_stated => {
-                self.conclude(format!("lengths are in {unit}"), distance(unit));
-                self.set_length(*unit, of(now))
-            }
-            _ => {
-                let all: Vec<String> = LengthUnit::ALL.iter().map(distance).collect();
-                self.ask(Question::Length, all.join(", "));
-                false
-            }
-        }
-    }
-
-    /// Sets the unit of length; true if it differs from the unit `now`.
-    fn set_length(&mut self, unit: LengthUnit, now: Option<LengthUnit>) -> bool {
-        if now == Some(unit) {
-            return false;
-        }
-        column::without_length_units(&mut self.reading);
-        self.reading.length = Some(unit);
-        true
     }
 
     /// Infers the axis that points up from free fall or from the floor; true if the reading has changed.

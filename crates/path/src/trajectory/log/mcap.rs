@@ -35,6 +35,7 @@ pub(super) fn applied(reading: &Reading) -> Reading {
         child_frame: reading.child_frame.clone(),
         crop: reading.crop,
         sort: reading.sort,
+        split: reading.split,
         skip_lost: reading.skip_lost,
         axes: reading.axes,
         floor_leans: reading.floor_leans,
@@ -69,6 +70,10 @@ impl Format for Mcap {
 
     fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {
         Csv.parse(text, &applied(reading))
+    }
+
+    fn parse_split(&self, text: &str, reading: &Reading) -> Result<Vec<Parsed>> {
+        Csv.parse_split(text, &applied(reading))
     }
 
     fn render(&self, trajectory: &Trajectory) -> Result<Rendered> {

@@ -49,6 +49,10 @@ impl Format for Rosbag {
         Csv.parse(text, &applied(reading))
     }
 
+    fn parse_split(&self, text: &str, reading: &Reading) -> Result<Vec<Parsed>> {
+        Csv.parse_split(text, &applied(reading))
+    }
+
     fn writes(&self) -> bool {
         false
     }
