@@ -71,6 +71,10 @@ fn option(advice: &Advice) -> String {
         Advice::Unit(unit) => format!("read it with --unit {}", unit.symbol()),
         Advice::Scale => "give the metres of one unit with --scale, e.g. --scale 0.0021, or a known length over its size in the file: --scale 0.5/238".to_owned(),
         Advice::Split => "read them as separate recordings with --split".to_owned(),
+        Advice::AngleUnit => {
+            "state the unit with --angle-unit UNIT, or the counts of encoders with --ticks 4096".to_owned()
+        }
+        Advice::JointOrder => "name them with --joints NAME,NAME,... in the order of the numbers".to_owned(),
         Advice::UnpaddedStamps => "read 12.5 as 12 s and 5 ns with --unpadded-stamps".to_owned(),
         Advice::Axes => "say which way axes point with --axes world, y-up, z-down or camera".to_owned(),
         Advice::MapColumns => {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use realgap::trajectory::{Axes, Columns, Crop, Only, QuaternionOrder, Reading};
+use realgap::trajectory::{Axes, Columns, Crop, Only, QuaternionOrder, Reading, Ticks};
 use realgap::unit::{AngleUnit, LengthUnit, TimeUnit};
 use realgap::{Error, Result};
 
@@ -25,6 +25,9 @@ pub struct ReadingOptions {
     /// Unit of angle: rad or deg
     #[arg(long, value_name = "UNIT", help_heading = READING)]
     angle_unit: Vec<AngleUnit>,
+    /// Counts per turn of the joints' encoders, in columns NAME_ticks, and the count at angle 0 [default: half a turn]
+    #[arg(long, value_name = "PER_TURN[,ZERO]", help_heading = READING)]
+    ticks: Vec<Ticks>,
     /// Column of a quantity, e.g. 't=%time in ns', 'x=pose.x in mm' or 'run=trial' (repeatable); quantities: t t_ns x y z qw qx qy qz
     /// heading vx vy vz wx wy wz condition run
     #[arg(long, value_name = "WHAT=NAME", help_heading = READING)]
@@ -169,6 +172,7 @@ impl ReadingOptions {
             scale: scale.map(|ScaleOption(scale)| scale),
             time: pick(&self.time_unit, "time_unit", index, files)?,
             angle: pick(&self.angle_unit, "angle_unit", index, files)?,
+            ticks: pick(&self.ticks, "ticks", index, files)?,
             quaternion: pick(&self.quaternion, "quaternion", index, files)?,
             crop: pick(&self.crop, "crop", index, files)?,
             only: pick(&self.whose, "where", index, files)?,

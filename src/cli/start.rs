@@ -11,7 +11,9 @@ use realgap::calibration::{Overrides, UnusedColumns};
 use realgap::file::{Source, write_ron};
 use realgap::prediction::ensemble::rms_m;
 use realgap::robot::import::is_foreign;
-use realgap::trajectory::{InferredReading, Prepared, Reading, Recording, prepare, read_all};
+use realgap::trajectory::{
+    InferredReading, JointReading, Prepared, Reading, Recording, prepare, read_all,
+};
 
 use super::kit::*;
 use super::question::answer;
@@ -45,6 +47,9 @@ pub struct Start {
     /// The robot is a cube: its edge in metres and its mass in kilograms
     #[arg(long, num_args = 2, value_names = ["SIDE_M", "MASS_KG"])]
     cube: Option<Vec<f64>>,
+    /// Names of the joints of numbered columns (q1, q2, ...) and of lists, in their order
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    joints: Vec<String>,
     /// Gains with which the firmware turns commanded angles into torques, in N m/rad and N m s/rad, e.g. 20,1.5; for some joints
     /// '*_calf_joint=30,2' (repeatable)
     #[arg(long, value_name = "[JOINT=]KP,KD")]
@@ -92,13 +97,22 @@ impl Start {
         let mut subject = self.subject()?;
         let size_m = subject.robot.summary().body_length_m;
         let mut known = self.reading.reading()?;
-        let guess = loop {
+        let hinges = subject.robot.assemble().hinges;
+        let joints: Vec<String> = hinges.into_iter().map(|hinge| hinge.name).collect();
+        let named = JointReading::infer(&subject.recordings[0], &known, &joints, &self.joints)?;
+        let named = named.unwrap_or_else(|| JointReading {
+            reading: known.clone(),
+            ..JointReading::default()
+        });
+        known = named.reading;
+        let mut guess = loop {
             let guess = InferredReading::infer(&subject.recordings, &known, Some(size_m))?;
             match guess.ambiguities.first() {
                 None => break guess,
                 Some(open) => answer(open, &mut known)?,
             }
         };
+        guess.evidence.splice(0..0, named.evidence);
         let mut recordings = Vec::new();
         for path in &subject.recordings {
             recordings.extend(read_all(path, &guess.reading)?);

@@ -127,6 +127,8 @@ advice! {
     Axes "Say which way the axes of poses point." "say which way axes point: `axes: \"world\"` (z up), `y-up`, `z-down` or `camera` in `reading`";
     Crop "Read another part of a recording." "choose another part: `crop: (from_s: ..., to_s: ...)` in `reading`";
     TimeUnit "State the unit of a recording's times." "state the unit of the times: `time: \"ms\"` in `reading`";
+    AngleUnit "State the unit of a recording's angles." "state the unit of the angles: `angle: \"deg\"` in `reading`, or the counts of encoders: `ticks: (per_turn: 4096, zero: 2048)`";
+    JointOrder "Name the joints of numbered columns in their order." "name the joints in the order of the numbers";
     Recordings "Name the recordings." "name the recordings, e.g. FOLDER/*.csv";
     CalibratedValues "Give values that a calibration has found." "give values, e.g. those in the best.ron of a sweep";
     MetricWithoutBasis "Compare with a metric that needs no basis of principal components." "choose a metric without a basis, e.g. rms, which needs no first design";

@@ -200,13 +200,18 @@ impl<'c, 'a> Header<'c, 'a> {
     fn has_joints(&self) -> bool {
         let names: Vec<&str> = self.cells.iter().map(|cell| cell.text).collect();
         let factors = &mut self.factors.clone();
-        !joint_column::find(&names, &mut self.used.clone(), factors).is_empty()
+        !joint_column::find(&names, &mut self.used.clone(), factors, self.reading.ticks).is_empty()
     }
 
     /// Adds the joints and signals among the columns without a role.
     pub(super) fn add_joints(&mut self, layout: &mut Layout) {
         let names: Vec<&str> = self.cells.iter().map(|cell| cell.text).collect();
-        layout.joints = joint_column::find(&names, &mut self.used, &mut layout.factors);
+        layout.joints = joint_column::find(
+            &names,
+            &mut self.used,
+            &mut layout.factors,
+            self.reading.ticks,
+        );
         layout.signals = joint_column::find_signals(&names, &mut self.used);
     }
 

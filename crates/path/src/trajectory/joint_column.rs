@@ -1,18 +1,22 @@
 //! Finds and reads the columns of joints and signals by their names.
 //!
-//! `NAME_rad` is the angle of a joint and `NAME_rad_s` its speed, for any number of names (`_deg` and `_deg_s` likewise); commanded speeds and
+//! `NAME_rad` is the angle of a joint and `NAME_rad_s` its speed, for any number of names (`_deg` and `_deg_s` likewise, and `NAME_ticks` for
+//! the counts of an encoder, where the reading states them); commanded speeds and
 //! torques and switches are signals ([`Signal`]).
 
+use super::reading::Ticks;
 use super::{JointTrack, Signal};
 use realgap_core::error::Result;
 
 /// The columns of one joint.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct JointColumns {
     /// Name of the joint.
     pub name: String,
     /// Column of the angle.
     pub angle: usize,
+    /// What is subtracted from the angle in radians: the angle of the encoder's zero.
+    pub zero_rad: f64,
     /// Column of the speed.
     pub speed: Option<usize>,
 }
@@ -22,6 +26,8 @@ const ANGLES: [(&str, &str, f64); 2] = [
     ("_rad", "_rad_s", 1.0),
     ("_deg", "_deg_s", std::f64::consts::PI / 180.0),
 ];
+/// Suffixes of the counts of an encoder, and of their speed.
+const TICKS: (&str, &str) = ("_ticks", "_ticks_s");
 /// Suffix after the name of a joint for its commanded angle.
 pub const COMMAND: &str = "_command";
 /// Suffixes of signals: commanded speeds and torques, and whether a servo is on.
@@ -35,20 +41,32 @@ pub fn may_be_attitude(name: &str) -> bool {
 }
 
 /// Finds the joints among the columns without a role; their columns are marked as used, and get the factors of their units.
-pub(super) fn find(names: &[&str], used: &mut [bool], factors: &mut [f64]) -> Vec<JointColumns> {
+pub(super) fn find(
+    names: &[&str],
+    used: &mut [bool],
+    factors: &mut [f64],
+    ticks: Option<Ticks>,
+) -> Vec<JointColumns> {
     let mut joints = Vec::new();
     for angle in 0..names.len() {
         if used[angle] {
             continue;
         }
-        let ending = ANGLES
-            .iter()
-            .find_map(|(angle_ending, speed_ending, unit)| {
-                let name = names[angle].strip_suffix(angle_ending)?;
-                (!name.is_empty()).then_some((name, speed_ending, *unit))
-            });
+        let counted = ticks.map(|ticks| (TICKS.0, TICKS.1, ticks.size_rad()));
+        let ending =
+            ANGLES
+                .iter()
+                .chain(&counted)
+                .find_map(|(angle_ending, speed_ending, unit)| {
+                    let name = names[angle].strip_suffix(angle_ending)?;
+                    (!name.is_empty()).then_some((name, speed_ending, *unit))
+                });
         let Some((name, speed_ending, unit)) = ending else {
             continue;
+        };
+        let zero_rad = match ticks {
+            Some(ticks) if names[angle].ends_with(TICKS.0) => unit * ticks.zero,
+            _ => 0.0,
         };
         let speed_name = format!("{name}{speed_ending}");
         let speed = names.iter().position(|other| *other == speed_name);
@@ -60,6 +78,7 @@ pub(super) fn find(names: &[&str], used: &mut [bool], factors: &mut [f64]) -> Ve
         joints.push(JointColumns {
             name: name.to_owned(),
             angle,
+            zero_rad,
             speed,
         });
     }
@@ -99,7 +118,9 @@ pub(super) fn push(
         }));
     }
     for (joint, column) in joints.iter_mut().zip(joint_columns) {
-        joint.angles_rad.push(number(column.angle)?);
+        joint
+            .angles_rad
+            .push(number(column.angle)? - column.zero_rad);
         if let (Some(speeds), Some(speed)) = (&mut joint.speeds_rad_s, column.speed) {
             speeds.push(number(speed)?);
         }

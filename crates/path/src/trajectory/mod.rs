@@ -50,14 +50,16 @@ pub use csv::Csv;
 pub use distance::{mean_square_m2, rms_m};
 pub use euroc::Euroc;
 pub use format::{Format, Parsed, Rendered};
-pub use inferred_reading::{Ambiguity, Candidate, Evidence, InferredReading, Question, odd_axes};
+pub use inferred_reading::{
+    Ambiguity, Candidate, Evidence, InferredReading, JointReading, Question, odd_axes,
+};
 pub use joint_column::{COMMAND, may_be_attitude};
 pub use kitti::Kitti;
 pub use log::{Mcap, Rosbag};
 pub use meta::{META_FILE, read_meta, read_meta_beside, write_meta};
 pub use parquet::Parquet;
 pub use prepare::{POINTS, Prepared, prepare, prepare_as, turned};
-pub use reading::{Crop, Only, QuaternionOrder, Reading};
+pub use reading::{Crop, Only, QuaternionOrder, Reading, Ticks};
 pub use recording::{Meta, Recording, Source};
 pub use registry::{
     FORMATS, GROUP_COLUMNS, check_output, format_of, parse_all, read, read_all, read_bytes,

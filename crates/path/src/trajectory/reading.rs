@@ -86,6 +86,56 @@ impl fmt::Display for Crop {
     }
 }
 
+/// What the counts of an encoder mean.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "ticks")]
+pub struct Ticks {
+    /// Counts per turn.
+    pub per_turn: f64,
+    /// The count at angle 0.
+    #[serde(default)]
+    pub zero: f64,
+}
+
+impl Ticks {
+    /// The angle of one count, radians.
+    pub(super) fn size_rad(self) -> f64 {
+        std::f64::consts::TAU / self.per_turn
+    }
+
+    fn is_sound(self) -> bool {
+        (1.0..=1e9).contains(&self.per_turn) && self.zero.abs() <= 1e9
+    }
+}
+
+impl std::str::FromStr for Ticks {
+    type Err = String;
+
+    /// Parses `PER_TURN` or `PER_TURN,ZERO`; without a zero it is the middle of the turn, as encoders of servos have it.
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let allowed = "allowed: PER_TURN or PER_TURN,ZERO, e.g. 4096 or 4096,2048";
+        let number = |text: &str| text.trim().parse::<f64>().map_err(|_| allowed.to_owned());
+        let ticks = match text.split_once(',') {
+            Some((per_turn, zero)) => Self {
+                per_turn: number(per_turn)?,
+                zero: number(zero)?,
+            },
+            None => Self {
+                per_turn: number(text)?,
+                zero: number(text)? / 2.0,
+            },
+        };
+        ticks.is_sound().then_some(ticks).ok_or(allowed.to_owned())
+    }
+}
+
+impl fmt::Display for Ticks {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} counts per turn, 0 at {}", self.per_turn, self.zero)
+    }
+}
+
 /// The rows of one robot in a file that holds several.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -156,6 +206,9 @@ pub struct Reading {
     /// Unit of angles (and of angular velocities, per second) whose columns do not state a unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angle: Option<AngleUnit>,
+    /// The counts of the joints' encoders, in columns NAME_ticks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ticks: Option<Ticks>,
     /// Order of quaternions in the order of their columns, independent of the names of these columns.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub quaternion: Option<QuaternionOrder>,
@@ -253,6 +306,11 @@ impl Reading {
                 .allowed("two numbers from -1 to 1; for other directions of the axes set `axes`");
             return Some(("floor_leans", error));
         }
+        if let Some(ticks) = self.ticks.filter(|ticks| !ticks.is_sound()) {
+            let error = Error::invalid("these are no counts of an encoder");
+            let error = error.found(ticks).allowed("1 to 1e9 counts per turn");
+            return Some(("ticks", error));
+        }
         let is_scale = |scale: &f64| (1e-12..=1e12).contains(scale);
         if let Some(scale) = self.scale.filter(|scale| !is_scale(scale)) {
             let error = Error::invalid("the scale of lengths is out of range");
@@ -282,6 +340,7 @@ impl Reading {
             scale: self.scale.or(other.scale),
             time: self.time.or(other.time),
             angle: self.angle.or(other.angle),
+            ticks: self.ticks.or(other.ticks),
             quaternion: self.quaternion.or(other.quaternion),
             crop: self.crop.or(other.crop),
             only: self.only.or_else(|| other.only.clone()),
@@ -342,6 +401,9 @@ fn merged<T: Clone>(
     own
 }
 
+/// Renamed columns that are listed in words.
+const MOST_NAMES: usize = 4;
+
 /// Describes in words how a file is read; empty if all settings have their defaults.
 impl fmt::Display for Reading {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -351,8 +413,11 @@ impl fmt::Display for Reading {
             let columns = columns.map(|(role, column)| format!("{} from `{column}`", role.name()));
             parts.push(columns.collect::<Vec<_>>().join(", "));
         }
-        let names = self.names.iter();
+        let names = self.names.iter().take(MOST_NAMES);
         parts.extend(names.map(|(theirs, ours)| format!("`{theirs}` as {ours}")));
+        if self.names.len() > MOST_NAMES {
+            parts.push(format!("{} more names", self.names.len() - MOST_NAMES));
+        }
         let lists = self.lists.iter();
         parts.extend(lists.map(|(column, ours)| format!("`{column}` as {}", ours.join(", "))));
         parts.extend(self.length.map(|unit| format!("lengths in {unit}")));
@@ -362,6 +427,7 @@ impl fmt::Display for Reading {
         );
         parts.extend(self.time.map(|unit| format!("times in {unit}")));
         parts.extend(self.angle.map(|unit| format!("angles in {unit}")));
+        parts.extend(self.ticks.map(|ticks| format!("encoders with {ticks}")));
         parts.extend(
             self.quaternion
                 .map(|o| format!("quaternions as {}", o.name())),

@@ -86,14 +86,14 @@ fn push_all(out: &mut String, cells: &[impl AsRef<str>], separator: Separator) {
 }
 
 /// The numbers of a list, with any brackets around them and any separators between them.
-fn numbers(cell: &str) -> Vec<&str> {
+pub(super) fn numbers(cell: &str) -> Vec<&str> {
     let inner = cell.trim_matches(|c: char| "\"'[]() ".contains(c));
     let parts = inner.split(|c: char| c == ',' || c == ';' || c.is_whitespace());
     parts.filter(|part| !part.is_empty()).collect()
 }
 
 /// The cells of a line; separators within quotes or brackets do not split a cell.
-fn split(line: &str, separator: char) -> Vec<&str> {
+pub(super) fn split(line: &str, separator: char) -> Vec<&str> {
     let (mut cells, mut from, mut quoted, mut depth) = (Vec::new(), 0, false, 0_usize);
     for (at, c) in line.char_indices() {
         match c {

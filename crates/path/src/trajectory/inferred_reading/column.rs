@@ -6,7 +6,7 @@ use super::super::column_name::{StatedUnit, counts_samples, unit_in_name, unit_i
 use super::super::csv::Csv;
 use super::super::format::Format as _;
 use super::super::joint_column;
-use super::super::reading::Reading;
+use super::super::reading::{Reading, Ticks};
 use super::super::stamp;
 use super::super::table::Table;
 use super::super::text::{Separator, cells_of, excerpt};
@@ -103,7 +103,7 @@ pub(super) fn infer_columns(text: &str, guess: &mut InferredReading) -> Result<(
     } else {
         complete_sets(&found)
     };
-    if sets.is_empty() && !own_place && !has_joints(&names) {
+    if sets.is_empty() && !own_place && !has_joints(&names, guess.reading.ticks) {
         if is_geographic(&names) {
             return Err(lacks("both x and y")
                 .hint("latitude and longitude are angles on the globe, not lengths: convert them to metres east and north of a point, e.g. with pymap3d or in UTM, and name these columns x_m and y_m"));
@@ -159,9 +159,9 @@ pub(super) fn infer_columns(text: &str, guess: &mut InferredReading) -> Result<(
     heading_in_degrees(text, guess)
 }
 
-fn has_joints(names: &[&str]) -> bool {
+fn has_joints(names: &[&str], ticks: Option<Ticks>) -> bool {
     let (mut used, mut factors) = (vec![false; names.len()], vec![1.0; names.len()]);
-    !joint_column::find(names, &mut used, &mut factors).is_empty()
+    !joint_column::find(names, &mut used, &mut factors, ticks).is_empty()
 }
 
 /// Whose positions are in the file: those with both x and y.

@@ -5,11 +5,14 @@
 //! the robot are used. Every inference is reported.
 
 mod column;
+mod joint;
 mod motion;
 mod role;
 mod unit;
 
 use std::path::{Path, PathBuf};
+
+pub use joint::JointReading;
 
 use super::axes::Axes;
 use super::column::{Columns, Role};
