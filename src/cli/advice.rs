@@ -105,7 +105,7 @@ fn option(advice: &Advice) -> String {
                 .to_owned()
         }
         Advice::OtherTime => {
-            "compare times since each start with --time start, or equal fractions of the durations with --time fraction".to_owned()
+            "compare times since each start (--time start) or equal fractions of the durations (--time fraction)".to_owned()
         }
         Advice::Associate => {
             "allow more with --max-difference S, or interpolate with --associate interpolate"

@@ -16,7 +16,8 @@ const SHIPPED: &[Shipped] = shipped![
     "controllers": "tripod_avoid.ron" "two_tripods.ron";
     "genomes": "three_modules.ron";
     "morphologies": "chain3.ron" "chain30.ron" "chain5.ron" "cube.ron" "double_pendulum.ron" "elbow.ron" "push_cube.ron" "servo_pendulum.ron"
-        "so101_arm.ron" "so101_feetech.ron" "spider8.ron" "tripod.ron" "turtlebot3_burger.ron" "two_module.ron" "unitree_a1.ron" "worm4.ron";
+        "so101_arm.ron" "so101_feetech.ron" "spider8.ron" "tripod.ron" "turtlebot3_burger.ron" "two_module.ron" "unitree_a1.ron" "unitree_go2.ron"
+        "worm4.ron";
     "radios": "paper002.ron";
     "real_trajectories/cube_pushes": "README.md" "meta.ron" "push_01.csv" "push_02.csv" "push_04.csv" "push_06.csv"
         "push_09.csv" "push_12.csv" "push_13.csv" "push_14.csv" "push_16.csv" "push_17.csv" "push_18.csv"
@@ -79,13 +80,14 @@ const SHIPPED: &[Shipped] = shipped![
     "real_trajectories/turtlebot3_burger_standin": "meta.ron" "run_00.csv" "run_01.csv" "run_02.csv";
     "real_trajectories/two_wheel_runs": "README.md" "meta.ron" "runs.csv";
     "real_trajectories/unitree_a1_standin": "meta.ron" "run_00.csv" "run_01.csv" "run_02.csv";
+    "real_trajectories/unitree_go2": "LICENSE" "README.md" "chirp_early.csv" "chirp_late.csv" "meta.ron";
     "real_trajectories/worm4_mujoco": "README.md" "meta.ron" "run_00.csv" "run_01.csv" "run_02.csv" "run_03.csv"
         "run_04.csv" "run_05.csv" "run_06.csv" "run_07.csv" "run_08.csv" "run_09.csv";
     "scenes": "pen.ron" "room.ron";
     "sensors": "infrared.ron" "infrared_maker.ron" "laser.ron" "ultrasonic.ron";
     "sweeps": "best_robot.ron" "best_tripod_gait.ron" "best_worm.ron" "cube_push_best.ron" "cube_push_fit.ron"
         "cube_toss.ron" "cube_toss_best.ron" "cube_toss_fit.ron" "double_pendulum_best.ron" "double_pendulum_fit.ron"
-        "elbow_toss_best.ron" "elbow_toss_fit.ron" "fleet_floor.ron" "robot_grid.ron" "servo_xl330_best.ron"
+        "elbow_toss_best.ron" "elbow_toss_fit.ron" "fleet_floor.ron" "go2_fit.ron" "robot_grid.ron" "servo_xl330_best.ron"
         "servo_xl330_fit.ron" "so101_arm.ron" "so101_best.ron" "so101_fit.ron" "tripod_floor.ron" "tripod_self.ron"
         "turtlebot3_burger.ron" "two_wheel_ir.ron" "two_wheel_ir_bayesian.ron" "two_wheel_sensor.ron"
         "two_wheel_us1.ron" "two_wheel_us_bayesian.ron" "unitree_a1.ron" "worm_slope.ron";

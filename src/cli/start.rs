@@ -52,7 +52,7 @@ pub struct Start {
     joints: Vec<String>,
     /// Gains with which the firmware turns commanded angles into torques, in N m/rad and N m s/rad, e.g. 20,1.5; for some joints
     /// '*_calf_joint=30,2' (repeatable)
-    #[arg(long, value_name = "[JOINT=]KP,KD")]
+    #[arg(long, value_name = "[JOINT=]KP,KD", allow_hyphen_values = true)]
     pd: Vec<Gains>,
     /// The recorded robot ran the gait of its own file; needed for wheels without recorded commands
     #[arg(long)]

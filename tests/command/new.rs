@@ -95,6 +95,7 @@ fn the_examples_in_the_program_equal_those_of_the_repository() {
         "real_trajectories/turtlebot3_burger_standin",
         "real_trajectories/two_wheel_runs",
         "real_trajectories/unitree_a1_standin",
+        "real_trajectories/unitree_go2",
         "real_trajectories/worm4_mujoco",
         "genomes",
     ] {

@@ -270,3 +270,151 @@ fn what_a_study_does_not_use_is_named_with_its_remedy() {
         "{said}"
     );
 }
+
+/// A leg of two joints with torque motors, as MuJoCo describes it.
+const LEG: &str = r#"<mujoco model="leg"><worldbody><body name="hip" pos="0 0 1"><freejoint/>
+  <inertial pos="0 0 0" mass="2" diaginertia="0.01 0.01 0.01"/>
+  <body name="thigh"><inertial pos="0 0 -0.1" mass="1" diaginertia="0.006 0.006 0.001"/>
+    <joint name="thigh" axis="0 1 0" armature="0.02" damping="0.3" frictionloss="0.2"/>
+    <body name="calf" pos="0 0 -0.2"><inertial pos="0 0 -0.1" mass="0.3" diaginertia="0.002 0.002 0.0003"/>
+      <joint name="calf" axis="0 1 0" armature="0.02" damping="0.3" frictionloss="0.2"/></body></body></body></worldbody>
+  <actuator><motor joint="thigh" ctrlrange="-30 30"/><motor joint="calf" ctrlrange="-30 30"/></actuator></mujoco>"#;
+
+/// Angles of the leg's joints that follow commands late and not quite, as if by a position loop.
+fn chirp(folder: &Path) -> PathBuf {
+    let mut table = "t_s,thigh_rad,calf_rad,thigh_command_rad,calf_command_rad\n".to_owned();
+    let command = |t: f64, joint: f64| 0.3 * ((2.0 + 0.5 * joint + 0.6 * t) * t).sin();
+    for k in 0..600 {
+        let t = 0.005 * f64::from(k);
+        let late = (t - 0.03).max(0.0);
+        let [thigh, calf] = [0.0, 1.0].map(|joint| 0.9 * command(late, joint));
+        table += &format!(
+            "{t},{thigh},{calf},{},{}\n",
+            command(t, 0.0),
+            command(t, 1.0)
+        );
+    }
+    let path = folder.join("chirp.csv");
+    std::fs::write(&path, table).unwrap();
+    path
+}
+
+#[test]
+fn commanded_angles_of_torque_motors_need_the_gains_of_the_firmware() {
+    let folder = tempfile::tempdir().unwrap();
+    let robot = folder.path().join("leg.xml");
+    std::fs::write(&robot, LEG).unwrap();
+    let study = folder.path().join("study.ron");
+    let files = [chirp(folder.path()), robot];
+    let (code, said) = start(&[], &files, &study);
+    assert_eq!(code, 2, "{said}");
+    assert!(
+        said.contains("2 motors without gains: thigh, calf") && said.contains("--pd 20,1.5"),
+        "{said}"
+    );
+    for (wrong, says) in [
+        ("20", "KP,KD"),
+        ("-1,2", "KP,KD"),
+        ("knee=20,1", "no joint of the robot has these gains"),
+    ] {
+        let (code, said) = start(&["--pd", wrong], &files, &study);
+        assert!(code == 2 && said.contains(says), "{wrong}: {code} {said}");
+    }
+    let (code, said) = start(&["--pd", "20,1", "--pd", "calf=12,0.7"], &files, &study);
+    assert_eq!(code, 0, "{said}");
+    assert!(
+        said.contains("gains are known") && !said.contains("doubt"),
+        "{said}"
+    );
+    let robot = std::fs::read_to_string(folder.path().join("study_robot.ron")).unwrap();
+    for law in [
+        "stiffness_nm_rad: 20.0, damping_nm_s_rad: 1.0",
+        "stiffness_nm_rad: 12.0, damping_nm_s_rad: 0.7",
+    ] {
+        assert!(robot.contains(law), "{robot}");
+    }
+    let written = std::fs::read_to_string(&study).unwrap();
+    for name in [
+        "hinge.thigh.armature_kg_m2",
+        "hinge.calf.viscous_nm_s_rad",
+        "hinge.calf.dry_nm",
+        "joint.thigh.zero_rad",
+        "servo.latency_s",
+    ] {
+        assert!(written.contains(name), "{name}: {written}");
+    }
+    assert!(
+        !written.contains("servo.thigh.stiffness_nm_rad"),
+        "{written}"
+    );
+    // The robot's own values are the weak prior of each parameter.
+    assert!(
+        written.contains("armature_kg_m2\", from: 0.0, to: 0.4, prior: (0.02, 0.2)"),
+        "{written}"
+    );
+}
+
+#[test]
+fn logs_of_other_programs_give_the_answer_of_a_log_in_own_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let own = common::project().join("real_trajectories/so101_arm/random_waypoints.csv");
+    let robot = common::project().join("morphologies/so101_feetech.ron");
+    let table = std::fs::read_to_string(&own).unwrap();
+    let header: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    let score_of = |name: &str, text: &str, words: &[&str]| {
+        let file = folder.path().join(format!("{name}.csv"));
+        std::fs::write(&file, text).unwrap();
+        let study = folder.path().join(format!("{name}.ron"));
+        let (code, said) = start(words, &[file, robot.clone()], &study);
+        assert_eq!(code, 0, "{name}: {said}");
+        let out = realgap()
+            .arg("evaluate")
+            .arg(&study)
+            .args(["--format", "json"])
+            .output()
+            .unwrap();
+        let json: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
+        json["angle_mrad"]["mean"]
+            .as_f64()
+            .unwrap_or_else(|| panic!("{json}"))
+    };
+    let expected = score_of("own", &table, &[]);
+    let renamed = |rename: &dyn Fn(&str) -> String| {
+        let names: Vec<String> = header.iter().map(|name| rename(name)).collect();
+        table.replacen(&header.join(","), &names.join(","), 1)
+    };
+    let joint = |name: &str| {
+        name.trim_end_matches("_rad")
+            .trim_end_matches("_command")
+            .to_owned()
+    };
+    let is_command = |name: &str| name.contains("_command");
+    let dotted = renamed(&|name| match name {
+        "t_s" => "time".to_owned(),
+        name if is_command(name) => format!("action.{}.pos", joint(name)),
+        name => format!("observation.state.{}.pos", joint(name)),
+    });
+    assert_eq!(score_of("dotted", &dotted, &[]), expected);
+    let target = renamed(&|name| match name {
+        "t_s" => "t".to_owned(),
+        name if is_command(name) => format!("target_{}", joint(name)),
+        name => format!("actual_{}", joint(name)),
+    });
+    assert_eq!(score_of("target", &target, &[]), expected);
+    let joints: Vec<String> = header[1..]
+        .iter()
+        .filter(|name| !is_command(name))
+        .map(|name| joint(name))
+        .collect();
+    let numbered = renamed(&|name| match name {
+        "t_s" => "time".to_owned(),
+        name => {
+            let number = 1 + joints.iter().position(|one| *one == joint(name)).unwrap();
+            format!("{}{number}", if is_command(name) { "q_des" } else { "q" })
+        }
+    });
+    assert_eq!(
+        score_of("numbered", &numbered, &["--joints", &joints.join(",")]),
+        expected
+    );
+}

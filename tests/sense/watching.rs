@@ -158,7 +158,7 @@ fn a_plain_motion_of_one_body_and_a_body_of_a_study_are_watched() {
     desk.write(
         "study.ron",
         &format!(
-            "Study(morphology: {cube:?}, recordings: [\"none.csv\"], start: FromRecording, reading: (length: \"mm\"), scene: [
+            "Study(morphology: {cube:?}, recordings: [\"none.csv\"], start: FromRecording, scene: [
                 (name: \"ball\", motion: Recorded, boxes: [(sides_m: (0.1, 0.1, 0.1))]),
                 (name: \"step\", motion: Fixed(position_m: (5, 5.4, 0.05)), boxes: [(sides_m: (0.3, 0.1, 0.1))]),
             ], parameters: [(name: \"floor.friction\", from: 0.2, to: 0.4, points: 2)], metric: \"rms\")"
@@ -167,7 +167,7 @@ fn a_plain_motion_of_one_body_and_a_body_of_a_study_are_watched() {
     desk.write(
         "push.csv",
         "t_s,x_m,y_m,z_m,qw,qx,qy,qz,ball_x_m,ball_y_m,ball_z_m,ball_qw,ball_qx,ball_qy,ball_qz\n\
-         0,5000,5000,60,1,0,0,0,5000,5200,50,1,0,0,0\n1,5200,5000,60,1,0,0,0,5200,5200,50,1,0,0,0\n",
+         0,5,5,0.06,1,0,0,0,5,5.2,0.05,1,0,0,0\n1,5.2,5,0.06,1,0,0,0,5.2,5.2,0.05,1,0,0,0\n",
     );
     let args = [
         "sense", "picture", "pen.ron", "--watch", "middle", "--run", "push.csv", "--view", "side",
@@ -178,7 +178,7 @@ fn a_plain_motion_of_one_body_and_a_body_of_a_study_are_watched() {
     );
     // The orientation of the robot must not be used for the ball.
     let bare = "t_s,x_m,y_m,z_m,qw,qx,qy,qz,ball_x_m,ball_y_m,ball_z_m\n\
-        0,5000,5000,60,1,0,0,0,5000,5200,50\n1,5200,5000,60,1,0,0,0,5200,5200,50\n";
+        0,5,5,0.06,1,0,0,0,5,5.2,0.05\n1,5.2,5,0.06,1,0,0,0,5.2,5.2,0.05\n";
     desk.write("bare.csv", bare);
     let of_bare = args.map(|arg| if arg == "push.csv" { "bare.csv" } else { arg });
     let of_study = ["--robot", "study.ron", "-o", "no"];

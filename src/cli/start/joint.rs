@@ -84,14 +84,12 @@ pub(super) fn draft(subject: &Subject, recordings: &[Recording], drive: &Drive) 
     }
     let only = only_command(&recorded, &strange);
     let strange = strange.into_iter().filter(|name| Some(*name) != only);
+    let unrecorded = lacking.clone();
     let left_out: Vec<&str> = lacking.into_iter().chain(strange).collect();
-    if !left_out.is_empty() {
+    if !unrecorded.is_empty() {
         clues.push((
-            "some names are left out",
-            format!(
-                "not both in the robot and in the recordings: {}",
-                left_out.join(", ")
-            ),
+            "some joints are not compared",
+            format!("no column holds their angles: {}", unrecorded.join(", ")),
         ));
     }
     let commanded = Commands::default().columns_of(&hinges, motion);

@@ -303,6 +303,36 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_fit_begins_at_the_own_values_and_at_the_median_of_a_prior() {
+        let problem =
+            |priors: Vec<Option<(f64, f64)>>, own: Option<UnitPoint>| OptimizationProblem {
+                points: vec![2; 9],
+                budget: 100,
+                seed: 1,
+                priors,
+                error_blocks: Vec::new(),
+                own,
+            };
+        let first = |problem: &OptimizationProblem| {
+            let history = History {
+                design: &[],
+                evaluated: &[],
+            };
+            match GaussNewton.propose(problem, &history).unwrap() {
+                Proposal::Evaluate(points) => points[0].clone(),
+                Proposal::Exhausted => panic!("nothing to try"),
+            }
+        };
+        assert_eq!(first(&problem(Vec::new(), None)), vec![0.5; 9]);
+        let own: UnitPoint = (0..9).map(|axis| 0.1 * f64::from(axis)).collect();
+        assert_eq!(first(&problem(Vec::new(), Some(own.clone()))), own);
+        let mut priors = vec![None; 9];
+        priors[3] = Some((0.9, 0.01));
+        let begun = first(&problem(priors, Some(own.clone())));
+        assert_eq!((begun[3], begun[4]), (0.9, own[4]));
+    }
+
+    #[test]
     fn the_best_point_with_differences_is_found_wherever_the_budget_ends() {
         // There is one parameter, and all errors grow with its distance from the truth, so that the order of points is the same
         // for all of them.

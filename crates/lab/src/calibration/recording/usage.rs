@@ -227,8 +227,8 @@ impl Recorded {
                         "name the column in `commands: Commands(columns: [...])`".to_owned(),
                     ),
                     None => (
-                        format!("the robot has no joint `{joint}`"),
-                        "rename the column after a joint: `reading: (names: {...})`".to_owned(),
+                        "the robot has no joints of these names".to_owned(),
+                        "rename columns after its joints: `reading: (names: {...})`".to_owned(),
                     ),
                 }
             }
@@ -236,8 +236,8 @@ impl Recorded {
                 let hinges = definition.morphology.assemble().hinges;
                 match hinges.iter().any(|hinge| hinge.name == *name) {
                     false => (
-                        format!("the robot has no joint `{name}`"),
-                        "rename the column after a joint: `reading: (names: {...})`".to_owned(),
+                        "the robot has no joints of these names".to_owned(),
+                        "rename columns after its joints: `reading: (names: {...})`".to_owned(),
                     ),
                     true => (
                         format!("{start}, and the metric `{metric}` does not compare it"),
