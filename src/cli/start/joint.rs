@@ -288,7 +288,8 @@ fn of_hinge(hinge: &Hinge, has_command: bool, drive: &Drive, summary: &Summary) 
         law(hinge),
         Some(ServoLaw::Velocity { .. } | ServoLaw::Motor(_))
     );
-    if !has_unknown_gains(hinge, has_command, drive) && !(has_command && is_damped) {
+    let is_covered = has_unknown_gains(hinge, has_command, drive) || (has_command && is_damped);
+    if !is_covered {
         all.push(up_to(
             "viscous_nm_s_rad",
             bearing.viscous_nm_s_rad,

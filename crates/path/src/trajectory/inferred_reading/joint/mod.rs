@@ -1,0 +1,333 @@
+//! Infers which columns of another program's log hold the angles, commands and speeds of a robot's joints, and their unit.
+
+mod name;
+mod unit;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::super::csv::Csv;
+use super::super::format::Format as _;
+use super::super::reading::Reading;
+use super::super::registry::{format_of, read_bytes};
+use super::super::text::decode_text;
+use super::Evidence;
+use name::{Found, Quantity, Whose, columns, found, only_number};
+use realgap_core::error::{Advice, Error, Result};
+use realgap_core::unit::counted;
+use unit::{Unit, unit};
+
+/// A reading that names the columns of joints as this program does, with the evidence.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct JointReading {
+    /// The given settings, completed by the names and the unit of the joints' columns.
+    pub reading: Reading,
+    /// The inferences, each with its reason.
+    pub evidence: Vec<Evidence>,
+}
+
+impl JointReading {
+    /// Infers the columns of the robot's `joints` in a log; `order` names the joints of numbered columns and of lists, in their order.
+    /// `None` for a file that needs no inference, or that holds no columns of these joints.
+    ///
+    /// # Errors
+    /// A file that cannot be read; numbered columns without an order; angles in a unit that the values do not show.
+    pub fn infer(
+        path: &Path,
+        known: &Reading,
+        joints: &[String],
+        order: &[String],
+    ) -> Result<Option<Self>> {
+        let is_table = format_of(path)?.name() == Csv.name();
+        if joints.is_empty() || !is_table || !known.names.is_empty() || !known.lists.is_empty() {
+            return Ok(None);
+        }
+        let text = decode_text(read_bytes(path)?).map_err(|e| e.at_file(path))?;
+        Self::of_text(&text, known, joints, order).map_err(|e| e.at_file(path))
+    }
+
+    fn of_text(
+        text: &str,
+        known: &Reading,
+        joints: &[String],
+        order: &[String],
+    ) -> Result<Option<Self>> {
+        let columns = columns(text, known);
+        let own = |name: &str| {
+            let mut joints = joints.iter();
+            joints.any(|joint| {
+                [format!("{joint}_rad"), format!("{joint}_deg")].contains(&name.to_owned())
+            })
+        };
+        if columns.iter().any(|column| own(column.name)) {
+            return Ok(None);
+        }
+        let found: Vec<Found<'_, '_>> = columns
+            .iter()
+            .filter_map(|column| found(column, joints))
+            .collect();
+        let has_angle = found.iter().any(|one| one.quantity == Quantity::Angle);
+        if !has_angle {
+            return Ok(None);
+        }
+        let order = order_of(&found, joints, order)?;
+        let (unit, because) = unit(&found, known)?;
+        let mut made = Self {
+            reading: known.clone(),
+            evidence: Vec::new(),
+        };
+        if let Unit::Ticks(ticks) = unit {
+            made.reading.ticks = Some(ticks);
+        }
+        made.evidence.push(Evidence {
+            finding: format!("angles of joints are in {}", unit.words()),
+            reason: because,
+        });
+        let mut lists: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+        let mut said: BTreeMap<Quantity, Vec<String>> = BTreeMap::new();
+        for one in &found {
+            let joint = match one.joint {
+                Whose::Named(index) => &joints[index],
+                Whose::Numbered(number) => match order.get(&number) {
+                    Some(joint) => joint,
+                    None => continue,
+                },
+            };
+            let Some(name) = unit.name(joint, one.quantity) else {
+                continue;
+            };
+            said.entry(one.quantity)
+                .or_default()
+                .push(format!("{joint} from `{}`", one.column.label()));
+            match one.column.element {
+                Some(_) => lists.entry(one.column.name).or_default().push(name),
+                None => {
+                    made.reading.names.insert(one.column.name.to_owned(), name);
+                }
+            }
+        }
+        for (column, names) in lists {
+            made.reading.lists.insert(column.to_owned(), names);
+        }
+        for (quantity, all) in said {
+            made.evidence.push(Evidence {
+                finding: format!("{} of joints: {}", quantity.words(), all.join(", ")),
+                reason: "the names of the columns".to_owned(),
+            });
+        }
+        Ok(Some(made))
+    }
+}
+
+/// The joint of every number.
+fn order_of(
+    found: &[Found<'_, '_>],
+    joints: &[String],
+    order: &[String],
+) -> Result<BTreeMap<usize, String>> {
+    let of = |quantity: Quantity| {
+        let numbers = found.iter().filter(move |one| one.quantity == quantity);
+        let numbers = numbers.filter_map(|one| match one.joint {
+            Whose::Numbered(number) => Some(number),
+            Whose::Named(_) => None,
+        });
+        let mut numbers: Vec<usize> = numbers.collect();
+        numbers.sort_unstable();
+        numbers
+    };
+    let numbers = of(Quantity::Angle);
+    let Some(first) = numbers.first().copied() else {
+        return Ok(BTreeMap::new());
+    };
+    let by_digits: BTreeMap<usize, String> = joints
+        .iter()
+        .filter_map(|joint| Some((only_number(joint)?, joint.clone())))
+        .collect();
+    if order.is_empty() && numbers.iter().all(|number| by_digits.contains_key(number)) {
+        return Ok(by_digits);
+    }
+    let labels: Vec<String> = found
+        .iter()
+        .filter(|one| one.quantity == Quantity::Angle && matches!(one.joint, Whose::Numbered(_)))
+        .map(|one| one.column.label())
+        .collect();
+    let is_one_joint = numbers.len() == 1 && joints.len() == 1;
+    if order.len() != numbers.len() && !is_one_joint {
+        return Err(Error::usage("the recordings leave a question open")
+            .found(format!(
+                "{} without names: {}",
+                counted(numbers.len(), "joint"),
+                labels.join(", ")
+            ))
+            .allowed(format!(
+                "the names of these joints in this order, of {}",
+                joints.join(", ")
+            ))
+            .advise(Advice::JointOrder));
+    }
+    if let Some(strange) = order.iter().find(|name| !joints.contains(name)) {
+        return Err(Error::usage("the robot has no joint of this name")
+            .found(strange)
+            .allowed(joints.join(", "))
+            .advise(Advice::JointOrder));
+    }
+    let names = if is_one_joint { joints } else { order };
+    Ok(numbers
+        .iter()
+        .map(|number| (*number, names[number - first].clone()))
+        .collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::reading::Ticks;
+    use super::*;
+    use realgap_core::unit::AngleUnit;
+
+    const JOINTS: [&str; 2] = ["pan", "lift"];
+
+    /// A log of two joints, whose columns are called so; angles in units of `size` radians from `zero`.
+    fn log(header: &str, row: &dyn Fn([f64; 4]) -> String) -> String {
+        let rows = (0..50).map(|k| {
+            let t = 0.02 * f64::from(k);
+            let q = [
+                (3.0 * t).sin(),
+                0.5 * (2.0 * t).cos(),
+                (3.1 * t).sin(),
+                0.5 * (2.1 * t).cos(),
+            ];
+            format!("{t},{}\n", row(q))
+        });
+        format!("{header}\n{}", rows.collect::<String>())
+    }
+
+    fn infer(text: &str, known: &Reading, order: &[&str]) -> Result<Option<JointReading>> {
+        let own = |names: &[&str]| {
+            names
+                .iter()
+                .map(|name| (*name).to_owned())
+                .collect::<Vec<_>>()
+        };
+        JointReading::of_text(text, known, &own(&JOINTS), &own(order))
+    }
+
+    fn flat(scale: f64) -> impl Fn([f64; 4]) -> String {
+        move |q| q.map(|q| format!("{:.6}", scale * q)).join(",")
+    }
+
+    #[test]
+    fn names_of_other_programs_are_mapped_to_the_joints_with_their_quantity() {
+        let degrees = 180.0 / std::f64::consts::PI;
+        for (header, scale, expected) in [
+            ("t,pan_pos,lift_pos,pan_cmd,lift_cmd", 1.0, "rad"),
+            (
+                "t,pan.pos,lift.pos,action.pan.pos,action.lift.pos",
+                1.0,
+                "rad",
+            ),
+            (
+                "t,observation.state.pan,observation.state.lift,action.pan,action.lift",
+                1.0,
+                "rad",
+            ),
+            (
+                "t,actual_pan,actual_lift,target_pan,target_lift",
+                degrees,
+                "deg",
+            ),
+            (
+                "t,Pan_Position,Lift_Position,Pan_Goal_Position,Lift_Goal_Position",
+                degrees,
+                "deg",
+            ),
+            (
+                "t,pan/position,lift/position,pan/setpoint,lift/setpoint",
+                1.0,
+                "rad",
+            ),
+        ] {
+            let made = infer(&log(header, &flat(scale)), &Reading::default(), &[]).unwrap();
+            let made = made.unwrap_or_else(|| panic!("{header}"));
+            let names: Vec<&str> = header.split(',').skip(1).collect();
+            let ours = ["pan_", "lift_", "pan_command_", "lift_command_"];
+            for (theirs, ours) in names.iter().zip(ours) {
+                let ours = format!("{ours}{expected}");
+                assert_eq!(made.reading.names.get(*theirs), Some(&ours), "{header}");
+            }
+        }
+    }
+
+    #[test]
+    fn numbered_joints_are_asked_about_and_lists_are_taken_apart_in_the_given_order() {
+        let numbered = log("t,q1,q2,q_des1,q_des2", &flat(1.0));
+        let error = infer(&numbered, &Reading::default(), &[])
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains("2 joints without names: q1, q2"), "{error}");
+        let made = infer(&numbered, &Reading::default(), &["lift", "pan"])
+            .unwrap()
+            .unwrap();
+        assert_eq!(made.reading.names["q1"], "lift_rad");
+        assert_eq!(made.reading.names["q_des2"], "pan_command_rad");
+        assert!(infer(&numbered, &Reading::default(), &["lift", "nose"]).is_err());
+        let list = |q: [f64; 4]| format!("\"[{}, {}]\",\"[{}, {}]\"", q[0], q[1], q[2], q[3]);
+        let lists = log("timestamp,observation.state,action", &list);
+        let made = infer(&lists, &Reading::default(), &["pan", "lift"])
+            .unwrap()
+            .unwrap();
+        assert_eq!(
+            made.reading.lists["observation.state"],
+            ["pan_rad", "lift_rad"]
+        );
+        assert_eq!(
+            made.reading.lists["action"],
+            ["pan_command_rad", "lift_command_rad"]
+        );
+    }
+
+    #[test]
+    fn counts_of_an_encoder_are_recognised_and_shares_of_a_range_are_asked_about() {
+        let count = |q: [f64; 4]| {
+            q.map(|q| format!("{:.0}", 2048.0 + q * 4096.0 / std::f64::consts::TAU))
+                .join(",")
+        };
+        let counts = log(
+            "t,pan_position,lift_position,pan_goal_position,lift_goal_position",
+            &count,
+        );
+        let made = infer(&counts, &Reading::default(), &[]).unwrap().unwrap();
+        assert_eq!(
+            made.reading.ticks,
+            Some(Ticks {
+                per_turn: 4096.0,
+                zero: 2048.0
+            })
+        );
+        assert_eq!(made.reading.names["pan_position"], "pan_ticks");
+        let header = "t,observation.pan.pos,observation.lift.pos,action.pan.pos,action.lift.pos";
+        let shares = log(header, &flat(99.0));
+        let error = infer(&shares, &Reading::default(), &[])
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains("-100 to 100"), "{error}");
+        let degrees = Reading {
+            angle: Some(AngleUnit::Degree),
+            ..Reading::default()
+        };
+        let made = infer(&shares, &degrees, &[]).unwrap().unwrap();
+        assert_eq!(made.reading.names["action.pan.pos"], "pan_command_deg");
+    }
+
+    #[test]
+    fn a_log_in_own_names_and_a_table_without_joints_need_no_inference() {
+        for header in [
+            "t_s,pan_rad,lift_rad,pan_command_rad,lift_command_rad",
+            "t_s,x_m,y_m,z_m,battery",
+        ] {
+            assert_eq!(
+                infer(&log(header, &flat(1.0)), &Reading::default(), &[]).unwrap(),
+                None
+            );
+        }
+    }
+}

@@ -1,0 +1,231 @@
+//! The columns of a log, and which joint and quantity their names state.
+
+use super::super::super::reading::Reading;
+use super::super::super::relabel::{numbers, split};
+use super::super::super::table::header_line;
+use super::super::super::text::{Separator, excerpt};
+
+/// What a column of a joint holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Quantity {
+    Angle,
+    Command,
+    Speed,
+    CommandedSpeed,
+    CommandedTorque,
+}
+
+/// Words in the names of columns of commands, of angles, of speeds and of torques.
+const COMMANDS: [&str; 14] = [
+    "command",
+    "cmd",
+    "goal",
+    "target",
+    "setpoint",
+    "des",
+    "desired",
+    "action",
+    "ref",
+    "reference",
+    "qdes",
+    "qcmd",
+    "qref",
+    "qtarget",
+];
+const ANGLES: [&str; 11] = [
+    "q", "pos", "position", "angle", "state", "actual", "measured", "meas", "present", "joint",
+    "feedback",
+];
+const SPEEDS: [&str; 7] = ["qd", "dq", "vel", "velocity", "speed", "qdot", "omega"];
+const TORQUES: [&str; 6] = ["tau", "torque", "effort", "nm", "current", "load"];
+/// Words that say nothing about the quantity.
+const FILLING: [&str; 9] = [
+    "observation",
+    "motor",
+    "joint",
+    "joints",
+    "deg",
+    "rad",
+    "ticks",
+    "raw",
+    "counts",
+];
+
+/// Rows whose values are looked at.
+const ROWS: usize = 5000;
+/// A column of a log, or one element of a list in a column.
+pub(super) struct Column<'a> {
+    pub(super) name: &'a str,
+    pub(super) element: Option<usize>,
+    pub(super) values: Vec<f64>,
+}
+
+/// A column that belongs to a joint: by the joint's name, or by its number.
+pub(super) struct Found<'c, 'a> {
+    pub(super) column: &'c Column<'a>,
+    pub(super) quantity: Quantity,
+    pub(super) joint: Whose,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Whose {
+    Named(usize),
+    Numbered(usize),
+}
+
+impl Quantity {
+    pub(super) fn words(self) -> &'static str {
+        match self {
+            Self::Angle => "angles",
+            Self::Command => "commanded angles",
+            Self::Speed => "speeds",
+            Self::CommandedSpeed => "commanded speeds",
+            Self::CommandedTorque => "commanded torques",
+        }
+    }
+}
+
+impl Column<'_> {
+    pub(super) fn label(&self) -> String {
+        match self.element {
+            Some(index) => format!("{}[{index}]", self.name),
+            None => excerpt(self.name),
+        }
+    }
+}
+
+/// The columns of numbers below the header, and the elements of columns that hold lists, with the values of the first rows.
+pub(super) fn columns<'a>(text: &'a str, known: &Reading) -> Vec<Column<'a>> {
+    let mut lines = text.lines().enumerate();
+    let Some((_, header)) = header_line(&mut lines, known) else {
+        return Vec::new();
+    };
+    let separator = Separator::of_header(header);
+    let names: Vec<&str> = split(header, separator.character())
+        .into_iter()
+        .map(|name| name.trim_matches('"'))
+        .collect();
+    let mut columns: Vec<Column<'_>> = Vec::new();
+    let mut places: Vec<Vec<usize>> = vec![Vec::new(); names.len()];
+    for (row, (_, line)) in lines
+        .filter(|(_, line)| !line.trim().is_empty())
+        .take(ROWS)
+        .enumerate()
+    {
+        for (index, cell) in split(line, separator.character())
+            .into_iter()
+            .enumerate()
+            .take(names.len())
+        {
+            let is_list = cell.contains('[') || (cell.starts_with('"') && cell.contains(','));
+            let values: Vec<f64> = match is_list {
+                true => numbers(cell)
+                    .iter()
+                    .filter_map(|text| text.parse().ok())
+                    .collect(),
+                false => separator
+                    .number(cell.trim_matches('"'))
+                    .into_iter()
+                    .collect(),
+            };
+            if row == 0 {
+                for element in 0..values.len() {
+                    places[index].push(columns.len());
+                    columns.push(Column {
+                        name: names[index],
+                        element: is_list.then_some(element),
+                        values: Vec::new(),
+                    });
+                }
+            }
+            for (place, value) in places[index].iter().zip(values) {
+                columns[*place].values.push(value);
+            }
+        }
+    }
+    columns
+}
+
+/// The words of a name, in lower case, without its digits.
+pub(super) fn words(name: &str) -> Vec<String> {
+    let lower = name.to_lowercase();
+    let parts = lower.split(|c: char| !c.is_ascii_alphabetic());
+    parts
+        .filter(|part| !part.is_empty())
+        .map(str::to_owned)
+        .collect()
+}
+
+/// The only number in a name; `None` if there is none, or several.
+pub(super) fn only_number(name: &str) -> Option<usize> {
+    let mut parts = name
+        .split(|c: char| !c.is_ascii_digit())
+        .filter(|part| !part.is_empty());
+    let first = parts.next()?.parse().ok()?;
+    parts.next().is_none().then_some(first)
+}
+
+/// What is left of a column's name without the name of a joint; the suffix `_joint` of the joint may be missing in the column.
+fn without_joint(column: &str, joint: &str) -> Option<String> {
+    let column = column.to_lowercase();
+    let joint = joint.to_lowercase();
+    let short = joint
+        .strip_suffix("_joint")
+        .or_else(|| joint.strip_prefix("joint_"));
+    [Some(joint.as_str()), short]
+        .into_iter()
+        .flatten()
+        .find_map(|joint| {
+            let at = column.find(joint)?;
+            let is_end = |c: Option<char>| c.is_none_or(|c| !c.is_ascii_alphanumeric());
+            let (before, after) = (&column[..at], &column[at + joint.len()..]);
+            let is_whole = is_end(before.chars().next_back()) && is_end(after.chars().next());
+            is_whole.then(|| format!("{before} {after}"))
+        })
+}
+
+/// The quantity that these words of a column's name state; `None` for another quantity.
+fn quantity(words: &[String]) -> Option<Quantity> {
+    let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
+    let is_known = |word: &String| {
+        let lists: [&[&str]; 5] = [&COMMANDS, &ANGLES, &SPEEDS, &TORQUES, &FILLING];
+        lists.iter().any(|list| list.contains(&word.as_str()))
+    };
+    if !words.iter().all(is_known) {
+        return None;
+    }
+    match (has(&COMMANDS), has(&SPEEDS), has(&TORQUES)) {
+        (true, true, false) => Some(Quantity::CommandedSpeed),
+        (true, false, true) => Some(Quantity::CommandedTorque),
+        (true, false, false) => Some(Quantity::Command),
+        (false, true, false) => Some(Quantity::Speed),
+        (false, false, false) => Some(Quantity::Angle),
+        _ => None,
+    }
+}
+
+/// The joint and the quantity of a column.
+pub(super) fn found<'c, 'a>(column: &'c Column<'a>, joints: &[String]) -> Option<Found<'c, 'a>> {
+    let make = |joint: Whose, rest: &str| {
+        let quantity = quantity(&words(rest))?;
+        Some(Found {
+            column,
+            quantity,
+            joint,
+        })
+    };
+    if let Some(element) = column.element {
+        return make(Whose::Numbered(element), column.name);
+    }
+    let mut named = joints.iter().enumerate().filter_map(|(index, joint)| {
+        let rest = without_joint(column.name, joint)?;
+        Some((joint.len(), index, rest))
+    });
+    let longest = named.by_ref().max_by_key(|(length, ..)| *length);
+    if let Some((_, index, rest)) = longest {
+        return make(Whose::Named(index), &rest);
+    }
+    let number = only_number(column.name)?;
+    // A bare number is no joint: the name has to say what it counts.
+    (!words(column.name).is_empty()).then(|| make(Whose::Numbered(number), column.name))?
+}
