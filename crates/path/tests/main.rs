@@ -3,6 +3,7 @@
 
 #[path = "../../../tests/common/shared.rs"]
 mod common;
+mod doubts;
 mod formats;
 mod golden;
 mod inferred_reading;

@@ -337,12 +337,15 @@ impl<'a> File<'a> {
             let how = format!("recordings are read with {}", self.reading);
             warnings.push(Code::ReadAs.warning(how));
         }
-        warnings.extend(plausibility::warnings(
+        let doubts = plausibility::warnings(
             &name,
             &trajectory,
             &self.reading,
             self.format.order(&self.text, &self.reading),
-        ));
+        );
+        // A column that tells several robots apart says more than their motion.
+        let is_told = warnings.iter().any(|w| w.code == Code::SeveralRobots);
+        warnings.extend(doubts.into_iter().filter(|w| !is_told || w.code != Code::SeveralRobots));
         Ok(Recording {
             name,
             path: self.path.to_path_buf(),
