@@ -62,11 +62,23 @@ fn doubts(warnings: &[Warning]) -> Vec<&Warning> {
 fn doubts_about(all: &[Recording]) -> String {
     let mut said = String::new();
     for recording in all {
-        for doubt in doubts(&recording.warnings) {
+        let doubts = doubts(&recording.warnings).into_iter();
+        for doubt in doubts.filter(|doubt| !is_right(recording, doubt)) {
             said += &format!("{}: {doubt}\n", recording.path.display());
         }
     }
     said
+}
+
+/// The doubts that are right: single samples far off, seen with bare eyes in the files.
+///
+/// - `cube_pushes`: at 0.05 s the resting cube is 6 to 8 mm inside of the table for one sample, among samples with 0.1 mm of noise.
+/// - `elbow_tosses/toss_108`: the hinge is at -0.438 rad for two samples, between -0.300 and -0.285 rad.
+fn is_right(recording: &Recording, doubt: &Warning) -> bool {
+    let is_of = |folder: &str| recording.path.to_string_lossy().contains(folder);
+    let is_push = is_of("cube_pushes") && doubt.message.contains("at 0.0500 s for one sample");
+    let is_hinge = is_of("toss_108") && doubt.message.contains("`hinge` leaves its path at 0.0473 s");
+    doubt.code == Code::Spike && (is_push || is_hinge)
 }
 
 #[test]
@@ -76,9 +88,11 @@ fn nothing_shipped_is_doubted_wrongly() {
 
 #[test]
 fn the_whole_recorded_sets_are_not_doubted_wrongly() {
-    let Some(folder) = shared_data("") else { return };
+    let Some(folder) = shared_data("") else {
+        return;
+    };
     let all = recordings(&folder);
-    println!("{} recordings", all.len());
+    assert!(all.len() > 800, "{} recordings", all.len());
     assert_eq!(doubts_about(&all), "");
 }
 
@@ -362,10 +376,13 @@ const RUNS: usize = 20;
 /// The runs in which it must be doubted.
 const DOUBTED: usize = 18;
 
-/// The shipped recordings; the servo pendulum's command gets the name of its angle.
+/// The shipped recordings; the servo pendulum's command gets the name of its angle, except where its torque is off for most of the time.
 fn to_distort() -> Vec<Recording> {
     let mut all = shipped();
     for recording in &mut all {
+        if recording.name.contains("lift_and_drop") {
+            continue;
+        }
         let mut joints = recording.trajectory.joints().to_vec();
         for joint in &mut joints {
             if joint.name == "command" {
@@ -399,7 +416,10 @@ fn power(seed: u64) -> (String, Vec<usize>) {
                 doubted += 1;
             } else {
                 let instead: Vec<String> = said.iter().map(ToString::to_string).collect();
-                missed += &format!("    missed in {}/{}: {}\n", recording.path.display(), recording.name, instead.join("; "));
+                if let Some(folder) = std::env::var_os("KEEP") {
+                    let _ = std::fs::write(Path::new(&folder).join(format!("{seed}_{number}_{tried}.csv")), Csv.render(&motion).unwrap().bytes);
+                }
+                missed += &format!("    missed in {}, try {tried}: {}\n", recording.name, instead.join("; "));
             }
             beside += usize::from(said.iter().any(|doubt| doubt.code != *code));
         }

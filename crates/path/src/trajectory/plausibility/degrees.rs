@@ -6,12 +6,16 @@ use super::series::{measured, quantile};
 use crate::trajectory::{JointTrack, Trajectory};
 use realgap_core::unit::number;
 
-/// The ratios of two columns of which one is in degrees and one in radians: 57.3 within a servo's obedience.
-const DEGREES: std::ops::Range<f64> = 40.0..80.0;
+/// The ratios of an angle in degrees to its command in radians: 57.3, or less where a weak servo does not get as far as it is told, …
+const OVER_COMMAND: std::ops::Range<f64> = 20.0..80.0;
+/// … and of a command in degrees to its angle in radians, for the same reason.
+const UNDER_COMMAND: std::ops::Range<f64> = 40.0..160.0;
+/// The ratios of the change of an angle to the integral of its speed, or the other way round, if one of them is in degrees.
+const OVER_SPEED: std::ops::Range<f64> = 40.0..80.0;
 /// The ratio of two columns in the same unit.
-const ALIKE: std::ops::Range<f64> = 0.4..2.5;
+const ALIKE: std::ops::Range<f64> = 0.2..2.5;
 /// The smallest correlation from which a ratio follows.
-const CORRELATED: f64 = 0.9;
+const CORRELATED: f64 = 0.75;
 /// The smallest step of an encoder, as a number, that is too coarse for radians: 126 steps a turn.
 const COARSE: f64 = 0.05;
 /// A step is a multiple of the smallest one within this share of it.
@@ -35,12 +39,15 @@ enum Unit {
 }
 
 /// The relation that a slope of the angle over another column shows, if it shows one.
-fn unit((slope, correlation): (f64, f64)) -> Option<Unit> {
+fn unit(
+    (slope, correlation): (f64, f64),
+    over: &std::ops::Range<f64>,
+    under: &std::ops::Range<f64>,
+) -> Option<Unit> {
     let slope = slope.abs();
-    let is_in_degrees = DEGREES.contains(&slope);
     match correlation.abs() > CORRELATED {
-        true if is_in_degrees => Some(Unit::AngleInDegrees),
-        true if DEGREES.contains(&(1.0 / slope)) => Some(Unit::OtherInDegrees),
+        true if over.contains(&slope) => Some(Unit::AngleInDegrees),
+        true if under.contains(&(1.0 / slope)) => Some(Unit::OtherInDegrees),
         true if ALIKE.contains(&slope) => Some(Unit::Same),
         _ => None,
     }
@@ -57,15 +64,19 @@ pub(super) fn doubt(seen: &Seen<'_>) -> Option<String> {
             all.slope(angle, command)
         });
         let others = [
-            ("commands", told),
-            ("speeds", slope_over_speed(trajectory.times_s(), joint)),
+            ("commands", told, [&OVER_COMMAND, &UNDER_COMMAND]),
+            (
+                "speeds",
+                slope_over_speed(trajectory.times_s(), joint),
+                [&OVER_SPEED, &OVER_SPEED],
+            ),
         ];
         let name = &joint.name;
         let mut is_known = false;
-        for (other, slope) in others {
+        for (other, slope, [over, under]) in others {
             let Some(slope) = slope else { continue };
             let ratio = number(slope.0.abs().max(1.0 / slope.0.abs()));
-            match unit(slope) {
+            match unit(slope, over, under) {
                 Some(Unit::AngleInDegrees) => {
                     return Some(format!(
                         "`{name}` moves {ratio} times as far as its {other} say: its angles are probably degrees read as radians; name the column {name}_deg"

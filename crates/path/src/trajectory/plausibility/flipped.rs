@@ -11,7 +11,7 @@ const EXPLAINED: f64 = 0.5;
 /// The longest delay, seconds, that may explain the error with the sign as read: half a period of a slow motion looks like a turned sign.
 const LONG_DELAY_S: f64 = 0.6;
 /// The smallest correlation, without its sign, of changes of the angle with the recorded speed, …
-const CORRELATED: f64 = 0.9;
+const CORRELATED: f64 = 0.75;
 /// … and the range of their slopes.
 const ALIKE: std::ops::Range<f64> = 0.5..2.0;
 

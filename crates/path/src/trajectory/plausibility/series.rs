@@ -12,6 +12,8 @@ pub(super) trait Series {
     fn count(&self) -> usize;
     /// The distance between the values of two samples.
     fn distance(&self, a: usize, b: usize) -> f64;
+    /// How far a sample is from a straight line through its neighbours, times two.
+    fn bend(&self, sample: usize) -> f64;
     /// True if the value of a sample is exactly 0.
     fn is_zero(&self, sample: usize) -> bool;
 }
@@ -22,6 +24,9 @@ impl Series for [Vector3<f64>] {
     }
     fn distance(&self, a: usize, b: usize) -> f64 {
         (self[a] - self[b]).norm()
+    }
+    fn bend(&self, sample: usize) -> f64 {
+        (self[sample - 1] - 2.0 * self[sample] + self[sample + 1]).norm()
     }
     fn is_zero(&self, sample: usize) -> bool {
         self[sample] == Vector3::zeros()
@@ -34,6 +39,9 @@ impl Series for [f64] {
     }
     fn distance(&self, a: usize, b: usize) -> f64 {
         (self[a] - self[b]).abs()
+    }
+    fn bend(&self, sample: usize) -> f64 {
+        (self[sample - 1] - 2.0 * self[sample] + self[sample + 1]).abs()
     }
     fn is_zero(&self, sample: usize) -> bool {
         self[sample] == 0.0
@@ -69,12 +77,25 @@ impl Steps {
         let before = &self.lengths[before_end.saturating_sub(AROUND)..before_end];
         let after_start = apart.end.min(self.lengths.len());
         let after = &self.lengths[after_start..(after_start + AROUND).min(self.lengths.len())];
-        let mut all: Vec<f64> = before.iter().chain(after).copied().collect();
-        all.sort_by(|a, b| b.total_cmp(a));
-        // Of few steps, none is left out.
-        let ignored = if all.len() > 3 * IGNORED { IGNORED } else { 0 };
-        all.get(ignored).copied().unwrap_or(f64::INFINITY)
+        large(before.iter().chain(after).copied().collect())
     }
+}
+
+/// A large bend of the path shortly before and after the samples of `apart`, bends at these samples left out.
+pub(super) fn bend_around(series: &(impl Series + ?Sized), apart: &Range<usize>) -> f64 {
+    let before_end = apart.start.saturating_sub(1).max(1);
+    let before = before_end.saturating_sub(AROUND).max(1)..before_end;
+    let last = series.count() - 1;
+    let after = (apart.end + 1).min(last)..(apart.end + 1 + AROUND).min(last);
+    large(before.chain(after).map(|sample| series.bend(sample)).collect())
+}
+
+/// The largest value but for a few.
+fn large(mut all: Vec<f64>) -> f64 {
+    all.sort_by(|a, b| b.total_cmp(a));
+    // Of few values, none is left out.
+    let ignored = if all.len() > 3 * IGNORED { IGNORED } else { 0 };
+    all.get(ignored).copied().unwrap_or(f64::INFINITY)
 }
 
 /// The value below which this share of the values lies; `None` without values.

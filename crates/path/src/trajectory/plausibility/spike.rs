@@ -2,14 +2,16 @@
 
 use std::ops::Range;
 
-use super::series::{Series, Steps, measured};
+use super::series::{Series, Steps, bend_around, measured};
 use super::{Seen, and_more};
 use realgap_core::unit::number;
 
 /// The largest number of samples of one spike; a longer excursion may be a motion.
 const LONGEST: usize = 5;
-/// A spike is farther away than this many large steps of the samples around it, …
+/// A spike is farther away than this many large bends of the path around it, …
 const FAR: f64 = 6.0;
+/// … than this many large steps around it, because a body that bounces also returns, …
+const FAR_OF_STEPS: f64 = 3.0;
 /// … and than this many large steps of the whole recording.
 const FAR_OF_ALL: f64 = 3.0;
 /// Behind a spike the path continues: not farther on than this many large steps for each sample.
@@ -74,7 +76,9 @@ fn spikes(series: &(impl Series + ?Sized), smallest: f64) -> Vec<Spike> {
             let continues = series.distance(before, behind) <= ONWARD * (many + 1) as f64 * usual.max(steps.fast);
             let off = |sample: usize| series.distance(sample, before).min(series.distance(sample, behind));
             let distance = samples.clone().map(off).fold(f64::INFINITY, f64::min);
-            let is_far = distance > FAR * usual && distance > FAR_OF_ALL * steps.fast;
+            let is_far = distance > FAR_OF_STEPS * usual
+                && distance > FAR * bend_around(series, &samples)
+                && distance > FAR_OF_ALL * steps.fast;
             let is_zero = samples.clone().all(|sample| series.is_zero(sample));
             (continues && is_far && !is_zero).then_some(Spike { samples, distance })
         });
