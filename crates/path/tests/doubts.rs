@@ -72,11 +72,14 @@ fn doubts_about(all: &[Recording]) -> String {
 
 /// The doubts that are right: single samples far off, seen with bare eyes in the files.
 ///
-/// - `cube_pushes`: at 0.05 s the resting cube is 6 to 8 mm inside of the table for one sample, among samples with 0.1 mm of noise.
+/// - `cube_pushes`: at 0.05 s the resting cube is 6 to 8 mm inside of the table for one sample, among samples with 0.1 mm of noise; in
+///   `push_19` it is 1.3 mm above its place for one sample at 2.5 s.
 /// - `elbow_tosses/toss_108`: the hinge is at -0.438 rad for two samples, between -0.300 and -0.285 rad.
 fn is_right(recording: &Recording, doubt: &Warning) -> bool {
     let is_of = |folder: &str| recording.path.to_string_lossy().contains(folder);
-    let is_push = is_of("cube_pushes") && doubt.message.contains("at 0.0500 s for one sample");
+    let is_push = is_of("cube_pushes") && ["0.0500 s", "2.50 s"]
+            .iter()
+            .any(|at| doubt.message.contains(&format!("at {at} for one sample")));
     let is_hinge = is_of("toss_108") && doubt.message.contains("`hinge` leaves its path at 0.0473 s");
     doubt.code == Code::Spike && (is_push || is_hinge)
 }
@@ -438,3 +441,10 @@ fn distorted_recordings_are_doubted() {
     assert!(counts.iter().all(|doubted| *doubted >= DOUBTED), "\n{table}");
 }
 
+#[test]
+fn dbg_files() {
+    for f in std::env::var("FILES").unwrap_or_default().split_whitespace() {
+        let r = read_all(f, Reading::default());
+        match r { Ok(r) => for r in r { println!("{f} {:?}", r.warnings.iter().map(ToString::to_string).collect::<Vec<_>>()); println!("joints {:?}", r.trajectory.joints().iter().map(|j| &j.name).collect::<Vec<_>>()); }, Err(e) => println!("{f} ERR {e}") }
+    }
+}

@@ -8,7 +8,7 @@ use realgap_core::unit::number;
 /// A body's own step is the shortest one among those to this many earlier samples.
 const LOOK_BACK: usize = 6;
 /// The shares of own steps below which the usual one is looked for: bodies move at different speeds.
-const USUAL: [f64; 2] = [0.75, 0.9];
+const USUAL: [f64; 3] = [0.75, 0.9, 0.95];
 /// A sample belongs to a body if it is at most this many usual steps from the body's last sample.
 const NEAR: f64 = 8.0;
 /// The largest number of bodies; a path with more places is the motion of one body, or noise.

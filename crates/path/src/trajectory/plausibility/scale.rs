@@ -11,10 +11,12 @@ const RATIOS: [(f64, &str); 2] = [(1000.0, "metres and millimetres"), (100.0, "m
 const AROUND: usize = 10;
 /// The path continues in the other unit: within this many steps.
 const NEAR: f64 = 5.0;
-/// Without the other unit, the path jumps by more than this many steps.
+/// In one unit, the path jumps by more than this many steps of the larger numbers; a robot that starts at the origin does not.
+const JUMP: f64 = 8.0;
+/// Farther from the origin than this many steps, the jump itself shows the ratio.
 const FAR: f64 = 20.0;
 /// Near the origin, the size of the steps must change by the ratio within this factor.
-const SIMILAR: f64 = 3.0;
+const SIMILAR: f64 = 5.0;
 /// The smallest number of samples before and behind the change.
 const FEWEST: usize = 5;
 
@@ -55,8 +57,8 @@ fn changes(positions: &[Vector3<f64>], sample: usize, ratio: f64, grows: bool) -
     let [small, large] = if grows { [before, after] } else { [after, before] };
     let usual = small.max(large / ratio);
     let continues = (large_m / ratio - small_m).norm() <= NEAR * usual;
-    let jumps = (large_m - small_m).norm() > FAR * usual;
-    let is_far_from_origin = small_m.norm() > FAR * usual && usual > 0.0 || (usual == 0.0 && large_m == small_m * ratio);
+    let jumps = (large_m - small_m).norm() > JUMP * ratio * usual;
+    let is_far_from_origin = small_m.norm() > FAR * usual;
     let grown = after / before / factor;
     let is_rescaled = grown.is_finite() && (1.0 / SIMILAR..SIMILAR).contains(&grown);
     continues && jumps && (is_far_from_origin || is_rescaled)

@@ -59,7 +59,7 @@ const FAST: f64 = 0.9;
 pub(super) struct Steps {
     /// `lengths[k]` leads from sample `k` to sample `k + 1`.
     pub lengths: Vec<f64>,
-    /// A large step among those that go anywhere; 0 if nothing moves.
+    /// A large step among those that go anywhere, where the largest few do not count; 0 if there are no others.
     pub fast: f64,
 }
 
@@ -67,7 +67,11 @@ impl Steps {
     pub fn of(series: &(impl Series + ?Sized)) -> Self {
         let lengths: Vec<f64> = (1..series.count()).map(|k| series.distance(k - 1, k)).collect();
         let moving = lengths.iter().copied().filter(|length| *length > 0.0);
-        let fast = quantile(moving.collect(), FAST).unwrap_or(0.0);
+        let moving: Vec<f64> = moving.collect();
+        let others = moving.len().saturating_sub(2 * IGNORED) as f64;
+        let share = FAST.min(others / moving.len().max(1) as f64);
+        let fast = if others > 0.0 { quantile(moving, share) } else { None };
+        let fast = fast.unwrap_or(0.0);
         Self { lengths, fast }
     }
 

@@ -16,6 +16,8 @@ const FAR_OF_STEPS: f64 = 3.0;
 const FAR_OF_ALL: f64 = 3.0;
 /// Behind a spike the path continues: not farther on than this many large steps for each sample.
 const ONWARD: f64 = 1.5;
+/// The smallest spike of a position, metres, that matters: a tracker that rests changes its last digit, too.
+const SMALLEST_M: f64 = 1e-3;
 /// The smallest spike of an angle, radians, that matters.
 const SMALLEST_RAD: f64 = 0.02;
 /// Spikes that are more frequent than this share of the samples are the noise or the motion of the recording.
@@ -30,7 +32,7 @@ struct Spike {
 /// A message about the farthest spike.
 pub(super) fn doubt(seen: &Seen<'_>) -> Option<String> {
     let trajectory = seen.trajectory;
-    let of_path = spikes(trajectory.positions_world_m(), 0.0);
+    let of_path = spikes(trajectory.positions_world_m(), SMALLEST_M);
     if let Some((message, _)) = described(seen, &of_path, "the position", "m") {
         return Some(message);
     }
