@@ -184,6 +184,54 @@ fn positions_mirrored_against_the_orientations_are_detected() {
     assert!(tens >= 3, "{tens} of 4");
 }
 
+/// A robot with wheels in the own format: `drive` gives its heading and its speed ahead at a time; y and its direction are multiplied by
+/// `side`, as in a file with mirrored positions.
+fn driven(side: f64, drive: impl Fn(f64) -> (f64, f64)) -> String {
+    let (mut text, mut x, mut y) = (format!("{OURS}\n"), 0.0, 0.0);
+    for k in 0..400 {
+        let t = 0.05 * f64::from(k);
+        let (heading_rad, speed_m_s) = drive(t);
+        let (qz, qw) = (0.5 * heading_rad).sin_cos();
+        text += &format!("{t},{x},{},0.05,{qw},0,0,{qz}\n", side * y);
+        x += 0.05 * speed_m_s * heading_rad.cos();
+        y += 0.05 * speed_m_s * heading_rad.sin();
+    }
+    text
+}
+
+#[test]
+fn a_robot_that_reverses_is_not_mirrored_and_a_mirrored_robot_that_reverses_is() {
+    let trial = Trial::new();
+    let reverses = |t: f64| if (t / 3.0) as i64 % 2 == 0 { 0.4 } else { -0.3 };
+    let drives: [&dyn Fn(f64) -> (f64, f64); 3] = [
+        // Ahead on one heading, back on another.
+        &|t| if t < 10.0 { (0.78540, 0.3) } else { (-0.78540, -0.3) },
+        &|t| (0.9 * t, reverses(t)),
+        &|t| (2.0 * (0.7 * t).sin(), reverses(t)),
+    ];
+    for drive in drives {
+        let guess = trial.guess(&driven(1.0, drive));
+        let said = format!("{:?}", guess.evidence);
+        assert!(!said.contains("mirrored"), "{said}");
+    }
+    for drive in [drives[1], drives[2], &|t| (0.5 * t, 0.3)] {
+        let said = trial.refused(&driven(-1.0, drive));
+        assert!(said.contains("mirrored"), "{said}");
+    }
+}
+
+#[test]
+fn axes_that_two_headings_contradict_are_doubted_but_not_refused() {
+    let trial = Trial::new();
+    let corner = |t: f64| (if t < 10.0 { 0.3 } else { 0.3 + 0.25 * std::f64::consts::PI }, 0.3);
+    let guess = trial.guess(&driven(-1.0, corner));
+    let said = format!("{:?}", guess.evidence);
+    assert!(said.contains("axes may be mirrored"), "{said}");
+    let path = trial.put(&driven(-1.0, corner));
+    let doubt = odd_axes(&[read(path, Reading::default()).unwrap()], 0.2);
+    assert!(doubt.is_some_and(|doubt| doubt.contains("seem mirrored")));
+}
+
 #[test]
 fn a_file_without_a_needed_column_is_refused_with_the_names_of_its_columns() {
     let trial = Trial::new();

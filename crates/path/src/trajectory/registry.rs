@@ -284,7 +284,10 @@ impl<'a> File<'a> {
         let mut bodies = Vec::with_capacity(names.len());
         for name in names {
             let motion = parse(&body_column::as_if_alone(&self.text, &name), &plain)?.trajectory;
-            bodies.push((name, self.to_world_frame(motion)?));
+            let motion = self.to_world_frame(motion)?;
+            let body = format!("{}, body {name}", self.stem());
+            (parsed.warnings).extend(plausibility::path_warnings(&body, &motion, &self.reading));
+            bodies.push((name, motion));
         }
         Ok(Recording {
             bodies,

@@ -8,8 +8,10 @@ use super::series::measured;
 const CLEARER: f64 = 0.3;
 /// … and less than this share of the variance of the command.
 const EXPLAINED: f64 = 0.5;
-/// The longest delay, seconds, that may explain the error with the sign as read: half a period of a slow motion looks like a turned sign.
+/// Half a period of delay looks like a turned sign: with the sign as read, delays up to this, seconds, …
 const LONG_DELAY_S: f64 = 0.6;
+/// … must leave more than `EXPLAINED`, of which the other sign leaves less than this share.
+const CLEARER_THAN_LATE: f64 = 0.6;
 /// The smallest correlation, without its sign, of changes of the angle with the recorded speed, …
 const CORRELATED: f64 = 0.75;
 /// … and the range of their slopes.
@@ -28,8 +30,11 @@ fn against_command(seen: &Seen<'_>) -> Option<String> {
         if turned >= EXPLAINED * variance {
             return None;
         }
-        let as_read = all.misfit(angle, command, 1.0, LONG_DELAY_S);
-        (turned < CLEARER * as_read).then(|| (format!("`{}`", angle.name), turned / as_read))
+        let as_read = all.misfit(angle, command, 1.0, DELAY_S);
+        let late = all.misfit(angle, command, 1.0, LONG_DELAY_S);
+        let is_late = late <= EXPLAINED * variance || turned >= CLEARER_THAN_LATE * late;
+        let is_clear = turned < CLEARER * as_read && !is_late;
+        is_clear.then(|| (format!("`{}`", angle.name), turned / as_read))
     });
     let (names, shares): (Vec<String>, Vec<f64>) = found.unzip();
     let share = shares.into_iter().reduce(f64::max)?;

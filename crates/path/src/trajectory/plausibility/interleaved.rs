@@ -18,6 +18,9 @@ const SHARE: f64 = 0.1;
 /// The smallest number of jumps back to a body that was left.
 const RETURNS: usize = 6;
 
+/// Two places nearer than this, metres, are one body whose tracker wavers between two answers.
+const APART_M: f64 = 0.01;
+
 /// The samples of one body.
 struct Body {
     last: usize,
@@ -67,7 +70,7 @@ fn bodies(seen: &Seen<'_>, positions: &[Vector3<f64>], usual_m: f64) -> Option<S
     }
     let least = SHARE * positions.len() as f64;
     let count = all.iter().filter(|body| body.samples as f64 >= least).count();
-    (count >= 2 && returns >= RETURNS).then_some(())?;
+    (count >= 2 && returns >= RETURNS && farthest_m > APART_M).then_some(())?;
     Some(format!(
         "the path jumps {returns} times back and forth between {count} places, up to {} m apart (first at {}), and moves by about {} m otherwise: these seem to be {count} bodies or runs in one file; read one of them (`only: (column: ..., value: ...)` where a column tells them apart), or export each to a file of its own",
         number(farthest_m),

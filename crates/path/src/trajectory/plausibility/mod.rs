@@ -68,6 +68,15 @@ const DOUBTS: &[(Code, Doubt)] = &[
     (Code::ChangedUnit, scale::doubt),
 ];
 
+/// The doubts about paths that also hold for bodies beside the tracked one.
+const OF_PATHS: [Code; 5] = [
+    Code::Spike,
+    Code::LostAsZero,
+    Code::FrozenTracker,
+    Code::SeveralRobots,
+    Code::ChangedUnit,
+];
+
 /// Warnings about faults of this recording, whose quaternions were read in the order `read_as`.
 pub(super) fn warnings(
     name: &str,
@@ -87,6 +96,14 @@ pub(super) fn warnings(
         .iter()
         .filter_map(|(code, doubt)| Some(code.warning(format!("{name}: {}", doubt(&seen)?))));
     found.collect()
+}
+
+/// Warnings about faults of the path of another body in a recording; its times are those of the tracked body.
+pub(super) fn path_warnings(name: &str, path: &Trajectory, reading: &Reading) -> Vec<Warning> {
+    // The order of quaternions is judged by the tracked body.
+    let mut all = warnings(name, path, reading, QuaternionOrder::Wxyz);
+    all.retain(|warning| OF_PATHS.contains(&warning.code));
+    all
 }
 
 /// The usual time between samples, seconds.
