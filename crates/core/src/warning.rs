@@ -131,7 +131,7 @@ codes! {
     NoSuccessRule "no-success-rule" "No success rule was given." "state the distance that counts as success";
     NoSurvivor "no-survivor" "No finalist keeps its performance under other numerical settings." "check these robots further before you build one; search with finer numerical settings";
     NoWalls "no-walls" "No link of a log crosses a wall." "log links through walls, if walls matter";
-    NormalisedAngles "normalised-angles" "Angles look like positions that are normalised to -100 to 100." "convert them with the calibration with which they were recorded, or record in degrees";
+    NormalisedAngles "normalised-angles" "Angles look like positions that are normalised to ±100." "convert them with the calibration with which they were recorded, or record in degrees";
     NotAudited "not-audited" "An answer was not checked by further runs." "resume the run with the audit before you rely on the answer";
     NotConverged "not-converged" "A fit by least squares had not ended when its budget did." "tune with a larger budget";
     NotNormal "not-normal" "Readings are not normally distributed." "use the histogram or a mixture in place of a normal distribution";
@@ -159,7 +159,7 @@ codes! {
     ServoTooSlow "servo-too-slow" "A gait needs a higher speed than its servo reaches." "make the gait slower or smaller, or give the servo its true speed";
     SeveralMaterials "several-materials" "Readings of different materials are fitted as one sensor." "fit each material by itself";
     SeveralPeaks "several-peaks" "Readings at one distance have several peaks." "look at the histograms: possible causes are an echo, a step of the converter or a second surface";
-    SeveralRobots "several-robots" "A recording looks like the paths of several robots." "choose one robot by the value of a column";
+    SeveralRobots "several-robots" "A recording looks like the paths of several robots." "choose one robot by the value of a column, or give each a file of its own";
     SeveralSessions "several-sessions" "Several sessions of a log are fitted together." "fit each session by itself";
     ShortRecording "short-recording" "A recording is shorter than the study." "record longer, or shorten `duration_s` of the study";
     ShorterSimulation "shorter-simulation" "A simulation ends before its recording." "simulate as long as the recording";

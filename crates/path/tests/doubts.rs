@@ -55,7 +55,10 @@ fn shipped() -> Vec<Recording> {
 }
 
 fn doubts(warnings: &[Warning]) -> Vec<&Warning> {
-    warnings.iter().filter(|w| CODES.contains(&w.code)).collect()
+    warnings
+        .iter()
+        .filter(|w| CODES.contains(&w.code))
+        .collect()
 }
 
 /// The doubts about these recordings, one a line.
@@ -77,10 +80,14 @@ fn doubts_about(all: &[Recording]) -> String {
 /// - `elbow_tosses/toss_108`: the hinge is at -0.438 rad for two samples, between -0.300 and -0.285 rad.
 fn is_right(recording: &Recording, doubt: &Warning) -> bool {
     let is_of = |folder: &str| recording.path.to_string_lossy().contains(folder);
-    let is_push = is_of("cube_pushes") && ["0.0500 s", "2.50 s"]
+    let is_push = is_of("cube_pushes")
+        && ["0.0500 s", "2.50 s"]
             .iter()
             .any(|at| doubt.message.contains(&format!("at {at} for one sample")));
-    let is_hinge = is_of("toss_108") && doubt.message.contains("`hinge` leaves its path at 0.0473 s");
+    let is_hinge = is_of("toss_108")
+        && doubt
+            .message
+            .contains("`hinge` leaves its path at 0.0473 s");
     doubt.code == Code::Spike && (is_push || is_hinge)
 }
 
@@ -152,13 +159,18 @@ fn step_rad(joint: &JointTrack) -> f64 {
 
 fn range(joint: &JointTrack) -> (f64, f64) {
     let all = || joint.angles_rad.iter().copied();
-    (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max))
+    (
+        all().fold(f64::INFINITY, f64::min),
+        all().fold(f64::NEG_INFINITY, f64::max),
+    )
 }
 
 /// A random joint that was measured.
 fn joint<'a>(motion: &'a Trajectory, draw: &mut Draw) -> Option<(usize, &'a JointTrack)> {
     let measured = motion.joints().iter().enumerate();
-    let all: Vec<_> = measured.filter(|(_, joint)| !joint.name.ends_with(COMMAND)).collect();
+    let all: Vec<_> = measured
+        .filter(|(_, joint)| !joint.name.ends_with(COMMAND))
+        .collect();
     (!all.is_empty()).then(|| all[draw.index(0..all.len())])
 }
 
@@ -188,8 +200,11 @@ fn spike(recording: &Recording, _: &[Recording], draw: &mut Draw) -> Option<Traj
     let least_m = (10.0 * step_m(&path)).max(0.1 * extent_m);
     let many = draw.index(1..4);
     let from = draw.index(2..path.len() - 6);
-    let by_m = draw.direction(motion.is_planar()) * draw.size(least_m, 100.0 * extent_m.max(least_m));
-    path[from..from + many].iter_mut().for_each(|place| *place += by_m);
+    let by_m =
+        draw.direction(motion.is_planar()) * draw.size(least_m, 100.0 * extent_m.max(least_m));
+    path[from..from + many]
+        .iter_mut()
+        .for_each(|place| *place += by_m);
     motion.clone().with_positions(path).ok()
 }
 
@@ -225,7 +240,9 @@ fn frozen(recording: &Recording, _: &[Recording], draw: &mut Draw) -> Option<Tra
     // The robot moves on by as much as one sees as a jump.
     let moved_m = (path[from + many] - path[from]).norm();
     let beside = || (from - 10..from).chain(from + many..(from + many + 10).min(path.len() - 1));
-    let usual_m = beside().map(|k| (path[k + 1] - path[k]).norm()).fold(0.0, f64::max);
+    let usual_m = beside()
+        .map(|k| (path[k + 1] - path[k]).norm())
+        .fold(0.0, f64::max);
     (moved_m > 4.0 * usual_m && moved_m > 3.0 * step_m(&path)).then_some(())?;
     let held = path[from];
     path[from..from + many].fill(held);
@@ -261,7 +278,11 @@ fn wrapped(recording: &Recording, _: &[Recording], draw: &mut Draw) -> Option<Tr
     (high - low > 20.0 * step_rad(joint) && high - low > 0.2).then_some(())?;
     let edge = draw.between(low + 0.1 * (high - low), high - 0.1 * (high - low));
     let wrap = |angle: &f64| angle + PI - edge - TAU * ((angle + PI - edge + PI) / TAU).floor();
-    Some(with_angles(motion, index, joint.angles_rad.iter().map(wrap).collect()))
+    Some(with_angles(
+        motion,
+        index,
+        joint.angles_rad.iter().map(wrap).collect(),
+    ))
 }
 
 fn spread(values: &[f64]) -> f64 {
@@ -273,7 +294,12 @@ fn exchanged(recording: &Recording, _: &[Recording], draw: &mut Draw) -> Option<
     let motion = &recording.trajectory;
     let [(one, a), (other, b)] = [joint(motion, draw)?, joint(motion, draw)?];
     let [ca, cb] = [command(motion, a)?, command(motion, b)?];
-    let apart: Vec<f64> = ca.angles_rad.iter().zip(&cb.angles_rad).map(|(a, b)| a - b).collect();
+    let apart: Vec<f64> = ca
+        .angles_rad
+        .iter()
+        .zip(&cb.angles_rad)
+        .map(|(a, b)| a - b)
+        .collect();
     // Both stand still, or both are told the same: nobody could see it.
     (one != other && spread(&apart) > 0.1).then_some(())?;
     let mut joints = motion.joints().to_vec();
@@ -287,14 +313,19 @@ fn flipped(recording: &Recording, _: &[Recording], draw: &mut Draw) -> Option<Tr
     let (index, joint) = joint(motion, draw)?;
     let told = command(motion, joint).is_some_and(|command| spread(&command.angles_rad) > 0.05);
     (told || joint.speeds_rad_s.is_some()).then_some(())?;
-    Some(with_angles(motion, index, joint.angles_rad.iter().map(|angle| -angle).collect()))
+    Some(with_angles(
+        motion,
+        index,
+        joint.angles_rad.iter().map(|angle| -angle).collect(),
+    ))
 }
 
 fn degrees(recording: &Recording, _: &[Recording], draw: &mut Draw) -> Option<Trajectory> {
     let motion = &recording.trajectory;
     let (index, joint) = joint(motion, draw)?;
     let told = command(motion, joint);
-    (told.is_some_and(|told| spread(&told.angles_rad) > 0.05) || joint.speeds_rad_s.is_some()).then_some(())?;
+    (told.is_some_and(|told| spread(&told.angles_rad) > 0.05) || joint.speeds_rad_s.is_some())
+        .then_some(())?;
     // A motion so small that its degrees pass for radians.
     let (low, high) = range(joint);
     let small = draw.between(0.5, 3.0) / high.abs().max(low.abs()).to_degrees();
@@ -303,7 +334,10 @@ fn degrees(recording: &Recording, _: &[Recording], draw: &mut Draw) -> Option<Tr
         .iter()
         .map(|joint| joint.map(|values| values.iter().map(|value| value * small).collect()))
         .collect();
-    joints[index].angles_rad.iter_mut().for_each(|angle| *angle = angle.to_degrees());
+    joints[index]
+        .angles_rad
+        .iter_mut()
+        .for_each(|angle| *angle = angle.to_degrees());
     motion.clone().with_joints(joints).ok()
 }
 
@@ -320,7 +354,11 @@ fn normalised(recording: &Recording, _: &[Recording], draw: &mut Draw) -> Option
         let (low, high) = (low + inset, high - inset);
         for angle in &mut joint.angles_rad {
             let number = ((200.0 * (*angle - low) / (high - low)) - 100.0).clamp(-100.0, 100.0);
-            *angle = if is_degrees { number.to_radians() } else { number };
+            *angle = if is_degrees {
+                number.to_radians()
+            } else {
+                number
+            };
         }
         joint.speeds_rad_s = None;
     }
@@ -332,7 +370,9 @@ fn interleaved(recording: &Recording, all: &[Recording], draw: &mut Draw) -> Opt
     has_path(motion).then_some(())?;
     let alike: Vec<&Recording> = all
         .iter()
-        .filter(|other| other.path.parent() == recording.path.parent() && !other.trajectory.is_of_joints())
+        .filter(|other| {
+            other.path.parent() == recording.path.parent() && !other.trajectory.is_of_joints()
+        })
         .collect();
     let other = &alike[draw.index(0..alike.len())].trajectory;
     let (a, b) = (motion.positions_world_m(), other.positions_world_m());
@@ -341,10 +381,18 @@ fn interleaved(recording: &Recording, all: &[Recording], draw: &mut Draw) -> Opt
     let often = draw.between(0.3, 0.7);
     let count = a.len().min(b.len());
     let path: Vec<Vector3<f64>> = (0..count)
-        .map(|k| if draw.share() < often { a[k] } else { b[k] + by_m })
+        .map(|k| {
+            if draw.share() < often {
+                a[k]
+            } else {
+                b[k] + by_m
+            }
+        })
         .collect();
     // The paths may cross; then one sees two bodies only where they are apart.
-    let near = (0..count).filter(|k| (a[*k] - b[*k] - by_m).norm() < least_m).count();
+    let near = (0..count)
+        .filter(|k| (a[*k] - b[*k] - by_m).norm() < least_m)
+        .count();
     (near * 2 < count).then_some(())?;
     Trajectory::new(motion.times_s()[..count].to_vec(), path).ok()
 }
@@ -410,7 +458,9 @@ fn power(seed: u64) -> (String, Vec<usize>) {
                 break;
             }
             let recording = &all[draw.index(0..all.len())];
-            let Some(motion) = distort(recording, &all, &mut draw) else { continue };
+            let Some(motion) = distort(recording, &all, &mut draw) else {
+                continue;
+            };
             tried += 1;
             let bytes = Csv.render(&motion).unwrap().bytes;
             let read = parse_all("distorted.csv", bytes, Reading::default()).unwrap();
@@ -419,12 +469,18 @@ fn power(seed: u64) -> (String, Vec<usize>) {
                 doubted += 1;
             } else {
                 let instead: Vec<String> = said.iter().map(ToString::to_string).collect();
-                missed += &format!("    missed in {}, try {tried}: {}\n", recording.name, instead.join("; "));
+                missed += &format!(
+                    "    missed in {}, try {tried}: {}\n",
+                    recording.name,
+                    instead.join("; ")
+                );
             }
             beside += usize::from(said.iter().any(|doubt| doubt.code != *code));
         }
         assert_eq!(tried, RUNS, "{name}: recordings that have what it needs");
-        table += &format!("{name:26} {doubted:2} of {tried}, other doubts beside it in {beside}\n{missed}");
+        table += &format!(
+            "{name:26} {doubted:2} of {tried}, other doubts beside it in {beside}\n{missed}"
+        );
         counts.push(doubted);
     }
     (table, counts)
@@ -454,19 +510,44 @@ fn said_of(bytes: Vec<u8>) -> String {
 fn doubts_hold_for_every_reader_and_say_where_and_what_was_seen() {
     let clock = |k: usize| 1.7e9 + 0.02 * k as f64;
     assert_eq!(said_of(tum(on_a_circle, clock)), "");
-    let spike = |k: usize| if k == 250 { [50.0, 50.0, 0.1] } else { on_a_circle(k) };
+    let spike = |k: usize| {
+        if k == 250 {
+            [50.0, 50.0, 0.1]
+        } else {
+            on_a_circle(k)
+        }
+    };
     let said = said_of(tum(spike, clock));
-    assert!(said.contains("leaves its path at 5.00 s for one sample by 70.1 m"), "{said}");
+    assert!(
+        said.contains("leaves its path at 5.00 s for one sample by 70.1 m"),
+        "{said}"
+    );
     assert!(said.ends_with("[spike]"), "{said}");
-    let lost = |k: usize| if (300..340).contains(&k) { [0.0; 3] } else { on_a_circle(k) };
+    let lost = |k: usize| {
+        if (300..340).contains(&k) {
+            [0.0; 3]
+        } else {
+            on_a_circle(k)
+        }
+    };
     let said = said_of(tum(lost, clock));
-    assert!(said.contains("exactly 0 from 6.00 s to 6.78 s (40 samples)"), "{said}");
+    assert!(
+        said.contains("exactly 0 from 6.00 s to 6.78 s (40 samples)"),
+        "{said}"
+    );
     let two = |k: usize| {
         let [x, y, z] = on_a_circle(k);
-        if k % 3 == 0 { [x + 4.0, y, z] } else { [x, y, z] }
+        if k % 3 == 0 {
+            [x + 4.0, y, z]
+        } else {
+            [x, y, z]
+        }
     };
     let said = said_of(tum(two, clock));
-    assert!(said.contains("between 2 places") && said.contains("[several-robots]"), "{said}");
+    assert!(
+        said.contains("between 2 places") && said.contains("[several-robots]"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -480,14 +561,21 @@ fn a_robot_that_rests_is_not_frozen_and_one_that_jumps_afterwards_is() {
     assert_eq!(said_of(tum(|k| at(k, true), clock)), "");
     assert_eq!(said_of(tum(|k| on_a_circle(k.min(300)), clock)), "");
     let said = said_of(tum(|k| at(k, false), clock));
-    assert!(said.contains("repeats exactly from 4.00 s to 5.98 s (100 samples)"), "{said}");
+    assert!(
+        said.contains("repeats exactly from 4.00 s to 5.98 s (100 samples)"),
+        "{said}"
+    );
 }
 
 #[test]
 fn a_robot_that_starts_abruptly_at_the_origin_is_not_in_another_unit() {
     let noise = |k: usize| 1e-5 * ((k * 7919 % 13) as f64 - 6.0);
     let starts = |k: usize| {
-        let x = if k < 250 { 0.0 } else { 0.01 * (k - 249) as f64 };
+        let x = if k < 250 {
+            0.0
+        } else {
+            0.01 * (k - 249) as f64
+        };
         [x + noise(k), noise(k + 5), noise(k + 9)]
     };
     let said = said_of(tum(starts, |k| 0.02 * k as f64));
@@ -525,10 +613,18 @@ fn small_degrees_are_seen_by_commands_speeds_and_steps_and_radians_are_not_doubt
     assert_eq!(arm(wave, "elbow_rad_s", speed), "");
     for said in [
         arm(degrees, "elbow_command_rad", wave),
-        arm(|t| wave(t - 0.1), "elbow_command_rad", |t| wave(t).to_degrees()),
+        arm(
+            |t| wave(t - 0.1),
+            "elbow_command_rad",
+            |t| wave(t).to_degrees(),
+        ),
         arm(|t| wave(t).to_degrees(), "elbow_rad_s", speed),
         // Only the steps of its encoder tell: 4096 a turn.
-        arm(|t| 0.087_890_625 * (degrees(t) / 0.087_890_625).round(), "supply_v", |_| 7.4),
+        arm(
+            |t| 0.087_890_625 * (degrees(t) / 0.087_890_625).round(),
+            "supply_v",
+            |_| 7.4,
+        ),
     ] {
         assert!(said.contains("[degrees-as-radians]"), "{said}");
     }
@@ -542,9 +638,13 @@ fn small_degrees_are_seen_by_commands_speeds_and_steps_and_radians_are_not_doubt
 
 #[test]
 fn distorted_recordings_are_doubted() {
-    let seed = std::env::var("REALGAP_SEED").ok().and_then(|text| text.parse().ok());
+    let seed = std::env::var("REALGAP_SEED")
+        .ok()
+        .and_then(|text| text.parse().ok());
     let (table, counts) = power(seed.unwrap_or(51));
     println!("{table}");
-    assert!(counts.iter().all(|doubted| *doubted >= DOUBTED), "\n{table}");
+    assert!(
+        counts.iter().all(|doubted| *doubted >= DOUBTED),
+        "\n{table}"
+    );
 }
-

@@ -205,7 +205,13 @@ fn a_robot_that_reverses_is_not_mirrored_and_a_mirrored_robot_that_reverses_is()
     let reverses = |t: f64| if (t / 3.0) as i64 % 2 == 0 { 0.4 } else { -0.3 };
     let drives: [&dyn Fn(f64) -> (f64, f64); 3] = [
         // Ahead on one heading, back on another.
-        &|t| if t < 10.0 { (0.78540, 0.3) } else { (-0.78540, -0.3) },
+        &|t| {
+            if t < 10.0 {
+                (0.78540, 0.3)
+            } else {
+                (-0.78540, -0.3)
+            }
+        },
         &|t| (0.9 * t, reverses(t)),
         &|t| (2.0 * (0.7 * t).sin(), reverses(t)),
     ];
@@ -223,7 +229,16 @@ fn a_robot_that_reverses_is_not_mirrored_and_a_mirrored_robot_that_reverses_is()
 #[test]
 fn axes_that_two_headings_contradict_are_doubted_but_not_refused() {
     let trial = Trial::new();
-    let corner = |t: f64| (if t < 10.0 { 0.3 } else { 0.3 + 0.25 * std::f64::consts::PI }, 0.3);
+    let corner = |t: f64| {
+        (
+            if t < 10.0 {
+                0.3
+            } else {
+                0.3 + 0.25 * std::f64::consts::PI
+            },
+            0.3,
+        )
+    };
     let guess = trial.guess(&driven(-1.0, corner));
     let said = format!("{:?}", guess.evidence);
     assert!(said.contains("axes may be mirrored"), "{said}");

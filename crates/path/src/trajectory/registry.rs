@@ -348,7 +348,11 @@ impl<'a> File<'a> {
         );
         // A column that tells several robots apart says more than their motion.
         let is_told = warnings.iter().any(|w| w.code == Code::SeveralRobots);
-        warnings.extend(doubts.into_iter().filter(|w| !is_told || w.code != Code::SeveralRobots));
+        warnings.extend(
+            doubts
+                .into_iter()
+                .filter(|w| !is_told || w.code != Code::SeveralRobots),
+        );
         Ok(Recording {
             name,
             path: self.path.to_path_buf(),

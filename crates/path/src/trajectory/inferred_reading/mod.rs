@@ -123,7 +123,7 @@ impl InferredReading {
                     format!("{}; change the sign of one axis in positions and orientations if this is so", mirrored.found),
                 );
             } else {
-            return Err(Error::invalid("the recording is mirrored")
+                return Err(Error::invalid("the recording is mirrored")
                 .at_file(path)
                 .found(mirrored.found)
                 .allowed("right-handed axes: x forward, y to the left, z up")

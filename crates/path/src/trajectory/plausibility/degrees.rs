@@ -106,7 +106,10 @@ fn coarse(joint: &JointTrack) -> Option<String> {
     let least = steps.iter().copied().fold(f64::INFINITY, f64::min);
     let is_multiple = |step: &&f64| (*step / least - (*step / least).round()).abs() < MULTIPLE;
     let multiples = steps.iter().filter(is_multiple).count();
-    let mut levels: Vec<i64> = angles.iter().map(|angle| (angle / least).round() as i64).collect();
+    let mut levels: Vec<i64> = angles
+        .iter()
+        .map(|angle| (angle / least).round() as i64)
+        .collect();
     levels.sort_unstable();
     levels.dedup();
     let is_coarse = least >= COARSE

@@ -18,7 +18,11 @@ pub(super) fn doubt(seen: &Seen<'_>) -> Option<String> {
     };
     let count = all.joints.len();
     let own: Vec<f64> = (0..count).map(|joint| misfit(joint, joint)).collect();
-    let variances: Vec<f64> = all.joints.iter().map(|(_, command)| all.variance(command).unwrap_or(0.0)).collect();
+    let variances: Vec<f64> = all
+        .joints
+        .iter()
+        .map(|(_, command)| all.variance(command).unwrap_or(0.0))
+        .collect();
     let mut best: Option<(f64, usize, usize)> = None;
     for one in 0..count {
         for other in one + 1..count {

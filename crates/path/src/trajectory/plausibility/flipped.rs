@@ -49,7 +49,9 @@ fn against_speed(seen: &Seen<'_>) -> Option<String> {
     let times_s = seen.trajectory.times_s();
     let is_turned = |joint: &&crate::trajectory::JointTrack| {
         let found = slope_over_speed(times_s, joint);
-        found.is_some_and(|(slope, correlation)| correlation < -CORRELATED && ALIKE.contains(&-slope))
+        found.is_some_and(|(slope, correlation)| {
+            correlation < -CORRELATED && ALIKE.contains(&-slope)
+        })
     };
     let names = measured(seen.trajectory).filter(is_turned);
     let names: Vec<String> = names.map(|joint| format!("`{}`", joint.name)).collect();

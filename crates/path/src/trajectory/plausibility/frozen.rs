@@ -20,9 +20,8 @@ const JUMP_OF_ALL: f64 = 1.5;
 pub(super) fn doubt(seen: &Seen<'_>) -> Option<String> {
     let positions = seen.trajectory.positions_world_m();
     let turns = seen.trajectory.orientations_world_from_body();
-    let repeats = |k: usize| {
-        positions[k] == positions[k - 1] && turns.is_none_or(|all| all[k] == all[k - 1])
-    };
+    let repeats =
+        |k: usize| positions[k] == positions[k - 1] && turns.is_none_or(|all| all[k] == all[k - 1]);
     // The runs of samples with one pose, the first of them included.
     let mut held: Vec<Range<usize>> = Vec::new();
     for sample in 0..positions.len() {
@@ -34,7 +33,9 @@ pub(super) fn doubt(seen: &Seen<'_>) -> Option<String> {
     let usual = quantile(held.iter().map(|run| run.len() as f64).collect(), 0.9)?;
     let least = (FEWEST + 1).max((LONGER * usual).ceil() as usize);
     let steps = Steps::of(positions);
-    let jump_m = |run: &Range<usize>| (run.end < positions.len()).then(|| positions.distance(run.end - 1, run.end));
+    let jump_m = |run: &Range<usize>| {
+        (run.end < positions.len()).then(|| positions.distance(run.end - 1, run.end))
+    };
     let is_frozen = |run: &&Range<usize>| {
         let is_inside = run.start > 0 && run.len() >= least;
         let is_zero = positions.is_zero(run.start);
@@ -60,9 +61,15 @@ pub(super) fn doubt(seen: &Seen<'_>) -> Option<String> {
 fn moving_around(steps: &Steps, run: &Range<usize>) -> f64 {
     const REACH: usize = 40;
     let before = steps.lengths[..run.start].iter().rev().take(REACH);
-    let after = steps.lengths[run.end.min(steps.lengths.len())..].iter().take(REACH);
+    let after = steps.lengths[run.end.min(steps.lengths.len())..]
+        .iter()
+        .take(REACH);
     let some = |lengths: &mut dyn Iterator<Item = &f64>| -> Vec<f64> {
-        lengths.copied().filter(|length| *length > 0.0).take(12).collect()
+        lengths
+            .copied()
+            .filter(|length| *length > 0.0)
+            .take(12)
+            .collect()
     };
     let mut all = some(&mut before.into_iter());
     all.extend(some(&mut after.into_iter()));

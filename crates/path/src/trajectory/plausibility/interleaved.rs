@@ -32,9 +32,14 @@ pub(super) fn doubt(seen: &Seen<'_>) -> Option<String> {
     let positions = seen.trajectory.positions_world_m();
     let own_step = |k: usize| {
         let earlier = k.saturating_sub(LOOK_BACK)..k;
-        earlier.map(|j| positions.distance(j, k)).fold(f64::INFINITY, f64::min)
+        earlier
+            .map(|j| positions.distance(j, k))
+            .fold(f64::INFINITY, f64::min)
     };
-    let own: Vec<f64> = (1..positions.len()).map(own_step).filter(|step| *step > 0.0).collect();
+    let own: Vec<f64> = (1..positions.len())
+        .map(own_step)
+        .filter(|step| *step > 0.0)
+        .collect();
     USUAL.into_iter().find_map(|share| {
         let usual_m = quantile(own.clone(), share)?;
         bodies(seen, positions, usual_m)
@@ -64,12 +69,18 @@ fn bodies(seen: &Seen<'_>, positions: &[Vector3<f64>], usual_m: f64) -> Option<S
             _ if all.len() == BODIES => return None,
             _ => {
                 current = all.len();
-                all.push(Body { last: k, samples: 1 });
+                all.push(Body {
+                    last: k,
+                    samples: 1,
+                });
             }
         }
     }
     let least = SHARE * positions.len() as f64;
-    let count = all.iter().filter(|body| body.samples as f64 >= least).count();
+    let count = all
+        .iter()
+        .filter(|body| body.samples as f64 >= least)
+        .count();
     (count >= 2 && returns >= RETURNS && farthest_m > APART_M).then_some(())?;
     Some(format!(
         "the path jumps {returns} times back and forth between {count} places, up to {} m apart (first at {}), and moves by about {} m otherwise: these seem to be {count} bodies or runs in one file; read one of them (`only: (column: ..., value: ...)` where a column tells them apart), or export each to a file of its own",

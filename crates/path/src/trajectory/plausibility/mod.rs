@@ -40,7 +40,10 @@ struct Seen<'a> {
 impl Seen<'_> {
     /// The time of a sample, as it is written in a message.
     fn at(&self, sample: usize) -> String {
-        format!("{} s", number(self.trajectory.times_s()[sample] - self.origin_s))
+        format!(
+            "{} s",
+            number(self.trajectory.times_s()[sample] - self.origin_s)
+        )
     }
 }
 
@@ -54,7 +57,9 @@ const DOUBTS: &[(Code, Doubt)] = &[
     (Code::Standstill, standstill::doubt),
     (Code::QuaternionOrder, quaternion_order::doubt),
     (Code::StaleSamples, stale::doubt),
-    (Code::UnsynchronisedClocks, |seen| clock::clock_fault(seen.trajectory, seen.interval_s)),
+    (Code::UnsynchronisedClocks, |seen| {
+        clock::clock_fault(seen.trajectory, seen.interval_s)
+    }),
     (Code::Spike, spike::doubt),
     (Code::LostAsZero, zeros::of_positions),
     (Code::JointDropout, zeros::of_joints),

@@ -22,7 +22,12 @@ fn ends_met(seen: &Seen<'_>, unit: &str, size_rad: f64) -> Option<String> {
     let mut met: Vec<String> = Vec::new();
     let mut ends = 0;
     for joint in measured(seen.trajectory) {
-        let numbers = || joint.angles_rad.iter().map(|angle_rad| angle_rad / size_rad);
+        let numbers = || {
+            joint
+                .angles_rad
+                .iter()
+                .map(|angle_rad| angle_rad / size_rad)
+        };
         if numbers().any(|number| number.abs() > END * (1.0 + ROUNDING)) {
             return None;
         }
@@ -31,7 +36,10 @@ fn ends_met(seen: &Seen<'_>, unit: &str, size_rad: f64) -> Option<String> {
         let (low, high) = (is_met(-END), is_met(END));
         let lowest = numbers().fold(f64::INFINITY, f64::min);
         let of_gripper = high && !low && lowest.abs() < END * ROUNDING;
-        let own = [low, high, of_gripper].into_iter().filter(|met| *met).count();
+        let own = [low, high, of_gripper]
+            .into_iter()
+            .filter(|met| *met)
+            .count();
         if own > 0 {
             met.push(format!("`{}`", joint.name));
         }

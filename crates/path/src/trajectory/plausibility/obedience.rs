@@ -54,7 +54,11 @@ impl<'a> Obedience<'a> {
         let count = pairs().count() as f64;
         let (a, c) = pairs().fold((0.0, 0.0), |(a, c), pair| (a + pair.0, c + pair.1));
         let (a, c) = (a / count, c / count);
-        let mut moments = Moments { angle: 0.0, command: 0.0, product: 0.0 };
+        let mut moments = Moments {
+            angle: 0.0,
+            command: 0.0,
+            product: 0.0,
+        };
         for (angle, command) in pairs() {
             moments.angle += (angle - a).powi(2) / count;
             moments.command += (command - c).powi(2) / count;
@@ -79,7 +83,13 @@ impl<'a> Obedience<'a> {
 
     /// The remaining variance of the angle minus `sign` times the command, after the delay up to `longest_s` that fits best. A constant
     /// difference does not count, because encoders have zeros of their own.
-    pub fn misfit(&self, angle: &JointTrack, command: &JointTrack, sign: f64, longest_s: f64) -> f64 {
+    pub fn misfit(
+        &self,
+        angle: &JointTrack,
+        command: &JointTrack,
+        sign: f64,
+        longest_s: f64,
+    ) -> f64 {
         let of = |delay: usize| {
             let moments = self.moments(angle, command, delay);
             moments.angle + moments.command - 2.0 * sign * moments.product

@@ -8,7 +8,10 @@ use nalgebra::Vector3;
 use realgap_core::unit::number;
 
 /// The ratios of units of length, and their names.
-const RATIOS: [(f64, &str); 2] = [(1000.0, "metres and millimetres"), (100.0, "metres and centimetres")];
+const RATIOS: [(f64, &str); 2] = [
+    (1000.0, "metres and millimetres"),
+    (100.0, "metres and centimetres"),
+];
 /// The number of samples on each side that say how large steps are there.
 const AROUND: usize = 10;
 /// The path continues in the other unit: within this many steps.
@@ -33,7 +36,9 @@ pub(super) fn doubt(seen: &Seen<'_>) -> Option<String> {
     let last = positions.len().checked_sub(FEWEST)?;
     let (sample, ratio, units, grows) = (FEWEST..=last).find_map(|sample| {
         RATIOS.iter().find_map(|(ratio, units)| {
-            let grows = [true, false].into_iter().find(|grows| changes(positions, sample, *ratio, *grows))?;
+            let grows = [true, false]
+                .into_iter()
+                .find(|grows| changes(positions, sample, *ratio, *grows))?;
             Some((sample, ratio, units, grows))
         })
     })?;
@@ -48,7 +53,11 @@ pub(super) fn doubt(seen: &Seen<'_>) -> Option<String> {
 /// True if the path continues at `sample` in a unit that is `ratio` times smaller (the numbers grow) or larger.
 fn changes(positions: &[Vector3<f64>], sample: usize, ratio: f64, grows: bool) -> bool {
     let [before_m, after_m] = [positions[sample - 1], positions[sample]];
-    let [small_m, large_m] = if grows { [before_m, after_m] } else { [after_m, before_m] };
+    let [small_m, large_m] = if grows {
+        [before_m, after_m]
+    } else {
+        [after_m, before_m]
+    };
     // This test is cheap and nearly always ends the search here.
     if large_m.norm() <= FAR * small_m.norm() {
         return false;
@@ -56,9 +65,16 @@ fn changes(positions: &[Vector3<f64>], sample: usize, ratio: f64, grows: bool) -
     let before = (sample - 1).saturating_sub(AROUND)..sample - 1;
     let after = sample..(sample + AROUND).min(positions.len() - 1);
     // All in the unit of the smaller numbers.
-    let [small, large] = if grows { [before, after] } else { [after, before] };
+    let [small, large] = if grows {
+        [before, after]
+    } else {
+        [after, before]
+    };
     let step = |range: &Range<usize>| {
-        let lengths = range.clone().map(|k| positions.distance(k, k + 1)).collect();
+        let lengths = range
+            .clone()
+            .map(|k| positions.distance(k, k + 1))
+            .collect();
         quantile(lengths, 0.5).unwrap_or(0.0)
     };
     let [step_m, large_step_m] = [step(&small), step(&large)];
@@ -70,7 +86,9 @@ fn changes(positions: &[Vector3<f64>], sample: usize, ratio: f64, grows: bool) -
     }
     let grown = large_step_m / step_m / ratio;
     let is_rescaled = grown.is_finite() && (1.0 / SIMILAR..SIMILAR).contains(&grown);
-    let from = small.start.saturating_sub(if grows { LONG - AROUND } else { 0 });
+    let from = small
+        .start
+        .saturating_sub(if grows { LONG - AROUND } else { 0 });
     let to = (small.end + if grows { 0 } else { LONG - AROUND }).min(positions.len() - 1);
     small_m.norm() > FAR * usual || (is_rescaled && agreement(&positions[from..=to]) > OPPOSED)
 }
@@ -80,5 +98,9 @@ fn agreement(positions: &[Vector3<f64>]) -> f64 {
     let steps: Vec<Vector3<f64>> = positions.windows(2).map(|w| w[1] - w[0]).collect();
     let products: f64 = steps.windows(2).map(|w| w[0].dot(&w[1])).sum();
     let squares: f64 = steps.iter().map(Vector3::norm_squared).sum();
-    if squares > 0.0 { products / squares } else { 0.0 }
+    if squares > 0.0 {
+        products / squares
+    } else {
+        0.0
+    }
 }

@@ -65,12 +65,18 @@ pub(super) struct Steps {
 
 impl Steps {
     pub fn of(series: &(impl Series + ?Sized)) -> Self {
-        let lengths: Vec<f64> = (1..series.count()).map(|k| series.distance(k - 1, k)).collect();
+        let lengths: Vec<f64> = (1..series.count())
+            .map(|k| series.distance(k - 1, k))
+            .collect();
         let moving = lengths.iter().copied().filter(|length| *length > 0.0);
         let moving: Vec<f64> = moving.collect();
         let others = moving.len().saturating_sub(2 * IGNORED) as f64;
         let share = FAST.min(others / moving.len().max(1) as f64);
-        let fast = if others > 0.0 { quantile(moving, share) } else { None };
+        let fast = if others > 0.0 {
+            quantile(moving, share)
+        } else {
+            None
+        };
         let fast = fast.unwrap_or(0.0);
         Self { lengths, fast }
     }
@@ -91,7 +97,12 @@ pub(super) fn bend_around(series: &(impl Series + ?Sized), apart: &Range<usize>)
     let before = before_end.saturating_sub(AROUND).max(1)..before_end;
     let last = series.count() - 1;
     let after = (apart.end + 1).min(last)..(apart.end + 1 + AROUND).min(last);
-    large(before.chain(after).map(|sample| series.bend(sample)).collect())
+    large(
+        before
+            .chain(after)
+            .map(|sample| series.bend(sample))
+            .collect(),
+    )
 }
 
 /// The largest value but for a few.

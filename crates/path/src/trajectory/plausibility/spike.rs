@@ -45,7 +45,9 @@ pub(super) fn doubt(seen: &Seen<'_>) -> Option<String> {
 }
 
 fn described(seen: &Seen<'_>, all: &[Spike], what: &str, unit: &str) -> Option<(String, f64)> {
-    let worst = all.iter().max_by(|a, b| a.distance.total_cmp(&b.distance))?;
+    let worst = all
+        .iter()
+        .max_by(|a, b| a.distance.total_cmp(&b.distance))?;
     let samples = match worst.samples.len() {
         1 => "one sample".to_owned(),
         many => format!("{many} samples"),
@@ -75,8 +77,13 @@ fn spikes(series: &(impl Series + ?Sized), smallest: f64) -> Vec<Spike> {
                 return None;
             }
             let usual = steps.around(&samples);
-            let continues = series.distance(before, behind) <= ONWARD * (many + 1) as f64 * usual.max(steps.fast);
-            let off = |sample: usize| series.distance(sample, before).min(series.distance(sample, behind));
+            let continues = series.distance(before, behind)
+                <= ONWARD * (many + 1) as f64 * usual.max(steps.fast);
+            let off = |sample: usize| {
+                series
+                    .distance(sample, before)
+                    .min(series.distance(sample, behind))
+            };
             let distance = samples.clone().map(off).fold(f64::INFINITY, f64::min);
             let is_far = distance > FAR_OF_STEPS * usual
                 && distance > FAR * bend_around(series, &samples)

@@ -66,12 +66,16 @@ fn dropouts(series: &(impl Series + ?Sized), smallest: f64) -> Vec<Dropout> {
     }
     let steps = Steps::of(series);
     let jumps = |samples: &Range<usize>| {
-        let into = samples.start.checked_sub(1).map(|before| steps.lengths[before]);
+        let into = samples
+            .start
+            .checked_sub(1)
+            .map(|before| steps.lengths[before]);
         [into, steps.lengths.get(samples.end - 1).copied()]
     };
     let dropout = |samples: Range<usize>| {
         let jump = jumps(&samples).into_iter().flatten().fold(0.0, f64::max);
-        let is_far = jump > FAR * steps.around(&samples) && jump > FAR_OF_ALL * typical(series, &steps);
+        let is_far =
+            jump > FAR * steps.around(&samples) && jump > FAR_OF_ALL * typical(series, &steps);
         (is_far && jump > smallest).then_some(Dropout { samples, jump })
     };
     let all: Vec<Dropout> = zeros.into_iter().filter_map(dropout).collect();
@@ -80,13 +84,21 @@ fn dropouts(series: &(impl Series + ?Sized), smallest: f64) -> Vec<Dropout> {
     };
     let is_elsewhere = |k: &usize| !series.is_zero(*k) && !series.is_zero(k + 1);
     let elsewhere = (0..steps.lengths.len()).filter(is_elsewhere);
-    let alike = elsewhere.filter(|k| steps.lengths[*k] > ALIKE * least).count();
-    if alike > 2 * all.len() { Vec::new() } else { all }
+    let alike = elsewhere
+        .filter(|k| steps.lengths[*k] > ALIKE * least)
+        .count();
+    if alike > 2 * all.len() {
+        Vec::new()
+    } else {
+        all
+    }
 }
 
 /// A large step between samples of which none is 0; zeros that are frequent must not make their own jumps usual.
 fn typical(series: &(impl Series + ?Sized), steps: &Steps) -> f64 {
     let own = |k: &usize| !series.is_zero(*k) && !series.is_zero(k + 1) && steps.lengths[*k] > 0.0;
-    let lengths = (0..steps.lengths.len()).filter(own).map(|k| steps.lengths[k]);
+    let lengths = (0..steps.lengths.len())
+        .filter(own)
+        .map(|k| steps.lengths[k]);
     super::series::quantile(lengths.collect(), 0.9).unwrap_or(0.0)
 }
