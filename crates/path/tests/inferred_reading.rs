@@ -1,5 +1,6 @@
 //! Inferred readings of common file faults, on real tosses of a cube: each fault is corrected with its evidence, asked about, or refused.
 
+use std::f64::consts::FRAC_PI_4;
 use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
@@ -207,9 +208,9 @@ fn a_robot_that_reverses_is_not_mirrored_and_a_mirrored_robot_that_reverses_is()
         // Ahead on one heading, back on another.
         &|t| {
             if t < 10.0 {
-                (0.78540, 0.3)
+                (FRAC_PI_4, 0.3)
             } else {
-                (-0.78540, -0.3)
+                (-FRAC_PI_4, -0.3)
             }
         },
         &|t| (0.9 * t, reverses(t)),
@@ -229,16 +230,7 @@ fn a_robot_that_reverses_is_not_mirrored_and_a_mirrored_robot_that_reverses_is()
 #[test]
 fn axes_that_two_headings_contradict_are_doubted_but_not_refused() {
     let trial = Trial::new();
-    let corner = |t: f64| {
-        (
-            if t < 10.0 {
-                0.3
-            } else {
-                0.3 + 0.25 * std::f64::consts::PI
-            },
-            0.3,
-        )
-    };
+    let corner = |t: f64| (if t < 10.0 { 0.3 } else { 0.3 + FRAC_PI_4 }, 0.3);
     let guess = trial.guess(&driven(-1.0, corner));
     let said = format!("{:?}", guess.evidence);
     assert!(said.contains("axes may be mirrored"), "{said}");
