@@ -68,12 +68,14 @@ codes! {
     BodyContradicted "body-contradicted" "Recorded free flight contradicts the masses, inertias or hinges of the robot's file." "adopt the values that `realgap study identify` found, or weigh and measure the robot again";
     CentreOfMassContradicted "centre-of-mass-contradicted" "Recorded free flight gives another centre of mass than the robot's file." "adopt the values that `realgap study identify` writes";
     CentreOfMassOutside "centre-of-mass-outside" "A centre of mass lies outside of its cube." "correct the centre of mass in the robot's file";
+    ChangedUnit "changed-unit" "A part of a recording is in another unit of length than the rest." "scale this part of the file, or crop the recording to one side of it";
     ClockOffset "clock-offset" "The stamps of two recordings look as if one clock were ahead of the other." "let the offset be estimated, or correct the stamps of one file";
     CoarseGrid "coarse-grid" "Beliefs (distributions over the position) are narrower than the cells of their grid." "give the belief more cells";
     ColumnsIgnored "columns-ignored" "A recording has columns that nothing uses." "say what the columns are when reading, or leave them out of the file";
     ComponentsMissDifference "components-miss-difference" "The kept principal components contain little of the difference between two runs." "use the metric `rms`, or keep more components";
     CompressionUnknown "compression-unknown" "The files of pictures do not state the quality with which they were compressed." "give the pictures as the camera wrote them, and start from a camera file with their `jpeg_quality`";
     ContourStuck "contour-stuck" "A contour came to rest where there is no edge, or did not come to rest." "start the contour nearer to the edge, or look at the picture's contrast";
+    DegreesAsRadians "degrees-as-radians" "Angles, commands or speeds of a joint look like degrees that were read as radians." "name columns of degrees NAME_deg (speeds NAME_deg_s)";
     DifferentDurations "different-durations" "Recordings of one comparison have different durations." "crop recordings to one length, or compare at equal times";
     DifferentRobots "different-robots" "Recordings of one comparison name different robots." "check that every recording is of the robot that is simulated";
     Diverged "diverged" "Simulations diverged numerically and are left out." "use a shorter timestep or more substeps, or narrow the ranges that diverge";
@@ -84,6 +86,7 @@ codes! {
     EnginesDiffer "engines-differ" "Two equally valid engines are fitted best by different values." "do not rely on a value that only one engine supports; measure the parameter directly, or record a motion on which both engines agree";
     EstimatedNoise "estimated-noise" "No noise was stated, so an estimate is used." "state the noise in the study, or in a file of its own";
     EstimatedVelocity "estimated-velocity" "Velocities were not recorded; they are computed from differences of positions." "record velocities, or more samples a second";
+    ExchangedJoints "exchanged-joints" "Two joints follow each other's commands." "exchange the names of the two measured columns, or of the two commanded ones";
     ExclusionNotExported "exclusion-not-exported" "A format cannot store which parts never touch." "exclude these contacts by hand in the other simulator";
     Extrapolated "extrapolated" "A model is used outside of the range it was fitted to." "record data in this range as well, or do not rely on the model there";
     FewDistances "few-distances" "A log has too few distances to choose a form by its predictions." "log more distances";
@@ -92,9 +95,11 @@ codes! {
     FewRepeats "few-repeats" "There are too few repeats for this analysis." "request more repeats";
     FewSessions "few-sessions" "There are too few sessions to estimate how sessions differ." "log three sessions or more";
     FewerTerms "fewer-terms" "Polynomials have fewer terms than requested, because the log has too few samples." "log more samples, or request fewer terms";
+    FlippedSign "flipped-sign" "A joint moves against its command or against its recorded speed." "change the sign of its angles, or of its commands or speeds";
     FloorNotExported "floor-not-exported" "A format cannot store a floor." "add a floor by hand in the other simulator";
     FoldedDirections "folded-directions" "Paths are turned before they are compared, although directions matter." "state `align: World` in the study, where recordings and simulation share a world frame";
     FreeParameter "free-parameter" "A free parameter was given no value." "give it a value, or take it from a file of fitted ones";
+    FrozenTracker "frozen-tracker" "A pose repeats exactly over many samples, and then jumps." "leave the frozen samples out, or crop the recording to one side of them";
     GaitNeedsProgram "gait-needs-program" "A format stores the servos, but not the commands that drive them." "command the servos from a program, as the file's comment says";
     GaitNotExported "gait-not-exported" "A format cannot store a gait." "command the servos from a program";
     GaitTooFast "gait-too-fast" "A gait is too fast for the simulation's timestep." "use a shorter timestep or a slower gait";
@@ -104,10 +109,12 @@ codes! {
     InSample "in-sample" "The values were fitted to the same recordings that judge them." "judge on other recordings: hold some out, or fit in folds";
     Incomplete "incomplete" "The work was interrupted, so the results are incomplete." "resume it, or run the command again";
     InsideWall "inside-wall" "Scans were taken where an arena has a wall." "correct the arena's walls or the logged places";
+    JointDropout "joint-dropout" "A joint's angle drops to exactly 0 and returns." "leave the samples out in which the joint was not read";
     KnownLimit "known-limit" "A result depends on something that the engine is known to simulate wrongly." "see docs/limits.md; check the result by another engine or by experiment";
     LackOfFit "lack-of-fit" "A fitted form deviates from the data by more than chance." "allow a form with more terms";
     LongTask "long-task" "A task took more than a week." "give durations in seconds";
     LookupBetter "lookup-better" "A lookup of the nearest logged scan predicts better than polynomials." "fit again in the frame `turned` or `nearest`";
+    LostAsZero "lost-as-zero" "Positions are exactly 0, and the path beside them is elsewhere." "leave these samples out, or write nothing in place of lost numbers";
     LostSamples "lost-samples" "Samples without numbers are left out." "check the recorder for dropouts; a few lost samples do no harm";
     MassRatio "mass-ratio" "A joint holds a very light and a very heavy part." "make the light part heavier, or use more substeps";
     ModelContradicted "model-contradicted" "No parameters of a model explain the recordings." "check axes, units, robot and gait (`realgap check`); then fit contact parameters as well, or trust the widened intervals only";
@@ -125,6 +132,7 @@ codes! {
     NoSuccessRule "no-success-rule" "No success rule was given." "state the distance that counts as success";
     NoSurvivor "no-survivor" "No finalist keeps its performance under other numerical settings." "check these robots further before you build one; search with finer numerical settings";
     NoWalls "no-walls" "No link of a log crosses a wall." "log links through walls, if walls matter";
+    NormalisedAngles "normalised-angles" "Angles look like positions that are normalised to ±100." "convert them with the calibration with which they were recorded, or record in degrees";
     NotAudited "not-audited" "An answer was not checked by further runs." "resume the run with the audit before you rely on the answer";
     NotConverged "not-converged" "A fit by least squares had not ended when its budget did." "tune with a larger budget";
     NotNormal "not-normal" "Readings are not normally distributed." "use the histogram or a mixture in place of a normal distribution";
@@ -152,12 +160,13 @@ codes! {
     ServoTooSlow "servo-too-slow" "A gait needs a higher speed than its servo reaches." "make the gait slower or smaller, or give the servo its true speed";
     SeveralMaterials "several-materials" "Readings of different materials are fitted as one sensor." "fit each material by itself";
     SeveralPeaks "several-peaks" "Readings at one distance have several peaks." "look at the histograms: possible causes are an echo, a step of the converter or a second surface";
-    SeveralRobots "several-robots" "A recording looks like the paths of several robots." "choose one robot by the value of a column";
+    SeveralRobots "several-robots" "A recording looks like the paths of several robots." "choose one robot by the value of a column, or give each a file of its own";
     SeveralSessions "several-sessions" "Several sessions of a log are fitted together." "fit each session by itself";
     ShortRecording "short-recording" "A recording is shorter than the study." "record longer, or shorten `duration_s` of the study";
     ShorterSimulation "shorter-simulation" "A simulation ends before its recording." "simulate as long as the recording";
     SolverNotExported "solver-not-exported" "A format cannot store the solver's settings." "set timestep and solver by hand in the other simulator";
     SpeedLimitInvented "speed-limit-invented" "A format requires a speed limit, and the robot has none." "check the speed limit in the written file";
+    Spike "spike" "A position or an angle leaves its path for a few samples and returns." "leave these samples out, or record again";
     SpringNotExported "spring-not-exported" "Springs, armatures, compliance and marks are not in an exported file." "set them in the other program; mjcf holds all but compliance";
     StaleSamples "stale-samples" "Samples repeat the joint angles of the previous sample although the commands change." "read the joints again in every sample, or expect errors as large as the joints' motion in one sample";
     StandIn "stand-in" "The recordings were made by a simulator." "record real runs: a fit to a simulator proves nothing about reality";
@@ -180,6 +189,7 @@ codes! {
     Unresolved "unresolved" "Numerical settings change a score as much as a parameter does." "use finer numerics, another gait or another metric; more recordings will not help";
     UnsynchronisedClocks "unsynchronised-clocks" "Joints move before their command, or with a growing delay." "stamp commands and angles with one clock";
     VelocitiesLate "velocities-late" "Recorded velocities belong to an earlier moment." "let `realgap study identify` correct the lag, or record velocities without a filter";
+    WrappedAngle "wrapped-angle" "A joint's angle jumps by a full turn." "unwrap the angles before they are read, e.g. with `numpy.unwrap`";
 }
 
 impl fmt::Display for Code {

@@ -1,5 +1,6 @@
 //! Inferred readings of common file faults, on real tosses of a cube: each fault is corrected with its evidence, asked about, or refused.
 
+use std::f64::consts::FRAC_PI_4;
 use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
@@ -182,6 +183,60 @@ fn positions_mirrored_against_the_orientations_are_detected() {
     assert!(is_caught(&mirrored));
     let tens = mirrored.chunks(10).filter(|ten| is_caught(ten)).count();
     assert!(tens >= 3, "{tens} of 4");
+}
+
+/// A robot with wheels in the own format: `drive` gives its heading and its speed ahead at a time; y and its direction are multiplied by
+/// `side`, as in a file with mirrored positions.
+fn driven(side: f64, drive: impl Fn(f64) -> (f64, f64)) -> String {
+    let (mut text, mut x, mut y) = (format!("{OURS}\n"), 0.0, 0.0);
+    for k in 0..400 {
+        let t = 0.05 * f64::from(k);
+        let (heading_rad, speed_m_s) = drive(t);
+        let (qz, qw) = (0.5 * heading_rad).sin_cos();
+        text += &format!("{t},{x},{},0.05,{qw},0,0,{qz}\n", side * y);
+        x += 0.05 * speed_m_s * heading_rad.cos();
+        y += 0.05 * speed_m_s * heading_rad.sin();
+    }
+    text
+}
+
+#[test]
+fn a_robot_that_reverses_is_not_mirrored_and_a_mirrored_robot_that_reverses_is() {
+    let trial = Trial::new();
+    let reverses = |t: f64| if (t / 3.0) as i64 % 2 == 0 { 0.4 } else { -0.3 };
+    let drives: [&dyn Fn(f64) -> (f64, f64); 3] = [
+        // Ahead on one heading, back on another.
+        &|t| {
+            if t < 10.0 {
+                (FRAC_PI_4, 0.3)
+            } else {
+                (-FRAC_PI_4, -0.3)
+            }
+        },
+        &|t| (0.9 * t, reverses(t)),
+        &|t| (2.0 * (0.7 * t).sin(), reverses(t)),
+    ];
+    for drive in drives {
+        let guess = trial.guess(&driven(1.0, drive));
+        let said = format!("{:?}", guess.evidence);
+        assert!(!said.contains("mirrored"), "{said}");
+    }
+    for drive in [drives[1], drives[2], &|t| (0.5 * t, 0.3)] {
+        let said = trial.refused(&driven(-1.0, drive));
+        assert!(said.contains("mirrored"), "{said}");
+    }
+}
+
+#[test]
+fn axes_that_two_headings_contradict_are_doubted_but_not_refused() {
+    let trial = Trial::new();
+    let corner = |t: f64| (if t < 10.0 { 0.3 } else { 0.3 + FRAC_PI_4 }, 0.3);
+    let guess = trial.guess(&driven(-1.0, corner));
+    let said = format!("{:?}", guess.evidence);
+    assert!(said.contains("axes may be mirrored"), "{said}");
+    let path = trial.put(&driven(-1.0, corner));
+    let doubt = odd_axes(&[read(path, Reading::default()).unwrap()], 0.2);
+    assert!(doubt.is_some_and(|doubt| doubt.contains("seem mirrored")));
 }
 
 #[test]

@@ -3,6 +3,7 @@
 
 #[path = "../../../tests/common/shared.rs"]
 mod common;
+mod doubts;
 mod foreign_table;
 mod formats;
 mod golden;

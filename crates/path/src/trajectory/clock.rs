@@ -18,6 +18,10 @@ const EARLY: usize = 2;
 const DRIFT_S: f64 = 0.15;
 /// The smallest number of samples from which a delay is estimated.
 const ENOUGH: usize = 60;
+/// The largest number of samples that are compared for one delay; of longer recordings, evenly spread samples are compared.
+const COMPARED: usize = 5000;
+/// The largest number of delays in one direction that are tried at first; then those near the best one.
+const COARSE: i64 = 50;
 
 /// A joint and its commanded angles.
 type CommandedJoint<'a> = (&'a JointTrack, &'a JointTrack);
@@ -75,9 +79,17 @@ fn best_delay(
     samples: std::ops::Range<usize>,
     reach: i64,
 ) -> Option<(i64, f64)> {
-    let errors = (-reach..=reach)
-        .filter_map(|lag| Some((lag, remaining_error(joints, samples.clone(), lag)?)));
-    errors.min_by(|a, b| a.1.total_cmp(&b.1))
+    let best = |delays: &mut dyn Iterator<Item = i64>| {
+        let errors =
+            delays.filter_map(|lag| Some((lag, remaining_error(joints, samples.clone(), lag)?)));
+        errors.min_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    let step = (reach + COARSE - 1) / COARSE;
+    let coarse = best(&mut (-reach..=reach).step_by(step as usize))?;
+    if step == 1 {
+        return Some(coarse);
+    }
+    best(&mut ((coarse.0 - step).max(-reach)..=(coarse.0 + step).min(reach)))
 }
 
 /// The remaining error of a delay: the mean over joints of the variance of angle minus delayed command, divided by the variance of the command.
@@ -89,8 +101,11 @@ fn remaining_error(
 ) -> Option<f64> {
     let shares = joints.iter().filter_map(|(angle, command)| {
         let (angles, commands) = (&angle.angles_rad, &command.angles_rad);
-        let spread = standard_deviation(&commands[samples.clone()]).powi(2);
-        let differences: Vec<f64> = (samples.clone())
+        let every = samples.len().div_ceil(COMPARED).max(1);
+        let compared = || samples.clone().step_by(every);
+        let told: Vec<f64> = compared().map(|k| commands[k]).collect();
+        let spread = standard_deviation(&told).powi(2);
+        let differences: Vec<f64> = compared()
             .filter_map(|k| Some(angles[k] - commands.get(usize::try_from(k as i64 - lag).ok()?)?))
             .collect();
         (spread > STILL_RAD2).then(|| standard_deviation(&differences).powi(2) / spread)

@@ -347,7 +347,10 @@ impl<'a> File<'a> {
         let mut bodies = Vec::with_capacity(names.len());
         for name in names {
             let motion = parse(&body_column::as_if_alone(&self.text, &name), &plain)?.trajectory;
-            bodies.push((name, self.to_world_frame(motion)?));
+            let motion = self.to_world_frame(motion)?;
+            let body = format!("{}, body {name}", self.stem());
+            (parsed.warnings).extend(plausibility::path_warnings(&body, &motion, &self.reading));
+            bodies.push((name, motion));
         }
         Ok(Recording {
             bodies,
@@ -405,12 +408,19 @@ impl<'a> File<'a> {
             let how = format!("recordings are read with {used}");
             warnings.push(Code::ReadAs.warning(how));
         }
-        warnings.extend(plausibility::warnings(
+        let doubts = plausibility::warnings(
             &name,
             &trajectory,
             &self.reading,
             self.format.order(&self.text, &self.reading),
-        ));
+        );
+        // A column that tells several robots apart says more than their motion.
+        let is_told = warnings.iter().any(|w| w.code == Code::SeveralRobots);
+        warnings.extend(
+            doubts
+                .into_iter()
+                .filter(|w| !is_told || w.code != Code::SeveralRobots),
+        );
         Ok(Recording {
             name,
             path: self.path.to_path_buf(),

@@ -274,12 +274,21 @@ pub(in crate::calibration) fn in_short(mut warnings: Vec<Warning>) -> Vec<Warnin
 }
 
 /// Warnings that are about single recordings.
-const OF_ONE_RECORDING: [Code; 12] = [
+const OF_ONE_RECORDING: [Code; 22] = [
+    Code::ChangedUnit,
+    Code::DegreesAsRadians,
+    Code::ExchangedJoints,
+    Code::FlippedSign,
+    Code::FrozenTracker,
     Code::Hole,
+    Code::JointDropout,
+    Code::LostAsZero,
+    Code::NormalisedAngles,
     Code::OffFloor,
     Code::OtherRobot,
     Code::QuaternionOrder,
     Code::SameRun,
+    Code::Spike,
     Code::StaleSamples,
     Code::Standstill,
     Code::UnknownAxes,
@@ -287,4 +296,5 @@ const OF_ONE_RECORDING: [Code; 12] = [
     Code::UnlikelyLength,
     Code::UnlikelyTime,
     Code::UnsynchronisedClocks,
+    Code::WrappedAngle,
 ];

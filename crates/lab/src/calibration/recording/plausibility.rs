@@ -16,6 +16,8 @@ use realgap_simulation::{Experiment, Posture};
 const FAR: f64 = 100.0;
 /// No robot is faster than this, in body lengths per second.
 const FAST_1_S: f64 = 5.0;
+/// A recording that goes this many times as far as the others of the same robot may be in another unit.
+const BEYOND_OTHERS: std::ops::Range<f64> = 300.0..3000.0;
 /// A robot that seems to move less far than this, in body lengths, may have been measured in another unit.
 const NEAR: f64 = 0.05;
 
@@ -31,7 +33,7 @@ pub(in crate::calibration) fn lengths(
         let is_far = far > FAR && far > FAST_1_S * motion.duration_s();
         let is_near = recording.reading.scales_lengths() && far < NEAR;
         if !is_far && !is_near {
-            return None;
+            return beyond_others(recording, recordings);
         }
         let others = LengthUnit::METRIC
             .iter()
@@ -54,6 +56,24 @@ pub(in crate::calibration) fn lengths(
         )))
     });
     unlikely.collect()
+}
+
+/// A warning about a recording that goes about 1000 times as far as the others: one file in millimetres among files in metres.
+fn beyond_others(recording: &Recording, recordings: &[Recording]) -> Option<Warning> {
+    let others = recordings
+        .iter()
+        .filter(|other| !std::ptr::eq(*other, recording));
+    let mut others_m: Vec<f64> = others.map(|other| other.trajectory.extent_m()).collect();
+    others_m.sort_by(f64::total_cmp);
+    let usual_m = *others_m.get(others_m.len() / 2)?;
+    let times = recording.trajectory.extent_m() / usual_m;
+    (usual_m > 0.0 && BEYOND_OTHERS.contains(&times)).then(|| {
+        Code::UnlikelyLength.warning(format!(
+            "{}: the robot goes {} times as far as in the other recordings: is this file in millimetres (`length: \"mm\"`), and are the others in metres?",
+            recording.name,
+            number(times)
+        ))
+    })
 }
 
 /// A warning about axes that are probably not x forward, y to the left, z up.
@@ -221,6 +241,29 @@ mod tests {
             reading: Reading::default(),
             warnings: Vec::new(),
         }
+    }
+
+    #[test]
+    fn one_file_in_millimetres_among_files_in_metres_is_doubted() {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../morphologies/cube.ron");
+        let robot = Morphology::read(file).unwrap();
+        let gone = |name: &str, factor: f64| {
+            // So slow that its speed says nothing: a metre in ten hours.
+            let times_s: Vec<f64> = (0..10).map(|k| 4000.0 * f64::from(k)).collect();
+            let places = (0..10).map(|k| Vector3::new(0.005 * factor * f64::from(k), 0.0, 0.05));
+            Recording {
+                name: name.to_owned(),
+                trajectory: Trajectory::new(times_s, places.collect()).unwrap(),
+                ..recorded(vec![0.0; 4])
+            }
+        };
+        let alike = [gone("a", 1.0), gone("b", 2.0), gone("c", 0.5)];
+        assert!(lengths(&robot, &alike).is_empty());
+        let odd = [gone("a", 1.0), gone("b", 1000.0), gone("c", 0.5)];
+        let [doubt] = &lengths(&robot, &odd)[..] else {
+            panic!("one doubt");
+        };
+        assert!(doubt.message.starts_with("b: "), "{doubt}");
     }
 
     #[test]

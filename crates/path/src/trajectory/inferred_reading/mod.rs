@@ -203,12 +203,19 @@ impl InferredReading {
                 None => return Ok(guess),
             }
         }
-        if let Some(found) = motion::mirrored(&all) {
-            return Err(Error::invalid("the recording is mirrored")
+        if let Some(mirrored) = motion::mirrored(&all) {
+            if !mirrored.is_certain {
+                guess.conclude(
+                    "axes may be mirrored: it goes on as read",
+                    format!("{}; change the sign of one axis in positions and orientations if this is so", mirrored.found),
+                );
+            } else {
+                return Err(Error::invalid("the recording is mirrored")
                 .at_file(path)
-                .found(found)
+                .found(mirrored.found)
                 .allowed("right-handed axes: x forward, y to the left, z up")
                 .hint("export it with right-handed axes, or change the sign of one axis in both positions and orientations"));
+            }
         }
         guess.quaternion_order(&recording);
         guess.crop(&recording);
@@ -504,7 +511,7 @@ pub fn odd_axes(recordings: &[Recording], body_m: f64) -> Option<String> {
             axes.name()
         ));
     }
-    let found = motion::mirrored(recordings)?;
+    let found = motion::mirrored(recordings)?.found;
     Some(format!(
         "{}: axes seem mirrored ({found}): export them right-handed, or change the sign of one axis in both positions and orientations",
         recordings.first()?.name

@@ -172,18 +172,74 @@ const AGAINST: f64 = 0.25;
 /// The smallest number of recordings of a tumbling body that allow a conclusion.
 const TUMBLES: usize = 8;
 
-/// A robot on wheels or legs moves in a constant direction of its own body: with mirrored axes this direction is at least this constant
-/// (0 to 1), …
+/// A robot on wheels or legs moves along a constant line of its own body, forward or backward: with mirrored axes this line is at least this
+/// constant (0 to 1), …
 const STEADY: f64 = 0.9;
 /// … and as the axes are read, it is at most this constant, if the axes are mirrored.
 const ASTRAY: f64 = 0.5;
+/// The axes are certainly mirrored if the line is at most this constant as they are read, …
+const SCATTERED: f64 = 0.3;
+/// … and the robot goes along at least this many headings. With fewer it may move ahead at one heading and sideways at another, so the axes
+/// are only doubted.
+const HEADINGS: usize = 8;
 
-/// A message if positions and orientations do not belong to one right-handed frame: a body that rolls forward along one axis rolls backward
-/// along the other, or a robot that turns to one side moves to the other side.
-pub(super) fn mirrored(all: &[Recording]) -> Option<String> {
+/// Axes that contradict the motion.
+pub(super) struct Mirrored {
+    /// What was found.
+    pub found: String,
+    /// True if no right-handed motion explains it; otherwise it is only a doubt.
+    pub is_certain: bool,
+}
+
+/// The steps of upright robots along the ground, in the frame of the body.
+#[derive(Default)]
+struct Way {
+    /// Sums over the steps with their directions doubled, so that forward and backward are one: as read, and with the sign of y changed.
+    read: Vector2<f64>,
+    mirror: Vector2<f64>,
+    way_m: f64,
+    /// The way along the headings of each part of a turn.
+    along_m: [f64; PARTS],
+}
+
+/// The parts of a turn into which headings are sorted.
+const PARTS: usize = 32;
+/// The smallest share of the way that makes a heading count.
+const COUNTS: f64 = 0.01;
+
+impl Way {
+    fn add(&mut self, yaw_rad: f64, step_m: Vector2<f64>) {
+        let length_m = step_m.norm();
+        let doubled = |sign: f64| {
+            let body = Rotation2::new(sign * yaw_rad) * step_m;
+            let angle_rad = 2.0 * body.y.atan2(body.x);
+            length_m * Vector2::new(angle_rad.cos(), angle_rad.sin())
+        };
+        self.read += doubled(-1.0);
+        self.mirror += doubled(1.0);
+        self.way_m += length_m;
+        let part = (yaw_rad / std::f64::consts::TAU).rem_euclid(1.0) * PARTS as f64;
+        self.along_m[(part as usize).min(PARTS - 1)] += length_m;
+    }
+
+    fn contradiction(&self) -> Option<Mirrored> {
+        let [read, mirror] = [self.read, self.mirror].map(|sum| sum.norm() / self.way_m);
+        (mirror > STEADY && read < ASTRAY).then(|| {
+            let counts = |along_m: &&f64| **along_m > COUNTS * self.way_m;
+            let headings = self.along_m.iter().filter(counts).count();
+            Mirrored {
+                found: format!("its line of motion in the body frame is constant to {mirror:.2} (of 1) with the sign of y changed, and only to {read:.2} as it is read"),
+                is_certain: headings >= HEADINGS && read < SCATTERED,
+            }
+        })
+    }
+}
+
+/// A contradiction if positions and orientations do not belong to one right-handed frame: a body that rolls forward along one axis rolls
+/// backward along the other, or a robot that turns to one side moves to the other side.
+pub(super) fn mirrored(all: &[Recording]) -> Option<Mirrored> {
     let [mut along_x, mut along_y] = [(); 2].map(|()| SignAgreement::default());
-    // Sums of the steps in the body frame, as read and mirrored, and the length of the path.
-    let (mut read, mut mirror, mut way_m) = (Vector2::zeros(), Vector2::zeros(), 0.0);
+    let mut way = Way::default();
     let mut is_upright = true;
     for recording in all {
         let trajectory = &recording.trajectory;
@@ -198,21 +254,16 @@ pub(super) fn mirrored(all: &[Recording]) -> Option<String> {
             along_x.add(w.y * step_m.x);
             along_y.add(-w.x * step_m.y);
             let ahead = turns[index] * Vector3::x();
-            let yaw = Rotation2::new(ahead.y.atan2(ahead.x));
-            read += yaw.inverse() * step_m.xy();
-            mirror += yaw * step_m.xy();
-            way_m += step_m.xy().norm();
+            way.add(ahead.y.atan2(ahead.x), step_m.xy());
         }
     }
     if is_upright {
-        let [read, mirror] = [read, mirror].map(|sum| sum.norm() / way_m);
-        return (mirror > STEADY && read < ASTRAY).then(|| {
-            format!("its direction of motion in the body frame is constant to {mirror:.2} (of 1) with the sign of y changed, and only to {read:.2} as it is read")
-        });
+        return way.contradiction();
     }
     let [x, y] = [along_x.share(), along_y.share()];
     let is_clear = all.len() >= TUMBLES && x.abs().min(y.abs()) > AGAINST;
-    (is_clear && x * y < 0.0).then(|| {
-        format!("it rolls forward along one axis and backward along the other (x {x:+.2}, y {y:+.2}, each from -1 to 1)")
+    (is_clear && x * y < 0.0).then(|| Mirrored {
+        found: format!("it rolls forward along one axis and backward along the other (x {x:+.2}, y {y:+.2}, each from -1 to 1)"),
+        is_certain: true,
     })
 }
