@@ -109,7 +109,10 @@ impl Start {
             let guess = InferredReading::infer(&subject.recordings, &known, Some(size_m))?;
             match guess.ambiguities.first() {
                 None => break guess,
-                Some(open) => answer(open, &mut known)?,
+                Some(open) => {
+                    terminal::print_warnings(&guess.doubts);
+                    answer(open, &mut known)?;
+                }
             }
         };
         guess.evidence.splice(0..0, named.evidence);

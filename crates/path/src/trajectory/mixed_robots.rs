@@ -127,12 +127,20 @@ pub(super) fn explain(error: Error, text: &str, reading: &Reading) -> Error {
     }
 }
 
+/// The beginning of a warning about a column that tells robots apart.
+const JUMPS: &str = "the path jumps whenever the column";
+
+/// True if a warning about several robots names the column that tells them apart.
+pub(super) fn names_column(warning: &Warning) -> bool {
+    warning.message.starts_with(JUMPS)
+}
+
 /// A warning if the path jumps between several robots whose rows alternate in time.
 pub(super) fn mixed_robots(text: &str, reading: &Reading) -> Option<Warning> {
     let (labels, path) = labels(text, reading)?;
     let shorter = labels.iter().find(|label| label.path() < SHORTER * path)?;
     Some(Code::SeveralRobots.warning(format!(
-        "the path jumps whenever the column `{}` changes ({}): if these are several robots, read one of them with `only: (column: \"{}\", value: ...)`",
+        "{JUMPS} `{}` changes ({}): if these are several robots, read one of them with `only: (column: \"{}\", value: ...)`",
         excerpt(&shorter.name),
         shorter.values(),
         excerpt(&shorter.name)

@@ -7,27 +7,29 @@
 mod column;
 mod joint;
 mod motion;
+mod question;
 mod role;
 mod unit;
 
 use std::path::{Path, PathBuf};
 
 pub use joint::JointReading;
+pub use question::{Ambiguity, Candidate, Evidence, Question};
 
 use super::axes::Axes;
-use super::column::{Columns, Role};
 use super::csv::Csv;
 use super::euroc::Euroc;
 use super::format::Format as _;
 use super::meta::read_meta_beside;
+use super::mixed_robots::names_column;
 use super::reading::{Crop, Reading};
 use super::registry::{format_of, parse_all, read_bytes};
 use super::time_order::InFile;
 use super::{Recording, Trajectory, plausibility};
 use realgap_core::error::{Advice, Error, Result};
 
-use realgap_core::unit::{LengthUnit, number};
-use realgap_core::warning::Code;
+use realgap_core::unit::number;
+use realgap_core::warning::{Code, Warning};
 
 /// How files are to be read, with the evidence, and the questions that the files alone do not answer.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -38,113 +40,10 @@ pub struct InferredReading {
     pub evidence: Vec<Evidence>,
     /// The questions that the user has to answer.
     pub ambiguities: Vec<Ambiguity>,
+    /// The doubts about the first recording, as far as it could be read.
+    pub doubts: Vec<Warning>,
     /// True if the first recording contains free fall.
     pub has_free_fall: bool,
-}
-
-/// An inference and its reason.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Evidence {
-    /// The inference, e.g. `lengths are in millimetres`.
-    pub finding: String,
-    /// The observation from which it follows.
-    pub reason: String,
-}
-
-/// A question that the files alone do not answer.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Ambiguity {
-    /// The question.
-    pub question: Question,
-    /// What was found in the files about it.
-    pub found: String,
-    /// The sets of columns among which to choose, if the question is about them.
-    pub candidates: Vec<Candidate>,
-}
-
-impl Ambiguity {
-    /// The question as an error that says how to answer it.
-    pub fn error(&self) -> Error {
-        let error = Error::usage("the recordings leave a question open").found(&self.found);
-        let names: Vec<&str> = self
-            .candidates
-            .iter()
-            .map(|one| one.name.as_str())
-            .collect();
-        match self.question {
-            Question::Time => error
-                .allowed("in which unit are times: s, ms, us, ns?")
-                .advise(Advice::TimeUnit),
-            Question::Length if !self.candidates.is_empty() => error
-                .allowed("are lengths in the unit that the names of the columns state, or in which: m, cm, mm?")
-                .hint((self.candidates.last()).map_or_else(String::new, |one| {
-                    format!("in {}, map the columns: {}", one.name, one.mapping())
-                }))
-                .advise(Advice::Unit(LengthUnit::Metre))
-                .advise(Advice::MapColumns),
-            Question::Length => error
-                .allowed("in which unit are lengths: m, cm, mm, in, ft, or a scale?")
-                .advise(Advice::Unit(LengthUnit::Metre))
-                .advise(Advice::Unit(LengthUnit::Millimetre))
-                .advise(Advice::Scale),
-            Question::Up => error
-                .allowed("which way do axes point: world (z up), y-up, z-down, camera?")
-                .advise(Advice::Axes),
-            Question::Robot => error
-                .allowed("whose rows are read?")
-                .advise(Advice::ChooseRobot),
-            Question::Body => error
-                .allowed(format!("which of them is read: {}?", names.join(", ")))
-                .hint((self.candidates.first()).map_or_else(String::new, |one| {
-                    format!("for {}, map its columns: {}", one.name, one.mapping())
-                }))
-                .advise(Advice::MapColumns),
-            Question::Split => error
-                .allowed("are these several recordings, or is it one?")
-                .advise(Advice::Split),
-        }
-    }
-}
-
-/// The columns of one body in a file that has columns of several.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Candidate {
-    /// The words of the columns' names that say whose they are.
-    pub name: String,
-    /// The mapping that reads this body.
-    pub columns: Columns,
-}
-
-impl Candidate {
-    /// The mapping in words.
-    fn mapping(&self) -> String {
-        let columns = self.columns.iter();
-        let columns = columns.map(|(role, column)| format!("{}={column}", role.name()));
-        columns.collect::<Vec<_>>().join(", ")
-    }
-
-    /// The name of the column of x.
-    pub fn x(&self) -> &str {
-        let column = self.columns.get(Role::X);
-        column.map_or("", |column| column.name.as_str())
-    }
-}
-
-/// A question about files that the user has to answer.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Question {
-    /// In which unit are times?
-    Time,
-    /// In which unit are lengths?
-    Length,
-    /// Which axis points up?
-    Up,
-    /// The rows of which robot are read, if a file holds several?
-    Robot,
-    /// The columns of which body are read, if a file holds several?
-    Body,
-    /// Is a file whose times start again, or whose rows alternate between places, read as several recordings?
-    Split,
 }
 
 /// Relative tolerance between the acceleration of free fall and gravity.
@@ -175,7 +74,8 @@ impl InferredReading {
             return Ok(guess);
         };
         let mut recording = recording;
-        if guess.has_question(&Question::Robot) {
+        guess.doubt(&recording);
+        if guess.has_question(&Question::Robot) || guess.has_question(&Question::Split) {
             return Ok(guess);
         }
         let fall = motion::free_fall(&recording.trajectory);
@@ -280,7 +180,7 @@ impl InferredReading {
                 None => return Ok(None),
             }
         }
-        if self.alternates(&recording.trajectory) {
+        if !self.has_question(&Question::Split) && self.alternates(&recording.trajectory) {
             return Ok(None);
         }
         Ok(Some((file, recording)))
@@ -372,13 +272,37 @@ impl InferredReading {
         }
     }
 
-    /// Asks which robot's rows are read, if the path jumps between several robots.
+    /// Asks which robot's rows are read, if the path jumps between several robots; without a column that tells them apart, asks whether
+    /// the file is split.
     fn several_robots(&mut self, recording: &Recording) {
-        let several = |w: &&realgap_core::Warning| w.code == Code::SeveralRobots;
-        let asked = self.has_question(&Question::Robot);
-        if let (Some(warning), false) = (recording.warnings.iter().find(several), asked) {
-            self.ask(Question::Robot, warning.message.clone());
+        let several = |w: &&Warning| w.code == Code::SeveralRobots;
+        let Some(warning) = recording.warnings.iter().find(several) else {
+            return;
+        };
+        let question = match names_column(warning) {
+            true => Question::Robot,
+            false if self.reading.split.is_none() => Question::Split,
+            false => return,
+        };
+        if !self.has_question(&question) {
+            self.ask(question, warning.message.clone());
         }
+    }
+
+    /// Keeps the doubts about the first recording, which a reader wants to know beside an open question.
+    fn doubt(&mut self, recording: &Recording) {
+        let is_doubt = |w: &&Warning| {
+            !matches!(
+                w.code,
+                Code::ReadAs | Code::ColumnsIgnored | Code::SeveralRobots
+            )
+        };
+        self.doubts = recording
+            .warnings
+            .iter()
+            .filter(is_doubt)
+            .cloned()
+            .collect();
     }
 
     /// Infers the axis that points up from free fall or from the floor; true if the reading has changed.
@@ -461,7 +385,7 @@ impl InferredReading {
                 ),
             );
         }
-        let hole = |w: &&realgap_core::Warning| w.code == Code::Hole;
+        let hole = |w: &&Warning| w.code == Code::Hole;
         if let Some(warning) = recording.warnings.iter().find(hole) {
             self.conclude(
                 "a gap without samples is filled with a straight line",
