@@ -235,7 +235,9 @@ for path in sys.argv[1:]:
     data = robot.place()
     robot.settle(data)
     t, p, q = robot.walk(data, 0.5, 30)
-    assert np.isfinite(p).all() and abs(p[:, 2]).max() < 1, (path, p)
+    # A mounted robot may hang high above the floor: what counts is that none jumps, falls or flies off.
+    assert np.isfinite(p).all() and np.abs(p - p[0]).max() < 1, (path, p)
+    assert not robot.is_free or abs(p[:, 2]).max() < 1, (path, p)
     up = robot.model.body_mass.sum()
     print(robot.name, len(t), up)
 ";

@@ -22,8 +22,8 @@ const LISTED: usize = 4;
 
 /// What drives the robot.
 pub(super) struct Drive {
-    /// The commands in the recordings, for joints with a servo.
-    pub commanded: Vec<RecordedCommand>,
+    /// Whether the recordings hold commands of joints with a servo.
+    pub has_commands: bool,
     /// Whether the servos follow the gait of the robot's file.
     pub has_own_gait: bool,
     /// Joints whose gains were stated.
@@ -94,7 +94,7 @@ impl Drive {
         }
         check_gains(&hinges, &commanded, recordings)?;
         let mut drive = Self {
-            commanded,
+            has_commands: !commanded.is_empty(),
             known_gains: gains.into_keys().collect(),
             set_gains,
             has_own_gait: false,
@@ -103,10 +103,10 @@ impl Drive {
         };
         let is_only_command = is_of_joints
             && super::joint::only_command_of(&hinges, &recordings[0].trajectory).is_some();
-        if !drive.commanded.is_empty() {
+        if drive.has_commands {
             check_all_commanded(&hinges, recordings)?;
         }
-        if !drive.commanded.is_empty() || is_only_command {
+        if drive.has_commands || is_only_command {
             return Ok(drive);
         }
         let moving: Vec<(&Hinge, Gait)> = hinges.iter().filter_map(moving).collect();

@@ -30,8 +30,7 @@ pub(super) fn draft(
         hinge.actuator.is_none() && recordings.iter().all(is_known)
     };
     let is_thrown = is_posed && subject.robot.assemble().hinges.iter().all(is_passive);
-    let has_commands = !drive.commanded.is_empty();
-    let is_commanded = is_posed && has_commands;
+    let is_commanded = is_posed && drive.has_commands;
     let starts_as_seen = is_thrown || is_commanded;
     if falls && !starts_as_seen {
         let (found, hint) = match is_posed {
@@ -58,7 +57,7 @@ pub(super) fn draft(
     let mut before = match starts_as_seen {
         true if is_commanded => "    start: FromRecording, // each run starts from the first sample, as the commands do\n    commands: Commands(), // columns NAME_command_rad, NAME_command_rad_s or NAME_command_nm, held until the next\n",
         true => "    start: FromRecording, // without servos, each run starts from the first sample\n",
-        false if has_commands => "    start: Settled, // the robot settles on the floor, then its commands begin\n    commands: Commands(), // columns NAME_command_rad, NAME_command_rad_s or NAME_command_nm, held until the next\n",
+        false if drive.has_commands => "    start: Settled, // the robot settles on the floor, then its commands begin\n    commands: Commands(), // columns NAME_command_rad, NAME_command_rad_s or NAME_command_nm, held until the next\n",
         false if drive.has_own_gait => "    start: Settled, // the robot settles on the floor, then it moves by the gait of its own file\n",
         false => "    start: Settled, // the robot settles on the floor, where nothing drives it\n",
     }

@@ -152,13 +152,12 @@ impl Matched {
         Some([reference, other])
     }
 
-    /// Pairs of samples by their indices. As for the other metrics, heights count only where both trajectories have them.
+    /// Pairs of samples by their indices.
     fn of_indices(a: &Trajectory, b: &Trajectory, pairs: &[(usize, usize)]) -> Self {
         let positions = |of: &Trajectory, at: &dyn Fn(&(usize, usize)) -> usize| {
-            let flat = a.is_planar() || b.is_planar();
+            let flatten = flattened(a, b);
             let all = pairs.iter().map(|pair| of.positions_world_m()[at(pair)]);
-            all.map(|p| if flat { Vector3::new(p.x, p.y, 0.0) } else { p })
-                .collect()
+            all.map(flatten).collect()
         };
         let turns = a
             .orientations_world_from_body()
@@ -183,6 +182,15 @@ impl Matched {
             unmatched_reference: a.len() - sought.len(),
             unmatched_other: b.len() - partners.len(),
         }
+    }
+}
+
+/// The position that is compared. As for the other metrics, heights count only where both trajectories have them.
+fn flattened(a: &Trajectory, b: &Trajectory) -> impl Fn(Vector3<f64>) -> Vector3<f64> + use<> {
+    let is_flat = a.is_planar() || b.is_planar();
+    move |p| match is_flat {
+        true => Vector3::new(p.x, p.y, 0.0),
+        false => p,
     }
 }
 
@@ -260,8 +268,7 @@ fn interpolated(reference: Stamped<'_>, other: Stamped<'_>, offset_s: f64) -> Ma
     let since_s = |stamp_s: f64| (stamp_s - first_s) + offset_s;
     let tolerance_s = 1e-9 * b.duration_s() + 1e-9;
     let range = -tolerance_s..=b.duration_s() + tolerance_s;
-    let flat = a.is_planar() || b.is_planar();
-    let flattened = |p: Vector3<f64>| if flat { Vector3::new(p.x, p.y, 0.0) } else { p };
+    let flatten = flattened(a, b);
     let both =
         a.orientations_world_from_body().is_some() && b.orientations_world_from_body().is_some();
     let mut at = Interpolator::new(b);
@@ -280,8 +287,8 @@ fn interpolated(reference: Stamped<'_>, other: Stamped<'_>, offset_s: f64) -> Ma
         }
         matched
             .reference_m
-            .push(flattened(a.positions_world_m()[index]));
-        matched.other_m.push(flattened(at.position_world_m(time_s)));
+            .push(flatten(a.positions_world_m()[index]));
+        matched.other_m.push(flatten(at.position_world_m(time_s)));
         let turn = at.orientation_world_from_body(time_s);
         let turns = a.orientations_world_from_body().zip(turn);
         if let (Some([mine, theirs]), Some((all, turn))) = (&mut matched.turns, turns) {

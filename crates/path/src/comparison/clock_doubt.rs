@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::association::{Association, Matched, Stamped};
-use super::clock_offset::clock_offset;
+use super::clock_offset::{clock_offset, longer_interval_s};
 use super::umeyama::Similarity;
 use realgap_core::unit::{Unit, decimals, number, quantity};
 use realgap_core::warning::{Code, Warning};
@@ -27,11 +27,13 @@ const COUNTS: f64 = 0.25;
 /// tosses or pushes that were triggered at different moments are no fault.
 pub(super) fn visible_offset(reference: Stamped<'_>, other: Stamped<'_>) -> Option<Warning> {
     let starts_s = [reference, other].map(|stamped| stamped.trajectory.times_s()[0].abs());
-    let found = clock_offset(reference.trajectory, other.trajectory, 0.0)?;
-    if starts_s.iter().all(|start_s| *start_s < found.interval_s) {
+    let interval_s = longer_interval_s(reference.trajectory, other.trajectory);
+    // The search for an offset is dear, so it comes after what excludes one.
+    if starts_s.iter().all(|start_s| *start_s < interval_s) {
         return None;
     }
-    let least_s = (INTERVALS * found.interval_s).max(DEVIATIONS * found.deviation_s);
+    let found = clock_offset(reference.trajectory, other.trajectory, 0.0)?;
+    let least_s = (INTERVALS * interval_s).max(DEVIATIONS * found.deviation_s);
     if found.offset_s.abs() <= least_s || found.correlation < CORRELATED {
         return None;
     }

@@ -43,8 +43,6 @@ pub struct ClockOffset {
     pub deviation_s: f64,
     /// Correlation of the speeds at this offset, mean over moving and turning.
     pub correlation: f64,
-    /// The longer of the two usual intervals of samples, seconds.
-    pub interval_s: f64,
 }
 
 /// The offset of the other trajectory's clock that makes speeds agree best, among offsets near `about_s`; `None` where speeds do not
@@ -57,7 +55,7 @@ pub fn clock_offset(
     other: &Trajectory,
     about_s: f64,
 ) -> Option<ClockOffset> {
-    let interval_s = usual_interval_s(reference).max(usual_interval_s(other));
+    let interval_s = longer_interval_s(reference, other);
     let shorter_s = reference.duration_s().min(other.duration_s());
     let longer_s = reference.duration_s().max(other.duration_s());
     // Times are counted from the reference's start, because epochs have few digits to spare.
@@ -98,13 +96,17 @@ pub fn clock_offset(
         offset_s: about_s + found.offset_s,
         deviation_s: found.deviation_s.hypot(INTERPOLATION * interval_s),
         correlation: found.correlation,
-        interval_s,
     })
 }
 
 /// The steps that are tried; each window is two steps long.
 fn windows(first_step_s: f64) -> impl Iterator<Item = f64> {
     (0..WINDOWS).map(move |power| first_step_s * 2f64.powi(power))
+}
+
+/// The longer of the usual intervals of samples of two trajectories, seconds.
+pub(super) fn longer_interval_s(reference: &Trajectory, other: &Trajectory) -> f64 {
+    usual_interval_s(reference).max(usual_interval_s(other))
 }
 
 /// The median time between samples, seconds.

@@ -140,12 +140,9 @@ fn growth(experiment: &Experiment, motion: &Trajectory) -> Result<Option<f64>> {
         joint.angle_rad += NUDGE_RAD;
     }
     let outcome = realgap_simulation::run(&nudged)?.outcome;
-    Ok(outcome.get().map(|other| {
-        let joints = motion.joints().iter().zip(other.joints());
-        let apart_rad = joints.flat_map(|(a, b)| a.angles_rad.iter().zip(&b.angles_rad));
-        let apart_rad = apart_rad.map(|(a, b)| (a - b).abs());
-        apart_rad.fold(0.0, f64::max) / NUDGE_RAD
-    }))
+    Ok(outcome
+        .get()
+        .map(|other| joints_apart_rad(motion, other) / NUDGE_RAD))
 }
 
 /// A difference below this share of the recorded motion is no effect of a command.
@@ -187,11 +184,16 @@ impl Study {
                 Some(motion) if prior.joint_error_rad.is_some() => growth(&experiment, motion)?,
                 _ => None,
             };
-            Ok(prior)
+            // The doubled commands are compared with the run of the robot's own values.
+            let own = outcome.get().filter(|_| at == PriorPoint::OwnValues);
+            Ok((prior, own.cloned().map(|motion| (experiment, motion))))
         })?;
+        let (runs, own): (Vec<PriorRun>, Vec<Option<(Experiment, Trajectory)>>) =
+            runs.into_iter().unzip();
+        let own: Vec<(Experiment, Trajectory)> = own.into_iter().flatten().collect();
         Ok(PriorRuns {
             runs,
-            idle_commands: self.idle_commands(&cases, run)?,
+            idle_commands: idle_commands(&own, run)?,
         })
     }
 
@@ -234,43 +236,35 @@ impl Study {
             growth: None,
         })
     }
+}
 
-    /// Joints whose recorded commands change nothing in any of these cases when they are doubled.
-    fn idle_commands(&self, cases: &[usize], run: &RunOptions<'_>) -> Result<Vec<String>> {
-        let as_recorded = run.each(cases.len(), |index| {
-            let experiment = self.experiment_with(cases[index], &ParameterSet::new())?;
-            let outcome = match experiment.commands.is_empty() {
-                true => None,
-                false => realgap_simulation::run(&experiment)?.outcome.get().cloned(),
+/// Joints whose recorded commands change nothing in any of these runs when they are doubled.
+fn idle_commands(runs: &[(Experiment, Trajectory)], run: &RunOptions<'_>) -> Result<Vec<String>> {
+    let names: BTreeSet<&String> = runs
+        .iter()
+        .flat_map(|(experiment, _)| experiment.commands.keys())
+        .collect();
+    let names: Vec<&String> = names.into_iter().collect();
+    let is_idle = run.each(names.len(), |index| {
+        for (experiment, motion) in runs {
+            let Some(track) = experiment.commands.get(names[index]) else {
+                continue;
             };
-            Ok((experiment, outcome))
-        })?;
-        let names: BTreeSet<&String> = (as_recorded.iter())
-            .flat_map(|(experiment, _)| experiment.commands.keys())
-            .collect();
-        let names: Vec<&String> = names.into_iter().collect();
-        let is_idle = run.each(names.len(), |index| {
-            for (experiment, motion) in &as_recorded {
-                let (Some(motion), Some(track)) = (motion, experiment.commands.get(names[index]))
-                else {
-                    continue;
-                };
-                let mut changed = experiment.clone();
-                let doubled = Arc::new(track.scaled(2.0));
-                changed.commands.insert(names[index].clone(), doubled);
-                let outcome = realgap_simulation::run(&changed)?.outcome;
-                if outcome.get().is_none_or(|other| !are_alike(motion, other)) {
-                    return Ok(false);
-                }
+            let mut changed = experiment.clone();
+            let doubled = Arc::new(track.scaled(2.0));
+            changed.commands.insert(names[index].clone(), doubled);
+            let outcome = realgap_simulation::run(&changed)?.outcome;
+            if outcome.get().is_none_or(|other| !are_alike(motion, other)) {
+                return Ok(false);
             }
-            Ok(true)
-        })?;
-        let all = names.into_iter().zip(is_idle);
-        Ok(all
-            .filter(|(_, is_idle)| *is_idle)
-            .map(|(name, _)| name.clone())
-            .collect())
-    }
+        }
+        Ok(true)
+    })?;
+    let all = names.into_iter().zip(is_idle);
+    Ok(all
+        .filter(|(_, is_idle)| *is_idle)
+        .map(|(name, _)| name.clone())
+        .collect())
 }
 
 /// How far a robot moves: from its start, or the largest range of an angle of `joints` where joints alone were recorded.
@@ -296,10 +290,14 @@ fn moved(motion: &Trajectory, joints: &[&JointTrack], is_of_joints: bool) -> f64
 fn are_alike(a: &Trajectory, b: &Trajectory) -> bool {
     let apart_m = a.positions_world_m().iter().zip(b.positions_world_m());
     let apart_m = apart_m.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    apart_m < NO_EFFECT * a.extent_m().max(1.0) && joints_apart_rad(a, b) < NO_EFFECT
+}
+
+/// The largest difference of a joint's angle in two runs.
+fn joints_apart_rad(a: &Trajectory, b: &Trajectory) -> f64 {
     let joints = a.joints().iter().zip(b.joints());
-    let apart_rad = joints
+    joints
         .flat_map(|(a, b)| a.angles_rad.iter().zip(&b.angles_rad))
         .map(|(a, b)| (a - b).abs())
-        .fold(0.0, f64::max);
-    apart_m < NO_EFFECT * a.extent_m().max(1.0) && apart_rad < NO_EFFECT
+        .fold(0.0, f64::max)
 }

@@ -11,6 +11,7 @@ pub(super) mod stand_in;
 pub(super) mod usage;
 
 use std::collections::BTreeSet;
+use std::hash::{DefaultHasher, Hasher as _};
 use std::path::{Path, PathBuf};
 
 use crate::calibration::recording::file_pattern::matching_files;
@@ -21,6 +22,13 @@ use realgap_core::{Advice, Code, Error, Result, Warning};
 use realgap_identification::is_at_rest;
 use realgap_path::trajectory::{self, META_FILE, Recording, Source};
 use realgap_robot::morphology::Morphology;
+
+/// A digest of numbers, by which equal ones are found among thousands without comparing all pairs.
+pub(in crate::calibration) fn digest<'a>(numbers: impl Iterator<Item = &'a f64>) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    numbers.for_each(|number| hasher.write_u64(number.to_bits()));
+    hasher.finish()
+}
 
 /// Recordings with the hashes of their files.
 #[derive(Default)]

@@ -2,13 +2,13 @@
 //! that occurs twice.
 
 use std::collections::HashMap;
-use std::hash::{DefaultHasher, Hasher as _};
 
 use nalgebra::{Isometry3, Translation3};
 
+use crate::calibration::recording::digest;
 use realgap_core::unit::{LengthUnit, number};
 use realgap_core::{Code, Warning};
-use realgap_path::trajectory::{COMMAND, Recording, Trajectory, odd_axes};
+use realgap_path::trajectory::{COMMAND, Recording, odd_axes};
 use realgap_robot::morphology::Morphology;
 use realgap_simulation::{Experiment, Posture};
 
@@ -27,13 +27,17 @@ pub(in crate::calibration) fn lengths(
     recordings: &[Recording],
 ) -> Vec<Warning> {
     let body_m = robot.summary().body_length_m;
-    let unlikely = recordings.iter().filter_map(|recording| {
+    let extents_m: Vec<f64> = recordings.iter().map(|r| r.trajectory.extent_m()).collect();
+    let mut sorted_m = extents_m.clone();
+    sorted_m.sort_by(f64::total_cmp);
+    let unlikely = recordings.iter().zip(&extents_m);
+    let unlikely = unlikely.filter_map(|(recording, extent_m)| {
         let motion = &recording.trajectory;
-        let far = motion.extent_m() / body_m;
+        let far = extent_m / body_m;
         let is_far = far > FAR && far > FAST_1_S * motion.duration_s();
         let is_near = recording.reading.scales_lengths() && far < NEAR;
         if !is_far && !is_near {
-            return beyond_others(recording, recordings);
+            return beyond_others(recording, *extent_m, &sorted_m);
         }
         let others = LengthUnit::METRIC
             .iter()
@@ -58,15 +62,17 @@ pub(in crate::calibration) fn lengths(
     unlikely.collect()
 }
 
+/// The median of all extents but `own_m`, one of them; `None` if there is no other. `extents_m` increase.
+fn usual_extent_m(extents_m: &[f64], own_m: f64) -> Option<f64> {
+    let middle = extents_m.len().checked_sub(1)? / 2;
+    let own = extents_m.partition_point(|extent_m| *extent_m < own_m);
+    extents_m.get(middle + usize::from(middle >= own)).copied()
+}
+
 /// A warning about a recording that goes about 1000 times as far as the others: one file in millimetres among files in metres.
-fn beyond_others(recording: &Recording, recordings: &[Recording]) -> Option<Warning> {
-    let others = recordings
-        .iter()
-        .filter(|other| !std::ptr::eq(*other, recording));
-    let mut others_m: Vec<f64> = others.map(|other| other.trajectory.extent_m()).collect();
-    others_m.sort_by(f64::total_cmp);
-    let usual_m = *others_m.get(others_m.len() / 2)?;
-    let times = recording.trajectory.extent_m() / usual_m;
+fn beyond_others(recording: &Recording, own_m: f64, extents_m: &[f64]) -> Option<Warning> {
+    let usual_m = usual_extent_m(extents_m, own_m)?;
+    let times = own_m / usual_m;
     (usual_m > 0.0 && BEYOND_OTHERS.contains(&times)).then(|| {
         Code::UnlikelyLength.warning(format!(
             "{}: the robot goes {} times as far as in the other recordings: is this file in millimetres (`length: \"mm\"`), and are the others in metres?",
@@ -144,7 +150,10 @@ pub(in crate::calibration) fn duplicate_recordings(recordings: &[Recording]) -> 
     let mut known: HashMap<u64, Vec<&Recording>> = HashMap::new();
     let mut warnings = Vec::new();
     for recording in recordings {
-        let alike = known.entry(digest(&recording.trajectory)).or_default();
+        let motion = &recording.trajectory;
+        let places = motion.positions_world_m().iter().flatten();
+        let angles_rad = motion.joints().iter().flat_map(|joint| &joint.angles_rad);
+        let alike = known.entry(digest(places.chain(angles_rad))).or_default();
         let mut twins = alike.iter();
         if let Some(twin) = twins.find(|other| other.trajectory == recording.trajectory) {
             let message = format!("{}: is the same run as {}", recording.name, twin.name);
@@ -153,19 +162,6 @@ pub(in crate::calibration) fn duplicate_recordings(recordings: &[Recording]) -> 
         alike.push(recording);
     }
     warnings
-}
-
-/// A digest of the positions and the joints' angles of a trajectory.
-fn digest(motion: &Trajectory) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    let positions = motion.positions_world_m().iter();
-    for number in positions.flat_map(|place| place.iter()) {
-        hasher.write_u64(number.to_bits());
-    }
-    for angle_rad in motion.joints().iter().flat_map(|joint| &joint.angles_rad) {
-        hasher.write_u64(angle_rad.to_bits());
-    }
-    hasher.finish()
 }
 
 /// Poses are doubtful where the robot's lowest point is always above the floor, or ever below it, by more than this share of the
@@ -220,7 +216,7 @@ pub(in crate::calibration) fn floor(
 mod tests {
     use super::*;
     use nalgebra::Vector3;
-    use realgap_path::trajectory::{JointTrack, Reading};
+    use realgap_path::trajectory::{JointTrack, Reading, Trajectory};
 
     fn recorded(angles_rad: Vec<f64>) -> Recording {
         let times_s: Vec<f64> = (0..angles_rad.len()).map(|k| 0.1 * k as f64).collect();

@@ -272,14 +272,21 @@ impl Study {
         let Some(first) = definition.recordings.first() else {
             return Ok(Vec::new());
         };
-        let Some(as_recorded) = run_of(definition, first) else {
+        // Thousands of recordings are not copied once more for every column.
+        let alone = Definition {
+            recordings: Vec::new(),
+            recordings_sha256: vec![String::new()],
+            split: None,
+            ..definition.clone()
+        };
+        let Some(as_recorded) = run_of(&alone, first) else {
             return Ok(Vec::new());
         };
         let mut found: Vec<UnusedColumns> = Vec::new();
         for quantity in Recorded::all_in(first) {
             let doubled = quantity.doubled_in(first)?;
             // A value that the study refuses is used.
-            let Some(changed) = run_of(definition, &doubled) else {
+            let Some(changed) = run_of(&alone, &doubled) else {
                 continue;
             };
             if is_used(definition, &as_recorded, &changed)? {
@@ -303,13 +310,11 @@ impl Study {
     }
 }
 
-/// The first run of a study of this recording alone, and what it is compared with; `None` where the study refuses the recording.
-fn run_of(definition: &Definition, recording: &Recording) -> Option<(Experiment, Target)> {
+/// The first run of a study, which names no recordings, of this recording alone, and what it is compared with; `None` where the study refuses the recording.
+fn run_of(study: &Definition, recording: &Recording) -> Option<(Experiment, Target)> {
     let alone = Definition {
         recordings: vec![recording.clone()],
-        recordings_sha256: vec![String::new()],
-        split: None,
-        ..definition.clone()
+        ..study.clone()
     };
     let study = Study::new(alone).ok()?;
     let experiment = study.experiment_with(0, &ParameterSet::new()).ok()?;

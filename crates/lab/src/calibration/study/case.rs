@@ -2,13 +2,11 @@
 
 use std::borrow::Cow;
 use std::collections::HashMap;
-use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::sync::{Arc, Mutex};
 
 use nalgebra::Vector3;
 
-use crate::calibration::recording::in_short;
-use crate::calibration::recording::{joints, plausibility};
+use crate::calibration::recording::{digest, in_short, joints, plausibility};
 use crate::calibration::study::scene_file;
 use crate::calibration::{Definition, StartRule};
 use realgap_core::statistics::ends_of;
@@ -147,7 +145,8 @@ fn settled(definition: &Definition, base: &Experiment) -> Result<(Vec<Case>, Vec
                 .set_up(&mut own, recording)
                 .map_err(|e| definition.at_file(e))?;
         }
-        let alike = known.entry(digest(&own)).or_default();
+        let commands = own.commands.values().flat_map(|track| track.values());
+        let alike = known.entry(digest(commands)).or_default();
         if let Some(shared) = alike.iter().find(|case| cases[**case].experiment == own) {
             cases[*shared].targets.push(target);
             continue;
@@ -163,18 +162,6 @@ fn settled(definition: &Definition, base: &Experiment) -> Result<(Vec<Case>, Vec
         });
     }
     Ok((cases, warnings))
-}
-
-/// A digest of the commands of an experiment.
-fn digest(experiment: &Experiment) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    for (hinge, track) in &experiment.commands {
-        hinge.hash(&mut hasher);
-        for value in track.values() {
-            hasher.write_u64(value.to_bits());
-        }
-    }
-    hasher.finish()
 }
 
 fn from_recordings(
