@@ -6,7 +6,7 @@ A world names the parameters that a study varies, how recordings are made for tr
 - `inert`: it changes nothing (the mass of a box that slides), so that nothing can be said about it;
 - `ratio`: only its ratio to other parameters of the world changes the recordings, so that nothing but the ranges bounds it.
 
-Truths are uniform anywhere in the range that is searched. Recordings of `puck`, `ball`, `pend` and `pendm` come from closed-form
+Truths are uniform anywhere in the range that is searched; where the study states a prior, they are drawn from it. Recordings of `puck`, `ball`, `pend` and `pendm` come from closed-form
 physics in this file. Those of the others come from the program itself with a timestep that is finer than the study's by a random
 factor from 2 to 5, with other substeps, and in worlds of cubes and wheels with either engine by chance. A camera errs by 1 mm and
 0.3 degrees, an encoder has 4096 steps a turn. The first sample of `puck`, `ball` and `pend` is exact, because runs start from it.
@@ -64,9 +64,20 @@ class Parameter:
     high: float
     points: int = 7
     kind: str = "acts"
+    # Mean and standard deviation of the prior that the study states; truths are drawn from it, within the range.
+    prior: tuple = ()
 
     def ron(self):
-        return f'(name: "{self.name}", from: {self.low}, to: {self.high}, points: {self.points})'
+        prior = f", prior: ({self.prior[0]}, {self.prior[1]})" if self.prior else ""
+        return f'(name: "{self.name}", from: {self.low}, to: {self.high}, points: {self.points}{prior})'
+
+    def draw(self, rng):
+        """A truth."""
+        while self.prior:
+            value = rng.normal(*self.prior)
+            if self.low <= value <= self.high:
+                return value
+        return rng.uniform(self.low, self.high)
 
 
 @dataclass(frozen=True)
@@ -221,12 +232,14 @@ def record_pendulum(world, truth, rng, folder, _program):
 
 ARM_JOINTS = ["shoulder_pan", "shoulder_lift", "elbow_flex", "wrist_flex", "wrist_roll", "gripper"]
 ARM_DRIVEN = {"shoulder_lift": (-0.4, 0.4), "elbow_flex": (-0.5, 0.5)}
-ARM_RATE_HZ = 50
+LEG_JOINTS = ["FL_hip_joint", "FL_thigh_joint", "FL_calf_joint"]
+LEG_DRIVEN = {"FL_hip_joint": (-0.4, 0.4), "FL_thigh_joint": (0.4, 1.2), "FL_calf_joint": (-2.3, -1.3)}
+JOINT_RATE_HZ = 50
 
 
 def arm_commands_rad(rng, duration_s):
     """Commands of all joints at 50 Hz: two joints go from goal to goal at constant speeds and rest in between; the others hold still."""
-    times_s = np.arange(round(duration_s * ARM_RATE_HZ) + 1) / ARM_RATE_HZ
+    times_s = np.arange(round(duration_s * JOINT_RATE_HZ) + 1) / JOINT_RATE_HZ
     commands = np.zeros((len(times_s), len(ARM_JOINTS)))
     commands[:, ARM_JOINTS.index("gripper")] = 0.3
     for name, (low, high) in ARM_DRIVEN.items():
@@ -239,40 +252,103 @@ def arm_commands_rad(rng, duration_s):
     return times_s, commands
 
 
-def arm_table(times_s, commands, angles):
-    columns = ["t_s", *(f"{name}_command_rad" for name in ARM_JOINTS), *(f"{name}_rad" for name in ARM_JOINTS)]
+def chirps_rad(rng, duration_s, driven):
+    """Commands at 50 Hz: each joint follows a sine of a frequency that rises over the run, from and to hidden ones."""
+    times_s = np.arange(round(duration_s * JOINT_RATE_HZ) + 1) / JOINT_RATE_HZ
+    columns = []
+    for low, high in driven.values():
+        first_hz, last_hz = rng.uniform(0.2, 0.5), rng.uniform(1.0, 2.5)
+        turns = first_hz * times_s + 0.5 * (last_hz - first_hz) / duration_s * times_s**2
+        amplitude = rng.uniform(0.3, 1.0) * 0.5 * (high - low)
+        columns.append(0.5 * (low + high) + amplitude * np.sin(2 * math.pi * turns + rng.uniform(0, 2 * math.pi)))
+    return times_s, np.column_stack(columns)
+
+
+def joint_table(joints, times_s, commands, angles):
+    columns = ["t_s", *(f"{name}_command_rad" for name in joints), *(f"{name}_rad" for name in joints)]
     return columns, np.column_stack([times_s, commands, angles])
 
 
-def arm_angles_rad(world, settings, times_s, commands, start_rad, folder, program):
+def simulated_angles_rad(world, joints, settings, times_s, commands, start_rad, folder, program):
     """What the program simulates for these commands: the file of joints of a tuning of one run, in which nothing is tuned."""
     here = folder / "truth_run"
-    write_csv(here / "rec" / "run.csv", *arm_table(times_s, commands, np.tile(start_rad, (len(times_s), 1))))
+    write_csv(here / "rec" / "run.csv", *joint_table(joints, times_s, commands, np.tile(start_rad, (len(times_s), 1))))
     (here / "robot.ron").write_text(world.robot_ron())
     fixed = ", ".join(f'"{name}": {value!r}' for name, value in settings.items())
     (here / "study.ron").write_text(f'Study(morphology: "robot.ron", recordings: ["rec/*.csv"], {world.study}, set: {{{fixed}}},'
                                     ' parameters: [(name: "floor.friction", from: 0.4, to: 0.6)])\n')
     run_program([program, "tune", "study.ron", "--optimizer", "random", "--budget", 1, "--jobs", 1, "--no-report", "--restart", "-o", "out"], here)
-    found = {name: {} for name in ARM_JOINTS}
+    found = {name: {} for name in joints}
     with open(here / "out" / "joints.csv") as file:
         for row in csv.DictReader(file):
-            found[row["joint"]][round(float(row["t_s"]) * ARM_RATE_HZ)] = float(row["simulated_rad"])
-    kept = sorted(found[ARM_JOINTS[0]])
-    return np.array(kept), np.array([[found[name][k] for name in ARM_JOINTS] for k in kept])
+            found[row["joint"]][round(float(row["t_s"]) * JOINT_RATE_HZ)] = float(row["simulated_rad"])
+    kept = sorted(found[joints[0]])
+    return np.array(kept), np.array([[found[name][k] for name in joints] for k in kept])
 
 
-def record_arm(world, truth, rng, folder, program):
-    settings = {**world.fixed, **truth, "timestep_s": world.timestep_s / rng.uniform(2, 5)}
-    noise_steps = rng.uniform(*ARM_NOISE_STEPS)
-    times_s, commands = arm_commands_rad(rng, world.duration_s)
-    # The arm first comes to rest under its first command.
-    held = np.tile(commands[0], (101, 1))
-    _, resting = arm_angles_rad(world, settings, np.arange(101) / ARM_RATE_HZ, held, commands[0], folder, program)
-    kept, angles = arm_angles_rad(world, settings, times_s, commands, resting[-1], folder, program)
-    if len(kept) < len(times_s) - 1:
-        raise RuntimeError(f"joints.csv of {folder} holds {len(kept)} of {len(times_s)} samples: make the recordings of `arm` shorter")
-    write_csv(folder / "rec" / "run_00.csv", *arm_table(times_s[kept], commands[kept], encoded(rng, angles, noise_steps)))
-    return {**settings, "encoder_noise_steps": noise_steps}
+def record_joints(joints, commands_of):
+    """A recorder of one log of a robot that is held: it comes to rest under its first command, and then follows `commands_of`."""
+
+    def record(world, truth, rng, folder, program):
+        settings = {**world.fixed, **truth, "timestep_s": world.timestep_s / rng.uniform(2, 5)}
+        noise_steps = rng.uniform(*ARM_NOISE_STEPS)
+        times_s, commands = commands_of(rng, world.duration_s)
+        held = np.tile(commands[0], (101, 1))
+        _, resting = simulated_angles_rad(world, joints, settings, np.arange(101) / JOINT_RATE_HZ, held, commands[0], folder, program)
+        kept, angles = simulated_angles_rad(world, joints, settings, times_s, commands, resting[-1], folder, program)
+        if len(kept) < len(times_s) - 1:
+            raise RuntimeError(f"joints.csv of {folder} holds {len(kept)} of {len(times_s)} samples: make the recordings of `{world.name}` shorter")
+        write_csv(folder / "rec" / "run_00.csv", *joint_table(joints, times_s[kept], commands[kept], encoded(rng, angles, noise_steps)))
+        return {**settings, "encoder_noise_steps": noise_steps}
+
+    return record
+
+
+def leg_ron():
+    """The left front leg of the Unitree Go2 of this repository, whose base is held."""
+    text = (ROBOTS / "unitree_go2.ron").read_text()
+    kept, is_other = [], ('"FR_', '"RL_', '"RR_')
+    for line in text.splitlines():
+        if not any(name in line for name in is_other):
+            kept.append(line)
+    return "\n".join(kept[kept.index("("):])
+
+
+ARM7_JOINTS = [f"j{k}" for k in range(1, 8)]
+ARM7_DRIVEN = {name: (-0.8, 0.8) for name in ARM7_JOINTS}
+# Length of each link, m; its mass, kg; the effort that its joint is limited to, N m.
+ARM7_LINKS = [(0.16, 3.0, 90.0), (0.2, 3.0, 90.0), (0.2, 2.5, 60.0), (0.2, 2.5, 60.0), (0.2, 1.5, 20.0), (0.12, 1.2, 20.0), (0.08, 0.6, 10.0)]
+
+
+def arm7_ron():
+    """An arm of seven joints that turn about z and y by turns, with position loops."""
+    bodies, joints, actuators = ['(name: "base", mass_kg: 0.0)'], [], []
+    parent, at_m = "base", 0.1
+    for number, (length_m, mass_kg, effort_nm) in enumerate(ARM7_LINKS, 1):
+        across, along = mass_kg * (3 * 0.04**2 + length_m**2) / 12, mass_kg * 0.04**2 / 2
+        bodies.append(f'(name: "l{number}", mass_kg: {mass_kg}, centre_of_mass_m: (0.01, 0.0, {length_m / 2}), '
+                      f'inertia_kg_m2: (xx: {across:.6g}, yy: {across:.6g}, zz: {along:.6g}))')
+        axis = "(0.0, 0.0, 1.0)" if number % 2 else "(0.0, 1.0, 0.0)"
+        joints.append(f'(name: "j{number}", parent: "{parent}", child: "l{number}", pose: (at_m: (0.0, 0.0, {at_m})), '
+                      f'kind: Turn(axis: {axis}, limits_rad: (-2.8, 2.8), viscous_nm_s_rad: 0.5, dry_nm: 0.5))')
+        actuators.append(f'(joint: "j{number}", servo: (law: Torque(stiffness_nm_rad: 200.0, damping_nm_s_rad: 10.0), '
+                         f'max_torque_nm: {effort_nm}, max_speed_rad_s: 2.5))')
+        parent, at_m = f"l{number}", length_m
+    parts = [f"{what}: [{', '.join(items)}]" for what, items in [("bodies", bodies), ("joints", joints), ("actuators", actuators)]]
+    return f'(name: "arm7", description: "an arm of seven joints", {", ".join(parts)}, mount: (at_m: (0.0, 0.0, 1.2)))'
+
+
+def arm7_parameters():
+    """What `realgap start log.csv arm7.urdf --pd 200,10` proposes for this arm as a URDF, with its priors (run on 2026-11-28)."""
+    found = []
+    for name, (_, _, effort_nm) in zip(ARM7_JOINTS, ARM7_LINKS):
+        dry = max(0.15 * effort_nm, 2.5)
+        armature = 0.01 * effort_nm
+        found += [Parameter(f"hinge.{name}.armature_kg_m2", 0.0, armature, prior=(0.0, armature / 2)),
+                  Parameter(f"hinge.{name}.viscous_nm_s_rad", 0.0, dry, prior=(0.5, dry / 2)),
+                  Parameter(f"hinge.{name}.dry_nm", 0.0, dry, prior=(0.5, dry / 2)),
+                  Parameter(f"joint.{name}.zero_rad", -0.1, 0.1, prior=(0.0, 0.1))]
+    return (*found, Parameter("servo.gain", 0.5, 2.0, prior=(1.0, 0.75)), Parameter("servo.latency_s", 0.0, 0.1, prior=(0.0, 0.05)))
 
 
 def record_repeats(world, truth, rng, folder, program):
@@ -313,8 +389,19 @@ WORLDS = {world.name: world for world in [
           PENDULUM, JOINTS, families=WITH_LEAST_SQUARES),
     World("arm", tuple(Parameter(f"{what}.{joint}.{unit}", low, high) for joint in ARM_DRIVEN for what, unit, low, high in
                        [("servo", "stiffness_nm_rad", 10, 100), ("servo", "damping_nm_s_rad", 0.3, 5.0), ("hinge", "dry_nm", 0.0, 1.5)]),
-          record_arm, "so101_feetech.ron", JOINTS + ", commands: Commands(), score: Single", families=("walkers", "least squares"),
+          record_joints(ARM_JOINTS, arm_commands_rad), "so101_feetech.ron", JOINTS + ", commands: Commands(), score: Single", families=("walkers", "least squares"),
           duration_s=4.8, fixed={"timestep_s": 0.01, "solver.engine": 1}, timestep_s=0.01),
+    # A position loop of known gains around the leg of a Go2: what `realgap start --pd` proposes, in ranges of such a leg.
+    World("leg", (*(Parameter(f"{what}.{joint}.{unit}", low, high) for joint in LEG_JOINTS for what, unit, low, high in
+                    [("hinge", "armature_kg_m2", 0.0, 0.05), ("hinge", "viscous_nm_s_rad", 0.0, 1.0), ("hinge", "dry_nm", 0.0, 1.0),
+                     ("joint", "zero_rad", -0.05, 0.05)]),
+                  Parameter("servo.gain", 0.8, 1.25), Parameter("servo.latency_s", 0.0, 0.02)),
+          record_joints(LEG_JOINTS, lambda rng, duration_s: chirps_rad(rng, duration_s, LEG_DRIVEN)), leg_ron(),
+          JOINTS + ", commands: Commands(), score: Single", families=("least squares",), duration_s=4.8,
+          fixed={"timestep_s": 0.0025, "solver.engine": 1}, timestep_s=0.0025),
+    World("arm7", arm7_parameters(), record_joints(ARM7_JOINTS, lambda rng, duration_s: chirps_rad(rng, duration_s, ARM7_DRIVEN)), arm7_ron(),
+          JOINTS + ", commands: Commands(), score: Single", families=("least squares",), duration_s=4.8,
+          fixed={"timestep_s": 0.01, "solver.engine": 1}, timestep_s=0.01),
     walker("chain3"),
     walker("spider8"),
     walker("two_module"),
@@ -337,7 +424,7 @@ def make(world, seed, folder, program):
         return json.loads(done.read_text())
     folder.mkdir(parents=True, exist_ok=True)
     rng = np.random.default_rng([seed, zlib.crc32(world.name.encode())])
-    truth = {parameter.name: float(f"{rng.uniform(parameter.low, parameter.high):.7g}") for parameter in world.parameters}
+    truth = {parameter.name: float(f"{parameter.draw(rng):.7g}") for parameter in world.parameters}
     (folder / "robot.ron").write_text(world.robot_ron())
     (folder / "study.ron").write_text(world.study_ron(seed % 2 == 0))
     settings = world.record(world, truth, rng, folder, program)

@@ -39,10 +39,10 @@ impl AssumedLaw {
     pub(super) fn words(self) -> String {
         match self {
             Self::Velocity => format!(
-                "turns to its command at {GAIN_1_S} 1/s times its error, without a speed limit where no velocity above 0 is stated,"
+                "turns to its command at {GAIN_1_S} 1/s times its error, without a speed limit where no velocity above 0 is stated"
             ),
             Self::Torque => format!(
-                "is a spring that exerts its effort limit at an error of {FULL_RAD}, damped to follow at {GAIN_1_S} 1/s,"
+                "is a spring that exerts its effort limit at an error of {FULL_RAD}, damped to follow at {GAIN_1_S} 1/s"
             ),
             Self::Direct => "exerts the commanded torque".to_owned(),
         }

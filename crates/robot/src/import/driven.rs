@@ -34,7 +34,7 @@ pub(super) fn drive(structure: &mut Structure, options: &Options, notes: &mut No
         notes.assumed(
             None,
             format!(
-                "the servo of joint `{name}`, which the file does not drive and the recordings command: it {}, with at most {max_torque_nm:.4} N m",
+                "the servo of joint `{name}`, which the file does not drive and the recordings command: it {}; it exerts at most {max_torque_nm:.4} N m",
                 law.words()
             ),
             "state its motor in the robot's file",

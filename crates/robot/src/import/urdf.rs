@@ -141,7 +141,7 @@ impl Robot<'_> {
             notes.assumed(
                 None,
                 format!(
-                    "the servos of {} joints: URDF states only their limits; each {law} and holds 0 unless another command is stated",
+                    "the servos of {} joints: URDF states only their limits; each {law}, and holds 0 unless another command is stated",
                     self.servos
                 ),
                 "state control laws and gaits in `actuators`, or import the joints as passive",

@@ -247,7 +247,11 @@ impl Robot<'_> {
             },
             delay_s: 0.0,
         };
-        if let Some(law) = driven {
+        // Gains that a user states replace this law.
+        let is_given = self.reader.options.gains.contains_key(name);
+        if let Some(law) = driven
+            && !is_given
+        {
             let what = format!(
                 "the servo of joint `{name}`, which the recordings command: URDF states only its limits; it {}",
                 law.words()
@@ -258,7 +262,7 @@ impl Robot<'_> {
                 "state its control law in `actuators`",
             );
         }
-        self.servos += usize::from(driven.is_none());
+        self.servos += usize::from(driven.is_none() && !is_given);
         self.structure.actuators.push(Driver {
             joint: name.to_owned(),
             servo,
