@@ -10,6 +10,7 @@ mod fit;
 mod flight;
 mod forecast;
 mod gap;
+mod headline;
 mod least_squares;
 mod parameter;
 mod residual;
@@ -24,6 +25,7 @@ pub(crate) use fit::{engines, model, nearest, set};
 pub use flight::flights;
 pub(crate) use forecast::{reach, success};
 pub(crate) use gap::{called, distance, floor, likeness, over_time};
+pub(crate) use headline::{Ground, gap, trust};
 pub(crate) use least_squares::least_squares;
 pub(crate) use parameter::{Found, NAMED, parameter, summary};
 
@@ -35,6 +37,11 @@ pub(crate) const SIGNIFICANT: f64 = 0.05;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum About {
+    /// How far the simulation is from reality, in a unit that people use: the first part of the verdict. The second one is about the
+    /// parameters.
+    Gap,
+    /// Whether the answer may be trusted: the third part of the verdict.
+    Trust,
     /// Whether any parameters of the model explain the recordings.
     Model,
     /// Where the simulation is nearest to reality.

@@ -77,7 +77,7 @@ fn source(source: NoiseSource) -> &'static str {
 }
 
 /// Where the misfit is, and how large.
-fn differs(channel: &ChannelFit, misfit: &ResidualMisfit) -> String {
+pub(super) fn differs(channel: &ChannelFit, misfit: &ResidualMisfit) -> String {
     let systematic = quantity(channel.systematic * channel.noise, channel.unit);
     format!(
         "In {}, runs differ systematically by {systematic}, most from {} to {} s, where noise is {} ({})",

@@ -17,7 +17,7 @@ use crate::calibration::numerics::engines::{explaining_engine, posterior_weights
 use crate::calibration::{
     Audit, Fit, Method, PointScore, Report, Reproduction, Scores, Study, Uncertainty, Validation,
 };
-use realgap_core::{Code, Result};
+use realgap_core::Result;
 use realgap_inference::{
     BAND, Emulator, HistoryMatching, LeastSquaresPosterior, ObservationUncertainty, PosteriorDraws,
     Profile, ScoredRun,
@@ -164,12 +164,7 @@ impl Answer {
             validation: Validation::new(study, &scores, refits)?,
             reproduction,
         };
-        let mut report = Report::new(study, &evidence)?;
-        if ending == Ending::Complete && !study.is_audited() {
-            report.warnings.push(Code::NotAudited.warning(
-                "the answer is not audited: nothing tells whether the model explains the recordings and what finer timesteps change, so the intervals may be too narrow",
-            ));
-        }
+        let report = Report::new(study, &evidence)?;
         let best_score = scores.best.and_then(|best| scores.points[best].score);
         let surface = match (emulator, least_squares) {
             (Some(emulator), _) => Some(Surface::Emulator(emulator)),

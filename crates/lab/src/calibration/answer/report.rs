@@ -173,6 +173,11 @@ impl Evidence<'_> {
                 scores.points.len()
             )));
         }
+        if self.ending == Ending::Complete && !study.is_audited() {
+            warnings.push(Code::NotAudited.warning(
+                "the answer is not audited: nothing tells whether the model explains the recordings and what finer timesteps change, so the intervals may be too narrow",
+            ));
+        }
         if let Some(audit) = &self.audit
             && !audit.unresolved.is_empty()
         {
@@ -206,9 +211,20 @@ impl Evidence<'_> {
     }
 }
 
+/// The parts of the verdict, with what they are called.
+pub const VERDICT: [(&str, About); 3] = [
+    ("gap", About::Gap),
+    ("parameters", About::Parameters),
+    ("trust", About::Trust),
+];
+
 impl fmt::Display for Report {
-    /// Writes a line for the study, and one for each statement of the report.
+    /// Writes the verdict in three lines, a line for the study, and one for each further statement of the report.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (label, about) in VERDICT {
+            let mut claims = self.claims.iter().filter(|claim| claim.about == about);
+            claims.try_for_each(|claim| writeln!(f, "{label:10}  {claim}"))?;
+        }
         write!(
             f,
             "{}: {} of {}, {}",
@@ -411,8 +427,21 @@ impl Report {
         let sure = self.uncertainty.as_ref();
         let set = sure.map(|sure| claim::set(sure, recordings));
         let engines = claim::engines(&self.engines, of_metric, recordings);
-        let first = model.into_iter().chain(best).chain(engines);
-        let first = first.chain(claim::summary(&each));
+        let floors = self.fit.as_ref().and_then(|fit| fit.noise_floors);
+        let gap = self.best.as_ref().map(|best| {
+            let pose = self.pose.as_ref();
+            claim::gap(best, pose, of_metric, floors, (reality, recordings))
+        });
+        let trust = claim::trust(&claim::Ground {
+            complete: self.complete,
+            is_audited: !self.warnings.iter().any(|w| w.code == Code::NotAudited),
+            fit: self.fit.as_ref(),
+            validation: self.validation.as_ref(),
+            recordings,
+        });
+        let trust = self.best.is_some().then_some(trust);
+        let verdict = gap.into_iter().chain(claim::summary(&each)).chain(trust);
+        let first = verdict.chain(model).chain(best).chain(engines);
         self.claims = first.chain(set).chain(each).collect();
         self
     }

@@ -5,6 +5,7 @@ use crate::report::document::page::{
     BAR, BLOCK, CHART, CLOCK, Page, REPLAY, SCENE, STYLE, THREE, fill, html, script_json,
 };
 use crate::report::document::section::{Section, body, contents};
+use realgap_lab::claim::{Claim, Conclusion};
 
 const REPORT: &str = include_str!("../document/asset/report.js");
 
@@ -15,6 +16,8 @@ pub(in crate::report) struct PageContent {
     pub kind: &'static str,
     /// Name of the study, the robot or the recordings.
     pub name: String,
+    /// The verdict: its parts with what they are called and what the evidence says of them.
+    pub verdict: Vec<(&'static str, Claim)>,
     /// The answer in two sentences.
     pub answer: String,
     /// What the study is for.
@@ -42,6 +45,7 @@ impl PageContent {
         let values = [
             ("kind", self.kind.to_owned()),
             ("name", html(&self.name)),
+            ("verdict", verdict(&self.verdict)),
             ("answer", html(&self.answer)),
             ("description", html(&self.description)),
             ("contents", contents(&self.sections)),
@@ -57,4 +61,24 @@ impl PageContent {
         }
         .text()
     }
+}
+
+/// The verdict as a list of terms; empty where there is none.
+fn verdict(parts: &[(&'static str, Claim)]) -> String {
+    if parts.is_empty() {
+        return String::new();
+    }
+    let part = |(label, claim): &(&str, Claim)| {
+        let class = match claim.conclusion {
+            Conclusion::Supported => "holds",
+            Conclusion::Rejected => "fails",
+            Conclusion::Inconclusive => "open",
+        };
+        format!(
+            "<dt>{label}</dt><dd class=\"{class}\">{}</dd>",
+            html(&claim.text)
+        )
+    };
+    let parts: String = parts.iter().map(part).collect();
+    format!("<dl class=\"verdict\">{parts}</dl>")
 }

@@ -215,10 +215,13 @@ impl ResultsPage {
         }
     }
 
-    /// The first sentences of the page.
+    /// The verdict and the first sentences of the page.
     #[cfg(test)]
     pub(in crate::report) fn answer(&self) -> String {
-        self.content(None).answer
+        let content = self.content(None);
+        let verdict = content.verdict.iter().map(|(_, claim)| claim.text.as_str());
+        let all: Vec<&str> = verdict.chain([content.answer.as_str()]).collect();
+        all.join(" ")
     }
 }
 

@@ -1,6 +1,6 @@
 //! The page of a sweep or a tuning.
 
-use super::claim::sentences;
+use super::claim::{sentences, verdict};
 use super::content::PageContent;
 use super::fleet;
 use super::joint::joints;
@@ -86,6 +86,7 @@ pub(super) fn content(
     PageContent {
         kind: if is_tuned { "tuning" } else { "sweep" },
         name: report.study.clone().unwrap_or("results".to_owned()),
+        verdict: verdict(&report.claims),
         answer: answer(report),
         sections,
         shown_fields: SHOWN_FIELDS,
@@ -159,9 +160,9 @@ fn maps(
     Some((map, uncertain))
 }
 
-/// Whether the model explains the recordings, where it is nearest, and what they say about its parameters.
+/// Whether the model explains the recordings, and where it is nearest, below the verdict.
 fn answer(report: &StudySummary) -> String {
-    let about = [About::Model, About::Best, About::Engines, About::Parameters];
+    let about = [About::Model, About::Best, About::Engines];
     let mut text = sentences(&report.claims, &about);
     if text.is_empty() {
         return "No point has a score, so there is no answer.".to_owned();
