@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use realgap_core::file::Source;
-use realgap_robot::morphology::{
+use realgap_robot::morphology::{CommandScale, 
     Actuator, Assembly, Attachment, Blueprint, Drive, DriveAxis, Face, Gait, Module, Morphology,
     Plate, Role, Servo, ServoLaw,
 };
@@ -71,6 +71,7 @@ fn module(index: usize, seed: &Seed) -> Module {
                 frequency_hz: 1.0 / 3.0,
                 phase_rad: angle / 7.0,
             },
+            command: CommandScale::default(),
         },
     });
     module
