@@ -20,8 +20,10 @@ COLLECTIONS = {
     "robosuite": ["."],
     "mani_skill": ["assets"],
 }
-INFINITE = 1e300
-HINGE, SLIDE = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
+HINGE, SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
+# A numpy integer never equals a member of an enumeration of MuJoCo.
+DRIVES_JOINT = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
+AFFINE = int(mujoco.mjtBias.mjBIAS_AFFINE)
 
 
 def name(model, kind, index):
@@ -67,8 +69,7 @@ def joints(model):
         drives = [
             a
             for a in range(model.nu)
-            if model.actuator_trntype[a] in (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
-            and model.actuator_trnid[a, 0] == j
+            if model.actuator_trntype[a] in DRIVES_JOINT and model.actuator_trnid[a, 0] == j
         ]
         out.append(
             dict(
@@ -92,7 +93,7 @@ def joints(model):
 
 
 def drive(model, a):
-    affine = model.actuator_biastype[a] == mujoco.mjtBias.mjBIAS_AFFINE
+    affine = model.actuator_biastype[a] == AFFINE
     return dict(
         name=name(model, mujoco.mjtObj.mjOBJ_ACTUATOR, a),
         gear=float(model.actuator_gear[a, 0]),
@@ -100,6 +101,8 @@ def drive(model, a):
         bias=model.actuator_biasprm[a, :3].tolist() if affine else [0.0, 0.0, 0.0],
         gain_kind=int(model.actuator_gaintype[a]),
         bias_kind=int(model.actuator_biastype[a]),
+        armature=float(model.actuator_armature[a]),
+        damping=float(model.actuator_damping[a]),
         dynamics=int(model.actuator_dyntype[a]),
         command=span(model.actuator_ctrllimited[a], model.actuator_ctrlrange[a]),
         force=span(model.actuator_forcelimited[a], model.actuator_forcerange[a]),

@@ -178,10 +178,15 @@ impl<'a> Comparison<'a> {
         if stiffness > 0.0 {
             self.differ("rest", &name, &[rest], &[number(&given["rest"])], 1e-3);
         }
-        self.differ("armature", &name, &[motion.armature], &[number(&given["armature"])], 1e-12);
         self.differ("frictionloss", &name, &[motion.dry], &[number(&given["dry"])], 1e-12);
         let driver = structure.actuators.iter().find(|driver| driver.joint == name);
-        let mut damping = number(&given["damping"]);
+        // MuJoCo adds armature and damping of an actuator at run time, reflected by its gear.
+        let reflected = |field: &str| {
+            let each = drives.iter().map(|drive| number(&drive[field]) * number(&drive["gear"]).powi(2));
+            number(&given[field]) + each.sum::<f64>()
+        };
+        self.differ("armature", &name, &[motion.armature], &[reflected("armature")], 1e-12);
+        let mut damping = reflected("damping");
         match (driver, drives.first()) {
             (Some(driver), Some(drive)) => {
                 let bias = list::<3>(&drive["bias"]);

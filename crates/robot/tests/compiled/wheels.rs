@@ -96,3 +96,15 @@ fn models_of_wheels_have_the_numbers_that_mujoco_compiles() {
     let broken = check(&models);
     assert!(broken.is_empty(), "{} faults:\n{}", broken.len(), broken.join("\n"));
 }
+
+#[test]
+fn recorded_robots_have_the_numbers_that_mujoco_compiles() {
+    let Some(folder) = crate::common::shared_data("go2_hang") else {
+        return;
+    };
+    let Some(models) = compiled(&[&folder.join("go2.xml")]) else {
+        return;
+    };
+    let broken = check(&models);
+    assert!(broken.is_empty(), "{} faults:\n{}", broken.len(), broken.join("\n"));
+}

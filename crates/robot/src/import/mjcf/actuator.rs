@@ -291,8 +291,11 @@ impl Robot<'_> {
             _ => [0.0; 3],
         };
         let mut damping = -bias[2];
-        if bias[2] > 0.0 && gain == -bias[1] {
-            let reflected = self.inertia.diagonal(body, index) / (gear * gear);
+        if bias[2] > 0.0
+            && gain == -bias[1]
+            && let Some(inertia) = self.inertia.free(body, index)
+        {
+            let reflected = inertia / (gear * gear);
             damping = 2.0 * bias[2] * (gain * reflected).sqrt();
         }
         damping *= gear * gear;

@@ -15,10 +15,9 @@ struct Freedom {
     anchor_world_m: Vector3<f64>,
 }
 
-/// The inertia matrix of a model at the start, with the armatures of its joints.
+/// The inverse of the inertia matrix of a model at the start, with the armatures of its joints.
 pub(super) struct Inertia {
     freedoms: Vec<Freedom>,
-    matrix: DMatrix<f64>,
     inverse: Option<DMatrix<f64>>,
 }
 
@@ -59,7 +58,7 @@ impl Inertia {
             poses.push(pose);
             own.push(moved);
         }
-        let mut matrix = DMatrix::zeros(freedoms.len(), freedoms.len());
+        let mut matrix: DMatrix<f64> = DMatrix::zeros(freedoms.len(), freedoms.len());
         for ((pose, moved), mass) in poses.iter().zip(&own).zip(masses) {
             let centre = (pose * Point3::from(mass.centre_m)).coords;
             let turn = pose.rotation.to_rotation_matrix();
@@ -83,23 +82,14 @@ impl Inertia {
         for (index, freedom) in freedoms.iter().enumerate() {
             matrix[(index, index)] += armatures[freedom.body][freedom.joint];
         }
-        let inverse = matrix.clone().cholesky().map(|factor| factor.inverse());
-        Self {
-            freedoms,
-            matrix,
-            inverse,
-        }
+        let inverse = matrix.cholesky().map(|factor| factor.inverse());
+        Self { freedoms, inverse }
     }
 
     fn of_joint(&self, body: usize, joint: usize) -> impl Iterator<Item = usize> {
         let all = self.freedoms.iter().enumerate();
         all.filter(move |(_, freedom)| freedom.body == body && freedom.joint == joint)
             .map(|(index, _)| index)
-    }
-
-    /// The diagonal of the matrix at a joint with one degree of freedom: the inertia while all other joints are held.
-    pub fn diagonal(&self, body: usize, joint: usize) -> f64 {
-        self.of_joint(body, joint).map(|index| self.matrix[(index, index)]).sum()
     }
 
     /// The inertia of a joint while all others are free, averaged over its degrees of freedom.

@@ -225,21 +225,13 @@ pub(super) fn fitted(
         .collect();
     let [low, high] = realgap_solid::bounds(&own);
     let middle = 0.5 * (low + high);
-    let farthest = |of: &dyn Fn(Vector3<f64>) -> f64| {
-        own.iter().map(|point| of(point - middle)).fold(0.0, f64::max)
-    };
-    let across = |p: &Vector3<f64>| p.xy().norm();
-    let radius = farthest(&|p| across(&p));
+    let half = 0.5 * (high - low);
+    let radius = half.x.max(half.y);
     let size = match kind {
-        GeomType::Sphere => Vector3::repeat(farthest(&|p| p.norm())),
-        GeomType::Cylinder => Vector3::new(radius, farthest(&|p| p.z.abs()), 0.0),
-        GeomType::Capsule => {
-            let beyond = |p: Vector3<f64>| {
-                p.z.abs() - (radius * radius - across(&p).powi(2)).max(0.0).sqrt()
-            };
-            Vector3::new(radius, farthest(&beyond), 0.0)
-        }
-        _ => 0.5 * (high - low),
+        GeomType::Sphere => Vector3::repeat(half.max()),
+        GeomType::Cylinder => Vector3::new(radius, half.z, 0.0),
+        GeomType::Capsule => Vector3::new(radius, half.z - radius, 0.0),
+        _ => half,
     };
     (size * scale, pose * Translation3::from(middle))
 }
