@@ -125,7 +125,7 @@ def wheels():
     for package, folders in COLLECTIONS.items():
         found = importlib.util.find_spec(package)
         if found is None or found.origin is None:
-            print(json.dumps(dict(absent=package)), flush=True)
+            yield package, None
             continue
         for folder in folders:
             start = os.path.join(os.path.dirname(found.origin), folder)
@@ -147,6 +147,9 @@ def main():
     else:
         todo = (("files", path) for path in sys.argv[1:])
     for package, path in todo:
+        if path is None:
+            print(json.dumps(dict(absent=package)), flush=True)
+            continue
         line = dict(package=package, path=path)
         try:
             line.update(compiled(path))

@@ -92,7 +92,11 @@ impl CommandTrack {
     #[must_use]
     pub(super) fn passed(&self, scale: &CommandScale) -> Self {
         Self {
-            values: self.values.iter().map(|value| scale.apply(*value)).collect(),
+            values: self
+                .values
+                .iter()
+                .map(|value| scale.apply(*value))
+                .collect(),
             ..self.clone()
         }
     }

@@ -251,7 +251,8 @@ impl EnergyMeter {
             // The part of the weight that is compensated acts at a place of its own.
             let (lifted_kg, lifted_part_m) = self.compensated[index];
             let lift_n = Vector3::new(0.0, 0.0, lifted_kg * self.gravity_m_s2);
-            let place = |part: &PartState| (part.world_from_part * Point3::from(lifted_part_m)).coords;
+            let place =
+                |part: &PartState| (part.world_from_part * Point3::from(lifted_part_m)).coords;
             if !(is_held && index == 0) {
                 balance.gravity_j += lift_n.dot(&(place(b) - place(a)));
             }

@@ -159,7 +159,11 @@ mod tests {
         assert!((hull.centre_m - Vector3::new(0.075, 0.05, 0.025)).amax() < 1e-15);
         let xy = 0.3 * 0.2 * volume_m3 / 80.0;
         let zz = 3.0 * (0.09 + 0.04) * volume_m3 / 80.0;
-        assert!((hull.inertia_m5[(0, 1)] - xy).abs() < 1e-18, "{}", hull.inertia_m5);
+        assert!(
+            (hull.inertia_m5[(0, 1)] - xy).abs() < 1e-18,
+            "{}",
+            hull.inertia_m5
+        );
         assert!((hull.inertia_m5[(2, 2)] - zz).abs() < 1e-18);
     }
 

@@ -239,7 +239,11 @@ impl Forest {
             let away_m = place.body_from_link * centre_link_m - body.centre_body_m;
             body.compensated.1 += away_m * mass_kg;
         }
-        for body in self.bodies.iter_mut().filter(|body| body.compensated.0 != 0.0) {
+        for body in self
+            .bodies
+            .iter_mut()
+            .filter(|body| body.compensated.0 != 0.0)
+        {
             body.compensated.1 /= body.compensated.0;
         }
     }

@@ -5,8 +5,8 @@ use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use realgap_core::error::Result;
 use realgap_core::file::Source;
 use realgap_robot::morphology::{
-    Actuator, Assembly, Bearing, CommandScale, Freedom, Gait, Hinge, Morphology, Part, Role, Servo, ServoLaw,
-    Shape, Solid,
+    Actuator, Assembly, Bearing, CommandScale, Freedom, Gait, Hinge, Morphology, Part, Role, Servo,
+    ServoLaw, Shape, Solid,
 };
 
 /// Edge of a module, metres.

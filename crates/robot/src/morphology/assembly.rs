@@ -6,8 +6,8 @@
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::command_scale::CommandScale;
 use super::absent::{is_unlimited, is_zero, limit, unlimited};
+use super::command_scale::CommandScale;
 use super::law::ServoLaw;
 use realgap_solid::Shape;
 
@@ -97,9 +97,10 @@ impl Part {
             let centre = solid.robot_from_solid * Point3::from(solid.centre_of_mass_solid_m);
             (solid.mass_kg * solid.gravity_compensation, centre.coords)
         });
-        let (mass_kg, moment) = each.fold((0.0, Vector3::zeros()), |(mass, moment), (kg, centre)| {
-            (mass + kg, moment + centre * kg)
-        });
+        let (mass_kg, moment) = each
+            .fold((0.0, Vector3::zeros()), |(mass, moment), (kg, centre)| {
+                (mass + kg, moment + centre * kg)
+            });
         (mass_kg != 0.0).then(|| (mass_kg, moment / mass_kg))
     }
 

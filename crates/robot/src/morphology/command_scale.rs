@@ -83,9 +83,18 @@ mod tests {
         assert_eq!([-9.0, 0.25, 9.0].map(|c| scale.apply(c)), [2.5, 0.0, -5.5]);
         assert!(scale.check("c").is_ok());
         for wrong in [
-            CommandScale { factor: 0.0, ..scale },
-            CommandScale { range: Some((1.0, 1.0)), ..scale },
-            CommandScale { offset: f64::NAN, ..scale },
+            CommandScale {
+                factor: 0.0,
+                ..scale
+            },
+            CommandScale {
+                range: Some((1.0, 1.0)),
+                ..scale
+            },
+            CommandScale {
+                offset: f64::NAN,
+                ..scale
+            },
         ] {
             assert!(wrong.check("c").is_err(), "{wrong:?}");
         }

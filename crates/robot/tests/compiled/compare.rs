@@ -46,7 +46,9 @@ fn isometry(pose: &Pose) -> Isometry3<f64> {
 /// A name as the import changes it.
 fn clean(name: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-    name.chars().map(|c| if plain(c) { c } else { '_' }).collect()
+    name.chars()
+        .map(|c| if plain(c) { c } else { '_' })
+        .collect()
 }
 
 /// Compares the numbers of an imported robot with those that MuJoCo compiled, and returns the largest differences by field.
@@ -80,7 +82,10 @@ impl<'a> Comparison<'a> {
 
     /// Fields that differ by more than the contract allows.
     pub fn broken(&self) -> Vec<String> {
-        let beyond = self.largest.iter().filter(|(_, (size, _))| *size > MOST || size.is_nan());
+        let beyond = self
+            .largest
+            .iter()
+            .filter(|(_, (size, _))| *size > MOST || size.is_nan());
         (beyond.map(|(field, (size, place))| format!("{field} of {place}: {size:.2e}")))
             .chain(self.unsaid.iter().map(|what| format!("unsaid: {what}")))
             .collect()
@@ -99,10 +104,25 @@ impl<'a> Comparison<'a> {
         }
     }
 
-    fn differ(&mut self, field: &'static str, place: &str, ours: &[f64], theirs: &[f64], least: f64) {
+    fn differ(
+        &mut self,
+        field: &'static str,
+        place: &str,
+        ours: &[f64],
+        theirs: &[f64],
+        least: f64,
+    ) {
         let size = theirs.iter().fold(least, |a, b| a.max(b.abs()));
-        let off = ours.iter().zip(theirs).map(|(a, b)| (a - b).abs() / size).fold(0.0, f64::max);
-        let off = if ours.iter().all(|value| value.is_finite()) { off } else { f64::NAN };
+        let off = ours
+            .iter()
+            .zip(theirs)
+            .map(|(a, b)| (a - b).abs() / size)
+            .fold(0.0, f64::max);
+        let off = if ours.iter().all(|value| value.is_finite()) {
+            off
+        } else {
+            f64::NAN
+        };
         self.numbers += ours.len();
         let known = self.largest.entry(field).or_insert((0.0, String::new()));
         if off > known.0 || off.is_nan() {
@@ -122,29 +142,63 @@ impl<'a> Comparison<'a> {
             };
             let mass = number(&body["mass"]);
             self.differ("mass", &name, &[ours.mass_kg], &[mass], 1e-12);
-            self.differ("gravcomp", &name, &[ours.gravity_compensation], &[number(&body["gravcomp"])], 1e-12);
+            self.differ(
+                "gravcomp",
+                &name,
+                &[ours.gravity_compensation],
+                &[number(&body["gravcomp"])],
+                1e-12,
+            );
             if mass > 0.0 {
                 let (x, y, z) = ours.centre_of_mass_m.unwrap_or_default();
-                self.differ("centre of mass", &name, &[x, y, z], vector(&body["ipos"]).as_slice(), 1e-3);
-                let own = ours.inertia_kg_m2.map_or(Matrix3::zeros(), |tensor| tensor.matrix());
+                self.differ(
+                    "centre of mass",
+                    &name,
+                    &[x, y, z],
+                    vector(&body["ipos"]).as_slice(),
+                    1e-3,
+                );
+                let own = ours
+                    .inertia_kg_m2
+                    .map_or(Matrix3::zeros(), |tensor| tensor.matrix());
                 let axes = turn(&body["iquat"]).to_rotation_matrix();
-                let theirs = axes * Matrix3::from_diagonal(&vector(&body["inertia"])) * axes.transpose();
+                let theirs =
+                    axes * Matrix3::from_diagonal(&vector(&body["inertia"])) * axes.transpose();
                 self.differ("inertia", &name, own.as_slice(), theirs.as_slice(), 1e-300);
             }
             // The pose of a body is that of the first joint above it; a free root has none.
             let parent = body["parent"].as_u64().expect("an index") as usize;
-            let parent = if parent == 0 { "world" } else { names[parent - 1] };
+            let parent = if parent == 0 {
+                "world"
+            } else {
+                names[parent - 1]
+            };
             let mut above = structure.joints.iter().find(|joint| joint.child == name);
             while let Some(joint) = above.filter(|joint| joint.parent != clean(parent)) {
-                above = structure.joints.iter().find(|other| other.child == joint.parent);
+                above = structure
+                    .joints
+                    .iter()
+                    .find(|other| other.child == joint.parent);
             }
             if let Some(joint) = above {
                 let pose = isometry(&joint.pose);
                 let at = pose.translation.vector;
-                self.differ("position of a body", &name, at.as_slice(), vector(&body["pos"]).as_slice(), 1e-3);
+                self.differ(
+                    "position of a body",
+                    &name,
+                    at.as_slice(),
+                    vector(&body["pos"]).as_slice(),
+                    1e-3,
+                );
                 let own = pose.rotation.to_rotation_matrix();
                 let theirs: Rotation3<f64> = turn(&body["quat"]).to_rotation_matrix();
-                self.differ("orientation of a body", &name, own.matrix().as_slice(), theirs.matrix().as_slice(), 1.0);
+                self.differ(
+                    "orientation of a body",
+                    &name,
+                    own.matrix().as_slice(),
+                    theirs.matrix().as_slice(),
+                    1.0,
+                );
             }
         }
     }
@@ -162,30 +216,73 @@ impl<'a> Comparison<'a> {
         };
         let drives = given["drives"].as_array().expect("drives");
         let reference = number(&given["reference"]);
-        self.differ("axis", &name, motion.axis.as_slice(), vector(&given["axis"]).as_slice(), 1.0);
+        self.differ(
+            "axis",
+            &name,
+            motion.axis.as_slice(),
+            vector(&given["axis"]).as_slice(),
+            1.0,
+        );
         if !given["slides"].as_bool().expect("a truth") {
-            self.differ("anchor", &name, motion.anchor_m.as_slice(), vector(&given["anchor"]).as_slice(), 1e-3);
+            self.differ(
+                "anchor",
+                &name,
+                motion.anchor_m.as_slice(),
+                vector(&given["anchor"]).as_slice(),
+                1e-3,
+            );
         }
         match (motion.limits, given["range"].is_null()) {
             (Some((low, high)), false) => {
-                self.differ("range", &name, &[low, high], &list::<2>(&given["range"]), 1e-3);
+                self.differ(
+                    "range",
+                    &name,
+                    &[low, high],
+                    &list::<2>(&given["range"]),
+                    1e-3,
+                );
             }
             (None, true) => {}
-            (ours, _) => self.unsaid.push(format!("range of {name}: {ours:?} for {}", given["range"])),
+            (ours, _) => self
+                .unsaid
+                .push(format!("range of {name}: {ours:?} for {}", given["range"])),
         }
         let (stiffness, rest) = motion.spring.unwrap_or_default();
-        self.differ("stiffness", &name, &[stiffness], &[number(&given["stiffness"])], 1e-12);
+        self.differ(
+            "stiffness",
+            &name,
+            &[stiffness],
+            &[number(&given["stiffness"])],
+            1e-12,
+        );
         if stiffness > 0.0 {
             self.differ("rest", &name, &[rest], &[number(&given["rest"])], 1e-3);
         }
-        self.differ("frictionloss", &name, &[motion.dry], &[number(&given["dry"])], 1e-12);
-        let driver = structure.actuators.iter().find(|driver| driver.joint == name);
+        self.differ(
+            "frictionloss",
+            &name,
+            &[motion.dry],
+            &[number(&given["dry"])],
+            1e-12,
+        );
+        let driver = structure
+            .actuators
+            .iter()
+            .find(|driver| driver.joint == name);
         // MuJoCo adds armature and damping of an actuator at run time, reflected by its gear.
         let reflected = |field: &str| {
-            let each = drives.iter().map(|drive| number(&drive[field]) * number(&drive["gear"]).powi(2));
+            let each = drives
+                .iter()
+                .map(|drive| number(&drive[field]) * number(&drive["gear"]).powi(2));
             number(&given[field]) + each.sum::<f64>()
         };
-        self.differ("armature", &name, &[motion.armature], &[reflected("armature")], 1e-12);
+        self.differ(
+            "armature",
+            &name,
+            &[motion.armature],
+            &[reflected("armature")],
+            1e-12,
+        );
         let mut damping = reflected("damping");
         match (driver, drives.first()) {
             (Some(driver), Some(drive)) => {
@@ -198,18 +295,35 @@ impl<'a> Comparison<'a> {
             }
             (None, Some(drive)) => {
                 let own = clean(text(&drive["name"]));
-                self.miss(text(&drive["name"]), "", format!("actuator {own} of {name}"));
+                self.miss(
+                    text(&drive["name"]),
+                    "",
+                    format!("actuator {own} of {name}"),
+                );
             }
-            (Some(_), None) => self.unsaid.push(format!("an actuator at {name} that the file lacks")),
+            (Some(_), None) => self
+                .unsaid
+                .push(format!("an actuator at {name} that the file lacks")),
             (None, None) => {}
         }
         self.differ("damping", &name, &[motion.viscous], &[damping], 1e-12);
         for more in drives.iter().skip(1) {
-            self.miss(text(&more["name"]), "already", format!("second actuator of {name}"));
+            self.miss(
+                text(&more["name"]),
+                "already",
+                format!("second actuator of {name}"),
+            );
         }
     }
 
-    fn drive(&mut self, joint: &str, driver: &Driver, drive: &Value, force: &Value, reference: f64) {
+    fn drive(
+        &mut self,
+        joint: &str,
+        driver: &Driver,
+        drive: &Value,
+        force: &Value,
+        reference: f64,
+    ) {
         let (gear, gain, bias) = (
             number(&drive["gear"]),
             number(&drive["gain"][0]),
@@ -223,15 +337,34 @@ impl<'a> Comparison<'a> {
         let (k, d) = (-bias[1] * gear * gear, -bias[2] * gear * gear);
         let scale = driver.command.unwrap_or_default();
         match driver.servo.law {
-            ServoLaw::Torque { stiffness_nm_rad, damping_nm_s_rad } => {
+            ServoLaw::Torque {
+                stiffness_nm_rad,
+                damping_nm_s_rad,
+            } => {
                 self.differ("kp", joint, &[stiffness_nm_rad], &[k], 1e-12);
                 if d < 0.0 {
-                    self.miss(text(&drive["name"]), "negative damping", format!("negative damping of {joint}"));
+                    self.miss(
+                        text(&drive["name"]),
+                        "negative damping",
+                        format!("negative damping of {joint}"),
+                    );
                 } else {
                     self.differ("kv", joint, &[damping_nm_s_rad], &[d], 1e-12);
                 }
-                self.differ("gear and gain", joint, &[scale.factor * stiffness_nm_rad], &[a], 1e-12);
-                self.differ("offset", joint, &[scale.offset * stiffness_nm_rad], &[b], 1e-3 * k);
+                self.differ(
+                    "gear and gain",
+                    joint,
+                    &[scale.factor * stiffness_nm_rad],
+                    &[a],
+                    1e-12,
+                );
+                self.differ(
+                    "offset",
+                    joint,
+                    &[scale.offset * stiffness_nm_rad],
+                    &[b],
+                    1e-3 * k,
+                );
             }
             ServoLaw::Direct => {
                 self.differ("kp", joint, &[0.0], &[k], 1e-12);
@@ -258,9 +391,13 @@ impl<'a> Comparison<'a> {
             (None, None) => {}
             // The torque limit of a motor bounds a symmetric command, too.
             (None, Some([low, high])) if driver.servo.law == ServoLaw::Direct && low == -high => {
-                bound = Some(bound.map_or([a * low, a * high], |[x, y]| [x.max(a * low), y.min(a * high)]));
+                bound = Some(bound.map_or([a * low, a * high], |[x, y]| {
+                    [x.max(a * low), y.min(a * high)]
+                }));
             }
-            (ours, theirs) => self.unsaid.push(format!("commands of {joint}: {ours:?} for {theirs:?}")),
+            (ours, theirs) => self
+                .unsaid
+                .push(format!("commands of {joint}: {ours:?} for {theirs:?}")),
         }
         let most = bound.map_or(UNLIMITED, |[low, high]| low.abs().max(high.abs()));
         let by_command = match (driver.servo.law, commands) {
@@ -275,7 +412,13 @@ impl<'a> Comparison<'a> {
             self.miss("", "reduced", format!("force limit {most} of {joint}"));
         }
         let theirs = most.min(by_command).min(UNLIMITED);
-        self.differ("force range", joint, &[driver.servo.max_torque_nm], &[theirs], 1e-9);
+        self.differ(
+            "force range",
+            joint,
+            &[driver.servo.max_torque_nm],
+            &[theirs],
+            1e-9,
+        );
     }
 }
 
@@ -295,7 +438,15 @@ impl Motion {
         let vector = |(x, y, z): (f64, f64, f64)| Vector3::new(x, y, z);
         Some(match joint.kind {
             JointKind::Fixed => return None,
-            JointKind::Turn { axis, anchor_m, limits_rad, viscous_nm_s_rad, dry_nm, armature_kg_m2, spring } => Self {
+            JointKind::Turn {
+                axis,
+                anchor_m,
+                limits_rad,
+                viscous_nm_s_rad,
+                dry_nm,
+                armature_kg_m2,
+                spring,
+            } => Self {
                 axis: vector(axis),
                 anchor_m: vector(anchor_m),
                 limits: limits_rad,
@@ -304,7 +455,14 @@ impl Motion {
                 armature: armature_kg_m2,
                 spring: spring.map(|s| (s.stiffness_nm_rad, s.rest_rad)),
             },
-            JointKind::Slide { axis, limits_m, viscous_n_s_m, dry_n, armature_kg, spring } => Self {
+            JointKind::Slide {
+                axis,
+                limits_m,
+                viscous_n_s_m,
+                dry_n,
+                armature_kg,
+                spring,
+            } => Self {
                 axis: vector(axis),
                 anchor_m: Vector3::zeros(),
                 limits: limits_m,

@@ -26,7 +26,10 @@ fn imported(case: &Value, folder: &Path) -> Imported {
 }
 
 fn named(name: &str) -> Value {
-    cases().into_iter().find(|case| case["name"] == name).unwrap()
+    cases()
+        .into_iter()
+        .find(|case| case["name"] == name)
+        .unwrap()
 }
 
 fn notes(name: &str) -> Vec<String> {
@@ -43,16 +46,25 @@ fn every_feature_has_the_numbers_that_mujoco_compiles() {
         let robot = imported(&case, folder.path());
         let comparison = Comparison::of(&robot, &case["compiled"]);
         assert!(comparison.numbers > 10, "{}", case["name"]);
-        broken.extend((comparison.broken().iter()).map(|fault| format!("{}: {fault}", case["name"])));
+        broken
+            .extend((comparison.broken().iter()).map(|fault| format!("{}: {fault}", case["name"])));
     }
-    assert!(broken.is_empty(), "{} faults:\n{}", broken.len(), broken.join("\n"));
+    assert!(
+        broken.is_empty(),
+        "{} faults:\n{}",
+        broken.len(),
+        broken.join("\n")
+    );
 }
 
 #[test]
 fn what_is_not_taken_is_said_in_one_line() {
     for (name, part) in [
         ("timeconst", "the activation (filterexact of 0.05 s)"),
-        ("muscle", "the actuator `a`: its gain is of the kind `muscle`"),
+        (
+            "muscle",
+            "the actuator `a`: its gain is of the kind `muscle`",
+        ),
         ("second actuator", "already has an actuator"),
         ("polynomial stiffness", "(polynomial)"),
         ("keyframe", "1 postures (<keyframe>): home"),
@@ -67,7 +79,13 @@ fn what_is_not_taken_is_said_in_one_line() {
 
 #[test]
 fn a_file_that_takes_everything_has_no_note_about_its_numbers() {
-    for name in ["dampratio", "gravcomp", "replicate", "include", "stiffness and springref"] {
+    for name in [
+        "dampratio",
+        "gravcomp",
+        "replicate",
+        "include",
+        "stiffness and springref",
+    ] {
         let all = notes(name);
         let about = |note: &&String| {
             !note.contains("no force limit") && !note.contains("ctrl") && !note.contains("motors")
@@ -81,9 +99,15 @@ fn a_file_that_takes_everything_has_no_note_about_its_numbers() {
 fn an_impossible_inertia_is_doubted() {
     let text = r#"<mujoco><worldbody><body name="b"><inertial pos="0 0 0" mass="1" diaginertia="0.1 0.2 0.9"/><joint/></body></worldbody></mujoco>"#;
     let robot = import(&Source::new("b.xml", text), &Options::default()).unwrap();
-    let doubts = robot.notes.iter().filter(|note| note.kind == NoteKind::Doubt);
+    let doubts = robot
+        .notes
+        .iter()
+        .filter(|note| note.kind == NoteKind::Doubt);
     let all: Vec<String> = doubts.map(ToString::to_string).collect();
-    assert!(all.iter().any(|note| note.contains("impossible")), "{all:?}");
+    assert!(
+        all.iter().any(|note| note.contains("impossible")),
+        "{all:?}"
+    );
 }
 
 #[test]
@@ -91,17 +115,34 @@ fn files_that_mujoco_refuses_are_refused_with_their_line() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("part.xml"), "<mujocoinclude/>").unwrap();
     for (inside, part) in [
-        ("<include file=\"part.xml\"/>\n<include file=\"part.xml\"/>", "included twice"),
+        (
+            "<include file=\"part.xml\"/>\n<include file=\"part.xml\"/>",
+            "included twice",
+        ),
         ("\n<include file=\"none.xml\"/>", "cannot be found"),
-        ("\n<worldbody><body><geom size=\"a\"/></body></worldbody>", "`size` has the wrong form"),
+        (
+            "\n<worldbody><body><geom size=\"a\"/></body></worldbody>",
+            "`size` has the wrong form",
+        ),
         ("\n<compiler coordinate=\"global\"/>", "global"),
-        ("\n<worldbody><attach model=\"m\" body=\"b\"/></worldbody>", "not among the assets"),
-        ("\n<worldbody><replicate count=\"1e9\"><body/></replicate></worldbody>", "number of copies"),
+        (
+            "\n<worldbody><attach model=\"m\" body=\"b\"/></worldbody>",
+            "not among the assets",
+        ),
+        (
+            "\n<worldbody><replicate count=\"1e9\"><body/></replicate></worldbody>",
+            "number of copies",
+        ),
     ] {
         let path = folder.path().join("main.xml");
         std::fs::write(&path, format!("<mujoco>{inside}</mujoco>")).unwrap();
         let source = Source::read(&path, "robot").unwrap();
-        let error = import(&source, &Options::default()).unwrap_err().to_string();
-        assert!(error.contains(part) && error.contains(":2"), "{part}: {error}");
+        let error = import(&source, &Options::default())
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains(part) && error.contains(":2"),
+            "{part}: {error}"
+        );
     }
 }

@@ -21,8 +21,16 @@ fn compiled(arguments: &[&Path]) -> Option<Vec<Value>> {
         .output()
         .unwrap();
     let said = String::from_utf8_lossy(&done.stdout).into_owned();
-    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
-    Some(said.lines().map(|line| serde_json::from_str(line).unwrap()).collect())
+    assert!(
+        done.status.success(),
+        "{}",
+        String::from_utf8_lossy(&done.stderr)
+    );
+    Some(
+        said.lines()
+            .map(|line| serde_json::from_str(line).unwrap())
+            .collect(),
+    )
 }
 
 /// Counts of a collection: models that MuJoCo compiles, that are imported, and that hold the contract.
@@ -45,7 +53,10 @@ fn check(models: &[Value]) -> Vec<String> {
             skipped(&format!("the Python package {package} is not installed"));
             continue;
         }
-        let (package, path) = (model["package"].as_str().unwrap(), model["path"].as_str().unwrap());
+        let (package, path) = (
+            model["package"].as_str().unwrap(),
+            model["path"].as_str().unwrap(),
+        );
         let count = counts.entry(package.to_owned()).or_default();
         if model.get("refused").is_some() {
             count.refused_by_mujoco += 1;
@@ -83,7 +94,10 @@ fn check(models: &[Value]) -> Vec<String> {
         );
     }
     for (field, (size, place)) in &largest {
-        println!("{field}: {size:.1e} {}", place.chars().take(160).collect::<String>());
+        println!(
+            "{field}: {size:.1e} {}",
+            place.chars().take(160).collect::<String>()
+        );
     }
     broken
 }
@@ -94,7 +108,12 @@ fn models_of_wheels_have_the_numbers_that_mujoco_compiles() {
         return;
     };
     let broken = check(&models);
-    assert!(broken.is_empty(), "{} faults:\n{}", broken.len(), broken.join("\n"));
+    assert!(
+        broken.is_empty(),
+        "{} faults:\n{}",
+        broken.len(),
+        broken.join("\n")
+    );
 }
 
 #[test]
@@ -106,5 +125,10 @@ fn recorded_robots_have_the_numbers_that_mujoco_compiles() {
         return;
     };
     let broken = check(&models);
-    assert!(broken.is_empty(), "{} faults:\n{}", broken.len(), broken.join("\n"));
+    assert!(
+        broken.is_empty(),
+        "{} faults:\n{}",
+        broken.len(),
+        broken.join("\n")
+    );
 }

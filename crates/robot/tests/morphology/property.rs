@@ -5,9 +5,9 @@ use std::collections::HashSet;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use realgap_core::file::Source;
-use realgap_robot::morphology::{CommandScale, 
-    Actuator, Assembly, Attachment, Blueprint, Drive, DriveAxis, Face, Gait, Module, Morphology,
-    Plate, Role, Servo, ServoLaw,
+use realgap_robot::morphology::{
+    Actuator, Assembly, Attachment, Blueprint, CommandScale, Drive, DriveAxis, Face, Gait, Module,
+    Morphology, Plate, Role, Servo, ServoLaw,
 };
 
 /// Random numbers for one step of growing a robot: they select module, faces and drive.

@@ -7,7 +7,9 @@ use super::robot::{Robot, origin_robot_m, quaternion, seen_from};
 use super::xml::{Element, numbers, vector};
 use crate::servo::speed_damping_nm_s_rad;
 use realgap_core::warning::{Code, Warning};
-use realgap_robot::morphology::{Actuator, CommandScale, Freedom, Hinge, Motor, Part, Servo, ServoLaw, Shape, Solid};
+use realgap_robot::morphology::{
+    Actuator, CommandScale, Freedom, Hinge, Motor, Part, Servo, ServoLaw, Shape, Solid,
+};
 
 /// MuJoCo's XML.
 pub(super) struct Mjcf;
@@ -448,9 +450,10 @@ fn motor(name: &str, Actuator { servo, command, .. }: &Actuator) -> Element {
         .with("forcerange", limit)
         .with("gaintype", "fixed")
         .with("biastype", "affine");
-    if let (Some((low, high)), false) =
-        (command.range, matches!(servo.law, ServoLaw::Velocity { .. }))
-    {
+    if let (Some((low, high)), false) = (
+        command.range,
+        matches!(servo.law, ServoLaw::Velocity { .. }),
+    ) {
         motor = motor.with("ctrlrange", numbers([low, high]));
     }
     match servo.law {

@@ -81,8 +81,14 @@ impl Actuator {
             .filter(|range| limited.is_limited("ctrllimited", Some(*range), autolimits));
         all.force_range = (all.force_range)
             .filter(|range| limited.is_limited("forcelimited", Some(*range), autolimits));
-        if last.list("damping")?.iter().skip(1).any(|more| *more != 0.0) {
-            all.unknown.push("damping that grows with the speed (polynomial)".to_owned());
+        if last
+            .list("damping")?
+            .iter()
+            .skip(1)
+            .any(|more| *more != 0.0)
+        {
+            all.unknown
+                .push("damping that grows with the speed (polynomial)".to_owned());
         }
         Ok(Some(all))
     }
@@ -125,7 +131,11 @@ impl Actuator {
                 self.bias[2] = given.number("dampratio", self.bias[2])?;
                 if given.get("timeconst").is_some() {
                     self.time_s = given.number("timeconst", 0.0)?;
-                    let kind = if self.time_s > 0.0 { "filterexact" } else { "none" };
+                    let kind = if self.time_s > 0.0 {
+                        "filterexact"
+                    } else {
+                        "none"
+                    };
                     set(&mut self.dynamics, kind);
                 }
                 self.inherit = given.number("inheritrange", self.inherit)?;
@@ -189,7 +199,10 @@ impl Robot<'_> {
         let mut lagging: BTreeMap<String, Vec<String>> = BTreeMap::new();
         for actuator in self.drives.clone() {
             let name = &actuator.name;
-            let known = actuator.joint.as_ref().and_then(|joint| self.joint_names.get(joint));
+            let known = actuator
+                .joint
+                .as_ref()
+                .and_then(|joint| self.joint_names.get(joint));
             let Some((joint, place)) = known.cloned() else {
                 notes.left_out(
                     None,
@@ -198,7 +211,12 @@ impl Robot<'_> {
                 );
                 continue;
             };
-            if self.structure.actuators.iter().any(|driver| driver.joint == joint) {
+            if self
+                .structure
+                .actuators
+                .iter()
+                .any(|driver| driver.joint == joint)
+            {
                 notes.left_out(
                     None,
                     format!("the actuator `{name}`: joint `{joint}` already has an actuator"),
@@ -215,7 +233,11 @@ impl Robot<'_> {
                 continue;
             }
             for unknown in &actuator.unknown {
-                notes.left_out(None, format!("of the actuator `{name}`: {unknown}"), "measure what it changes");
+                notes.left_out(
+                    None,
+                    format!("of the actuator `{name}`: {unknown}"),
+                    "measure what it changes",
+                );
             }
             if actuator.dynamics != "none" {
                 let what = format!("{} of {} s", actuator.dynamics, actuator.time_s);
@@ -236,7 +258,11 @@ impl Robot<'_> {
                         );
                     }
                     if most > MOST {
-                        notes.changed(None, format!("the force limit {most} of `{name}` is reduced to {MOST}"), "state the limit of its motor");
+                        notes.changed(
+                            None,
+                            format!("the force limit {most} of `{name}` is reduced to {MOST}"),
+                            "state the limit of its motor",
+                        );
                     }
                     most.clamp(1e-9, MOST)
                 }
@@ -244,7 +270,10 @@ impl Robot<'_> {
             self.add_viscous(&joint, effect.viscous);
             let command = (!effect.command.is_none()).then_some(effect.command);
             if let Some(command) = command.filter(|c| c.factor != 1.0 || c.offset != 0.0) {
-                scaled.push(format!("`{joint}` {} · command + {}", command.factor, command.offset));
+                scaled.push(format!(
+                    "`{joint}` {} · command + {}",
+                    command.factor, command.offset
+                ));
             }
             self.structure.actuators.push(Driver {
                 joint,
@@ -263,13 +292,31 @@ impl Robot<'_> {
             notes.assumed(None, format!("{motors} motors take torques as commands, but no command is stated: they exert no torque"), "state a gait in `actuators`; its offset and amplitude are then torques");
         }
         if unlimited > 0 {
-            notes.assumed(None, format!("{unlimited} actuators have no force limit: {MOST} N m or N is used"), "state forcerange or actuatorfrcrange");
+            notes.assumed(
+                None,
+                format!("{unlimited} actuators have no force limit: {MOST} N m or N is used"),
+                "state forcerange or actuatorfrcrange",
+            );
         }
         if !scaled.is_empty() {
-            notes.changed(None, format!("recorded commands are those of MuJoCo's `ctrl`; at the joint they become: {}", scaled.join(", ")), "remove `command` of these actuators for recordings in radians and newton metres");
+            notes.changed(
+                None,
+                format!(
+                    "recorded commands are those of MuJoCo's `ctrl`; at the joint they become: {}",
+                    scaled.join(", ")
+                ),
+                "remove `command` of these actuators for recordings in radians and newton metres",
+            );
         }
         for (what, joints) in lagging {
-            notes.left_out(None, format!("the activation ({what}) of the actuators of {}: the command acts at once", joints.join(", ")), "state a delay of the servo instead");
+            notes.left_out(
+                None,
+                format!(
+                    "the activation ({what}) of the actuators of {}: the command acts at once",
+                    joints.join(", ")
+                ),
+                "state a delay of the servo instead",
+            );
         }
         Ok(())
     }
@@ -300,7 +347,11 @@ impl Robot<'_> {
         }
         damping *= gear * gear;
         if damping < 0.0 {
-            notes.left_out(None, format!("the negative damping {damping} of the actuator `{name}`"), "a servo takes energy out: state a damping of 0 or more");
+            notes.left_out(
+                None,
+                format!("the negative damping {damping} of the actuator `{name}`"),
+                "a servo takes energy out: state a damping of 0 or more",
+            );
             damping = 0.0;
         }
         let stiffness = -bias[1] * gear * gear;

@@ -10,8 +10,22 @@ use realgap_core::error::{Error, Result};
 
 /// Attributes that name or refer to elements of the tree of bodies.
 const NAMES: [&str; 16] = [
-    "name", "joint", "jointinparent", "body", "site", "tendon", "body1", "body2", "joint1",
-    "joint2", "geom1", "geom2", "site1", "site2", "refsite", "target",
+    "name",
+    "joint",
+    "jointinparent",
+    "body",
+    "site",
+    "tendon",
+    "body1",
+    "body2",
+    "joint1",
+    "joint2",
+    "geom1",
+    "geom2",
+    "site1",
+    "site2",
+    "refsite",
+    "target",
 ];
 
 /// Replaces `<replicate>` and `<attach>` in a model.
@@ -77,7 +91,10 @@ impl<'a> Copier<'a> {
         let digits = (count - 1).max(1).to_string().len();
         let mut at = Isometry3::identity();
         let mut names = BTreeSet::new();
-        given.children.iter().for_each(|child| collect(child, &mut names));
+        given
+            .children
+            .iter()
+            .for_each(|child| collect(child, &mut names));
         let mut frames = Vec::with_capacity(count);
         let mut endings = Vec::with_capacity(count);
         for index in 0..count {
@@ -85,7 +102,9 @@ impl<'a> Copier<'a> {
             let mut frame = frame_at(given, &at);
             frame.children.clone_from(&given.children);
             for child in &mut frame.children {
-                rename(child, &|name| names.contains(name).then(|| format!("{name}{ending}")));
+                rename(child, &|name| {
+                    names.contains(name).then(|| format!("{name}{ending}"))
+                });
             }
             frames.push(frame);
             endings.push(ending);
@@ -122,14 +141,18 @@ impl<'a> Copier<'a> {
             None => frame.children = world.children,
             Some(name) => {
                 let Some(body) = find(&world, name) else {
-                    let error = Error::invalid("the body to attach is not in the model").found(name);
+                    let error =
+                        Error::invalid("the body to attach is not in the model").found(name);
                     return Err(given.error(error));
                 };
                 frame.children.push(body.clone());
             }
         }
         let mut names = BTreeSet::new();
-        frame.children.iter().for_each(|child| collect(child, &mut names));
+        frame
+            .children
+            .iter()
+            .for_each(|child| collect(child, &mut names));
         for child in &mut frame.children {
             rename(child, &|name| Some(format!("{prefix}{name}")));
         }
@@ -162,8 +185,13 @@ impl<'a> Copier<'a> {
                 }
                 next.extend(endings.iter().map(|ending| {
                     let mut copy = one.clone();
-                    let own = copy.attributes.get("name").map(|name| format!("{name}{ending}"));
-                    rename(&mut copy, &|name| names.contains(name).then(|| format!("{name}{ending}")));
+                    let own = copy
+                        .attributes
+                        .get("name")
+                        .map(|name| format!("{name}{ending}"));
+                    rename(&mut copy, &|name| {
+                        names.contains(name).then(|| format!("{name}{ending}"))
+                    });
                     if let Some(own) = own {
                         copy.attributes.insert("name".to_owned(), own);
                     }
@@ -207,7 +235,10 @@ fn find<'a>(element: &'a Element, name: &str) -> Option<&'a Element> {
 /// Collects the names of an element and of everything in it.
 fn collect(element: &Element, names: &mut BTreeSet<String>) {
     names.extend(element.get("name").map(str::to_owned));
-    element.children.iter().for_each(|child| collect(child, names));
+    element
+        .children
+        .iter()
+        .for_each(|child| collect(child, names));
 }
 
 /// Renames an element, everything in it and what they refer to.

@@ -7,13 +7,32 @@ use super::element::Element;
 
 /// Attributes of which an element may state the first numbers only; the others keep their default.
 const PARTIAL: [&str; 8] = [
-    "size", "gear", "friction", "gainprm", "biasprm", "dynprm", "stiffness", "damping",
+    "size",
+    "gear",
+    "friction",
+    "gainprm",
+    "biasprm",
+    "dynprm",
+    "stiffness",
+    "damping",
 ];
 
 /// Elements that share one default, because they are all actuators.
 pub(super) const ACTUATORS: [&str; 14] = [
-    "general", "motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle",
-    "adhesion", "plugin", "pid", "dcmotor", "orientation", "thruster",
+    "general",
+    "motor",
+    "position",
+    "velocity",
+    "intvelocity",
+    "damper",
+    "cylinder",
+    "muscle",
+    "adhesion",
+    "plugin",
+    "pid",
+    "dcmotor",
+    "orientation",
+    "thruster",
 ];
 
 /// The default classes of a model.
@@ -45,7 +64,10 @@ impl Defaults {
     fn add(&mut self, section: &Element, name: &str, parent: Option<&str>) {
         let class = self.classes.entry(name.to_owned()).or_default();
         class.parent = class.parent.take().or(parent.map(str::to_owned));
-        let own = section.children.iter().filter(|child| child.tag != "default");
+        let own = section
+            .children
+            .iter()
+            .filter(|child| child.tag != "default");
         class.elements.extend(own.cloned());
         for inner in section.named("default") {
             if let Some(inner_name) = inner.get("class") {
@@ -89,7 +111,11 @@ impl Defaults {
             ..*element
         };
         for class in self.chain(element.get("class").or(around)) {
-            for given in class.elements.iter().filter(|given| given.tag == element.tag) {
+            for given in class
+                .elements
+                .iter()
+                .filter(|given| given.tag == element.tag)
+            {
                 overlay(&mut whole.attributes, &given.attributes);
             }
         }
@@ -116,7 +142,12 @@ fn overlay(below: &mut BTreeMap<String, String>, above: &BTreeMap<String, String
             Some(old) if PARTIAL.contains(&name.as_str()) => {
                 let stated: Vec<&str> = words(value).collect();
                 let kept = words(old).skip(stated.len());
-                stated.iter().copied().chain(kept).collect::<Vec<_>>().join(" ")
+                stated
+                    .iter()
+                    .copied()
+                    .chain(kept)
+                    .collect::<Vec<_>>()
+                    .join(" ")
             }
             _ => value.clone(),
         };

@@ -89,7 +89,9 @@ impl Element {
 
     /// Three numbers as a vector; zero if the attribute is absent.
     pub fn vector(&self, name: &str) -> Result<Vector3<f64>> {
-        Ok(self.numbers::<3>(name)?.map_or_else(Vector3::zeros, Vector3::from))
+        Ok(self
+            .numbers::<3>(name)?
+            .map_or_else(Vector3::zeros, Vector3::from))
     }
 
     /// Whether an attribute is `true`; `None` if it is absent or `auto`.
@@ -202,12 +204,16 @@ impl FileReader {
         let places = [self.folder.join(name), beside.join(name)];
         let Some(path) = places.into_iter().find(|path| path.is_file()) else {
             let error = Error::invalid("the included file cannot be found").found(name);
-            return Err(element.error(error.hint("a path relative to the main file, or to this one")));
+            return Err(
+                element.error(error.hint("a path relative to the main file, or to this one"))
+            );
         };
         let whole = path.canonicalize().unwrap_or_else(|_| path.clone());
         if self.included.contains(&whole) {
             let error = Error::invalid("a file is included twice").found(name);
-            return Err(element.error(error.hint("MuJoCo refuses it, too: use <attach> for copies")));
+            return Err(
+                element.error(error.hint("MuJoCo refuses it, too: use <attach> for copies"))
+            );
         }
         self.included.push(whole);
         let text = self.text(&path).map_err(|error| element.error(error))?;
@@ -216,10 +222,12 @@ impl FileReader {
 
     /// The text of a file that is not too large.
     pub fn text(&self, path: &Path) -> Result<String> {
-        let bad = |why: String| Error::invalid(format!("{} cannot be read", path.display())).found(why);
+        let bad =
+            |why: String| Error::invalid(format!("{} cannot be read", path.display())).found(why);
         let size = std::fs::metadata(path).map_err(|e| bad(e.to_string()))?;
         if !size.is_file() || self.bytes + size.len() > MOST_BYTES {
-            return Err(bad(format!("{} bytes", size.len())).allowed(format!("a file; {MOST_BYTES} bytes in total")));
+            return Err(bad(format!("{} bytes", size.len()))
+                .allowed(format!("a file; {MOST_BYTES} bytes in total")));
         }
         std::fs::read_to_string(path).map_err(|e| bad(e.to_string()))
     }

@@ -96,7 +96,11 @@ impl MassReader<'_> {
         }
         let [low, high] = settings.groups;
         let mut pieces = Vec::new();
-        for geom in body.geoms.iter().filter(|g| (low..=high).contains(&g.group)) {
+        for geom in body
+            .geoms
+            .iter()
+            .filter(|g| (low..=high).contains(&g.group))
+        {
             pieces.extend(self.heavy(geom, name, notes)?);
         }
         let (mass_kg, centre_m, inertia_kg_m2) = UniformMass::together(&pieces);
@@ -114,10 +118,12 @@ impl MassReader<'_> {
     fn check(&self, mass: &mut Mass, name: &str, notes: &mut Notes) -> Result<()> {
         let settings = &self.model.origins[0].settings;
         let impossible = |found: String| {
-            Error::invalid(format!("mass and inertia of `{name}` are physically impossible"))
-                .at_file(self.main)
-                .found(found)
-                .allowed("a mass and moments of 0 or more")
+            Error::invalid(format!(
+                "mass and inertia of `{name}` are physically impossible"
+            ))
+            .at_file(self.main)
+            .found(found)
+            .allowed("a mass and moments of 0 or more")
         };
         if !mass.mass_kg.is_finite() || !mass.inertia_kg_m2.iter().all(|value| value.is_finite()) {
             return Err(impossible("numbers that are not finite".to_owned()));
@@ -126,7 +132,9 @@ impl MassReader<'_> {
         let mut moments = eigen.eigenvalues;
         let least = settings.least_inertia_kg_m2;
         let is_bound = least > 0.0 && moments.min() < least;
-        moments.iter_mut().for_each(|moment| *moment = moment.max(least));
+        moments
+            .iter_mut()
+            .for_each(|moment| *moment = moment.max(least));
         // Rounding of a computed inertia leaves moments that are negative by less than this.
         let slack = 1e-9 * moments.amax();
         if mass.mass_kg < 0.0 || moments.min() < -slack {
@@ -160,7 +168,12 @@ impl MassReader<'_> {
     }
 
     /// Size and pose of a shape, which may be fitted to a mesh.
-    fn sized(&self, geom: &Geom, body: &str, notes: &mut Notes) -> Option<(Vector3<f64>, Isometry3<f64>)> {
+    fn sized(
+        &self,
+        geom: &Geom,
+        body: &str,
+        notes: &mut Notes,
+    ) -> Option<(Vector3<f64>, Isometry3<f64>)> {
         if geom.mesh.is_none() || geom.kind == GeomType::Mesh {
             return Some((geom.size, geom.pose));
         }
@@ -171,7 +184,12 @@ impl MassReader<'_> {
     }
 
     /// Mass properties of a shape at unit density, and its density, kg/m³.
-    fn heavy(&self, geom: &Geom, body: &str, notes: &mut Notes) -> Result<Option<(UniformMass, f64)>> {
+    fn heavy(
+        &self,
+        geom: &Geom,
+        body: &str,
+        notes: &mut Notes,
+    ) -> Result<Option<(UniformMass, f64)>> {
         if matches!(geom.kind, GeomType::Plane | GeomType::Other) || geom.mass_kg == Some(0.0) {
             return Ok(None);
         }
@@ -198,7 +216,12 @@ impl MassReader<'_> {
     }
 
     /// Collision shapes of a geom: several for a mesh that is split into parts, none for an unsupported geom.
-    pub fn pieces(&self, geom: &Geom, body: &str, notes: &mut Notes) -> Vec<(Form, Isometry3<f64>)> {
+    pub fn pieces(
+        &self,
+        geom: &Geom,
+        body: &str,
+        notes: &mut Notes,
+    ) -> Vec<(Form, Isometry3<f64>)> {
         if matches!(geom.kind, GeomType::Plane | GeomType::Other) {
             let what = format!("a plane, height field or distance field of `{body}`");
             notes.left_out(None, what, "use boxes");
@@ -307,7 +330,11 @@ fn shell(kind: GeomType, size: &Vector3<f64>) -> Option<UniformMass> {
                 GeomType::Capsule => {
                     let ends = 4.0 * PI * r * r;
                     let own = (2.0 / 3.0 - 0.25) * r * r;
-                    (ends, ends * (own + (half + r / 2.0).powi(2)), ends * 2.0 / 3.0 * r * r)
+                    (
+                        ends,
+                        ends * (own + (half + r / 2.0).powi(2)),
+                        ends * 2.0 / 3.0 * r * r,
+                    )
                 }
                 _ => {
                     let ends = 2.0 * PI * r * r;
@@ -332,12 +359,16 @@ fn shell(kind: GeomType, size: &Vector3<f64>) -> Option<UniformMass> {
         // MuJoCo's own approximation: the area by Thomsen's formula, the inertia of a thin layer of two similar ellipsoids.
         GeomType::Ellipsoid => {
             let power = |a: f64, b: f64| (a * b).powf(1.6075);
-            let mean = (power(size.x, size.y) + power(size.y, size.z) + power(size.x, size.z)) / 3.0;
+            let mean =
+                (power(size.x, size.y) + power(size.y, size.z) + power(size.x, size.z)) / 3.0;
             let area = 4.0 * PI * mean.powf(1.0 / 1.6075);
             const LAYER_M: f64 = 1e-6;
             let (inner, outer) = (ellipsoid(size), ellipsoid(&size.add_scalar(LAYER_M)));
             let share = area / (outer.volume_m3 - inner.volume_m3);
-            about_centre(area, (outer.inertia_m5 - inner.inertia_m5).diagonal() * share)
+            about_centre(
+                area,
+                (outer.inertia_m5 - inner.inertia_m5).diagonal() * share,
+            )
         }
         GeomType::Plane | GeomType::Mesh | GeomType::Other => return None,
     })

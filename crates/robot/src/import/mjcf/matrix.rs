@@ -29,8 +29,16 @@ impl Inertia {
         let mut own: Vec<Vec<usize>> = Vec::new();
         for (id, body) in model.bodies.iter().enumerate() {
             let above = poses.get(body.parent).copied().unwrap_or_default();
-            let pose = if id == 0 { Isometry3::identity() } else { above * body.pose };
-            let mut moved = if id == 0 { Vec::new() } else { own[body.parent].clone() };
+            let pose = if id == 0 {
+                Isometry3::identity()
+            } else {
+                above * body.pose
+            };
+            let mut moved = if id == 0 {
+                Vec::new()
+            } else {
+                own[body.parent].clone()
+            };
             for (index, joint) in body.joints.iter().enumerate() {
                 let anchor_world_m = (pose * Point3::from(joint.pos_m)).coords;
                 let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
@@ -65,7 +73,12 @@ impl Inertia {
             let inertia = turn * mass.inertia_kg_m2 * turn.transpose();
             let speeds: Vec<(Vector3<f64>, Vector3<f64>)> = (moved.iter())
                 .map(|&freedom| {
-                    let Freedom { turns, axis_world, anchor_world_m, .. } = &freedoms[freedom];
+                    let Freedom {
+                        turns,
+                        axis_world,
+                        anchor_world_m,
+                        ..
+                    } = &freedoms[freedom];
                     match turns {
                         true => (axis_world.cross(&(centre - anchor_world_m)), *axis_world),
                         false => (*axis_world, Vector3::zeros()),
@@ -95,7 +108,9 @@ impl Inertia {
     /// The inertia of a joint while all others are free, averaged over its degrees of freedom.
     pub fn free(&self, body: usize, joint: usize) -> Option<f64> {
         let inverse = self.inverse.as_ref()?;
-        let all: Vec<f64> = (self.of_joint(body, joint)).map(|index| inverse[(index, index)]).collect();
+        let all: Vec<f64> = (self.of_joint(body, joint))
+            .map(|index| inverse[(index, index)])
+            .collect();
         Some(all.len() as f64 / all.iter().sum::<f64>())
     }
 }

@@ -47,17 +47,25 @@ pub(super) fn read(
     };
     if asset.get("face").is_some() {
         let list = asset.list("face").map_err(text)?;
-        triangles = list.chunks_exact(3).map(|f| [f[0] as u32, f[1] as u32, f[2] as u32]).collect();
+        triangles = list
+            .chunks_exact(3)
+            .map(|f| [f[0] as u32, f[1] as u32, f[2] as u32])
+            .collect();
     }
     if (triangles.iter().flatten()).any(|corner| *corner as usize >= vertices.len()) {
         return Err("a face refers to a vertex that does not exist".to_owned());
     }
     let place = asset.vector("refpos").map_err(text)?;
     let turn = match asset.numbers::<4>("refquat").map_err(text)? {
-        Some([w, x, y, z]) => UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(w, x, y, z)),
+        Some([w, x, y, z]) => {
+            UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(w, x, y, z))
+        }
         None => UnitQuaternion::identity(),
     };
-    let scale = asset.numbers::<3>("scale").map_err(text)?.map_or(Vector3::repeat(1.0), Vector3::from);
+    let scale = asset
+        .numbers::<3>("scale")
+        .map_err(text)?
+        .map_or(Vector3::repeat(1.0), Vector3::from);
     for vertex in &mut vertices {
         *vertex = (turn.inverse() * (*vertex - place)).component_mul(&scale);
     }
@@ -76,7 +84,10 @@ pub(super) fn read(
 fn inline(asset: &Element) -> realgap_core::error::Result<Vec<Vector3<f64>>> {
     let list = asset.list("vertex")?;
     let single = |value: f64| f64::from(value as f32);
-    Ok(list.chunks_exact(3).map(|p| Vector3::new(p[0], p[1], p[2]).map(single)).collect())
+    Ok(list
+        .chunks_exact(3)
+        .map(|p| Vector3::new(p[0], p[1], p[2]).map(single))
+        .collect())
 }
 
 type Faces = (Vec<Vector3<f64>>, Vec<[u32; 3]>);
@@ -84,7 +95,10 @@ type Faces = (Vec<Vector3<f64>>, Vec<[u32; 3]>);
 fn file(asset: &Element, origin: &Origin, main: &Path, options: &Options) -> Result<Faces, String> {
     let stated = asset.get("file").unwrap_or_default();
     let name = match origin.settings.strip_path {
-        true => Path::new(stated).file_name().map(PathBuf::from).unwrap_or_default(),
+        true => Path::new(stated)
+            .file_name()
+            .map(PathBuf::from)
+            .unwrap_or_default(),
         false => PathBuf::from(stated),
     };
     let inside = Path::new(&origin.settings.mesh_folder).join(&name);
@@ -96,7 +110,11 @@ fn file(asset: &Element, origin: &Origin, main: &Path, options: &Options) -> Res
             .find_map(|path| locate(&path.to_string_lossy(), main, options)),
     };
     let path = path.ok_or_else(|| format!("{stated} cannot be found"))?;
-    let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let ending = path
+        .extension()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_lowercase();
     if ending == "msh" {
         return binary(&path);
     }
@@ -108,10 +126,13 @@ fn file(asset: &Element, origin: &Origin, main: &Path, options: &Options) -> Res
 /// A mesh in MuJoCo's own binary format: four counts (vertices, normals, texture coordinates, faces) and the numbers, all of 4 bytes.
 fn binary(path: &Path) -> Result<Faces, String> {
     let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
-    let words: Vec<[u8; 4]> = (bytes.chunks_exact(4)).filter_map(|w| w.try_into().ok()).collect();
+    let words: Vec<[u8; 4]> = (bytes.chunks_exact(4))
+        .filter_map(|w| w.try_into().ok())
+        .collect();
     let count = |index: usize| {
         let word = words.get(index).map(|word| i32::from_le_bytes(*word));
-        word.and_then(|count| usize::try_from(count).ok()).ok_or("it is broken".to_owned())
+        word.and_then(|count| usize::try_from(count).ok())
+            .ok_or("it is broken".to_owned())
     };
     let (vertices, normals, texture, faces) = (count(0)?, count(1)?, count(2)?, count(3)?);
     let place = |from: usize, length: usize| {
@@ -120,14 +141,20 @@ fn binary(path: &Path) -> Result<Faces, String> {
     };
     let start = normals
         .checked_mul(3)
-        .and_then(|n| n.checked_add(texture.checked_mul(2)?)?.checked_add(vertices.checked_mul(3)?)?.checked_add(4))
+        .and_then(|n| {
+            n.checked_add(texture.checked_mul(2)?)?
+                .checked_add(vertices.checked_mul(3)?)?
+                .checked_add(4)
+        })
         .ok_or("it is broken")?;
     let points = place(4, 3 * vertices)?;
-    let points = points.chunks_exact(3).map(|p| {
-        Vector3::new(p[0], p[1], p[2]).map(|word| f64::from(f32::from_le_bytes(word)))
-    });
+    let points = points
+        .chunks_exact(3)
+        .map(|p| Vector3::new(p[0], p[1], p[2]).map(|word| f64::from(f32::from_le_bytes(word))));
     let faces = place(start, faces.checked_mul(3).ok_or("it is broken")?)?;
-    let faces = faces.chunks_exact(3).map(|f| [f[0], f[1], f[2]].map(u32::from_le_bytes));
+    let faces = faces
+        .chunks_exact(3)
+        .map(|f| [f[0], f[1], f[2]].map(u32::from_le_bytes));
     Ok((points.collect(), faces.collect()))
 }
 
@@ -187,7 +214,11 @@ fn mass(mesh: &Mesh, filling: Filling) -> Option<UniformMass> {
         content_m3 += part;
         let sum = points[0] + points[1] + points[2];
         let squares: Matrix3<f64> = points.iter().map(|p| p * p.transpose()).sum();
-        let share = if filling == Filling::Shell { 12.0 } else { 20.0 };
+        let share = if filling == Filling::Shell {
+            12.0
+        } else {
+            20.0
+        };
         products += (squares + sum * sum.transpose()) * (part / share);
     }
     (content_m3 > 1e-15).then(|| UniformMass {
@@ -208,7 +239,9 @@ pub(super) fn fitted(
     let pose = Isometry3::from_parts(Translation3::from(solid.mass.centre_m), turn);
     if !origin.settings.fit_box {
         let half = |a: usize, b: usize, c: usize| {
-            0.5 * (6.0 * (moments[a] + moments[b] - moments[c]) / solid.mass.volume_m3).max(0.0).sqrt()
+            0.5 * (6.0 * (moments[a] + moments[b] - moments[c]) / solid.mass.volume_m3)
+                .max(0.0)
+                .sqrt()
         };
         let sides = Vector3::new(half(1, 2, 0), half(0, 2, 1), half(0, 1, 2));
         let radius = 0.5 * (sides.x + sides.y);
@@ -221,7 +254,10 @@ pub(super) fn fitted(
         return (size * scale, pose);
     }
     let own: Vec<Vector3<f64>> = (solid.mesh.corners.iter())
-        .map(|corner| pose.inverse_transform_point(&nalgebra::Point3::from(*corner)).coords)
+        .map(|corner| {
+            pose.inverse_transform_point(&nalgebra::Point3::from(*corner))
+                .coords
+        })
         .collect();
     let [low, high] = realgap_solid::bounds(&own);
     let middle = 0.5 * (low + high);

@@ -154,7 +154,9 @@ impl Model {
         root.children.extend(brought);
         for section in &mut root.children {
             let children = std::mem::take(&mut section.children);
-            let copies = children.iter().flat_map(|child| Copier::copies(&families, child));
+            let copies = children
+                .iter()
+                .flat_map(|child| Copier::copies(&families, child));
             section.children = copies.collect();
         }
         let mut model = Self {
@@ -171,7 +173,10 @@ impl Model {
 
     /// The elements in all sections of a name.
     pub fn section<'a>(&'a self, tag: &'a str) -> impl Iterator<Item = &'a Element> {
-        let sections = self.sections.iter().filter(move |section| section.tag == tag);
+        let sections = self
+            .sections
+            .iter()
+            .filter(move |section| section.tag == tag);
         sections.flat_map(|section| &section.children)
     }
 
@@ -258,7 +263,9 @@ fn joint(given: &Element, settings: &Settings, frame: &Isometry3<f64>) -> Result
         JointType::Hinge | JointType::Ball => settings.angle_rad(value),
         JointType::Slide | JointType::Free => value,
     };
-    let axis = given.numbers::<3>("axis")?.map_or(Vector3::z(), Vector3::from);
+    let axis = given
+        .numbers::<3>("axis")?
+        .map_or(Vector3::z(), Vector3::from);
     let Some(axis) = axis.try_normalize(1e-14) else {
         return Err(given.error(Error::invalid("the axis of a joint has no direction")));
     };
@@ -278,7 +285,10 @@ fn joint(given: &Element, settings: &Settings, frame: &Isometry3<f64>) -> Result
         unknown.push("gravity compensation by the actuator (actuatorgravcomp)");
     }
     Ok(Joint {
-        name: given.get("name").filter(|name| !name.is_empty()).map(str::to_owned),
+        name: given
+            .get("name")
+            .filter(|name| !name.is_empty())
+            .map(str::to_owned),
         kind,
         pos_m: (frame * nalgebra::Point3::from(given.vector("pos")?)).coords,
         axis: frame.rotation * axis,
@@ -303,7 +313,10 @@ fn joint(given: &Element, settings: &Settings, frame: &Isometry3<f64>) -> Result
 
 /// The pose of a shape between two points, and half of their distance: z points from the second to the first.
 fn between(ends: &[f64; 6]) -> (Isometry3<f64>, f64) {
-    let (a, b) = (Vector3::from_row_slice(&ends[..3]), Vector3::from_row_slice(&ends[3..]));
+    let (a, b) = (
+        Vector3::from_row_slice(&ends[..3]),
+        Vector3::from_row_slice(&ends[3..]),
+    );
     let along = a - b;
     let turn = match along.norm() > 0.0 {
         true => turn_of_z(&along),
@@ -331,7 +344,9 @@ fn geom(whole: Element, settings: &Settings, frame: &Isometry3<f64>) -> Result<G
     };
     let list = whole.list("size")?;
     let mut size = Vector3::zeros();
-    size.iter_mut().zip(&list).for_each(|(to, from)| *to = *from);
+    size.iter_mut()
+        .zip(&list)
+        .for_each(|(to, from)| *to = *from);
     let mut pose = settings.pose(&whole)?;
     if let Some(ends) = whole.numbers::<6>("fromto")? {
         let (between, half_m) = between(&ends);

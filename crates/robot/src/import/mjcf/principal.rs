@@ -32,10 +32,18 @@ pub(super) fn principal(tensor: &Matrix3<f64>) -> (Vector3<f64>, UnitQuaternion<
         }
         let tau = (turned[(column, column)] - turned[(row, row)]) / (2.0 * off);
         let root = (1.0 + tau * tau).sqrt();
-        let tangent = if tau >= 0.0 { 1.0 / (tau + root) } else { -1.0 / (root - tau) };
+        let tangent = if tau >= 0.0 {
+            1.0 / (tau + root)
+        } else {
+            -1.0 / (root - tau)
+        };
         let cosine = 1.0 / (1.0 + tangent * tangent).sqrt();
         let half = (0.5 - 0.5 * cosine).sqrt();
-        let half = if (tau >= 0.0) == (about == 1) { half } else { -half };
+        let half = if (tau >= 0.0) == (about == 1) {
+            half
+        } else {
+            -half
+        };
         let mut axis = Vector3::zeros();
         axis[about] = half;
         turn = then(&turn, (1.0 - half * half).sqrt(), axis);
@@ -73,7 +81,10 @@ mod tests {
         for (a, b, c) in [(0.3, 0.1, -0.2), (1e-7, 0.0, 2e-8), (0.0, 0.0, 0.9)] {
             let own = Matrix3::new(2.0, a, b, a, 3.0, c, b, c, 4.0);
             let (moments, _) = principal(&own);
-            assert!(moments.x >= moments.y && moments.y >= moments.z, "{moments}");
+            assert!(
+                moments.x >= moments.y && moments.y >= moments.z,
+                "{moments}"
+            );
             assert!((stored(&own) - own).amax() < 1e-6);
         }
     }

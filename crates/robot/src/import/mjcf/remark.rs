@@ -8,8 +8,17 @@ use super::robot::Robot;
 
 /// Sections that are read, or that have no effect on the motion.
 const KNOWN: [&str; 11] = [
-    "compiler", "option", "size", "visual", "statistic", "default", "asset", "contact", "actuator",
-    "equality", "keyframe",
+    "compiler",
+    "option",
+    "size",
+    "visual",
+    "statistic",
+    "default",
+    "asset",
+    "contact",
+    "actuator",
+    "equality",
+    "keyframe",
 ];
 
 impl Robot<'_> {
@@ -43,16 +52,25 @@ impl Robot<'_> {
             }
         }
         let unknown = self.model.unknown.iter();
-        let seen = seen.into_iter().map(|(tag, (count, line))| (tag, count, line));
-        for (tag, count, line) in seen.chain(unknown.map(|(tag, count)| (tag.as_str(), *count, None))) {
+        let seen = seen
+            .into_iter()
+            .map(|(tag, (count, line))| (tag, count, line));
+        for (tag, count, line) in
+            seen.chain(unknown.map(|(tag, count)| (tag.as_str(), *count, None)))
+        {
             notes.left_out(
                 line,
                 format!("<{tag}> ({count})"),
                 "add what you need of it to the RON file",
             );
         }
-        let keys = self.model.section("keyframe").filter(|key| key.tag == "key");
-        let keys: Vec<&str> = keys.map(|key| key.get("name").unwrap_or("without a name")).collect();
+        let keys = self
+            .model
+            .section("keyframe")
+            .filter(|key| key.tag == "key");
+        let keys: Vec<&str> = keys
+            .map(|key| key.get("name").unwrap_or("without a name"))
+            .collect();
         if !keys.is_empty() {
             notes.left_out(
                 None,
@@ -61,7 +79,13 @@ impl Robot<'_> {
             );
         }
         if !self.model.classes.is_empty() {
-            let classes = self.model.classes.iter().cloned().collect::<Vec<_>>().join(", ");
+            let classes = self
+                .model
+                .classes
+                .iter()
+                .cloned()
+                .collect::<Vec<_>>()
+                .join(", ");
             notes.doubt(
                 None,
                 format!("default classes that the file does not define: {classes}"),
@@ -76,13 +100,19 @@ impl Robot<'_> {
         let mut unknown: BTreeMap<&str, Vec<String>> = BTreeMap::new();
         for (id, body) in self.model.bodies.iter().enumerate() {
             for joint in &body.joints {
-                let name = joint.name.clone().unwrap_or_else(|| format!("of {}", self.names[id]));
+                let name = joint
+                    .name
+                    .clone()
+                    .unwrap_or_else(|| format!("of {}", self.names[id]));
                 for what in &joint.unknown {
                     unknown.entry(what).or_default().push(name.clone());
                 }
                 let resists = joint.damping != 0.0 || joint.armature != 0.0 || joint.dry != 0.0;
                 if joint.kind == JointType::Free && resists && self.free_root == Some(id) {
-                    unknown.entry("damping, armature or dry friction of the free joint").or_default().push(name);
+                    unknown
+                        .entry("damping, armature or dry friction of the free joint")
+                        .or_default()
+                        .push(name);
                 }
             }
         }

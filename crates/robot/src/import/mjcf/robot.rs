@@ -45,10 +45,16 @@ pub(super) fn read(
     let mut drives = Vec::new();
     for given in model.section("actuator") {
         let origin = &model.origins[given.origin];
-        drives.extend(Actuator::of(&origin.defaults.actuators(given), origin.settings.autolimits)?);
+        drives.extend(Actuator::of(
+            &origin.defaults.actuators(given),
+            origin.settings.autolimits,
+        )?);
     }
     let armatures = armatures(&model, &drives);
-    let stem = source.path().file_stem().unwrap_or(Path::new("").as_os_str());
+    let stem = source
+        .path()
+        .file_stem()
+        .unwrap_or(Path::new("").as_os_str());
     let structure = Structure {
         name: (model.name.clone())
             .filter(|name| !name.is_empty())
@@ -100,17 +106,26 @@ fn free_root(model: &Model) -> Option<usize> {
     let mut on_world = (1..model.bodies.len()).filter(|id| model.bodies[*id].parent == 0);
     let only = on_world.next().filter(|_| on_world.next().is_none())?;
     let mut joints = model.bodies[only].joints.iter();
-    joints.any(|joint| joint.kind == JointType::Free).then_some(only)
+    joints
+        .any(|joint| joint.kind == JointType::Free)
+        .then_some(only)
 }
 
 /// The armatures of all joints, with those of the actuators that drive them.
 fn armatures(model: &Model, drives: &[Actuator]) -> Vec<Vec<f64>> {
     let of = |joint: &GivenJoint| {
-        let own = drives.iter().filter(|drive| drive.joint.is_some() && drive.joint == joint.name);
-        joint.armature + own.map(|drive| drive.armature * drive.gear * drive.gear).sum::<f64>()
+        let own = drives
+            .iter()
+            .filter(|drive| drive.joint.is_some() && drive.joint == joint.name);
+        joint.armature
+            + own
+                .map(|drive| drive.armature * drive.gear * drive.gear)
+                .sum::<f64>()
     };
     let bodies = model.bodies.iter();
-    bodies.map(|body| body.joints.iter().map(of).collect()).collect()
+    bodies
+        .map(|body| body.joints.iter().map(of).collect())
+        .collect()
 }
 
 /// A robot while it is being built from the file.
@@ -239,10 +254,13 @@ impl Robot<'_> {
         };
         let mut kinds: Vec<(String, JointKind)> = Vec::new();
         for (index, joint) in given.joints.iter().enumerate() {
-            let own = joint.name.clone().unwrap_or_else(|| match given.joints.len() {
-                1 => format!("{name}_joint"),
-                _ => format!("{name}_joint{index}"),
-            });
+            let own = joint
+                .name
+                .clone()
+                .unwrap_or_else(|| match given.joints.len() {
+                    1 => format!("{name}_joint"),
+                    _ => format!("{name}_joint{index}"),
+                });
             self.freedoms(joint, &own, (id, index), &mut kinds, notes);
         }
         if kinds.is_empty() {
@@ -269,8 +287,13 @@ impl Robot<'_> {
             stiffness = inertia / (time_s * time_s * ratio * ratio);
             damping = 2.0 * inertia / time_s;
         }
-        let own = self.drives.iter().filter(|drive| drive.joint.is_some() && drive.joint == joint.name);
-        damping += own.map(|drive| drive.damping * drive.gear * drive.gear).sum::<f64>();
+        let own = self
+            .drives
+            .iter()
+            .filter(|drive| drive.joint.is_some() && drive.joint == joint.name);
+        damping += own
+            .map(|drive| drive.damping * drive.gear * drive.gear)
+            .sum::<f64>();
         let limits = joint.range.filter(|[low, high]| low < high);
         Bearing {
             viscous: damping,
@@ -318,7 +341,8 @@ impl Robot<'_> {
         match joint.kind {
             JointType::Hinge | JointType::Slide => {
                 if let Some(own) = &joint.name {
-                    self.joint_names.insert(own.clone(), (name.to_owned(), place));
+                    self.joint_names
+                        .insert(own.clone(), (name.to_owned(), place));
                 }
                 let kind = match joint.kind {
                     JointType::Slide => bearing.slide(&joint.axis),
@@ -360,7 +384,9 @@ impl Robot<'_> {
     fn masks(&mut self) {
         let touching = |id: usize| -> Vec<&Geom> {
             let geoms = self.model.bodies[id].geoms.iter();
-            geoms.filter(|g| g.touches() && g.kind != GeomType::Plane).collect()
+            geoms
+                .filter(|g| g.touches() && g.kind != GeomType::Plane)
+                .collect()
         };
         let all: Vec<Vec<&Geom>> = (0..self.model.bodies.len()).map(touching).collect();
         let first = usize::from(self.structure.mount.is_none());
@@ -377,7 +403,11 @@ impl Robot<'_> {
                 }
             }
         }
-        for exclude in self.model.section("contact").filter(|pair| pair.tag == "exclude") {
+        for exclude in self
+            .model
+            .section("contact")
+            .filter(|pair| pair.tag == "exclude")
+        {
             let known = |name: &String| self.structure.bodies.iter().any(|body| body.name == *name);
             let of = |name: &str| exclude.get(name).unwrap_or_default().to_owned();
             let pair = (of("body1"), of("body2"));

@@ -46,10 +46,11 @@ impl Settings {
         }
         let is = |name: &str| all.truth(name);
         if all.get("coordinate") == Some("global") {
-            return Err(all.error(
-                Error::invalid("global coordinates are not supported")
-                    .hint("MuJoCo removed them in version 2.3.4: save the model with an older MuJoCo"),
-            ));
+            return Err(
+                all.error(Error::invalid("global coordinates are not supported").hint(
+                    "MuJoCo removed them in version 2.3.4: save the model with an older MuJoCo",
+                )),
+            );
         }
         let euler: Vec<char> = all.get("eulerseq").unwrap_or("xyz").chars().collect();
         if euler.len() != 3 || !euler.iter().all(|c| "xyzXYZ".contains(*c)) {
@@ -81,7 +82,11 @@ impl Settings {
 
     /// An angle of the file in radians.
     pub fn angle_rad(&self, angle: f64) -> f64 {
-        if self.degree { angle.to_radians() } else { angle }
+        if self.degree {
+            angle.to_radians()
+        } else {
+            angle
+        }
     }
 
     /// The orientation that an element states; none is the identity.
@@ -90,7 +95,10 @@ impl Settings {
         if let Some([x, y, z, angle]) = element.numbers::<4>("axisangle")? {
             let axis = nalgebra::Unit::try_new(Vector3::new(x, y, z), 1e-14)
                 .ok_or_else(|| bad("the axis of `axisangle` has no direction"))?;
-            return Ok(UnitQuaternion::from_axis_angle(&axis, self.angle_rad(angle)));
+            return Ok(UnitQuaternion::from_axis_angle(
+                &axis,
+                self.angle_rad(angle),
+            ));
         }
         if let Some(list) = element.numbers::<6>("xyaxes")? {
             let x = Vector3::new(list[0], list[1], list[2]);
