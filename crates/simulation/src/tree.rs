@@ -4,7 +4,7 @@
 //! is 2/3 of the experiment's substeps, rounded up: 960 solves per second with the defaults.
 
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
-use realgap_tree::parry::math::{Mat3, Pose, Vec3};
+use realgap_tree::parry::math::{Pose, Vec3};
 use realgap_tree::parry::shape::SharedShape;
 use realgap_tree::{
     Attachment, Collider, Cone, Fixture, Joint, JointType, Link, Model, Partner, Settings,

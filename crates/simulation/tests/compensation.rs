@@ -53,7 +53,7 @@ fn a_body_falls_with_the_share_of_its_weight_that_is_not_compensated() {
         for experiment in experiments(&lift(share), 0.5) {
             let fall_m = last(&experiment, "j");
             let expected_m = -0.5 * (1.0 - share) * G * 0.25;
-            let engine = experiment.solver.engine.name();
+            let engine = experiment.solver.engine.get().name();
             // The integrators are exact to half of a step.
             assert!(
                 (fall_m - expected_m).abs() < 2e-3,
@@ -84,7 +84,7 @@ fn a_compensated_body_in_a_part_of_two_does_not_pull_at_their_joint() {
         assert!(
             (angle_rad / expected_rad - 1.0).abs() < 0.02,
             "{}: {angle_rad} {expected_rad}",
-            experiment.solver.engine.name()
+            experiment.solver.engine.get().name()
         );
     }
 }
