@@ -55,7 +55,7 @@ def prepare(model):
     model.opt.tolerance = 1e-12
     model.opt.iterations = 200
     off = mujoco.mjtDisableBit
-    model.opt.disableflags |= int(off.mjDSBL_CONTACT) | int(off.mjDSBL_EQUALITY)
+    model.opt.disableflags = int(off.mjDSBL_CONTACT) | int(off.mjDSBL_EQUALITY)
     for reference, impedance in (("jnt_solref", "jnt_solimp"), ("dof_solref", "dof_solimp")):
         getattr(model, reference)[:] = [2 * TIMESTEP_S, 1]
         getattr(model, impedance)[:] = [0.9999, 0.9999, 0.001, 0.5, 2]
@@ -65,8 +65,13 @@ def run(model, start, control):
     data = mujoco.MjData(model)
     data.qpos[:] = start
     data.ctrl[:] = control
+    limited = np.flatnonzero(model.jnt_limited)
+    place, span = model.jnt_qposadr[limited], model.jnt_range[limited]
     for _ in range(round(DURATION_S / TIMESTEP_S)):
         mujoco.mj_step(model, data)
+        if ((data.qpos[place] < span[:, 0]) | (data.qpos[place] > span[:, 1])).any():
+            # How a joint rebounds from its limit is a matter of the solver.
+            return None
     return data.qpos.copy()
 
 
@@ -86,7 +91,10 @@ def moved(path):
     for j in joints:
         if model.jnt_limited[j]:
             start[model.jnt_qposadr[j]] = model.jnt_range[j].mean()
+
     def ends(qpos):
+        if qpos is None:
+            return None
         return {joint_name(model, j): float(qpos[model.jnt_qposadr[j]] - model.qpos0[model.jnt_qposadr[j]]) for j in joints}
     servos = [
         a

@@ -158,3 +158,20 @@ fn compensation_and_scale_are_exported_to_mjcf() {
         assert!(text.contains(part), "{part}: {text}");
     }
 }
+
+#[test]
+fn a_motor_without_commands_exerts_no_torque_where_its_joint_cannot_be_at_0() {
+    let morphology = robot(
+        r#"(name: "knee", mount: (at_m: (0, 0, 9)), bodies: [
+            (name: "stand", mass_kg: 1, inertia_kg_m2: (xx: 1, yy: 1, zz: 1)),
+            (name: "shank", mass_kg: 1, inertia_kg_m2: (xx: 0.02, yy: 0.02, zz: 0.02)),
+        ], joints: [(name: "j", parent: "stand", child: "shank",
+            kind: Turn(axis: (0, 1, 0), limits_rad: (-2.7, -0.8)))],
+        actuators: [(joint: "j", servo: (law: Direct, max_torque_nm: 100))])"#,
+    );
+    for mut experiment in experiments(&morphology, 0.5) {
+        experiment.start_joints[0].angle_rad = -1.7;
+        let angle_rad = last(&experiment, "j");
+        assert!((angle_rad + 1.7).abs() < 1e-6, "{angle_rad}");
+    }
+}

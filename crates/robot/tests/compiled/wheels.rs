@@ -1,4 +1,8 @@
 //! Models of public collections, where Python has `mujoco` and the collections.
+#![allow(
+    clippy::print_stdout,
+    reason = "the table is the result that the docs quote"
+)]
 
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -6,6 +6,7 @@ use nalgebra::{Isometry3, Matrix3, Point3, SymmetricEigen, Unit, Vector3};
 
 use super::super::assembly::{Actuator, Assembly, Gait, Hinge, Mark, Part, Role, Solid};
 use super::super::flaw::{Checked, Flaw};
+use super::super::law::ServoLaw;
 use super::super::module::{check_actuator, check_name};
 use super::check::{SINGULAR, check_body, check_joint, check_pose};
 use super::motion::Motion;
@@ -220,7 +221,11 @@ impl AssemblyBuilder<'_> {
                 ));
             }
             let limits = self.hinges[hinge].bearing.limits_rad;
-            let rest_rad = limits.map_or(0.0, |(low, high)| 0.0_f64.clamp(low, high));
+            // The command of a direct law is a torque, which no limit of the joint's coordinate shifts.
+            let rest_rad = match driver.servo.law {
+                ServoLaw::Direct => 0.0,
+                _ => limits.map_or(0.0, |(low, high)| 0.0_f64.clamp(low, high)),
+            };
             let actuator = Actuator {
                 servo: driver.servo,
                 gait: driver.gait.unwrap_or(Gait::hold(rest_rad)),
