@@ -5,7 +5,7 @@
 )]
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use realgap_core::file::Source;
@@ -121,11 +121,18 @@ fn models_of_wheels_have_the_numbers_that_mujoco_compiles() {
 }
 
 #[test]
-fn recorded_robots_have_the_numbers_that_mujoco_compiles() {
-    let Some(folder) = crate::common::shared_data("go2_hang") else {
+fn robots_of_recordings_and_of_cases_have_the_numbers_that_mujoco_compiles() {
+    let Some(recorded) = crate::common::shared_data("go2_hang") else {
         return;
     };
-    let Some(models) = compiled(&[&folder.join("go2.xml")]) else {
+    let cases = project().join("../shared/cases/robots");
+    let listed = std::fs::read_dir(cases).into_iter().flatten().flatten();
+    let mut files: Vec<_> = listed.map(|entry| entry.path()).collect();
+    files.retain(|path| path.extension().is_some_and(|ending| ending == "xml"));
+    files.push(recorded.join("go2.xml"));
+    files.sort();
+    let paths: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
+    let Some(models) = compiled(&paths) else {
         return;
     };
     let broken = check(&models);
