@@ -3,8 +3,8 @@
 //! Both engines use Parry's shapes, and the same natural frequency and damping ratio of contacts. The number of solves per step
 //! is 2/3 of the experiment's substeps, rounded up: 960 solves per second with the defaults.
 
-use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Vector3};
-use realgap_tree::parry::math::{Mat3, Pose, Vec3};
+use nalgebra::{Isometry3, Point3, Translation3, Vector3};
+use realgap_tree::parry::math::{Pose, Vec3};
 use realgap_tree::parry::shape::SharedShape;
 use realgap_tree::{
     Attachment, Collider, Cone, Fixture, Joint, JointType, Link, Model, Partner, Settings,
@@ -12,14 +12,14 @@ use realgap_tree::{
 
 use super::engine::{Engine, Load, Setup, World};
 use super::experiment::{Experiment, FrictionModel};
-use super::kinematics::{joint_turns, robot_from_part_at_zero};
+use super::kinematics::{compensated, joint_turns, robot_from_part_at_zero};
 use super::motor::Effort;
 use super::part_state::PartState;
 use super::rapier::{
     LEAST_SHARE, PartMotion, Surface, from_pose, from_vector, to_matrix, to_pose, to_vector,
     total_kg, weighable,
 };
-use super::scene::{SceneBody, SceneMotion};
+use super::scene::SceneMotion;
 use super::servo::Command;
 use realgap_core::error::{Error, Result};
 use realgap_robot::morphology::{Assembly, ClusterMass, Freedom, Hinge, Part, Role};
@@ -129,11 +129,13 @@ impl TreeWorld {
                 },
             };
             let mass = &masses[index];
+            let (lifted_kg, lifted_m) = compensated(assembly, index);
             model.links.push(Link {
                 attachment,
                 mass_kg: mass.mass_kg,
                 centre_link_m: to_vector(&mass.centre_m),
                 inertia_link_kg_m2: to_matrix(&mass.inertia_kg_m2),
+                compensated: (lifted_kg, to_vector(&lifted_m)),
                 colliders: colliders(experiment, assembly, index, part),
             });
         }
@@ -449,14 +451,15 @@ fn add_scene(model: &mut Model, experiment: &Experiment) -> Vec<SceneHandle> {
                 mass_kg,
             } => {
                 places.push(SceneHandle::Link(model.links.len()));
-                let (centre_m, inertia_kg_m2) = uniform(body, *mass_kg);
+                let (centre_m, inertia_kg_m2) = body.uniform(*mass_kg);
                 model.links.push(Link {
                     attachment: Attachment::Free {
                         world_from_link: to_pose(world_from_body),
                     },
                     mass_kg: *mass_kg,
                     centre_link_m: to_vector(&centre_m),
-                    inertia_link_kg_m2: inertia_kg_m2,
+                    inertia_link_kg_m2: to_matrix(&inertia_kg_m2),
+                    compensated: (0.0, Vec3::ZERO),
                     colliders: colliders.collect(),
                 });
                 continue;
@@ -468,33 +471,4 @@ fn add_scene(model: &mut Model, experiment: &Experiment) -> Vec<SceneHandle> {
         places.push(SceneHandle::Fixtures(first, model.fixtures.len()));
     }
     places
-}
-
-/// Centre of mass and inertia about it of boxes of one density.
-fn uniform(body: &SceneBody, mass_kg: f64) -> (Vector3<f64>, Mat3) {
-    let volume = |sides: &Vector3<f64>| sides.product();
-    let whole_m3: f64 = body.boxes.iter().map(|b| volume(&b.sides_m)).sum();
-    let share = |sides: &Vector3<f64>| mass_kg * volume(sides) / whole_m3;
-    let moment: Vector3<f64> = body
-        .boxes
-        .iter()
-        .map(|b| b.body_from_box.translation.vector * share(&b.sides_m))
-        .sum();
-    let centre_m = moment / mass_kg;
-    let inertia_kg_m2: Matrix3<f64> = body
-        .boxes
-        .iter()
-        .map(|b| {
-            let mass_kg = share(&b.sides_m);
-            let squares = b.sides_m.component_mul(&b.sides_m);
-            let own = Matrix3::from_diagonal(
-                &((Vector3::repeat(squares.sum()) - squares) * (mass_kg / 12.0)),
-            );
-            let turn = b.body_from_box.rotation.to_rotation_matrix();
-            let d = b.body_from_box.translation.vector - centre_m;
-            turn * own * turn.transpose()
-                + (Matrix3::identity() * d.norm_squared() - d * d.transpose()) * mass_kg
-        })
-        .sum();
-    (centre_m, to_matrix(&inertia_kg_m2))
 }

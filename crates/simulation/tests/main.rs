@@ -6,6 +6,8 @@ mod bodies;
 mod change;
 #[path = "../../../tests/common/shared.rs"]
 mod common;
+mod compensation;
+mod compiled_motion;
 mod compliance;
 mod control;
 mod energy;

@@ -2,8 +2,8 @@
 //!
 //! Everything that the import leaves out, changes or assumes, and everything that looks wrong, is reported as a [`Note`] with its
 //! line and a remedy. URDF values are read by this module and not by the crate `urdf-rs`, because that crate reports no line
-//! numbers, silently fills in missing values, and refuses files that simulators accept (docs/robots.md). MJCF is read by
-//! `mjcf-rs`, which resolves includes, defaults and angles.
+//! numbers, silently fills in missing values, and refuses files that simulators accept (docs/robots.md). MJCF is compiled
+//! as MuJoCo compiles it (docs/validation/compiled.md).
 //!
 //! ```
 //! use realgap_core::file::Source;
@@ -26,8 +26,6 @@ mod driven;
 mod element;
 mod mesh;
 mod mjcf;
-mod mjcf_actuator;
-mod mjcf_mass;
 mod note;
 mod package;
 mod tidy;
@@ -116,7 +114,7 @@ pub fn import(source: &Source, options: &Options) -> Result<Imported> {
     let mut lines = BTreeMap::new();
     let mut structure = match root.tag_name().name() {
         "robot" => urdf::read(place, root, options, &mut notes, &mut lines)?,
-        "mujoco" => mjcf::read(place, root, options, &mut notes)?,
+        "mujoco" => mjcf::read(source, &text, options, &mut notes)?,
         other => {
             let error = Error::invalid("neither a URDF nor an MJCF")
                 .found(format!("<{other}>"))

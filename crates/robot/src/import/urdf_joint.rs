@@ -268,6 +268,7 @@ impl Robot<'_> {
             servo,
             gait: None,
             follows,
+            command: None,
         });
         Ok(())
     }

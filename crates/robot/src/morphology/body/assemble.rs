@@ -6,6 +6,7 @@ use nalgebra::{Isometry3, Matrix3, Point3, SymmetricEigen, Unit, Vector3};
 
 use super::super::assembly::{Actuator, Assembly, Gait, Hinge, Mark, Part, Role, Solid};
 use super::super::flaw::{Checked, Flaw};
+use super::super::law::ServoLaw;
 use super::super::module::{check_actuator, check_name};
 use super::check::{SINGULAR, check_body, check_joint, check_pose};
 use super::motion::Motion;
@@ -105,6 +106,7 @@ impl AssemblyBuilder<'_> {
             mass_kg,
             centre_of_mass_solid_m: centre_m,
             inertia_kg_m2,
+            gravity_compensation: body.gravity_compensation,
             collides: false,
         });
         for (number, piece) in body.shapes.iter().enumerate() {
@@ -118,6 +120,7 @@ impl AssemblyBuilder<'_> {
                 mass_kg: 0.0,
                 centre_of_mass_solid_m: Vector3::zeros(),
                 inertia_kg_m2: Matrix3::zeros(),
+                gravity_compensation: 0.0,
                 collides: true,
             });
         }
@@ -218,11 +221,17 @@ impl AssemblyBuilder<'_> {
                 ));
             }
             let limits = self.hinges[hinge].bearing.limits_rad;
-            let rest_rad = limits.map_or(0.0, |(low, high)| 0.0_f64.clamp(low, high));
+            // The command of a direct law is a torque, which no limit of the joint's coordinate shifts.
+            let rest_rad = match driver.servo.law {
+                ServoLaw::Direct => 0.0,
+                _ => limits.map_or(0.0, |(low, high)| 0.0_f64.clamp(low, high)),
+            };
             let actuator = Actuator {
                 servo: driver.servo,
                 gait: driver.gait.unwrap_or(Gait::hold(rest_rad)),
+                command: driver.command.unwrap_or_default(),
             };
+            actuator.command.check(&format!("{at}.command"))?;
             check_actuator(&actuator, &at)?;
             driven.push((hinge, actuator));
         }
