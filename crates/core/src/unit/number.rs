@@ -21,6 +21,7 @@ impl DisplayUnit {
             Unit::Metre if size >= 1e-4 || size == 0.0 => (1e3, "mm"),
             Unit::Metre => (1e6, "µm"),
             Unit::Second if size < 0.1 && size > 0.0 => (1e3, "ms"),
+            Unit::Radian if size < 0.1 && size > 0.0 => (1e3, "mrad"),
             Unit::Degree => (1.0, "°"),
             Unit::NewtonMetre => (1.0, "N·m"),
             Unit::NewtonMetreSecondPerRadian => (1.0, "N·m·s/rad"),
@@ -118,6 +119,7 @@ fn range_in_percent(ends: [f64; 2], sign: impl Fn(String) -> String) -> String {
 /// use realgap_core::unit::{Unit, quantity};
 /// assert_eq!(quantity(0.0123, Unit::Metre), "1.23 cm");
 /// assert_eq!(quantity(12.0, Unit::Degree), "12.0°");
+/// assert_eq!(quantity(0.0042, Unit::Radian), "4.20 mrad");
 /// assert_eq!(quantity(0.2, Unit::One), "0.200");
 /// ```
 pub fn quantity(value: f64, unit: Unit) -> String {
