@@ -52,6 +52,7 @@ impl Robot<'_> {
                         max_torque_nm,
                         max_speed_rad_s: f64::INFINITY,
                         delay_s: 0.0,
+                        torque_constant_nm_a: None,
                     };
                     self.structure.actuators.push(Driver {
                         joint,

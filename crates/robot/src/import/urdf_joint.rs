@@ -246,6 +246,7 @@ impl Robot<'_> {
                 f64::INFINITY
             },
             delay_s: 0.0,
+            torque_constant_nm_a: None,
         };
         if let Some(law) = driven {
             let what = format!(

@@ -25,8 +25,9 @@ use realgap_sensing::graph::Sensorgraph;
 use realgap_sensing::radio::{RadioModel, ServiceOptions};
 use realgap_sensing::range::RangeModel;
 
-#[cfg(feature = "schema")]
 pub use file::ControllerFile;
+#[cfg(feature = "schema")]
+pub(super) use mount::carrier;
 pub(super) use robot_group::steered;
 pub use rule::{Condition, Rule};
 
