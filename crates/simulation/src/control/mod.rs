@@ -25,8 +25,8 @@ use realgap_sensing::graph::Sensorgraph;
 use realgap_sensing::radio::{RadioModel, ServiceOptions};
 use realgap_sensing::range::RangeModel;
 
-pub use file::ControllerFile;
 #[cfg(feature = "schema")]
+pub use file::ControllerFile;
 pub(super) use mount::carrier;
 pub(super) use robot_group::steered;
 pub use rule::{Condition, Rule};
