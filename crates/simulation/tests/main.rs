@@ -11,6 +11,7 @@ mod control;
 mod energy;
 mod engines;
 mod export;
+mod instrument;
 mod noise_contract;
 mod parameter_contract;
 mod rest;

@@ -39,6 +39,15 @@ const SIGNALS: [&str; 5] = [
     "_command_duty",
     "_on",
 ];
+/// Endings of commands that state no unit: nobody can tell whether such a column holds angles, torques or currents.
+pub const UNITLESS_COMMANDS: [&str; 6] = [
+    COMMAND,
+    "_command_position",
+    "_command_velocity",
+    "_command_speed",
+    "_command_torque",
+    "_command_current",
+];
 /// Names of angles that may belong to the whole body.
 const ATTITUDE: [&str; 5] = ["heading", "yaw", "pitch", "roll", "theta"];
 
@@ -95,7 +104,23 @@ pub(super) fn find(
 /// Finds the signals among the columns without a role, and marks their columns as used.
 pub(super) fn find_signals(names: &[&str], used: &mut [bool]) -> Vec<usize> {
     let is_command = |name: &str| SIGNALS.iter().any(|ending| name.ends_with(ending));
-    let is_signal = |name: &str| is_command(name) || MeasuredQuantity::of_column(name).is_some();
+    // A command without a unit beside the angle of its joint is kept, so that it can be refused.
+    let has_no_unit = |name: &str| {
+        let mut joints = UNITLESS_COMMANDS
+            .iter()
+            .filter_map(|end| name.strip_suffix(end));
+        joints.any(|joint| {
+            let of_joint = |ending: &str| names.contains(&format!("{joint}{ending}").as_str());
+            ANGLES.iter().any(|(angle, ..)| of_joint(angle))
+                && !ANGLES
+                    .iter()
+                    .any(|(angle, ..)| of_joint(&format!("{COMMAND}{angle}")))
+                && !SIGNALS[..4].iter().any(|signal| of_joint(signal))
+        })
+    };
+    let is_signal = |name: &str| {
+        is_command(name) || has_no_unit(name) || MeasuredQuantity::of_column(name).is_some()
+    };
     let found: Vec<usize> = (0..names.len())
         .filter(|index| !used[*index] && is_signal(names[*index]))
         .collect();
