@@ -17,13 +17,14 @@ const ROBOT: &str = r#"(name: "arm", bodies: [
         (name: "link", mass_kg: 0.5, centre_of_mass_m: (0.1, 0, 0), inertia_kg_m2: (xx: 0.01, yy: 0.01, zz: 0.01))],
     joints: [(name: "elbow", parent: "base", child: "link", kind: Turn(axis: (0, 0, 1), armature_kg_m2: 0.01))],
     actuators: [(joint: "elbow", servo: (law: Torque(stiffness_nm_rad: 8, damping_nm_s_rad: 0.4), max_torque_nm: 20, torque_constant_nm_a: 0.5, max_speed_rad_s: 40))],
+    marks: [(name: "imu", body: "link", pose: (at_m: (0.3, 0, 0)))],
     mount: (at_m: (0, 0, 1)))"#;
 
 const SENSORS: [&str; 4] = [
     "elbow_torque_nm",
     "elbow_current_a",
     "link_gyro_z_rad_s",
-    "link_accel_y_m_s2",
+    "imu_accel_y_m_s2",
 ];
 /// Gain, damping and rotor inertia that are to be found.
 const TRUTH: [(&str, f64); 3] = [
@@ -136,13 +137,6 @@ fn fitted(folder: &Path, more: &str) -> Report {
     study.tune(&options, &RunOptions::default()).unwrap().report
 }
 
-/// Score of the truth, or of other values.
-fn score(folder: &Path, more: &str) -> f64 {
-    let study = read(folder, more).unwrap();
-    let one = study.unaudited().sweep(&RunOptions::default());
-    one.unwrap().report.best.unwrap().score
-}
-
 #[test]
 fn a_torque_channel_determines_gain_and_inertia_that_angles_alone_do_not() {
     let folder = tempfile::tempdir().unwrap();
@@ -174,7 +168,6 @@ fn a_torque_channel_determines_gain_and_inertia_that_angles_alone_do_not() {
 
 #[test]
 fn every_kind_of_channel_is_scored_at_its_noise_and_doubling_it_changes_the_score() {
-    let truth = r#"set: {"solver.engine": 1}"#;
     for column in ["elbow_rad", "elbow_rad_s"].into_iter().chain(SENSORS) {
         let one = format!(r#"channels: [(columns: "{column}")]"#);
         let folder = tempfile::tempdir().unwrap();
@@ -184,7 +177,7 @@ fn every_kind_of_channel_is_scored_at_its_noise_and_doubling_it_changes_the_scor
             let set = TRUTH.map(|(name, value)| Assignment::new(name, value).unwrap());
             let result = study.evaluate_joints(&set.into_iter().collect(), &RunOptions::default());
             let channels = result.unwrap().channels;
-            assert_eq!(channels.len(), 1, "{truth}");
+            assert_eq!(channels.len(), 1);
             channels[0].clone()
         };
         let (as_recorded, doubled) = (of(1.0), of(2.0));
@@ -256,7 +249,7 @@ fn channels_that_cannot_be_scored_are_refused_with_what_can_be() {
         ),
         (
             r#"reading: (names: {"link_gyro_z_rad_s": "trunk_gyro_z_rad_s"}), channels: [(columns: "trunk_*")]"#,
-            "base, link",
+            "imu, base, link",
         ),
     ] {
         let error = read(folder.path(), more).unwrap_err();
@@ -271,7 +264,8 @@ fn channels_that_cannot_be_scored_are_refused_with_what_can_be() {
     recorded(folder.path(), &|name| if name.ends_with("_current_a") { 0.0 } else { 1.0 });
     let error = read(folder.path(), r#"channels: [(columns: "*_current_a")]"#).unwrap_err();
     assert!(error.contains("state its `noise`"), "{error}");
-    assert!(score(folder.path(), r#"channels: [(columns: "*_current_a", noise: 0.1)]"#) > 0.0);
+    let stated = r#"channels: [(columns: "*_current_a", noise: 0.1)]"#;
+    read(folder.path(), stated).unwrap();
 }
 
 #[test]

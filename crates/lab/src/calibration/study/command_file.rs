@@ -103,9 +103,10 @@ fn recorded<'a>(motion: &'a Trajectory, column: &str) -> Option<(&'a [f64], Quan
     if let Some(joint) = motion.joint(column) {
         return Some((&joint.angles_rad, Quantity::Position));
     }
-    let ending = ENDINGS[1..].iter().find(|(e, _)| column.ends_with(e));
+    // A column whose name states no unit is no command.
+    let (_, quantity) = ENDINGS[1..].iter().find(|(e, _)| column.ends_with(e))?;
     let signal = motion.signal(column)?;
-    Some((&signal.values, ending.map_or(Quantity::Torque, |e| e.1)))
+    Some((&signal.values, *quantity))
 }
 
 /// Recordings in which all servos are switched off from some time on.
