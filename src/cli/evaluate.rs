@@ -202,7 +202,11 @@ fn channel_table(result: &JointEvaluation) -> TextTable {
         ("independent", Side::Right),
     ]);
     for channel in &result.channels {
-        let stated = if channel.noise_is_stated { " (stated)" } else { "" };
+        let stated = if channel.noise_is_stated {
+            " (stated)"
+        } else {
+            ""
+        };
         table.push([
             channel.column.clone(),
             channel.unit.clone(),

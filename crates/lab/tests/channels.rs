@@ -9,7 +9,9 @@ use realgap_lab::calibration::{Overrides, Report, Study, TuneOptions};
 use realgap_optimization::{RunOptions, optimizer_by_name};
 use realgap_robot::morphology::Morphology;
 use realgap_simulation::parameter::{Assignment, ParameterSet};
-use realgap_simulation::{CommandTrack, Experiment, Instrument, JointState, Quantity, Sampling, run};
+use realgap_simulation::{
+    CommandTrack, Experiment, Instrument, JointState, Quantity, Sampling, run,
+};
 
 /// A link that turns about a vertical axis, so that gravity says nothing about its mass.
 const ROBOT: &str = r#"(name: "arm", bodies: [
@@ -83,7 +85,11 @@ fn recorded(folder: &Path, factor: &dyn Fn(&str) -> f64) {
         Assignment::new("solver.engine", 1.0).unwrap(),
     ]);
     let set: ParameterSet = set.collect();
-    let motion = run(&set.apply(&experiment)).unwrap().outcome.completed().unwrap();
+    let motion = run(&set.apply(&experiment))
+        .unwrap()
+        .outcome
+        .completed()
+        .unwrap();
     let joint = &motion.joints()[0];
     let speeds = joint.speeds_rad_s.clone().unwrap();
     let mut columns: Vec<(String, Vec<f64>, f64)> = vec![
@@ -172,7 +178,9 @@ fn every_kind_of_channel_is_scored_at_its_noise_and_doubling_it_changes_the_scor
         let one = format!(r#"channels: [(columns: "{column}")]"#);
         let folder = tempfile::tempdir().unwrap();
         let of = |factor: f64| {
-            recorded(folder.path(), &|name| if name == column { factor } else { 1.0 });
+            recorded(folder.path(), &|name| {
+                if name == column { factor } else { 1.0 }
+            });
             let study = read(folder.path(), &one).unwrap();
             let set = TRUTH.map(|(name, value)| Assignment::new(name, value).unwrap());
             let result = study.evaluate_joints(&set.into_iter().collect(), &RunOptions::default());
@@ -181,7 +189,10 @@ fn every_kind_of_channel_is_scored_at_its_noise_and_doubling_it_changes_the_scor
             channels[0].clone()
         };
         let (as_recorded, doubled) = (of(1.0), of(2.0));
-        assert!((0.6..1.1).contains(&as_recorded.in_noise), "{as_recorded:?}");
+        assert!(
+            (0.6..1.1).contains(&as_recorded.in_noise),
+            "{as_recorded:?}"
+        );
         assert!(doubled.mean > 3.0 * as_recorded.mean, "{doubled:?}");
         // The noise was drawn independently.
         assert!(as_recorded.independent > 100.0, "{as_recorded:?}");
@@ -192,7 +203,13 @@ fn every_kind_of_channel_is_scored_at_its_noise_and_doubling_it_changes_the_scor
 fn a_stated_noise_weighs_its_channel() {
     let folder = tempfile::tempdir().unwrap();
     // The torque sensor reads 20 % too much, so the two channels disagree about the inertia.
-    recorded(folder.path(), &|name| if name.ends_with("_torque_nm") { 1.2 } else { 1.0 });
+    recorded(folder.path(), &|name| {
+        if name.ends_with("_torque_nm") {
+            1.2
+        } else {
+            1.0
+        }
+    });
     let inertia = |angle: f64, torque: f64| {
         let channels = format!(
             r#"channels: [(columns: "*_rad", noise: {angle}), (columns: "*_torque_nm", noise: {torque})],
@@ -224,11 +241,18 @@ fn a_study_without_channels_says_what_it_does_not_use_and_scores_as_before() {
     let study = read(folder.path(), "left_out: []").unwrap();
     let said: Vec<String> = study.warnings().iter().map(|w| w.message.clone()).collect();
     for column in SENSORS {
-        assert!(said.iter().any(|text| text.contains("not used") && text.contains(column)), "{said:?}");
+        assert!(
+            said.iter()
+                .any(|text| text.contains("not used") && text.contains(column)),
+            "{said:?}"
+        );
     }
     let unused = study.unused_columns().unwrap();
     let unused: Vec<&String> = unused.iter().flat_map(|unused| &unused.columns).collect();
-    assert!(SENSORS.iter().all(|name| unused.iter().any(|u| u == name)), "{unused:?}");
+    assert!(
+        SENSORS.iter().all(|name| unused.iter().any(|u| u == name)),
+        "{unused:?}"
+    );
     let channels = r#"channels: [(columns: "*_rad"), (columns: "*_torque_nm")]"#;
     let scored = read(folder.path(), channels).unwrap();
     let unused = scored.unused_columns().unwrap();
@@ -241,8 +265,14 @@ fn channels_that_cannot_be_scored_are_refused_with_what_can_be() {
     let folder = tempfile::tempdir().unwrap();
     recorded(folder.path(), &|_| 1.0);
     for (more, said) in [
-        (r#"channels: [(columns: "wrist_torque_nm")]"#, "elbow_torque_nm"),
-        (r#"channels: [(columns: "*_torque_nm", noise: -1)]"#, "above 0 N m"),
+        (
+            r#"channels: [(columns: "wrist_torque_nm")]"#,
+            "elbow_torque_nm",
+        ),
+        (
+            r#"channels: [(columns: "*_torque_nm", noise: -1)]"#,
+            "above 0 N m",
+        ),
         (
             r#"reading: (names: {"elbow_torque_nm": "wrist_torque_nm"}), channels: [(columns: "wrist_torque_nm")]"#,
             "belongs to no joint with a motor",
@@ -258,10 +288,18 @@ fn channels_that_cannot_be_scored_are_refused_with_what_can_be() {
     let path = study(folder.path(), r#"channels: [(columns: "*_rad")]"#);
     let text = std::fs::read_to_string(&path).unwrap();
     std::fs::write(&path, text.replace(r#"metric: "joints","#, "")).unwrap();
-    let error = Study::read(path, &Overrides::default()).unwrap_err().to_string();
+    let error = Study::read(path, &Overrides::default())
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("metric"), "{error}");
     // A sensor that stands still has no noise to measure.
-    recorded(folder.path(), &|name| if name.ends_with("_current_a") { 0.0 } else { 1.0 });
+    recorded(folder.path(), &|name| {
+        if name.ends_with("_current_a") {
+            0.0
+        } else {
+            1.0
+        }
+    });
     let error = read(folder.path(), r#"channels: [(columns: "*_current_a")]"#).unwrap_err();
     assert!(error.contains("state its `noise`"), "{error}");
     let stated = r#"channels: [(columns: "*_current_a", noise: 0.1)]"#;
@@ -279,12 +317,20 @@ fn commands_without_a_unit_or_beyond_the_servo_all_the_time_are_refused() {
     for (to, said) in [
         ("elbow_command", "states no unit"),
         ("elbow_command_torque", "states no unit"),
-        ("wrist_command_a", "columns without a joint: wrist_command_a"),
+        (
+            "wrist_command_a",
+            "columns without a joint: wrist_command_a",
+        ),
     ] {
         let error = renamed(to).unwrap_err();
         assert!(error.contains(said), "{to}: {error}");
     }
-    for to in ["elbow_command_nm", "elbow_command_a", "elbow_command_duty", "elbow_command_rad_s"] {
+    for to in [
+        "elbow_command_nm",
+        "elbow_command_a",
+        "elbow_command_duty",
+        "elbow_command_rad_s",
+    ] {
         renamed(to).unwrap();
     }
     // The same commands for a servo that has a hundredth of their torque.

@@ -185,10 +185,9 @@ fn import_again(
         let servo = hinges
             .find(|hinge| hinge.name == command.hinge)
             .and_then(|hinge| hinge.actuator);
-        servo
-            .is_none_or(|a| {
-                law_for(command.quantity) == AssumedLaw::Direct && a.servo.law != ServoLaw::Direct
-            })
+        servo.is_none_or(|a| {
+            law_for(command.quantity) == AssumedLaw::Direct && a.servo.law != ServoLaw::Direct
+        })
     };
     let commands = all_commands(&assembly.hinges, recordings);
     let is_held_now = is_of_joints && is_free;

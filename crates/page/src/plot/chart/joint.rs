@@ -58,7 +58,10 @@ impl JointPanel {
     fn labels(&self) -> [String; 2] {
         let (word, unit) = &self.quantity;
         let residual_unit = if self.is_of_angles() { "mrad" } else { unit };
-        [format!("{word} ({unit})"), format!("residual ({residual_unit})")]
+        [
+            format!("{word} ({unit})"),
+            format!("residual ({residual_unit})"),
+        ]
     }
 
     /// Values over time, and residuals over time with the spread of all recordings.

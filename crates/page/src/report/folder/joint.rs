@@ -31,7 +31,10 @@ fn residual_table(samples: &[JointSample]) -> String {
     let mut channels: Vec<(&JointSample, Vec<f64>)> = Vec::new();
     for sample in samples {
         let off = sample.simulated - sample.recorded;
-        match channels.iter_mut().find(|(first, _)| first.joint == sample.joint) {
+        match channels
+            .iter_mut()
+            .find(|(first, _)| first.joint == sample.joint)
+        {
             Some((_, all)) => all.push(off),
             None => channels.push((sample, vec![off])),
         }

@@ -65,7 +65,15 @@ pub(super) fn table(study: &Study, answer: &Answer) -> Result<CsvTable> {
         [&texts[..], &numbers].concat()
     });
     let header: &[&str] = match has_channels {
-        true => &["recording", "channel", "quantity", "unit", "t_s", "recorded", "simulated"],
+        true => &[
+            "recording",
+            "channel",
+            "quantity",
+            "unit",
+            "t_s",
+            "recorded",
+            "simulated",
+        ],
         false => &["recording", "joint", "t_s", "recorded_rad", "simulated_rad"],
     };
     Ok(CsvTable::new(header, cells))
@@ -85,7 +93,10 @@ pub(super) fn samples(table: &CsvTable) -> Vec<JointSample> {
         let [time_s, recorded, simulated] =
             numbers.each_ref().map(|column| column.get(row).copied());
         let quantity = match has_channels {
-            true => ((*quantities.get(row)?).to_owned(), (*units.get(row)?).to_owned()),
+            true => (
+                (*quantities.get(row)?).to_owned(),
+                (*units.get(row)?).to_owned(),
+            ),
             false => angle(),
         };
         Some(JointSample {
