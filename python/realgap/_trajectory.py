@@ -60,6 +60,7 @@ class _Info:
     is_planar: bool
     is_stand_in: bool
     joints: Tuple[str, ...]
+    signals: Tuple[str, ...]
     warnings: Tuple[Warning, ...]
 
 
@@ -101,6 +102,7 @@ class Trajectory:
         velocities_m_s: Optional[npt.ArrayLike] = None,
         angular_velocities_body_rad_s: Optional[npt.ArrayLike] = None,
         joints: Optional[Mapping[str, npt.ArrayLike]] = None,
+        signals: Optional[Mapping[str, npt.ArrayLike]] = None,
         name: str = "trajectory",
         stand_in_of: Optional[str] = None,
     ) -> None:
@@ -133,9 +135,21 @@ class Trajectory:
             (joint, sent(given(values, f"joints[{joint!r}]", (count,))), None)
             for joint, values in (joints or {}).items()
         ]
+        more = [
+            (signal, sent(given(values, f"signals[{signal!r}]", (count,))))
+            for signal, values in (signals or {}).items()
+        ]
         self._adopt(
             _native.Trajectory.new(
-                str(name), sent(times), positions, turned, velocities, angles, planar, stand_in_of
+                str(name),
+                sent(times),
+                positions,
+                turned,
+                velocities,
+                angles,
+                more,
+                planar,
+                stand_in_of,
             )
         )
 
@@ -254,6 +268,21 @@ class Trajectory:
             if data is not None:
                 speeds = None if data[1] is None else got(data[1], len(self))
                 found[name] = Joint(got(data[0], len(self)), speeds)
+        return found
+
+    @property
+    def signals(self) -> Dict[str, Floats]:
+        """Commands, and what sensors beside pose and joints measured (torques, currents, inertial sensors), by column.
+
+        >>> torques = {"knee_torque_nm": [0.1, 0.2]}
+        >>> realgap.Trajectory([0, 1], [[0, 0], [1, 0]], signals=torques).signals["knee_torque_nm"]
+        array([0.1, 0.2])
+        """
+        found: Dict[str, Floats] = {}
+        for name in self._motion.signals:
+            data = self._native.signal(name)
+            if data is not None:
+                found[name] = got(data, len(self))
         return found
 
     @property

@@ -10,7 +10,7 @@ use realgap::comparison::{
     position_metrics, synchronise,
 };
 use realgap::plot::{Caption, Overlay, OverlayPath, draw_overlay};
-use realgap::trajectory::{self, JointTrack, Meta, Reading, Recording, Source};
+use realgap::trajectory::{self, JointTrack, Meta, Reading, Recording, Signal, Source};
 use realgap::unit::Unit;
 use realgap::{Error, Result};
 use serde_json::{Map, Value, json};
@@ -91,6 +91,7 @@ impl Trajectory {
         orientations: Option<&[u8]>,
         velocities: Option<(Vec<u8>, Vec<u8>)>,
         joints: Vec<JointBytes>,
+        signals: Vec<(String, Vec<u8>)>,
         is_planar: bool,
         stand_in_of: Option<&str>,
     ) -> PyResult<Self> {
@@ -109,6 +110,11 @@ impl Trajectory {
                 speeds_rad_s: speeds.as_deref().map(array::numbers),
             };
             motion = motion.with_joints(joints.iter().map(joint).collect())?;
+            let signal = |(name, values): &(String, Vec<u8>)| Signal {
+                name: name.clone(),
+                values: array::numbers(values),
+            };
+            motion = motion.with_signals(signals.iter().map(signal).collect())?;
             if is_planar {
                 motion = motion.planar();
             }
@@ -136,6 +142,7 @@ impl Trajectory {
             "is_planar": motion.is_planar(),
             "is_stand_in": Source::of([&**recording]) == Source::StandIn,
             "joints": motion.joints().iter().map(|joint| &joint.name).collect::<Vec<_>>(),
+            "signals": motion.signals().iter().map(|signal| &signal.name).collect::<Vec<_>>(),
             "warnings": recording.warnings,
         });
         to_text(&info).or_raise(py)
@@ -179,6 +186,13 @@ impl Trajectory {
             bytes(&joint.angles_rad),
             joint.speeds_rad_s.as_ref().map(bytes),
         ))
+    }
+
+    /// Values of a signal: a command, or what a sensor beside pose and joints measured.
+    fn signal<'py>(&self, py: Python<'py>, name: &str) -> Option<Bound<'py, PyBytes>> {
+        let signal = self.recording.trajectory.signal(name)?;
+        let values = signal.values.iter().copied();
+        Some(PyBytes::new(py, &array::bytes(values)))
     }
 
     /// The names of the bodies beside the tracked one, with their motions.

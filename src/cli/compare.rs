@@ -334,6 +334,7 @@ impl Compare {
             basis: Some(comparison.basis()),
             spread: None,
             body_length_m: self.body_length,
+            channels: None,
         };
         if metric.needs().spread {
             return Err(Error::usage(format!(

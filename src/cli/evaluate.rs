@@ -6,6 +6,7 @@ use realgap::identification::StartState;
 use realgap::prediction::Odds;
 use realgap::simulation::parameter::ParameterSet;
 use realgap::trajectory::Recording;
+use realgap::unit::number;
 
 use super::kind::read_definition;
 use super::kit::*;
@@ -168,12 +169,16 @@ fn words_of_joints(result: &JointEvaluation, colour: bool) -> String {
     };
     let whole = (result.whole_mrad.as_ref())
         .map(|whole| format!("\n  over whole recordings instead: joints {}", of(whole)));
+    let channels = match result.channels.is_empty() {
+        true => String::new(),
+        false => format!("\n{}", channel_table(result).render(colour).trim_end()),
+    };
     let joints = result.joints_mrad.iter();
     let joints: Vec<String> = joints
         .map(|(name, mrad)| format!("{name} {mrad:.1}"))
         .collect();
     format!(
-        "{}: joints {}, {:.1} at the end (median); {:.2} CPU ms per simulated second{}\n  {}{rows}",
+        "{}: joints {}, {:.1} at the end (median); {:.2} CPU ms per simulated second{}\n  {}{channels}{rows}",
         counted(result.recordings, "recording"),
         of(&result.angle_mrad),
         result.end_mrad_median,
@@ -181,6 +186,40 @@ fn words_of_joints(result: &JointEvaluation, colour: bool) -> String {
         whole.unwrap_or_default(),
         joints.join(", ")
     )
+}
+
+/// The residuals of scored channels.
+fn channel_table(result: &JointEvaluation) -> TextTable {
+    let mut table = TextTable::new([
+        ("channel", Side::Left),
+        ("unit", Side::Left),
+        ("mean error", Side::Right),
+        ("rms", Side::Right),
+        ("bias", Side::Right),
+        ("noise", Side::Right),
+        ("in noise", Side::Right),
+        ("samples", Side::Right),
+        ("independent", Side::Right),
+    ]);
+    for channel in &result.channels {
+        let stated = if channel.noise_is_stated {
+            " (stated)"
+        } else {
+            ""
+        };
+        table.push([
+            channel.column.clone(),
+            channel.unit.clone(),
+            number(channel.mean),
+            number(channel.rms),
+            number(channel.bias),
+            format!("{}{stated}", number(channel.noise)),
+            format!("{:.1}", channel.in_noise),
+            channel.samples.to_string(),
+            format!("{:.0}", channel.independent),
+        ]);
+    }
+    table
 }
 
 /// For people.

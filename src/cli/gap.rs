@@ -95,7 +95,12 @@ impl Gap {
     fn metrics(&self, first: &'static dyn Metric) -> Result<Vec<&'static dyn Metric>> {
         let mut metrics: Vec<&'static dyn Metric> = Vec::new();
         let asked: Vec<&str> = if self.metrics.is_empty() {
-            vec![first.name(), "rms", "displacement"]
+            // The channels of a study are no metric of their own; between any two runs joints are compared.
+            let first = match first.name() {
+                "channels" => "joints",
+                name => name,
+            };
+            vec![first, "rms", "displacement"]
         } else {
             self.metrics.iter().map(String::as_str).collect()
         };

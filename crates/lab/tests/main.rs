@@ -3,6 +3,7 @@
 
 mod basis;
 mod carried;
+mod channels;
 mod columns;
 mod commanded;
 #[path = "../../../tests/common/shared.rs"]

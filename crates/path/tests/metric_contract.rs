@@ -67,6 +67,7 @@ fn score(metric: &dyn Metric, real: &Trajectory, simulated: &Trajectory) -> f64 
         basis: Some(&basis),
         spread: Some(&spread),
         body_length_m: Some(0.1),
+        channels: None,
     };
     let pair = Pair::new((real, &real_prepared), (simulated, &simulated_prepared));
     let score = metric.compare(&pair, &context).unwrap();

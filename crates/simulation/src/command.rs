@@ -13,6 +13,10 @@ pub enum Quantity {
     Velocity,
     /// A torque, N m.
     Torque,
+    /// A current of the motor, A.
+    Current,
+    /// A share of the full voltage of the motor, from -1 to 1.
+    Duty,
 }
 
 /// The command in force between two recorded commands.

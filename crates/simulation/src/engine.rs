@@ -115,6 +115,13 @@ pub trait World {
     /// Applies the effort of the motor and the gear of a hinge during the next step.
     fn exert(&mut self, hinge: usize, effort: &Effort);
 
+    /// Mean torque of a hinge's motor during the previous step, on the child, N m (for a slide its force, N), in an engine that
+    /// computes it; known only where the experiment has [instruments](Experiment::instruments).
+    fn motor_torque_nm(&self, hinge: usize) -> Option<f64> {
+        let _ = hinge;
+        None
+    }
+
     /// All contacts of the previous step, once for each part of the robot that is in contact. Called only if
     /// [`Experiment::energy_from_s`] is stated.
     fn loads(&self, loads: &mut Vec<Load>);

@@ -11,6 +11,7 @@ use super::adjustment::{Adjustment, HingeAdjustment, ModuleAdjustment};
 use super::command::CommandTrack;
 use super::control::Controller;
 use super::engine::{Engine, EngineChoice};
+use super::instrument::Instrument;
 use super::scene::SceneBody;
 use super::vehicle::{Drive, Vehicle};
 use realgap_core::unit::GRAVITY_M_S2;
@@ -291,6 +292,8 @@ pub struct Experiment {
     /// Whether the run's trajectory also contains the angles and speeds of the joints; by default it does if the robot's file
     /// states hinges.
     pub records_joints: bool,
+    /// Sensors that the run's trajectory contains beside pose and joints, as signals.
+    pub instruments: Vec<Instrument>,
     /// Recorded commands of servos, in place of their gaits, by name of the hinge.
     pub commands: BTreeMap<String, Arc<CommandTrack>>,
     /// A two-wheel robot that replaces the robot of the assembly, which then only provides the size.
@@ -334,6 +337,7 @@ impl Experiment {
             gravity_m_s2: GRAVITY_M_S2,
             start: Start::Settled,
             start_joints: Vec::new(),
+            instruments: Vec::new(),
             commands: BTreeMap::new(),
             vehicle: None,
             drive: Drive::default(),

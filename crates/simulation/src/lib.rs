@@ -18,6 +18,7 @@ mod energy;
 mod engine;
 mod experiment;
 mod film;
+mod instrument;
 mod kinematics;
 mod motor;
 mod noise;
@@ -53,6 +54,7 @@ pub use experiment::{
     Sampling, Solver, Start,
 };
 pub use film::{Film, film, film_with, part_from_solid, part_name};
+pub use instrument::{Instrument, Measured};
 pub use motor::Effort;
 pub use noise::Noise;
 pub use outcome::{Divergence, Outcome};

@@ -42,33 +42,67 @@ impl Effort {
 /// A motor at its torque limit drives towards a speed this far away, rad/s, so that its torque hardly depends on the speed.
 const FAR_RAD_S: f64 = 1e4;
 
-/// The duty that the position loop commands; it differs from the previous duty `before` by at most the slew of one step.
-pub(super) fn duty(motor: &Motor, error_rad: f64, before: f64, timestep_s: f64) -> f64 {
-    let asked = (motor.position_gain * motor.duty_1_rad * error_rad).clamp(-1.0, 1.0);
-    let most = motor.slew_1_s * timestep_s;
-    asked.clamp(before - most, before + most)
+/// The duty that the position loop commands.
+pub(super) fn position_duty(motor: &Motor, error_rad: f64) -> f64 {
+    motor.position_gain * motor.duty_1_rad * error_rad
 }
 
-/// The effort of the motor at a duty and a speed; `None` for a motor that is switched off, of which only the gear friction acts.
+/// The duty that acts when `asked` is commanded; it differs from the previous duty `before` by at most the slew of one step.
+pub(super) fn duty(motor: &Motor, asked: f64, before: f64, timestep_s: f64) -> f64 {
+    let most = motor.slew_1_s * timestep_s;
+    asked.clamp(-1.0, 1.0).clamp(before - most, before + most)
+}
+
+/// What drives a motor during one step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Supply {
+    /// Nothing: only the friction of the gear acts.
+    Off,
+    /// A share of the full voltage.
+    Duty(f64),
+    /// A current that gives this torque, N m, as far as the voltage suffices.
+    Torque(f64),
+}
+
+/// The effort of the motor at a supply and a speed.
 pub(super) fn effort(
     motor: &Motor,
-    duty: Option<f64>,
+    supply: Supply,
     max_torque_nm: f64,
     speed_rad_s: f64,
 ) -> Effort {
     let friction = &motor.friction;
-    let (target_rad_s, damping_nm_s_rad, torque_nm) = match duty {
-        None => (0.0, 0.0, 0.0),
-        Some(duty) => {
-            let slope_nm_s_rad = motor.torque_constant_nm_a.powi(2) / motor.resistance_at_ohm(duty);
-            let free_rad_s = duty * motor.supply_v / motor.torque_constant_nm_a;
-            let torque_nm = slope_nm_s_rad * (free_rad_s - speed_rad_s);
-            if torque_nm.abs() > max_torque_nm {
-                let torque_nm = max_torque_nm.copysign(torque_nm);
-                let far_rad_s = speed_rad_s + FAR_RAD_S.copysign(torque_nm);
-                (far_rad_s, max_torque_nm / FAR_RAD_S, torque_nm)
+    let line = |duty: f64| {
+        let slope_nm_s_rad = motor.torque_constant_nm_a.powi(2) / motor.resistance_at_ohm(duty);
+        let free_rad_s = duty * motor.supply_v / motor.torque_constant_nm_a;
+        (
+            free_rad_s,
+            slope_nm_s_rad,
+            slope_nm_s_rad * (free_rad_s - speed_rad_s),
+        )
+    };
+    let constant = |torque_nm: f64| {
+        let far_rad_s = speed_rad_s + FAR_RAD_S.copysign(torque_nm);
+        (far_rad_s, torque_nm.abs() / FAR_RAD_S, torque_nm)
+    };
+    let (target_rad_s, damping_nm_s_rad, torque_nm) = match supply {
+        Supply::Off => (0.0, 0.0, 0.0),
+        Supply::Duty(duty) => {
+            let on_line = line(duty);
+            match on_line.2.abs() > max_torque_nm {
+                true => constant(max_torque_nm.copysign(on_line.2)),
+                false => on_line,
+            }
+        }
+        Supply::Torque(asked_nm) => {
+            let asked_nm = asked_nm.clamp(-max_torque_nm, max_torque_nm);
+            let (backwards, forwards) = (line(-1.0), line(1.0));
+            if asked_nm > forwards.2 {
+                forwards
+            } else if asked_nm < backwards.2 {
+                backwards
             } else {
-                (free_rad_s, slope_nm_s_rad, torque_nm)
+                constant(asked_nm)
             }
         }
     };
@@ -167,7 +201,7 @@ mod tests {
     #[test]
     fn a_motor_stalls_at_its_stall_torque_and_is_free_at_its_free_speed() {
         let motor = motor(GearFriction::default());
-        let effort = effort(&motor, Some(1.0), 10.0, 0.0);
+        let effort = effort(&motor, Supply::Duty(1.0), 10.0, 0.0);
         let stall_nm = effort.damping_nm_s_rad * effort.target_rad_s;
         assert!((stall_nm - 0.4 * 7.3 / 3.5).abs() < 1e-12);
         assert!((effort.target_rad_s - 7.3 / 0.4).abs() < 1e-12);
@@ -176,19 +210,19 @@ mod tests {
     #[test]
     fn a_torque_limit_binds_and_a_slew_limit_delays() {
         let mut motor = motor(GearFriction::default());
-        let effort = effort(&motor, Some(-1.0), 0.1, 3.0);
+        let effort = effort(&motor, Supply::Duty(-1.0), 0.1, 3.0);
         let torque_nm = effort.damping_nm_s_rad * (effort.target_rad_s - 3.0);
         assert!((torque_nm + 0.1).abs() < 1e-9);
         motor.slew_1_s = 10.0;
-        assert!((duty(&motor, 1.0, 0.2, 0.01) - 0.3).abs() < 1e-12);
-        assert!((duty(&motor, -1.0, 0.2, 0.1) + 0.8).abs() < 1e-12);
+        assert!((duty(&motor, position_duty(&motor, 1.0), 0.2, 0.01) - 0.3).abs() < 1e-12);
+        assert!((duty(&motor, position_duty(&motor, -1.0), 0.2, 0.1) + 0.8).abs() < 1e-12);
     }
 
     #[test]
     fn the_effort_has_the_torque_line_and_the_friction_budgets_of_both_directions() {
         let motor = motor(loaded());
         let (duty, speed) = (0.3, 2.0);
-        let effort = effort(&motor, Some(duty), 10.0, speed);
+        let effort = effort(&motor, Supply::Duty(duty), 10.0, speed);
         let torque_nm = 0.4 / 3.5 * (7.3 * duty - 0.4 * speed);
         let pulled_nm = effort.damping_nm_s_rad * (effort.shifted_target_rad_s() - speed);
         let forwards_nm = torque_nm - budget_nm(&motor.friction, torque_nm, speed);
@@ -202,7 +236,7 @@ mod tests {
         let mut motor = motor(GearFriction::default());
         motor.ripple_ohm = 4.0;
         let share = |duty: f64| {
-            let effort = effort(&motor, Some(duty), 10.0, 0.0);
+            let effort = effort(&motor, Supply::Duty(duty), 10.0, 0.0);
             effort.damping_nm_s_rad * effort.target_rad_s / (duty * motor.stall_nm())
         };
         assert!((share(1.0) - 1.0).abs() < 1e-12);
@@ -211,8 +245,21 @@ mod tests {
     }
 
     #[test]
+    fn a_commanded_torque_acts_as_far_as_the_voltage_suffices() {
+        let motor = motor(GearFriction::default());
+        let exerted = |asked_nm: f64, speed_rad_s: f64| {
+            let effort = effort(&motor, Supply::Torque(asked_nm), 10.0, speed_rad_s);
+            effort.damping_nm_s_rad * (effort.target_rad_s - speed_rad_s)
+        };
+        assert!((exerted(0.3, 4.0) - 0.3).abs() < 1e-12);
+        assert!((exerted(-0.3, 4.0) + 0.3).abs() < 1e-12);
+        let line_nm = 0.4 / 3.5 * (7.3 - 0.4 * 15.0);
+        assert!((exerted(0.3, 15.0) - line_nm).abs() < 1e-12);
+    }
+
+    #[test]
     fn a_switched_off_motor_has_gear_friction_only() {
-        let effort = effort(&motor(loaded()), None, 10.0, 5.0);
+        let effort = effort(&motor(loaded()), Supply::Off, 10.0, 5.0);
         assert_eq!((effort.target_rad_s, effort.damping_nm_s_rad), (0.0, 0.0));
         assert!((effort.dry_nm() - 0.01 / 0.7).abs() < 1e-12);
     }

@@ -4,7 +4,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::experiment::JointState;
 use realgap_core::error::Result;
-use realgap_path::trajectory::{JointTrack, State, Trajectory};
+use realgap_path::trajectory::{JointTrack, Signal, State, Trajectory};
 
 /// Interpolates the state between two steps; exactly the end states for shares of 0 and 1.
 pub(super) fn between(
@@ -57,6 +57,10 @@ pub(super) struct Path {
     pub joint_names: Vec<String>,
     /// Joints of every sample, one sample after the other.
     joints: Vec<JointState>,
+    /// Columns of the recorded instruments.
+    pub instrument_names: Vec<String>,
+    /// Readings of the instruments of every sample, one sample after the other; NaN before the first step.
+    readings: Vec<f64>,
 }
 
 impl Path {
@@ -70,11 +74,14 @@ impl Path {
             angular: Vec::with_capacity(samples),
             joint_names: Vec::new(),
             joints: Vec::new(),
+            instrument_names: Vec::new(),
+            readings: Vec::new(),
         }
     }
 
     /// Appends a sample.
-    pub fn push(&mut self, t_s: f64, (state, joints): &(State, Vec<JointState>)) {
+    pub fn push(&mut self, t_s: f64, (state, joints): &(State, Vec<JointState>), readings: &[f64]) {
+        self.readings.extend(readings);
         self.joints.extend(joints);
         self.times_s.push(t_s);
         self.positions.push(state.position_world_m);
@@ -102,9 +109,23 @@ impl Path {
                 }
             });
         let tracks = tracks.collect();
+        let columns = self.instrument_names.len();
+        let signals = self.instrument_names.into_iter().enumerate();
+        let signals = signals.map(|(index, name)| {
+            let own = self.readings.iter().skip(index).step_by(columns);
+            let mut values: Vec<f64> = own.copied().collect();
+            // Before the first step nothing was measured; the first measured value stands there.
+            let first = values.iter().position(|value| !value.is_nan());
+            let first = first.unwrap_or(values.len());
+            let value = values.get(first).copied().unwrap_or(0.0);
+            values[..first].fill(value);
+            Signal { name, values }
+        });
+        let signals = signals.collect();
         Trajectory::new(self.times_s, self.positions)?
             .with_orientations(self.orientations)?
             .with_velocities(self.linear, self.angular)?
-            .with_joints(tracks)
+            .with_joints(tracks)?
+            .with_signals(signals)
     }
 }

@@ -13,11 +13,12 @@ use super::control::{Feedback, Log, Steer, steered};
 use super::energy::{EnergyBalance, EnergyMeter};
 use super::engine::{Motion, Setup, World};
 use super::experiment::{Experiment, JointState, Start};
+use super::instrument::Instruments;
 use super::kinematics::{lowest_m, part_from_track, robot_from_parts};
-use super::motor::{Effort, duty, effort};
+use super::motor::{Effort, Supply, duty, effort, position_duty};
 use super::outcome::Outcome;
 use super::scene::{DrivenPath, SceneMotion};
-use super::servo::{NOTHING, command, error_beyond_play};
+use super::servo::{Command, NOTHING, command, error_beyond_play};
 use super::vehicle;
 use super::watch::{Observer, Push, RunHooks, Snapshot};
 use realgap_core::error::{Error, Result};
@@ -188,6 +189,10 @@ pub(super) struct Rollout<'a> {
     efforts: Vec<Option<Effort>>,
     /// Duty of every motor during the previous step.
     duties: Vec<f64>,
+    /// Command of every servo without a gear during the previous step.
+    drives: Vec<Option<Command>>,
+    /// Sensors that are recorded beside pose and joints.
+    instruments: Instruments,
     /// Adjustments of the hinges, with total latencies and offsets.
     changes: Vec<HingeAdjustment>,
     timestep_s: f64,
@@ -203,7 +208,7 @@ fn start_rad(experiment: &Experiment, index: usize, hinge: &Hinge) -> f64 {
     let commands = CommandSource::new(experiment, hinge);
     let asked_rad = match commands.quantity() {
         Quantity::Position => commands.value(0.0) + change.offset_rad,
-        Quantity::Velocity | Quantity::Torque => 0.0,
+        Quantity::Velocity | Quantity::Torque | Quantity::Current | Quantity::Duty => 0.0,
     };
     match hinge.bearing.limits_rad {
         Some((low_rad, high_rad)) if !experiment.assembly.is_modular => {
@@ -335,6 +340,8 @@ impl<'a> Rollout<'a> {
                 .map(|from_s| EnergyMeter::new(experiment, assembly, from_s)),
             efforts: vec![None; assembly.hinges.len()],
             duties: vec![0.0; assembly.hinges.len()],
+            drives: vec![None; assembly.hinges.len()],
+            instruments: Instruments::new(experiment, assembly)?,
             timestep_s: experiment.solver.timestep_s,
             changes: (0..assembly.hinges.len())
                 .map(|hinge| total_change(experiment, assembly, hinge))
@@ -385,21 +392,41 @@ impl<'a> Rollout<'a> {
                 } else {
                     NOTHING
                 };
+                self.drives[index] = Some(command);
                 self.world.drive(index, angle_rad, command);
                 continue;
             };
             // Within the backlash, and when it is switched off, the motor exerts no torque.
-            let error_rad =
-                error_beyond_play(change.backlash_rad, target, angle_rad).filter(|_| is_on);
-            let duty = error_rad
-                .map(|error_rad| duty(motor, error_rad, self.duties[index], self.timestep_s));
+            let asked = match quantity {
+                Quantity::Position => {
+                    let error_rad = error_beyond_play(change.backlash_rad, target, angle_rad);
+                    error_rad.map(|error_rad| position_duty(motor, error_rad))
+                }
+                Quantity::Duty => Some(target),
+                Quantity::Velocity | Quantity::Torque | Quantity::Current => None,
+            };
+            let asked = asked.filter(|_| is_on);
+            let duty = asked.map(|asked| duty(motor, asked, self.duties[index], self.timestep_s));
             self.duties[index] = duty.unwrap_or(0.0);
             let speed_rad_s = self.world.hinge_speed_rad_s(index);
-            let effort = effort(motor, duty, servo.max_torque_nm, speed_rad_s);
+            let supply = match (quantity, duty) {
+                (Quantity::Torque, _) if is_on => Supply::Torque(target),
+                (Quantity::Current, _) if is_on => {
+                    Supply::Torque(motor.torque_constant_nm_a * target)
+                }
+                (_, Some(duty)) => Supply::Duty(duty),
+                (_, None) => Supply::Off,
+            };
+            let effort = effort(motor, supply, servo.max_torque_nm, speed_rad_s);
             self.efforts[index] = Some(effort);
             self.world.exert(index, &effort);
         }
+        self.instruments.before_step(self.world.as_ref());
         self.world.step();
+        let drives = (self.drives.as_slice(), self.efforts.as_slice());
+        let timestep_s = self.timestep_s;
+        self.instruments
+            .read(self.world.as_ref(), drives, timestep_s);
     }
 
     /// The present angle of a hinge, as its encoder reads it.

@@ -28,6 +28,27 @@ pub enum Command {
     },
 }
 
+impl Command {
+    /// The torque of this command at a speed, after the joint moved so far since the command was given, N m.
+    pub(super) fn torque_nm(&self, moved_rad: f64, speed_rad_s: f64) -> f64 {
+        match *self {
+            Self::Velocity {
+                target_rad_s,
+                damping_nm_s_rad,
+                max_torque_nm,
+            } => (damping_nm_s_rad * (target_rad_s - speed_rad_s))
+                .clamp(-max_torque_nm, max_torque_nm),
+            Self::Spring {
+                error_rad,
+                stiffness_nm_rad,
+                damping_nm_s_rad,
+                max_torque_nm,
+            } => (stiffness_nm_rad * (error_rad - moved_rad) - damping_nm_s_rad * speed_rad_s)
+                .clamp(-max_torque_nm, max_torque_nm),
+        }
+    }
+}
+
 /// Stiffness of the speed control of a velocity servo: its full torque acts at a speed error of this fraction of its top speed.
 const SPEED_SLACK: f64 = 1.0 / 40.0;
 /// Top speed that stands in for "unlimited" when the stiffness is chosen, rad/s.
@@ -67,7 +88,8 @@ pub(super) fn speed_damping_nm_s_rad(servo: &Servo) -> f64 {
     servo.max_torque_nm / (SPEED_SLACK * top_rad_s.max(f64::MIN_POSITIVE))
 }
 
-/// The motor command of a servo at `angle_rad` whose commanded quantity (an angle, a speed or a torque) is `target`.
+/// The motor command of a servo at `angle_rad` whose commanded quantity (an angle, a speed, a torque, a current or a duty) is
+/// `target`. A servo without a torque constant or without a top speed is refused before it gets a current or a duty.
 ///
 /// While its speed limit does not bind, the velocity law is passed to the engine as a spring (with stiffness = gain · damping it
 /// is the same law). The engine evaluates the angle in every substep, so the gain is exact for any length of the step
@@ -85,6 +107,18 @@ pub(super) fn command(
     let max_torque_nm = servo.max_torque_nm;
     match quantity {
         Quantity::Torque => return torque(target.clamp(-max_torque_nm, max_torque_nm)),
+        Quantity::Current => {
+            let asked_nm = servo.torque_per_current_nm_a().unwrap_or(0.0) * target;
+            return torque(asked_nm.clamp(-max_torque_nm, max_torque_nm));
+        }
+        Quantity::Duty => {
+            // The line from the full torque at standstill to none at the top speed; the torque limit caps braking.
+            return Command::Velocity {
+                target_rad_s: target.clamp(-1.0, 1.0) * servo.max_speed_rad_s,
+                damping_nm_s_rad: max_torque_nm / servo.max_speed_rad_s,
+                max_torque_nm,
+            };
+        }
         Quantity::Velocity => {
             return Command::Velocity {
                 target_rad_s: target.clamp(-servo.max_speed_rad_s, servo.max_speed_rad_s),
@@ -140,6 +174,7 @@ mod tests {
             max_torque_nm: 0.2,
             max_speed_rad_s,
             delay_s: 0.0,
+            torque_constant_nm_a: None,
         }
     }
 

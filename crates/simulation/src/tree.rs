@@ -75,6 +75,8 @@ struct TreeWorld {
     scene: Vec<SceneHandle>,
     /// Contact impulses of the previous step, if the energy balance is computed.
     loads: Option<Vec<Load>>,
+    /// Impulse of each hinge's motor during the previous step, N m s, if instruments are read.
+    motor_impulses: Option<Vec<f64>>,
 }
 
 impl TreeWorld {
@@ -168,6 +170,8 @@ impl TreeWorld {
             hinges: assembly.hinges.clone(),
             scene,
             loads: experiment.energy_from_s.map(|_| Vec::new()),
+            motor_impulses: (!experiment.instruments.is_empty())
+                .then(|| vec![0.0; assembly.hinges.len()]),
         })
     }
 
@@ -208,10 +212,21 @@ impl World for TreeWorld {
         if let Some(loads) = &mut self.loads {
             loads.clear();
         }
+        if let Some(impulses) = &mut self.motor_impulses {
+            impulses.fill(0.0);
+        }
         for _ in 0..self.solves {
             self.world.step();
             self.collect_loads();
+            for (impulse, hinge) in self.motor_impulses.iter_mut().flatten().zip(&self.hinges) {
+                *impulse += self.world.joint_impulse(hinge.child_part).motor;
+            }
         }
+    }
+
+    fn motor_torque_nm(&self, hinge: usize) -> Option<f64> {
+        let impulses = self.motor_impulses.as_ref()?;
+        Some(impulses[hinge] / self.timestep_s)
     }
 
     fn part(&self, part: usize) -> (Isometry3<f64>, Vector3<f64>, Vector3<f64>) {

@@ -13,6 +13,7 @@ mod control;
 mod energy;
 mod engines;
 mod export;
+mod instrument;
 mod noise_contract;
 mod parameter_contract;
 mod rest;

@@ -141,6 +141,7 @@ pub(super) fn velocity_servo(gain_per_s: f64, max_torque_nm: f64, max_speed_rad_
         max_torque_nm,
         max_speed_rad_s,
         delay_s: 0.0,
+        torque_constant_nm_a: None,
     }
 }
 

@@ -148,6 +148,7 @@ impl Bench<'_> {
             max_torque_nm: 0.2,
             max_speed_rad_s: f64::INFINITY,
             delay_s: 0.0,
+            torque_constant_nm_a: None,
         };
         // m g r cos θ = k θ, one Newton step from the small-angle answer is exact to 1e-6.
         let soft_rad = LOAD_NM * (LOAD_NM / soft_nm_rad).cos() / soft_nm_rad;
@@ -225,6 +226,7 @@ impl Bench<'_> {
             max_torque_nm: 1.0,
             max_speed_rad_s: f64::INFINITY,
             delay_s: 0.0,
+            torque_constant_nm_a: None,
         };
         let gait = Gait {
             amplitude_rad: 0.3,

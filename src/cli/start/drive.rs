@@ -176,7 +176,7 @@ fn import_again(
     let assembly = subject.robot.assemble();
     let is_free = assembly.world_from_mount.is_none();
     let law_for = |quantity: Quantity| match quantity {
-        Quantity::Torque => AssumedLaw::Direct,
+        Quantity::Torque | Quantity::Current | Quantity::Duty => AssumedLaw::Direct,
         Quantity::Position if is_of_joints && is_free => AssumedLaw::Torque,
         Quantity::Position | Quantity::Velocity => AssumedLaw::Velocity,
     };
@@ -185,8 +185,9 @@ fn import_again(
         let servo = hinges
             .find(|hinge| hinge.name == command.hinge)
             .and_then(|hinge| hinge.actuator);
-        servo
-            .is_none_or(|a| command.quantity == Quantity::Torque && a.servo.law != ServoLaw::Direct)
+        servo.is_none_or(|a| {
+            law_for(command.quantity) == AssumedLaw::Direct && a.servo.law != ServoLaw::Direct
+        })
     };
     let commands = all_commands(&assembly.hinges, recordings);
     let is_held_now = is_of_joints && is_free;

@@ -51,7 +51,7 @@ impl Metric for Joints {
 
 /// Indices of the samples whose errors are kept, so that there are about `most` errors of all joints. The first sample is left out,
 /// because the simulation starts with the recorded angles.
-fn samples(recorded: usize, joints: usize, most: usize) -> impl Iterator<Item = usize> {
+pub(super) fn samples(recorded: usize, joints: usize, most: usize) -> impl Iterator<Item = usize> {
     let each = (recorded * joints).div_ceil(most.max(1)).max(1);
     (each / 2 + 1..recorded).step_by(each)
 }

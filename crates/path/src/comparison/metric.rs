@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::association::Matched;
 use super::basis::Basis;
+use super::channel::ChannelSet;
 use super::spread::Spread;
 use crate::trajectory::{Prepared, Trajectory};
 use realgap_core::error::{Error, Result};
@@ -57,6 +58,8 @@ pub struct Context<'a> {
     pub spread: Option<&'a Spread>,
     /// Body length of the robot, metres.
     pub body_length_m: Option<f64>,
+    /// The channels that a study scores.
+    pub channels: Option<&'a ChannelSet>,
 }
 
 /// The data that a metric needs.

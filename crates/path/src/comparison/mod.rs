@@ -5,6 +5,7 @@
 
 mod association;
 mod basis;
+mod channel;
 mod clock_doubt;
 mod clock_offset;
 mod cluster;
@@ -30,6 +31,9 @@ mod whitened;
 
 pub use association::{Association, MAX_DIFFERENCE_S, Matched};
 pub use basis::{Basis, Components};
+pub use channel::{
+    Channel, ChannelError, ChannelQuantity, ChannelSamples, ChannelSeries, ChannelSet, Channels,
+};
 pub use clock_offset::{ClockOffset, clock_offset};
 pub use cluster::PcaCluster;
 pub use compare::{compare, compare_in_time};

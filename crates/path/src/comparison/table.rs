@@ -226,6 +226,7 @@ impl<'a> Comparison<'a> {
             basis: Some(&self.basis),
             spread: None,
             body_length_m: None,
+            channels: None,
         };
         let mut warnings: Vec<Warning> = Vec::new();
         let mut distances = Vec::with_capacity(metrics.len());

@@ -1,9 +1,10 @@
 //! Finds and reads the columns of joints and signals by their names.
 //!
 //! `NAME_rad` is the angle of a joint and `NAME_rad_s` its speed, for any number of names (`_deg` and `_deg_s` likewise, and `NAME_ticks` for
-//! the counts of an encoder, where the reading states them); commanded speeds and
-//! torques and switches are signals ([`Signal`]).
+//! the counts of an encoder, where the reading states them); commanded speeds,
+//! torques, currents and duties, switches, and what other sensors measured ([`MeasuredQuantity`]) are signals ([`Signal`]).
 
+use super::measured::MeasuredQuantity;
 use super::reading::Ticks;
 use super::{JointTrack, Signal};
 use realgap_core::error::Result;
@@ -30,8 +31,23 @@ const ANGLES: [(&str, &str, f64); 2] = [
 const TICKS: (&str, &str) = ("_ticks", "_ticks_s");
 /// Suffix after the name of a joint for its commanded angle.
 pub const COMMAND: &str = "_command";
-/// Suffixes of signals: commanded speeds and torques, and whether a servo is on.
-const SIGNALS: [&str; 3] = ["_command_rad_s", "_command_nm", "_on"];
+/// Suffixes of signals: commanded speeds, torques, currents and duties, and whether a servo is on.
+const SIGNALS: [&str; 5] = [
+    "_command_rad_s",
+    "_command_nm",
+    "_command_a",
+    "_command_duty",
+    "_on",
+];
+/// Endings of commands that state no unit: nobody can tell whether such a column holds angles, torques or currents.
+pub const UNITLESS_COMMANDS: [&str; 6] = [
+    COMMAND,
+    "_command_position",
+    "_command_velocity",
+    "_command_speed",
+    "_command_torque",
+    "_command_current",
+];
 /// Names of angles that may belong to the whole body.
 const ATTITUDE: [&str; 5] = ["heading", "yaw", "pitch", "roll", "theta"];
 
@@ -87,7 +103,24 @@ pub(super) fn find(
 
 /// Finds the signals among the columns without a role, and marks their columns as used.
 pub(super) fn find_signals(names: &[&str], used: &mut [bool]) -> Vec<usize> {
-    let is_signal = |name: &str| SIGNALS.iter().any(|ending| name.ends_with(ending));
+    let is_command = |name: &str| SIGNALS.iter().any(|ending| name.ends_with(ending));
+    // A command without a unit beside the angle of its joint is kept, so that it can be refused.
+    let has_no_unit = |name: &str| {
+        let mut joints = UNITLESS_COMMANDS
+            .iter()
+            .filter_map(|end| name.strip_suffix(end));
+        joints.any(|joint| {
+            let of_joint = |ending: &str| names.contains(&format!("{joint}{ending}").as_str());
+            ANGLES.iter().any(|(angle, ..)| of_joint(angle))
+                && !ANGLES
+                    .iter()
+                    .any(|(angle, ..)| of_joint(&format!("{COMMAND}{angle}")))
+                && !SIGNALS[..4].iter().any(|signal| of_joint(signal))
+        })
+    };
+    let is_signal = |name: &str| {
+        is_command(name) || has_no_unit(name) || MeasuredQuantity::of_column(name).is_some()
+    };
     let found: Vec<usize> = (0..names.len())
         .filter(|index| !used[*index] && is_signal(names[*index]))
         .collect();
@@ -126,7 +159,12 @@ pub(super) fn push(
         }
     }
     for (signal, column) in signals.iter_mut().zip(signal_columns) {
-        signal.values.push(number(*column)?);
+        let value = match MeasuredQuantity::of_column(&signal.name) {
+            // A log may have rows without a value of this sensor; such a column is left out as a whole, later.
+            Some(_) => number(*column).unwrap_or(f64::NAN),
+            None => number(*column)?,
+        };
+        signal.values.push(value);
     }
     Ok(())
 }

@@ -20,6 +20,7 @@ mod joint_column;
 mod kitti;
 mod levelling;
 mod log;
+mod measured;
 mod meta;
 mod mixed_robots;
 mod parquet;
@@ -34,6 +35,7 @@ mod resolution;
 mod sample;
 #[cfg(feature = "schema")]
 mod schema;
+mod sensor_noise;
 mod span;
 mod stamp;
 mod state;
@@ -53,9 +55,10 @@ pub use format::{Format, Parsed, Rendered};
 pub use inferred_reading::{
     Ambiguity, Candidate, Evidence, InferredReading, JointReading, Question, odd_axes,
 };
-pub use joint_column::{COMMAND, may_be_attitude};
+pub use joint_column::{COMMAND, UNITLESS_COMMANDS, may_be_attitude};
 pub use kitti::Kitti;
 pub use log::{Mcap, Rosbag};
+pub use measured::MeasuredQuantity;
 pub use meta::{META_FILE, read_meta, read_meta_beside, write_meta};
 pub use parquet::Parquet;
 pub use prepare::{POINTS, Prepared, prepare, prepare_as, turned};
@@ -67,6 +70,7 @@ pub use registry::{
 };
 pub use resample::{Interpolator, resample};
 pub use resolution::resolution;
+pub use sensor_noise::sensor_noise;
 pub use span::Span;
 pub use state::{JointTrack, Signal, State, Trajectory};
 pub use text::{MAX_COLUMNS, MAX_FILE_BYTES, MAX_ROWS};

@@ -145,6 +145,11 @@ impl<'a> Interpolator<'a> {
         }
     }
 
+    /// One of these numbers, one for each sample, at `since_start_s` seconds after the first sample, interpolated linearly.
+    pub fn number(&mut self, values: &[f64], since_start_s: f64) -> f64 {
+        self.place(since_start_s).mix(values)
+    }
+
     /// Position (world, metres) at `since_start_s` seconds after the first sample; beyond the ends, the position of the end.
     pub fn position_world_m(&mut self, since_start_s: f64) -> Vector3<f64> {
         self.place(since_start_s)

@@ -5,6 +5,7 @@ mod order;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::format::Parsed;
+use super::header::excerpt_list;
 use super::joint_column::{self, JointColumns};
 use super::reading::Reading;
 use super::stamp::{self, Calendar};
@@ -363,7 +364,18 @@ impl Samples {
             trajectory = trajectory.with_velocities(self.linear_m_s, self.angular_rad_s)?;
         }
         trajectory = trajectory.with_joints(self.joints)?;
-        trajectory = trajectory.with_signals(self.signals)?;
+        let (whole, gappy): (Vec<Signal>, Vec<Signal>) = self
+            .signals
+            .into_iter()
+            .partition(|signal| signal.values.iter().all(|value| value.is_finite()));
+        if !gappy.is_empty() {
+            let names: Vec<&str> = gappy.iter().map(|signal| signal.name.as_str()).collect();
+            warnings.push(Code::ColumnsIgnored.warning(format!(
+                "columns not used, because some of their rows hold no number: {}",
+                excerpt_list(&names)
+            )));
+        }
+        trajectory = trajectory.with_signals(whole)?;
         if layout.z.is_none() {
             trajectory = trajectory.planar();
         }

@@ -166,6 +166,7 @@ impl Development {
                     max_torque_nm: self.servo_max_torque_nm,
                     max_speed_rad_s: self.servo_max_speed_rad_s,
                     delay_s: 0.0,
+                    torque_constant_nm_a: None,
                 },
                 gait,
                 command: CommandScale::default(),

@@ -73,6 +73,7 @@ fn add(structure: &mut Structure, name: &str, law: ServoLaw, max_torque_nm: f64)
             max_torque_nm,
             max_speed_rad_s: f64::INFINITY,
             delay_s: 0.0,
+            torque_constant_nm_a: None,
         },
         gait: None,
         follows: None,

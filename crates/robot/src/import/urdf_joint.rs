@@ -246,6 +246,7 @@ impl Robot<'_> {
                 f64::INFINITY
             },
             delay_s: 0.0,
+            torque_constant_nm_a: None,
         };
         // Gains that a user states replace this law.
         let is_given = self.reader.options.gains.contains_key(name);

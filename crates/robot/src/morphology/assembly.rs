@@ -191,6 +191,17 @@ pub struct Servo {
     /// Delay between a command and the servo's reaction to it, seconds.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub delay_s: f64,
+    /// Torque at the joint per current of the motor, N m/A, for commanded and measured currents. A law `Motor` states its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torque_constant_nm_a: Option<f64>,
+}
+
+impl Servo {
+    /// Torque at the joint per current of the motor, N m/A: that of the law `Motor`, or the stated one.
+    pub fn torque_per_current_nm_a(&self) -> Option<f64> {
+        let motor = self.law.motor().map(|motor| motor.torque_constant_nm_a);
+        motor.or(self.torque_constant_nm_a)
+    }
 }
 
 /// The actuator of a hinge: a servo and its open-loop command.

@@ -287,7 +287,20 @@ fn check_servo(servo: &Servo, at: &str) -> Checked<()> {
         max_torque_nm,
         max_speed_rad_s,
         delay_s,
+        torque_constant_nm_a,
     } = *servo;
+    if let Some(constant) = torque_constant_nm_a {
+        let at = format!("{at}.torque_constant_nm_a");
+        Range::above(0.0, 1000.0, "N m/A").check(constant, &at)?;
+        if law.motor().is_some() {
+            return Err(Flaw::new(
+                at,
+                Error::invalid("the law of this servo states its own torque constant")
+                    .found(format!("{constant} N m/A beside `law: Motor(...)`"))
+                    .hint("state it in the law alone"),
+            ));
+        }
+    }
     Range::within(0.0, 10.0, "s").check(delay_s, &format!("{at}.delay_s"))?;
     match law {
         ServoLaw::Velocity { gain_per_s } => {

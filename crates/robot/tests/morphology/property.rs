@@ -64,6 +64,7 @@ fn module(index: usize, seed: &Seed) -> Module {
                 max_torque_nm: mass_kg,
                 max_speed_rad_s: if angle < 0.0 { f64::INFINITY } else { mass_kg },
                 delay_s: 0.0,
+                torque_constant_nm_a: None,
             },
             gait: Gait {
                 offset_rad: angle,

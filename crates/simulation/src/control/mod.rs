@@ -27,6 +27,7 @@ use realgap_sensing::range::RangeModel;
 
 #[cfg(feature = "schema")]
 pub use file::ControllerFile;
+pub(super) use mount::carrier;
 pub(super) use robot_group::steered;
 pub use rule::{Condition, Rule};
 

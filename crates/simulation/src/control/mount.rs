@@ -29,19 +29,8 @@ pub(super) fn mounting_pose(
     assembly: &Assembly,
     mounted: &Mounted,
 ) -> Result<(usize, Isometry3<f64>)> {
-    let mark = assembly.marks.iter().find(|mark| mark.name == mounted.on);
-    let (part, robot_from_carrier) = match mark {
-        Some(mark) => (mark.part, mark.robot_from_mark),
-        None => module(assembly, &mounted.on).ok_or_else(|| {
-            let marks = assembly.marks.iter().map(|mark| mark.name.as_str());
-            let modules = assembly.module_names.iter().map(String::as_str);
-            let known: Vec<&str> = marks.chain(modules).collect();
-            Error::invalid("the robot has no mark, module or body of this name")
-                .field(format!("sensors.{}.on", mounted.name))
-                .found(&mounted.on)
-                .allowed(known.join(", "))
-        })?,
-    };
+    let (part, robot_from_carrier) = carrier(assembly, &mounted.on)
+        .map_err(|error| error.field(format!("sensors.{}.on", mounted.name)))?;
     let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), mounted.turn_rad);
     let carrier_from_sensor = Isometry3::from_parts(Translation3::from(mounted.at_m), turn);
     let part_from_robot = robot_from_part_at_zero(assembly, part).inverse();
@@ -49,6 +38,28 @@ pub(super) fn mounting_pose(
         part,
         part_from_robot * robot_from_carrier * carrier_from_sensor,
     ))
+}
+
+/// The part to which a mark, module or body belongs, and its pose in the robot frame at zero angles.
+///
+/// # Errors
+/// A name that the robot does not have.
+pub(in super::super) fn carrier(
+    assembly: &Assembly,
+    name: &str,
+) -> Result<(usize, Isometry3<f64>)> {
+    let mark = assembly.marks.iter().find(|mark| mark.name == name);
+    match mark {
+        Some(mark) => Ok((mark.part, mark.robot_from_mark)),
+        None => module(assembly, name).ok_or_else(|| {
+            let marks = assembly.marks.iter().map(|mark| mark.name.as_str());
+            let modules = assembly.module_names.iter().map(String::as_str);
+            let known: Vec<&str> = marks.chain(modules).collect();
+            Error::invalid("the robot has no mark, module or body of this name")
+                .found(name)
+                .allowed(known.join(", "))
+        }),
+    }
 }
 
 /// The part of a module or body, and the pose of its first solid.

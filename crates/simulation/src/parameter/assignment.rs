@@ -144,7 +144,11 @@ impl ParameterSet {
                     ))
                 }
                 "servo" | "gait" if !has_servos => Some("the robot has no servos".to_owned()),
-                "servo" if !has_motors && is_of_motor(a.parameter) => {
+                "servo"
+                    if !has_motors
+                        && is_of_motor(a.parameter)
+                        && !a.parameter.has_effect_on(experiment) =>
+                {
                     Some("no servo of the robot is a motor behind a gear".to_owned())
                 }
                 "hinge" if !has_stated => Some("the robot's file states no hinges".to_owned()),

@@ -36,8 +36,16 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         "Duty of every motor per radian of error and unit of position gain.", duty_1_rad),
     motor!("servo.supply_v", Volt, (0.0, 1000.0), Linear, TENTH,
         "Supply voltage of every motor.", supply_v),
-    motor!("servo.torque_constant_nm_a", NewtonMetrePerAmpere, (1e-6, 1000.0), Log, TENTH,
-        "Torque per current (and back-EMF per speed) of every motor behind its gear.", torque_constant_nm_a),
+    entry!("servo.torque_constant_nm_a", NewtonMetrePerAmpere, (1e-6, 1000.0), Log, TENTH,
+        "Torque per current (and back-EMF per speed) of every motor behind its gear, and of every servo that states one.",
+        |e, of| shared(e, of, |h, _| h.actuator?.servo.torque_per_current_nm_a()),
+        |e, of, value| change(e, of, |hinge| {
+            let Some(servo) = hinge.actuator.as_mut().map(|a| &mut a.servo) else { return };
+            match servo.law.motor_mut() {
+                Some(motor) => motor.torque_constant_nm_a = value,
+                None => servo.torque_constant_nm_a = servo.torque_constant_nm_a.map(|_| value),
+            }
+        })),
     motor!("servo.resistance_ohm", Ohm, (1e-6, 1e6), Log, TENTH,
         "Resistance of every motor's winding and driver.", resistance_ohm),
     motor!("servo.ripple_ohm", Ohm, (0.0, 1e6), Linear, TENTH,

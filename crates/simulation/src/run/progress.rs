@@ -109,6 +109,7 @@ impl Rollout<'_> {
             let hinges = self.assembly.hinges.iter();
             path.joint_names = hinges.map(|hinge| hinge.name.clone()).collect();
         }
+        path.instrument_names = self.instruments.columns();
         if let Some(observer) = observer {
             observer(&Snapshot::take(0.0, self.assembly, self.world.as_ref()));
         }
@@ -118,7 +119,7 @@ impl Rollout<'_> {
         let before = self.sample();
         let mut next = 0;
         while next < times_s.len() && times_s[next] <= 0.0 {
-            path.push(times_s[next], &before);
+            path.push(times_s[next], &before, self.instruments.readings());
             next += 1;
         }
         let end_s = experiment.duration_s.max(times_s[times_s.len() - 1]);
@@ -160,7 +161,10 @@ impl Rollout<'_> {
         {
             let share = ((times_s[progress.next] - from_s) / timestep_s).clamp(0.0, 1.0);
             let sample = between(&progress.before, &after, share);
-            progress.path.push(times_s[progress.next], &sample);
+            let readings = self.instruments.readings();
+            progress
+                .path
+                .push(times_s[progress.next], &sample, readings);
             progress.next += 1;
         }
         progress.before = after;

@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use crate::calibration::evaluation::channels::ChannelSummary;
 use crate::calibration::evaluation::{all_diverged, by_recording, provenance};
 use crate::calibration::{Average, StartUsed, Study, by_name};
 use realgap_core::statistics::{mean, mean_of};
 use realgap_core::{Code, Result, Warning};
 use realgap_optimization::RunOptions;
-use realgap_path::comparison::{JointError, joint_error_rad, joint_errors};
+use realgap_path::comparison::{ChannelError, JointError, joint_error_rad, joint_errors};
 use realgap_simulation::parameter::ParameterSet;
 
 /// One recording and its simulation.
@@ -24,6 +25,11 @@ pub struct JointErrors {
     pub end_mrad: Option<f64>,
     /// Mean absolute error of each joint, milliradians; empty where the simulation diverged.
     pub joints_mrad: BTreeMap<String, f64>,
+    /// Mean absolute error of each scored channel, in the unit of its column; empty where the study names none.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub channels: BTreeMap<String, f64>,
+    #[serde(skip)]
+    channel_errors: Vec<ChannelError>,
     #[serde(skip)]
     simulated_s: f64,
     #[serde(skip)]
@@ -46,6 +52,9 @@ pub struct JointEvaluation {
     pub whole_mrad: Option<Average>,
     /// Mean over the recordings of each joint's absolute error, milliradians.
     pub joints_mrad: BTreeMap<String, f64>,
+    /// Errors of the channels that the study scores; empty where it names none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub channels: Vec<ChannelSummary>,
     /// CPU milliseconds per simulated second.
     pub cpu_ms_per_s: f64,
     /// Which start state the runs have.
@@ -100,6 +109,7 @@ impl Study {
             end_mrad_median: 0.5 * (ends[(ends.len() - 1) / 2] + ends[ends.len() / 2]),
             whole_mrad: None,
             joints_mrad: by_joint.map(|(name, all)| (name, mean(&all))).collect(),
+            channels: ChannelSummary::all(rows.iter().flat_map(|row| &row.channel_errors)),
             cpu_ms_per_s: 1e3 * cpu_s / simulated_s,
             start: definition.start_used(),
             parameters: by_name(&fixed),
@@ -124,11 +134,21 @@ impl Study {
                 let end_rad = |errors: &Vec<JointError>| mean_of(errors.iter().map(|e| e.end_rad));
                 let end_rad = errors.as_ref().map(end_rad);
                 let errors = errors.into_iter().flatten();
+                let channels = &self.definition().channels;
+                let channels = simulated.map(|own| channels.compare(&target.motion, own));
+                let channels = channels.transpose();
+                let channels = channels.map_err(|e| e.at_file(&recording.path))?;
+                let channels = channels.unwrap_or_default();
                 let row = JointErrors {
                     recording: recording.name.clone(),
                     end_mrad: end_rad.map(|end_rad| 1e3 * end_rad),
                     joints_mrad: errors.map(|e| (e.name, 1e3 * e.mean_rad)).collect(),
                     angle_mrad: error_rad.map(|(error_rad, _)| 1e3 * error_rad),
+                    channels: channels
+                        .iter()
+                        .map(|error| (error.channel.column.clone(), error.mean))
+                        .collect(),
+                    channel_errors: channels,
                     simulated_s: experiment.duration_s,
                     cpu_s: run.cpu.as_secs_f64(),
                 };

@@ -91,6 +91,17 @@ impl Study {
     fn error_blocks(&self, case: &Case) -> Vec<ErrorBlock> {
         let hinges = &case.experiment.assembly.hinges;
         let channel = |name: &str| hinges.iter().position(|hinge| hinge.name == name);
+        if let Some(channels) = self.scored_channels() {
+            let targets = case.targets.iter();
+            let series = targets.flat_map(|t| channels.series(&t.motion, self.most_errors()));
+            let blocks = series.map(|series| ErrorBlock {
+                channel: series.group,
+                log: 0,
+                count: series.count,
+                resolution: series.step,
+            });
+            return blocks.collect();
+        }
         let blocks = case.targets.iter().flat_map(|target| {
             let is_simulated = |name: &str| channel(name).is_some();
             let series = joint_error_series(&target.motion, is_simulated, self.most_errors());

@@ -4,7 +4,9 @@ use crate::calibration::Commands;
 use crate::calibration::recording::file_pattern::name_matches;
 use crate::calibration::study::command_file::ON;
 use realgap_core::{Code, Error, Result, Warning};
-use realgap_path::trajectory::{Recording, Trajectory, may_be_attitude};
+use realgap_path::trajectory::{
+    MeasuredQuantity, Recording, Trajectory, UNITLESS_COMMANDS, may_be_attitude,
+};
 use realgap_robot::morphology::Hinge;
 use realgap_simulation::{Experiment, JointState};
 
@@ -70,6 +72,8 @@ impl<'a> Unmatched<'a> {
         };
         let joints = motion.joints().iter().map(|joint| joint.name.as_str());
         let signals = motion.signals().iter().map(|signal| signal.name.as_str());
+        // What sensors measured is no command; a study that does not score it says so.
+        let signals = signals.filter(|name| MeasuredQuantity::of_column(name).is_none());
         let columns = joints.filter(|name| !is_hinge(name)).chain(signals);
         let names = hinges.iter().map(|hinge| hinge.name.as_str());
         Self {
@@ -109,6 +113,16 @@ fn check_names(
     }
     if missing.is_empty() && others.is_empty() {
         return Ok((!attitude.is_empty()).then(|| unused(&attitude)));
+    }
+    let has_no_unit = |name: &&&str| UNITLESS_COMMANDS.iter().any(|end| name.ends_with(end));
+    if let Some(command) = others.iter().find(has_no_unit) {
+        return Err(Error::invalid("a column of commands states no unit")
+            .at_file(&recording.path)
+            .field(*command)
+            .allowed("NAME_command_rad, NAME_command_rad_s, NAME_command_nm, NAME_command_a or NAME_command_duty (-1 to 1)")
+            .hint(format!(
+                "rename it in the study, `reading: (names: {{\"{command}\": \"NAME_command_nm\"}})`, or leave it out: `left_out: [\"{command}\"]`"
+            )));
     }
     let list = |names: &[&str]| match names.is_empty() {
         true => "none".to_owned(),

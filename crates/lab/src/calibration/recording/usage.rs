@@ -3,7 +3,7 @@
 use crate::calibration::{Definition, StartRule, Study, Target};
 use realgap_core::Result;
 use realgap_path::comparison::{Context, Pair};
-use realgap_path::trajectory::{COMMAND, Recording, Signal, Trajectory};
+use realgap_path::trajectory::{COMMAND, MeasuredQuantity, Recording, Signal, Trajectory};
 use realgap_simulation::Experiment;
 use realgap_simulation::parameter::ParameterSet;
 
@@ -246,6 +246,11 @@ impl Recorded {
                 }
             }
             Self::Velocity => (start, from_recording),
+            Self::Signal(name) if MeasuredQuantity::of_column(name).is_some() => (
+                "it was measured, and the study does not score it".to_owned(),
+                "add `channels: [(columns: \"*_rad\"), (columns: \"NAME\")]` with its name to the study"
+                    .to_owned(),
+            ),
             Self::Signal(_) => (
                 "it is no command of a joint of this robot".to_owned(),
                 "name what it commands in `commands: Commands(columns: [...])`".to_owned(),
@@ -336,6 +341,7 @@ fn is_used(
     }
     let context = Context {
         body_length_m: Some(as_recorded.assembly.body_length_m),
+        channels: Some(&definition.channels),
         ..Context::default()
     };
     // A simulation has the joints of the robot only, so tracks of commands are not compared.

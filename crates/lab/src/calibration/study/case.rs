@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 use nalgebra::Vector3;
 
 use crate::calibration::recording::{digest, in_short, joints, plausibility};
-use crate::calibration::study::scene_file;
+use crate::calibration::study::{scene_file, scored_columns};
 use crate::calibration::{Definition, StartRule};
 use realgap_core::statistics::ends_of;
 use realgap_core::{Advice, Code, Error, Result, Warning};
@@ -140,6 +140,9 @@ fn settled(definition: &Definition, base: &Experiment) -> Result<(Vec<Case>, Vec
     for (index, recording) in definition.recordings.iter().enumerate() {
         let target = target(definition, (index, recording), duration_s, &mut warnings)?;
         let mut own = experiment.clone();
+        scored_columns::instruments(&mut own, recording, &definition.channels)
+            .map_err(|e| definition.at_file(e))?;
+        warnings.extend(scored_columns::not_scored(recording, &definition.channels));
         if let Some(commands) = &definition.commands {
             commands
                 .set_up(&mut own, recording)
@@ -194,6 +197,9 @@ fn from_recordings(
             &mut warnings,
         )
         .map_err(|e| definition.at_file(e))?;
+        scored_columns::instruments(&mut experiment, recording, &definition.channels)
+            .map_err(|e| definition.at_file(e))?;
+        warnings.extend(scored_columns::not_scored(recording, &definition.channels));
         scene_file::lead(&mut experiment, recording)?;
         experiment.duration_s = target.motion.duration_s();
         experiment.sampling = Sampling::Times(times_s.iter().map(|t| t - times_s[0]).collect());

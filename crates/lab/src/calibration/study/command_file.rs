@@ -5,14 +5,16 @@ use std::sync::Arc;
 use serde::Deserialize;
 
 use crate::calibration::recording::file_pattern::name_matches;
+use crate::calibration::study::command_check::check_commands;
 use realgap_core::file::unknown_name;
 use realgap_core::{Error, Result};
 use realgap_path::trajectory::{COMMAND, Recording, Trajectory};
-use realgap_robot::morphology::{Hinge, ServoLaw};
+use realgap_robot::morphology::Hinge;
 use realgap_simulation::{Between, CommandTrack, Experiment, Quantity};
 
 /// What the recordings of a study say of its servos: `Commands()` where columns are called after the joints, `NAME_command_rad`
-/// (angles), `NAME_command_rad_s` (speeds) or `NAME_command_nm` (torques), and `NAME_on` where servos are switched.
+/// (angles), `NAME_command_rad_s` (speeds), `NAME_command_nm` (torques), `NAME_command_a` (currents) or `NAME_command_duty` (shares
+/// of the full voltage, -1 to 1), each joint by the column that it has, and `NAME_on` where servos are switched.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Commands")]
@@ -55,10 +57,12 @@ pub struct CommandColumn {
 }
 
 /// Endings of a command column after the name of the joint, and the quantity that is commanded.
-const ENDINGS: [(&str, Quantity); 3] = [
+const ENDINGS: [(&str, Quantity); 5] = [
     (COMMAND, Quantity::Position),
     ("_command_rad_s", Quantity::Velocity),
     ("_command_nm", Quantity::Torque),
+    ("_command_a", Quantity::Current),
+    ("_command_duty", Quantity::Duty),
 ];
 
 /// A column that is called after a joint of a robot and commands it, whether or not the joint has a servo.
@@ -73,7 +77,8 @@ pub struct RecordedCommand {
 }
 
 impl RecordedCommand {
-    /// The commands of these joints in a recording; of several columns for one joint, angles come before speeds and torques.
+    /// The commands of these joints in a recording; of several columns for one joint, angles come before speeds,
+    /// torques, currents and duties.
     pub fn all_of(hinges: &[Hinge], motion: &Trajectory) -> Vec<Self> {
         let of = |hinge: &Hinge| {
             let mut endings = ENDINGS.iter();
@@ -98,9 +103,10 @@ fn recorded<'a>(motion: &'a Trajectory, column: &str) -> Option<(&'a [f64], Quan
     if let Some(joint) = motion.joint(column) {
         return Some((&joint.angles_rad, Quantity::Position));
     }
-    let ending = ENDINGS[1..].iter().find(|(e, _)| column.ends_with(e));
+    // A column whose name states no unit is no command.
+    let (_, quantity) = ENDINGS[1..].iter().find(|(e, _)| column.ends_with(e))?;
     let signal = motion.signal(column)?;
-    Some((&signal.values, ending.map_or(Quantity::Torque, |e| e.1)))
+    Some((&signal.values, *quantity))
 }
 
 /// Recordings in which all servos are switched off from some time on.
@@ -157,22 +163,10 @@ impl Commands {
                 let signals = motion.signals().iter().map(|signal| signal.name.as_str());
                 return Err(unknown_name("recorded command", column, joints.chain(signals))
                     .at_file(&recording.path)
-                    .or_hint("a command stands in a column NAME_rad, NAME_command_rad_s or NAME_command_nm"));
+                    .or_hint("a command stands in a column NAME_rad, NAME_command_rad_s, NAME_command_nm, NAME_command_a or NAME_command_duty"));
             };
-            let law = &actuator.servo.law;
-            let is_followed = match law {
-                ServoLaw::Motor(_) => quantity == Quantity::Position,
-                ServoLaw::Direct => quantity == Quantity::Torque,
-                ServoLaw::Velocity { .. } | ServoLaw::Torque { .. } => true,
-            };
-            if !is_followed {
-                return Err(Error::invalid("a servo cannot do what is commanded")
-                    .at_file(&recording.path)
-                    .field(column)
-                    .found(format!("{quantity:?} for the servo of `{hinge}`"))
-                    .allowed("Motor: Position; Direct: Torque; Velocity and Torque: all three")
-                    .hint("give the joint a servo with another law in the robot's file"));
-            }
+            check_commands(&actuator.servo, quantity, (hinge, values))
+                .map_err(|e| e.at_file(&recording.path).field(column))?;
             let mut track = CommandTrack::new(
                 motion.times_s().iter().map(|t| t - start_s).collect(),
                 values.to_vec(),

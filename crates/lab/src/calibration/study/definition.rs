@@ -6,13 +6,13 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize, Serializer};
 
-use crate::calibration::{BasisRule, Commands, Horizon, Member, Split, Steering};
+use crate::calibration::{BasisRule, Commands, Horizon, Member, ScoredColumns, Split, Steering};
 use realgap_core::file::sha256;
 use realgap_core::range::Range;
 use realgap_core::{Error, Warning};
 use realgap_identification::StartState;
 use realgap_optimization::Grid;
-use realgap_path::comparison::{Components, Metric, Pca};
+use realgap_path::comparison::{ChannelSet, Components, Metric, Pca};
 use realgap_path::trajectory::{Alignment, Reading, Recording, Source};
 use realgap_robot::morphology::Morphology;
 use realgap_simulation::parameter::{Parameter, ParameterSet};
@@ -106,6 +106,10 @@ pub struct Definition {
     pub priors: Vec<Option<(f64, f64)>>,
     /// The metric: the distance of two trajectories.
     pub metric: &'static dyn Metric,
+    /// The recorded columns that are scored, as the study names them; empty where the metric compares what it always compares.
+    pub scored: Vec<ScoredColumns>,
+    /// These columns with their noise.
+    pub channels: ChannelSet,
     /// Which direction of a path is turned onto +x before paths are compared.
     pub align: Alignment,
     /// Over what the score of a point is the mean.
@@ -186,6 +190,8 @@ impl Definition {
             parameters: Vec::new(),
             priors: Vec::new(),
             metric: &Pca,
+            scored: Vec::new(),
+            channels: ChannelSet::default(),
             align: Alignment::default(),
             score: ScoreRule::default(),
             basis: BasisRule::default(),

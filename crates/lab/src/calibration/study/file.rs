@@ -10,14 +10,16 @@ use crate::calibration::answer::values::assignments;
 use crate::calibration::recording::identity::in_sample;
 use crate::calibration::study::robot_file::{RobotFile, members, morphology_source};
 use crate::calibration::study::scene_file::BodyFile;
+use crate::calibration::study::scored_columns;
 use crate::calibration::{
-    BasisRule, Commands, Definition, Horizon, Overrides, ScoreRule, StartRule, recording,
+    BasisRule, Commands, Definition, Horizon, Overrides, ScoreRule, ScoredColumns, StartRule,
+    recording,
 };
 use realgap_core::file::{Source, name_of_file, parse_ron, sha256, unique_keys};
 use realgap_core::{Error, Result};
 use realgap_identification::StartState;
 use realgap_optimization::{Grid, MAX_POINTS, Range};
-use realgap_path::comparison::{self, Components};
+use realgap_path::comparison::{self, Channels, Components};
 use realgap_path::trajectory::{Alignment, Reading};
 use realgap_robot::morphology::Morphology;
 use realgap_simulation::parameter::{Assignment, Parameter, ParameterSet, by_name};
@@ -83,6 +85,10 @@ pub struct StudyFile {
     /// How two trajectories are compared; `realgap compare --help` lists the metrics.
     #[serde(default = "default_metric")]
     metric: String,
+    /// Recorded columns that are scored, each in standard deviations of its noise, in place of the joints' angles alone; with the
+    /// metric `joints`. Columns that no entry names are not compared.
+    #[serde(default)]
+    channels: Vec<ScoredColumns>,
     /// Which direction of a path is turned onto +x before paths are compared. On a slope, between walls or beside other bodies
     /// directions matter: `World`.
     #[serde(default)]
@@ -242,6 +248,9 @@ impl Definition {
         } else {
             None
         };
+        // Windows of a recording are too short to show the noise of a sensor.
+        let channels = scored_columns::channels(&definition.scored, &found.recordings)
+            .map_err(|e| e.at_file(path))?;
         if let Some(horizon) = definition.horizon {
             found.cut_into(horizon)?;
         }
@@ -250,6 +259,7 @@ impl Definition {
         warnings.extend(in_sample(&found.recordings, &overrides.fitted_on));
         Ok(Self {
             warnings,
+            channels,
             recordings: found.recordings,
             recordings_sha256: found.sha256,
             ..definition
@@ -294,6 +304,22 @@ impl Definition {
             Some(metric) => metric,
             None => comparison::by_name(&file.metric).map_err(|e| source.at("metric", e))?,
         };
+        if !file.channels.is_empty() && !metric.needs().joints {
+            let error = Error::invalid("channels are compared by the metric `joints` only")
+                .found(metric.name())
+                .allowed("joints")
+                .hint("add `metric: \"joints\"` to the study");
+            return Err(source.at("metric", error));
+        }
+        if !file.channels.is_empty() && !file.robots.is_empty() {
+            let error = Error::invalid("a study of many robots scores no channels")
+                .hint("make a study of each robot, or leave `channels` out");
+            return Err(source.at("channels", error));
+        }
+        let metric = match file.channels.is_empty() || overrides.metric.is_some() {
+            true => metric,
+            false => &Channels,
+        };
         let basis = match (&overrides.basis, &file.basis) {
             (Some(basis), _) => basis.clone(),
             (None, None | Some(BasisFile::Everything)) => BasisRule::Everything,
@@ -331,6 +357,7 @@ impl Definition {
             parameters,
             priors,
             metric,
+            scored: file.channels,
             align: file.align,
             score: overrides.score.unwrap_or(file.score),
             basis,

@@ -60,6 +60,9 @@ impl Study {
         if let Some(commands) = &definition.commands {
             print = print.with("commands", format!("{commands:?}"));
         }
+        if !definition.scored.is_empty() {
+            print = print.with("channels", format!("{:?}", definition.scored));
+        }
         if let Some(steering) = &definition.steering {
             print = print.with("controller sha256", steering.sha256());
         }

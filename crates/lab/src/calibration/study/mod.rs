@@ -3,6 +3,7 @@
 pub(super) mod basis;
 pub(super) mod builder;
 pub(super) mod case;
+pub(super) mod command_check;
 pub(super) mod command_file;
 pub(super) mod definition;
 pub(super) mod file;
@@ -12,6 +13,7 @@ pub(super) mod horizon;
 pub(super) mod overrides;
 pub(super) mod robot_file;
 pub(super) mod scene_file;
+pub(super) mod scored_columns;
 pub(super) mod split;
 pub(super) mod steering;
 
@@ -26,7 +28,7 @@ use crate::calibration::{BasisRule, Case, Definition, Overrides, ScoreRule};
 use realgap_core::file::Source;
 use realgap_core::{Code, Error, Result, Warning};
 use realgap_identification::{StartState, refine_again};
-use realgap_path::comparison::{Basis, Context, Pair, Spread};
+use realgap_path::comparison::{Basis, ChannelSet, Channels, Context, Metric, Pair, Spread};
 use realgap_path::trajectory::{Alignment, Prepared, Trajectory, prepare_as};
 use realgap_simulation::parameter::{Assignment, ParameterSet};
 use realgap_simulation::{EngineChoice, Experiment, Noise};
@@ -161,7 +163,7 @@ impl Study {
             let pair = Pair::new(itself, itself);
             self.definition
                 .metric
-                .compare(&pair, &context(case, self.spread.as_ref()))
+                .compare(&pair, &self.context(case, self.spread.as_ref()))
                 .map_err(|e| e.at_file(&self.definition.recordings[target.recording].path))?;
         }
         Ok(())
@@ -437,7 +439,7 @@ impl Study {
         // The compared paths are in true lengths.
         let spread = self.spread.as_ref();
         let spread = spread.map(|spread| spread.scaled(1.0 / experiment.recording_length_scale));
-        let context = context(&self.cases[case], spread.as_ref());
+        let context = self.context(&self.cases[case], spread.as_ref());
         let (mut scores, mut errors) = (Vec::new(), Vec::new());
         let most = self.most_errors();
         if !needs_basis {
@@ -446,8 +448,13 @@ impl Study {
                 let pair = Pair::new((&target.motion, &target.prepared), (&motion, &prepared));
                 scores.push(self.definition.metric.compare(&pair, &context)?.value);
                 if has_errors {
-                    let own = self.definition.metric.errors(&pair, most)?;
-                    errors.extend(own.into_iter().flatten());
+                    match self.scored_channels() {
+                        Some(channels) => errors.extend(channels.errors(&pair, most)?),
+                        None => {
+                            let own = self.definition.metric.errors(&pair, most)?;
+                            errors.extend(own.into_iter().flatten());
+                        }
+                    }
                 }
             }
         }
@@ -511,21 +518,28 @@ impl Study {
         }
     }
 
+    /// The channels of which the score is made; `None` where the metric compares what it always compares.
+    pub(in crate::calibration) fn scored_channels(&self) -> Option<&ChannelSet> {
+        let is_of_channels = self.definition.metric.name() == Channels.name();
+        is_of_channels.then_some(&self.definition.channels)
+    }
+
+    /// What a metric may know of a case.
+    fn context<'a>(&'a self, case: &Case, spread: Option<&'a Spread>) -> Context<'a> {
+        Context {
+            basis: None,
+            spread,
+            body_length_m: Some(case.experiment.assembly.body_length_m),
+            channels: Some(&self.definition.channels),
+        }
+    }
+
     /// The prepared paths of the recordings, by recording.
     pub fn real_paths(&self) -> Vec<&Prepared> {
         let targets = self.cases.iter().flat_map(|case| &case.targets);
         let mut targets: Vec<_> = targets.collect();
         targets.sort_by_key(|target| target.recording);
         targets.iter().map(|target| &target.prepared).collect()
-    }
-}
-
-/// What a metric may know of a case.
-fn context<'a>(case: &Case, spread: Option<&'a Spread>) -> Context<'a> {
-    Context {
-        basis: None,
-        spread,
-        body_length_m: Some(case.experiment.assembly.body_length_m),
     }
 }
 

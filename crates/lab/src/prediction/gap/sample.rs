@@ -72,6 +72,7 @@ impl Scoring {
             basis,
             spread: None,
             body_length_m: self.body_length_m,
+            channels: None,
         }
     }
 }

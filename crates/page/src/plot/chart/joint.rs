@@ -1,4 +1,4 @@
-//! Joints: recorded and simulated angles over time, a panel for each joint, with the residuals below.
+//! Joints: recorded and simulated angles over time, a panel for each joint (or torques and other channels), with the residuals below.
 
 use crate::plot::kit::*;
 use crate::plot::{LinePlot, Series, SeriesKind};
@@ -17,30 +17,54 @@ const MRAD: f64 = 1e3;
 const ROOM: f64 = 0.07;
 /// A joint that moves less than this counts as still: it is the resolution of an encoder.
 const STILL_RAD: f64 = 1e-3;
+/// The same for other quantities, in their units.
+const STILL: f64 = 1e-6;
 
-/// One joint.
+/// One joint, or one channel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointPanel {
     /// Its name.
     pub name: String,
+    /// What is shown, and its unit, e.g. angle and rad.
+    pub quantity: (String, String),
     /// Since the start of the run, seconds.
     pub times_s: Vec<f64>,
-    /// Recorded angles, radians.
-    pub recorded_rad: Vec<f64>,
-    /// Simulated angles, radians.
-    pub simulated_rad: Vec<f64>,
-    /// Between these lie 90 % of the residuals of all recordings, radians.
-    pub spread_rad: [f64; 2],
+    /// Recorded values.
+    pub recorded: Vec<f64>,
+    /// Simulated values.
+    pub simulated: Vec<f64>,
+    /// Between these lie 90 % of the residuals of all recordings.
+    pub spread: [f64; 2],
 }
 
 impl JointPanel {
-    /// Simulated angles minus recorded ones, radians.
-    pub(crate) fn residuals_rad(&self) -> impl Iterator<Item = f64> + '_ {
-        let both = self.simulated_rad.iter().zip(&self.recorded_rad);
+    /// Simulated values minus recorded ones.
+    pub(crate) fn residuals(&self) -> impl Iterator<Item = f64> + '_ {
+        let both = self.simulated.iter().zip(&self.recorded);
         both.map(|(simulated, recorded)| simulated - recorded)
     }
 
-    /// Angles over time, and residuals over time with the spread of all recordings.
+    /// Whether it shows angles, whose residuals are shown in milliradians.
+    fn is_of_angles(&self) -> bool {
+        self.quantity.1 == "rad"
+    }
+
+    /// By what residuals are multiplied.
+    fn residual_factor(&self) -> f64 {
+        if self.is_of_angles() { MRAD } else { 1.0 }
+    }
+
+    /// Labels of both axes, with units.
+    fn labels(&self) -> [String; 2] {
+        let (word, unit) = &self.quantity;
+        let residual_unit = if self.is_of_angles() { "mrad" } else { unit };
+        [
+            format!("{word} ({unit})"),
+            format!("residual ({residual_unit})"),
+        ]
+    }
+
+    /// Values over time, and residuals over time with the spread of all recordings.
     pub(crate) fn charts(&self) -> [LinePlot; 2] {
         let over = |values: &[f64]| -> Vec<Point> {
             let times = self.times_s.iter().copied();
@@ -48,12 +72,13 @@ impl JointPanel {
         };
         let time = || AxisSpec::new("time", Unit::Second);
         let line = |label: &str, values: &[f64]| Series::new(label, SeriesKind::Line, over(values));
-        let angles = vec![
-            line("recorded", &self.recorded_rad).recorded(),
-            line("simulated, best point", &self.simulated_rad),
+        let values = vec![
+            line("recorded", &self.recorded).recorded(),
+            line("simulated, best point", &self.simulated),
         ];
-        let residuals: Vec<f64> = self.residuals_rad().map(|rad| MRAD * rad).collect();
-        let [low, high] = self.spread_rad.map(|rad| MRAD * rad);
+        let factor = self.residual_factor();
+        let residuals: Vec<f64> = self.residuals().map(|off| factor * off).collect();
+        let [low, high] = self.spread.map(|off| factor * off);
         let ends = [self.times_s.first(), self.times_s.last()];
         let ends: Vec<Point> = ends.into_iter().flatten().map(|t| (*t, low)).collect();
         let spread = SeriesKind::Band(vec![high; ends.len()]);
@@ -62,9 +87,14 @@ impl JointPanel {
             line("residual", &residuals).colour(1),
         ];
         let caption = || Caption::new(self.name.clone(), "");
+        let [above, below] = self.labels();
+        let above = match self.is_of_angles() {
+            true => ("angle", Unit::Radian),
+            false => (above.as_str(), Unit::One),
+        };
         [
-            LinePlot::new(caption(), time(), ("angle", Unit::Radian), angles),
-            LinePlot::new(caption(), time(), ("residual (mrad)", Unit::One), residuals),
+            LinePlot::new(caption(), time(), above, values),
+            LinePlot::new(caption(), time(), (&below, Unit::One), residuals),
         ]
     }
 }
@@ -89,11 +119,16 @@ fn around(values: impl Iterator<Item = f64>, least: f64) -> Scale {
 
 /// Both scales of a panel.
 fn scales(joint: &JointPanel) -> [Scale; 2] {
-    let angles = joint.recorded_rad.iter().chain(&joint.simulated_rad);
-    let residuals = joint.residuals_rad().chain(joint.spread_rad).chain([0.0]);
+    let values = joint.recorded.iter().chain(&joint.simulated);
+    let residuals = joint.residuals().chain(joint.spread).chain([0.0]);
+    let least = match joint.is_of_angles() {
+        true => STILL_RAD,
+        false => STILL,
+    };
+    let factor = joint.residual_factor();
     [
-        around(angles.copied(), STILL_RAD),
-        around(residuals.map(|rad| MRAD * rad), MRAD * STILL_RAD),
+        around(values.copied(), least),
+        around(residuals.map(|off| factor * off), factor * least),
     ]
 }
 
@@ -135,7 +170,8 @@ impl JointPlot {
         let upper = Frame::new((left, top), (right, top + ANGLES), [time, angles]);
         let top = top + ANGLES + GAP;
         let lower = Frame::new((left, top), (right, top + RESIDUALS), [time, residuals]);
-        let [low, high] = joint.spread_rad.map(|rad| lower.within_y(MRAD * rad));
+        let factor = joint.residual_factor();
+        let [low, high] = joint.spread.map(|off| lower.within_y(factor * off));
         canvas.fill((left, high), (right, low), SHADE);
         let x_ticks = time.ticks(7);
         for frame in [&upper, &lower] {
@@ -146,13 +182,13 @@ impl JointPlot {
             let points = points.map(|(t, v)| frame.at((*t, *v)));
             canvas.path(&points.collect::<Vec<_>>(), stroke);
         };
-        line(canvas, &upper, &joint.recorded_rad, Stroke::new(3.5, INK));
-        line(canvas, &upper, &joint.simulated_rad, Stroke::new(2.5, BLUE));
-        let off: Vec<f64> = joint.residuals_rad().map(|rad| MRAD * rad).collect();
+        line(canvas, &upper, &joint.recorded, Stroke::new(3.5, INK));
+        line(canvas, &upper, &joint.simulated, Stroke::new(2.5, BLUE));
+        let off: Vec<f64> = joint.residuals().map(|off| factor * off).collect();
         line(canvas, &lower, &off, Stroke::new(2.0, VERMILLION));
-        for (frame, label) in [(&upper, "angle (rad)"), (&lower, "residual (mrad)")] {
+        for (frame, label) in [&upper, &lower].into_iter().zip(joint.labels()) {
             frame.draw_outline(canvas);
-            frame.draw_y_axis(canvas, &frame.y.ticks(4), label);
+            frame.draw_y_axis(canvas, &frame.y.ticks(4), &label);
         }
         lower.draw_x_axis(canvas, &x_ticks, "time (s)");
     }
@@ -163,11 +199,11 @@ impl Picture for JointPlot {
         picture::check_rows("joints", self.joints.len(), COLUMNS)?;
         for joint in &self.joints {
             let samples = joint.times_s.len();
-            for column in [&joint.recorded_rad, &joint.simulated_rad] {
+            for column in [&joint.recorded, &joint.simulated] {
                 check_length(&joint.name, column.len(), samples)?;
             }
-            let all = joint.times_s.iter().chain(&joint.recorded_rad);
-            let is_finite = all.chain(&joint.simulated_rad).all(|v| v.is_finite());
+            let all = joint.times_s.iter().chain(&joint.recorded);
+            let is_finite = all.chain(&joint.simulated).all(|v| v.is_finite());
             if samples < 2 || !is_finite {
                 return Err(nothing(&joint.name, "two finite samples or more"));
             }
@@ -210,14 +246,15 @@ mod tests {
         let recorded: Vec<f64> = times_s.iter().map(|t| (0.7 * t).sin()).collect();
         JointPanel {
             name: name.to_owned(),
-            simulated_rad: recorded
+            quantity: ("angle".to_owned(), "rad".to_owned()),
+            simulated: recorded
                 .iter()
                 .zip(&times_s)
                 .map(|(a, t)| a + off_rad * (3.0 * t).cos())
                 .collect(),
-            recorded_rad: recorded,
+            recorded,
             times_s,
-            spread_rad: [-off_rad, off_rad],
+            spread: [-off_rad, off_rad],
         }
     }
 
@@ -235,13 +272,23 @@ mod tests {
         }
         assert_eq!(svg.matches("residual (mrad)").count(), 3);
         assert_eq!(svg.matches("angle (rad)").count(), 3);
+        let mut torque = joint("elbow_torque_nm", 0.02);
+        torque.quantity = ("torque".to_owned(), "N m".to_owned());
+        let mixed = JointPlot {
+            joints: vec![joint("elbow_rad", 0.02), torque],
+            ..plot.clone()
+        };
+        let svg = check("joints_mixed", |path| picture::write(&mixed, path));
+        for text in ["torque (N m)", "residual (N m)", "residual (mrad)"] {
+            assert!(svg.contains(text), "{text}");
+        }
         let one = JointPlot {
             joints: vec![joint("still", 0.0)],
             ..plot.clone()
         };
         check("joints_one", |path| picture::write(&one, path));
         let mut broken = plot;
-        broken.joints[1].simulated_rad[3] = f64::NAN;
+        broken.joints[1].simulated[3] = f64::NAN;
         assert!(picture::write(&broken, Path::new("x.png")).is_err());
     }
 }

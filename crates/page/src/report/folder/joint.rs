@@ -4,6 +4,7 @@ use crate::plot::{Inline, InlineChart, JointPanel, legend};
 use crate::report::document::page::html;
 use crate::report::document::section::figures;
 use crate::results::study::joint::{JointSample, panels};
+use realgap_core::unit::number;
 
 /// A figure a joint of the first recording; nothing where no joints were recorded.
 pub(super) fn joints(samples: &[JointSample]) -> String {
@@ -14,18 +15,58 @@ pub(super) fn joints(samples: &[JointSample]) -> String {
     let keys = joints.first().map_or_else(String::new, |joint| {
         joint.charts().iter().map(legend).collect()
     });
+    let table = residual_table(samples);
     format!(
-        "<p class=\"note\">Recording {}. A residual that repeats shows what the model lacks: a step is an offset, a lag is a delay, a bulge under load is a compliance.</p>{keys}{}",
+        "{table}<p class=\"note\">Recording {}. A residual that repeats shows what the model lacks: a step is an offset, a lag is a delay, a bulge under load is a compliance.</p>{keys}{}",
         html(&recording),
         figures(&all)
     )
 }
 
+/// Residuals of every channel over the samples that are shown of all recordings; nothing where only angles are compared.
+fn residual_table(samples: &[JointSample]) -> String {
+    if samples.iter().all(|sample| sample.quantity.0 == "angle") {
+        return String::new();
+    }
+    let mut channels: Vec<(&JointSample, Vec<f64>)> = Vec::new();
+    for sample in samples {
+        let off = sample.simulated - sample.recorded;
+        match channels
+            .iter_mut()
+            .find(|(first, _)| first.joint == sample.joint)
+        {
+            Some((_, all)) => all.push(off),
+            None => channels.push((sample, vec![off])),
+        }
+    }
+    let row = |(first, off): &(&JointSample, Vec<f64>)| {
+        let count = off.len() as f64;
+        let absolute = off.iter().map(|off| off.abs()).sum::<f64>() / count;
+        let rms = (off.iter().map(|off| off * off).sum::<f64>() / count).sqrt();
+        let bias = off.iter().sum::<f64>() / count;
+        let cells = [absolute, rms, bias].map(|value| format!("<td>{}</td>", number(value)));
+        format!(
+            "<tr><td>{}</td><td>{}</td>{}</tr>",
+            html(&first.joint),
+            html(&first.quantity.1),
+            cells.concat()
+        )
+    };
+    let rows: String = channels.iter().map(row).collect();
+    format!(
+        "<table><thead><tr><th>channel</th><th>unit</th><th>mean absolute residual</th><th>root mean square</th><th>mean</th></tr></thead><tbody>{rows}</tbody></table>"
+    )
+}
+
 fn joint(joint: &JointPanel) -> String {
-    let name = &joint.name;
+    let (name, word) = (&joint.name, &joint.quantity.0);
+    let mut capital = word.clone();
+    if let Some(first) = capital.get_mut(..1) {
+        first.make_ascii_uppercase();
+    }
     let alt = [
-        format!("Angle of {name} over time, recorded and simulated"),
-        format!("Simulated minus recorded angle of {name} over time"),
+        format!("{capital} of {name} over time, recorded and simulated"),
+        format!("Simulated minus recorded {word} of {name} over time"),
     ];
     let charts = joint.charts();
     let charts = charts.iter().zip(&alt);

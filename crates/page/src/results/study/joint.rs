@@ -1,4 +1,4 @@
-//! Joints of the recordings beside those of the best point: a table, and the first recording as a picture.
+//! Joints of the recordings, or scored channels, beside those of the best point: a table, and the first recording as a picture.
 
 use rayon::prelude::*;
 
@@ -8,7 +8,7 @@ use realgap_core::error::Result;
 use realgap_core::statistics::percentile_interval;
 use realgap_lab::calibration::{Answer, Study};
 use realgap_optimization::Ending;
-use realgap_path::comparison::{JointSamples, joint_samples};
+use realgap_path::comparison::{ChannelSamples, JointSamples, joint_samples};
 
 /// The largest number of recordings: more would hardly change the spread of a joint, and each costs a simulation.
 const RECORDINGS: usize = 12;
@@ -17,14 +17,22 @@ const SAMPLES: usize = 300;
 /// The share of residuals beyond each end of a spread.
 const TAIL: f64 = 0.05;
 
-/// One sample of one joint.
+/// One sample of one joint, or of one scored channel.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct JointSample {
     pub recording: String,
+    /// Name of the joint, or of the channel's column.
     pub joint: String,
+    /// What is shown, and its unit: an angle in radians where the study scores no channels.
+    pub quantity: (String, String),
     pub time_s: f64,
-    pub recorded_rad: f64,
-    pub simulated_rad: f64,
+    pub recorded: f64,
+    pub simulated: f64,
+}
+
+/// What is shown of a joint where no channels are scored.
+fn angle() -> (String, String) {
+    ("angle".to_owned(), "rad".to_owned())
 }
 
 /// Whether only joints were recorded: then there are no paths to show.
@@ -33,7 +41,8 @@ pub(in crate::results) fn is_of_joints(study: &Study) -> bool {
     targets.all(|target| target.motion.is_of_joints())
 }
 
-/// `joints.csv`: recorded and simulated angles at the best point; without rows where no recording has joints of the robot.
+/// `joints.csv`: recorded and simulated angles at the best point, or the channels that the study scores; without rows where no
+/// recording has joints of the robot.
 ///
 /// # Errors
 /// A best point that cannot be simulated again.
@@ -45,28 +54,58 @@ pub(super) fn table(study: &Study, answer: &Answer) -> Result<CsvTable> {
     if panels(&rows).is_none() {
         rows.clear();
     }
+    let has_channels = !study.definition().channels.all().is_empty();
     let cells = rows.iter().map(|row| {
-        let numbers = [row.time_s, row.recorded_rad, row.simulated_rad];
+        let numbers = [row.time_s, row.recorded, row.simulated];
         let numbers = numbers.map(|v| format!("{v:.6}"));
-        [&[row.recording.clone(), row.joint.clone()][..], &numbers].concat()
+        let mut texts = vec![row.recording.clone(), row.joint.clone()];
+        if has_channels {
+            texts.extend([row.quantity.0.clone(), row.quantity.1.clone()]);
+        }
+        [&texts[..], &numbers].concat()
     });
-    let header = ["recording", "joint", "t_s", "recorded_rad", "simulated_rad"];
-    Ok(CsvTable::new(&header, cells))
+    let header: &[&str] = match has_channels {
+        true => &[
+            "recording",
+            "channel",
+            "quantity",
+            "unit",
+            "t_s",
+            "recorded",
+            "simulated",
+        ],
+        false => &["recording", "joint", "t_s", "recorded_rad", "simulated_rad"],
+    };
+    Ok(CsvTable::new(header, cells))
 }
 
 /// The samples in that table.
 pub(super) fn samples(table: &CsvTable) -> Vec<JointSample> {
-    let (recordings, names) = (table.texts("recording"), table.texts("joint"));
-    let numbers = ["t_s", "recorded_rad", "simulated_rad"].map(|name| table.numbers(name));
+    let has_channels = table.column("channel").is_some();
+    let [joint, recorded, simulated] = match has_channels {
+        true => ["channel", "recorded", "simulated"],
+        false => ["joint", "recorded_rad", "simulated_rad"],
+    };
+    let (recordings, names) = (table.texts("recording"), table.texts(joint));
+    let (quantities, units) = (table.texts("quantity"), table.texts("unit"));
+    let numbers = ["t_s", recorded, simulated].map(|name| table.numbers(name));
     let sample = |row: usize| {
-        let [time_s, recorded_rad, simulated_rad] =
+        let [time_s, recorded, simulated] =
             numbers.each_ref().map(|column| column.get(row).copied());
+        let quantity = match has_channels {
+            true => (
+                (*quantities.get(row)?).to_owned(),
+                (*units.get(row)?).to_owned(),
+            ),
+            false => angle(),
+        };
         Some(JointSample {
             recording: (*recordings.get(row)?).to_owned(),
             joint: (*names.get(row)?).to_owned(),
+            quantity,
             time_s: time_s?,
-            recorded_rad: recorded_rad?,
-            simulated_rad: simulated_rad?,
+            recorded: recorded?,
+            simulated: simulated?,
         })
     };
     (0..recordings.len()).filter_map(sample).collect()
@@ -76,7 +115,11 @@ pub(super) fn samples(table: &CsvTable) -> Vec<JointSample> {
 pub(super) fn plot(study: &Study, samples: &[JointSample]) -> Option<JointPlot> {
     let (recording, joints) = panels(samples)?;
     let definition = study.definition();
-    let title = format!("{}: joints over time at the best point", definition.name);
+    let what = match definition.channels.all().is_empty() {
+        true => "joints",
+        false => "channels",
+    };
+    let title = format!("{}: {what} over time at the best point", definition.name);
     let subtitle = format!("{}: {recording}", definition.morphology.name());
     Some(JointPlot {
         caption: Caption::new(title, subtitle),
@@ -98,26 +141,70 @@ fn compared(study: &Study, values: &[f64]) -> Result<Vec<JointSample>> {
         let Some(simulated) = run.outcome.get() else {
             return Ok(Vec::new());
         };
-        let rows = targets.iter().flat_map(|target| {
+        let channels = &study.definition().channels;
+        let mut rows = Vec::new();
+        for target in targets {
             let recording = &study.definition().recordings[target.recording].name;
-            let joints = joint_samples(&target.motion, simulated).into_iter();
-            joints.flat_map(|joint| thinned(recording, joint))
-        });
-        Ok(rows.collect())
+            if channels.all().is_empty() {
+                let joints = joint_samples(&target.motion, simulated).into_iter();
+                rows.extend(joints.flat_map(|joint| thinned(recording, series_of(joint))));
+            } else {
+                let all = channels.samples(&target.motion, simulated)?.into_iter();
+                rows.extend(all.flat_map(|channel| thinned(recording, channel_series(channel))));
+            }
+        }
+        Ok(rows)
     };
     let all: Vec<Vec<JointSample>> = cases.par_iter().map(of_case).collect::<Result<_>>()?;
     Ok(all.into_iter().flatten().collect())
 }
 
-fn thinned(recording: &str, joint: JointSamples) -> Vec<JointSample> {
-    let every = joint.times_s.len().div_ceil(SAMPLES).max(1);
-    let samples = (0..joint.times_s.len()).step_by(every);
+/// What is shown of one joint or channel of one recording.
+struct Shown {
+    name: String,
+    quantity: (String, String),
+    times_s: Vec<f64>,
+    recorded: Vec<f64>,
+    simulated: Vec<f64>,
+}
+
+fn series_of(joint: JointSamples) -> Shown {
+    Shown {
+        name: joint.name,
+        quantity: angle(),
+        times_s: joint.times_s,
+        recorded: joint.recorded_rad,
+        simulated: joint.simulated_rad,
+    }
+}
+
+fn channel_series(samples: ChannelSamples) -> Shown {
+    let ChannelSamples {
+        channel,
+        times_s,
+        recorded,
+        simulated,
+    } = samples;
+    let (word, unit) = (channel.quantity.word(), channel.quantity.unit());
+    Shown {
+        name: channel.column,
+        quantity: (word.to_owned(), unit.to_owned()),
+        times_s,
+        recorded,
+        simulated,
+    }
+}
+
+fn thinned(recording: &str, shown: Shown) -> Vec<JointSample> {
+    let every = shown.times_s.len().div_ceil(SAMPLES).max(1);
+    let samples = (0..shown.times_s.len()).step_by(every);
     let row = |k: usize| JointSample {
         recording: recording.to_owned(),
-        joint: joint.name.clone(),
-        time_s: joint.times_s[k],
-        recorded_rad: joint.recorded_rad[k],
-        simulated_rad: joint.simulated_rad[k],
+        joint: shown.name.clone(),
+        quantity: shown.quantity.clone(),
+        time_s: shown.times_s[k],
+        recorded: shown.recorded[k],
+        simulated: shown.simulated[k],
     };
     samples.map(row).collect()
 }
@@ -129,21 +216,22 @@ pub(crate) fn panels(rows: &[JointSample]) -> Option<(String, Vec<JointPanel>)> 
     for row in rows.iter().filter(|row| row.recording == *recording) {
         if joints.last().is_none_or(|joint| joint.name != row.joint) {
             let of_joint = rows.iter().filter(|other| other.joint == row.joint);
-            let off = of_joint.map(|other| other.simulated_rad - other.recorded_rad);
+            let off = of_joint.map(|other| other.simulated - other.recorded);
             let off: Vec<f64> = off.collect();
             let (low, high) = percentile_interval(&off, TAIL)?;
             joints.push(JointPanel {
                 name: row.joint.clone(),
+                quantity: row.quantity.clone(),
                 times_s: Vec::new(),
-                recorded_rad: Vec::new(),
-                simulated_rad: Vec::new(),
-                spread_rad: [low, high],
+                recorded: Vec::new(),
+                simulated: Vec::new(),
+                spread: [low, high],
             });
         }
         let joint = joints.last_mut()?;
         joint.times_s.push(row.time_s);
-        joint.recorded_rad.push(row.recorded_rad);
-        joint.simulated_rad.push(row.simulated_rad);
+        joint.recorded.push(row.recorded);
+        joint.simulated.push(row.simulated);
     }
     joints.retain(|joint| joint.times_s.len() > 1);
     (!joints.is_empty()).then(|| (recording.clone(), joints))
@@ -158,9 +246,10 @@ mod tests {
         let row = |recording: &str, joint: &str, time_s: f64, off: f64| JointSample {
             recording: recording.to_owned(),
             joint: joint.to_owned(),
+            quantity: angle(),
             time_s,
-            recorded_rad: time_s,
-            simulated_rad: time_s + off,
+            recorded: time_s,
+            simulated: time_s + off,
         };
         let mut rows = Vec::new();
         for (recording, off) in [("a", 0.1), ("b", -0.3)] {
@@ -172,8 +261,8 @@ mod tests {
         assert_eq!((recording.as_str(), joints.len()), ("a", 2));
         for joint in &joints {
             assert_eq!(joint.times_s.len(), 50);
-            assert!(joint.residuals_rad().all(|off| (off - 0.1).abs() < 1e-9));
-            let off = joint.spread_rad.iter().zip([-0.3, 0.1]);
+            assert!(joint.residuals().all(|off| (off - 0.1).abs() < 1e-9));
+            let off = joint.spread.iter().zip([-0.3, 0.1]);
             assert!(
                 off.into_iter().all(|(a, b)| (a - b).abs() < 1e-9),
                 "{joint:?}"

@@ -58,6 +58,7 @@ impl Actuator {
             damping: 0.0,
             armature: 0.0,
             delay_s: 0.0,
+            torque_constant_nm_a: None,
             unknown: Vec::new(),
         };
         let mut limited = Element::default();

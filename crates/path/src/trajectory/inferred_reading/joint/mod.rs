@@ -258,6 +258,15 @@ mod tests {
     }
 
     #[test]
+    fn measured_torques_and_commanded_currents_are_found_beside_angles() {
+        let header = "t,pan_pos,lift_pos,pan_tau,lift_cmd_current";
+        let made = infer(&log(header, &flat(1.0)), &Reading::default(), &[]);
+        let names = made.unwrap().unwrap().reading.names;
+        assert_eq!(names["pan_tau"], "pan_torque_nm");
+        assert_eq!(names["lift_cmd_current"], "lift_command_a");
+    }
+
+    #[test]
     fn numbered_joints_are_asked_about_and_lists_are_taken_apart_in_the_given_order() {
         let numbered = log("t,q1,q2,q_des1,q_des2", &flat(1.0));
         let error = infer(&numbered, &Reading::default(), &[])

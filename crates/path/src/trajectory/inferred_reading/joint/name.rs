@@ -13,6 +13,8 @@ pub(super) enum Quantity {
     Speed,
     CommandedSpeed,
     CommandedTorque,
+    CommandedCurrent,
+    Torque,
 }
 
 /// Words in the names of columns of commands, of angles, of speeds and of torques.
@@ -37,7 +39,10 @@ const ANGLES: [&str; 11] = [
     "feedback",
 ];
 const SPEEDS: [&str; 7] = ["qd", "dq", "vel", "velocity", "speed", "qdot", "omega"];
-const TORQUES: [&str; 6] = ["tau", "torque", "effort", "nm", "current", "load"];
+const TORQUES: [&str; 4] = ["tau", "torque", "effort", "nm"];
+/// Words of currents, and of loads, whose unit no name states.
+const CURRENTS: [&str; 1] = ["current"];
+const LOADS: [&str; 1] = ["load"];
 /// Words that say nothing about the quantity.
 const FILLING: [&str; 9] = [
     "observation",
@@ -81,6 +86,8 @@ impl Quantity {
             Self::Speed => "speeds",
             Self::CommandedSpeed => "commanded speeds",
             Self::CommandedTorque => "commanded torques",
+            Self::CommandedCurrent => "commanded currents",
+            Self::Torque => "measured torques",
         }
     }
 }
@@ -188,17 +195,27 @@ fn without_joint(column: &str, joint: &str) -> Option<String> {
 fn quantity(words: &[String]) -> Option<Quantity> {
     let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
     let is_known = |word: &String| {
-        let lists: [&[&str]; 5] = [&COMMANDS, &ANGLES, &SPEEDS, &TORQUES, &FILLING];
+        let lists: [&[&str]; 7] = [
+            &COMMANDS, &ANGLES, &SPEEDS, &TORQUES, &CURRENTS, &LOADS, &FILLING,
+        ];
         lists.iter().any(|list| list.contains(&word.as_str()))
     };
     if !words.iter().all(is_known) {
         return None;
+    }
+    if has(&LOADS) {
+        return None;
+    }
+    if has(&CURRENTS) {
+        let is_command = has(&COMMANDS) && !has(&SPEEDS) && !has(&TORQUES);
+        return is_command.then_some(Quantity::CommandedCurrent);
     }
     match (has(&COMMANDS), has(&SPEEDS), has(&TORQUES)) {
         (true, true, false) => Some(Quantity::CommandedSpeed),
         (true, false, true) => Some(Quantity::CommandedTorque),
         (true, false, false) => Some(Quantity::Command),
         (false, true, false) => Some(Quantity::Speed),
+        (false, false, true) => Some(Quantity::Torque),
         (false, false, false) => Some(Quantity::Angle),
         _ => None,
     }

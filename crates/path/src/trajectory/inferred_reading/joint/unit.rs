@@ -50,6 +50,8 @@ impl Unit {
             Quantity::Speed => Some(format!("{joint}_{symbol}_s")),
             Quantity::CommandedSpeed => is_rad.then(|| format!("{joint}_command_rad_s")),
             Quantity::CommandedTorque => Some(format!("{joint}_command_nm")),
+            Quantity::CommandedCurrent => Some(format!("{joint}_command_a")),
+            Quantity::Torque => Some(format!("{joint}_torque_nm")),
         }
     }
 }
