@@ -58,7 +58,6 @@ impl Actuator {
             damping: 0.0,
             armature: 0.0,
             delay_s: 0.0,
-            torque_constant_nm_a: None,
             unknown: Vec::new(),
         };
         let mut limited = Element::default();
@@ -283,6 +282,7 @@ impl Robot<'_> {
                     max_torque_nm,
                     max_speed_rad_s: f64::INFINITY,
                     delay_s: actuator.delay_s.clamp(0.0, 10.0),
+                    torque_constant_nm_a: None,
                 },
                 gait: None,
                 follows: None,
