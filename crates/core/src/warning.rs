@@ -75,6 +75,7 @@ codes! {
     ColumnsIgnored "columns-ignored" "A recording has columns that nothing uses." "say what the columns are when reading, or leave them out of the file";
     ComponentsMissDifference "components-miss-difference" "The kept principal components contain little of the difference between two runs." "use the metric `rms`, or keep more components";
     CompressionUnknown "compression-unknown" "The files of pictures do not state the quality with which they were compressed." "give the pictures as the camera wrote them, and start from a camera file with their `jpeg_quality`";
+    ContactsOff "contacts-off" "Contacts are switched off, so the robot passes through itself and the floor." "switch contacts on where anything may touch";
     ContourStuck "contour-stuck" "A contour came to rest where there is no edge, or did not come to rest." "start the contour nearer to the edge, or look at the picture's contrast";
     DegreesAsRadians "degrees-as-radians" "Angles, commands or speeds of a joint look like degrees that were read as radians." "name columns of degrees NAME_deg (speeds NAME_deg_s)";
     DifferentDurations "different-durations" "Recordings of one comparison have different durations." "crop recordings to one length, or compare at equal times";

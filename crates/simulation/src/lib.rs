@@ -20,6 +20,7 @@ mod experiment;
 mod film;
 mod kinematics;
 mod motor;
+mod mount;
 mod noise;
 mod numerics;
 mod outcome;
@@ -54,6 +55,7 @@ pub use experiment::{
 };
 pub use film::{Film, film, film_with, part_from_solid, part_name};
 pub use motor::Effort;
+pub use mount::Mount;
 pub use noise::Noise;
 pub use outcome::{Divergence, Outcome};
 pub use part_state::PartState;

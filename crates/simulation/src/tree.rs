@@ -7,7 +7,8 @@ use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Vector3};
 use realgap_tree::parry::math::{Mat3, Pose, Vec3};
 use realgap_tree::parry::shape::SharedShape;
 use realgap_tree::{
-    Attachment, Collider, Cone, Fixture, Joint, JointType, Link, Model, Partner, Settings,
+    Attachment, Collider, Cone, Fixture, Joint, JointType, Link, Model, MountSpring, Partner,
+    Settings,
 };
 
 use super::engine::{Engine, Load, Setup, World};
@@ -121,9 +122,9 @@ impl TreeWorld {
         for (index, part) in assembly.parts.iter().enumerate() {
             let attachment = match assembly.hinges.iter().position(|h| h.child_part == index) {
                 Some(hinge) => Attachment::Joint(joint(assembly, hinge, joints[hinge].angle_rad)),
-                None if index == 0 && assembly.world_from_mount.is_some() => Attachment::Mounted {
-                    world_from_link: to_pose(&world_from_parts[index]),
-                },
+                None if index == 0 && assembly.world_from_mount.is_some() => {
+                    held(experiment, assembly, &world_from_parts[index])
+                }
                 None => Attachment::Free {
                     world_from_link: to_pose(&world_from_parts[index]),
                 },
@@ -342,6 +343,29 @@ impl World for TreeWorld {
     }
 }
 
+/// How the root of a held robot is attached to the world: rigidly, or by a spring at the origin of the robot's frame.
+fn held(
+    experiment: &Experiment,
+    assembly: &Assembly,
+    world_from_part: &Isometry3<f64>,
+) -> Attachment {
+    let world_from_link = to_pose(world_from_part);
+    let Some(mount) = experiment.mount else {
+        return Attachment::Mounted { world_from_link };
+    };
+    let part_from_robot = robot_from_part_at_zero(assembly, 0).inverse();
+    Attachment::Sprung {
+        world_from_link,
+        spring: MountSpring {
+            at_link_m: to_vector(&(part_from_robot * Point3::origin()).coords),
+            stiffness_n_m: mount.stiffness_n_m,
+            damping_n_s_m: mount.damping_n_s_m,
+            stiffness_nm_rad: mount.stiffness_nm_rad,
+            damping_nm_s_rad: mount.damping_nm_s_rad,
+        },
+    }
+}
+
 fn floor(experiment: &Experiment) -> Fixture {
     let floor = &experiment.floor;
     let mut collider = Collider::new(
@@ -395,7 +419,8 @@ fn colliders(
     part: &Part,
 ) -> Vec<Collider> {
     let part_from_robot = robot_from_part_at_zero(assembly, index).inverse();
-    let solids = part.solids.iter().filter(|solid| solid.collides);
+    let is_on = experiment.contact.is_on;
+    let solids = part.solids.iter().filter(|solid| solid.collides && is_on);
     let collider = |solid: &realgap_robot::morphology::Solid| {
         let edge_radius_m = match solid.role {
             Role::Cube => experiment.adjustment.edge_radius_m,

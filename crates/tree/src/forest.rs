@@ -3,6 +3,7 @@
 use parry3d_f64::math::{Mat3, Pose, Rot3, Vec3};
 
 use crate::model::{Attachment, Joint, JointType, Model, ModelError};
+use crate::mount::MountSpring;
 
 /// Index that stands for "no body".
 pub(crate) const NONE: usize = usize::MAX;
@@ -47,7 +48,9 @@ pub(crate) struct Body {
     pub centre_body_m: Vec3,
     /// Inertia about the centre of mass, body frame, kg m².
     pub inertia_body: Mat3,
-    /// Pose at the start, of a root.
+    /// The spring on which a root stands.
+    pub mount: Option<MountSpring>,
+    /// Pose at the start, of a root; that of a root on a spring is where the spring carries the weight alone.
     pub start: Pose,
     pub start_position: f64,
 }
@@ -269,6 +272,7 @@ fn body(attachment: &Attachment, places: &[Place]) -> Body {
         tree_inverse_mass: 0.0,
         centre_body_m: Vec3::ZERO,
         inertia_body: Mat3::ZERO,
+        mount: None,
         start: Pose::identity(),
         start_position: 0.0,
     };
@@ -278,6 +282,14 @@ fn body(attachment: &Attachment, places: &[Place]) -> Body {
             body.start = *world_from_link;
         }
         Attachment::Mounted { world_from_link } => body.start = *world_from_link,
+        Attachment::Sprung {
+            world_from_link,
+            spring,
+        } => {
+            body.freedom = Freedom::Free;
+            body.start = *world_from_link;
+            body.mount = Some(*spring);
+        }
         Attachment::Joint(joint) => hang(&mut body, joint, &places[joint.parent]),
     }
     body

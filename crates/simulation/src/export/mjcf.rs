@@ -5,6 +5,7 @@ use nalgebra::{Point3, UnitQuaternion, Vector3};
 use super::format::{Exported, Format};
 use super::robot::{Robot, origin_robot_m, quaternion, seen_from};
 use super::xml::{Element, numbers, vector};
+use crate::rapier::total_kg;
 use crate::servo::speed_damping_nm_s_rad;
 use realgap_core::warning::{Code, Warning};
 use realgap_robot::morphology::{Actuator, Freedom, Hinge, Motor, Servo, ServoLaw, Shape, Solid};
@@ -41,7 +42,8 @@ impl Format for Mjcf {
                     .with("autolimits", "true")
                     .with("inertiafromgeom", "false"),
             )
-            .child(
+            .child(switched(
+                robot,
                 Element::new("option")
                     .with("timestep", numbers([TIMESTEP_S]))
                     .with("gravity", numbers([0.0, 0.0, -robot.gravity_m_s2]))
@@ -49,7 +51,7 @@ impl Format for Mjcf {
                     // pyramid favours the directions of its axes.
                     .with("integrator", "implicitfast")
                     .with("cone", "elliptic"),
-            )
+            ))
             .child(
                 Element::new("default").child(
                     Element::new("geom")
@@ -118,6 +120,11 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
     if robot.assembly.is_compliant() {
         warnings
             .push(Code::SpringNotExported.warning("the compliance of bearings (hinge.bearing_hz)"));
+    }
+    if robot.mount.is_some() {
+        warnings.push(Code::SpringNotExported.warning(
+            "that the stand carries the robot's moment about it from the start (in MuJoCo the robot tilts until the ball joint's spring carries it; the weight is in `springref`)",
+        ));
     }
     if robot.has_servos() {
         warnings.push(Code::GaitNeedsProgram.warning(
@@ -245,6 +252,48 @@ fn mesh_of<'a>(robot: &'a Robot<'_>) -> impl Fn((&'a Solid, &'a [Vector3<f64>]))
     }
 }
 
+/// The options, with contacts switched off where the experiment has none.
+fn switched(robot: &Robot<'_>, option: Element) -> Element {
+    match robot.has_contacts {
+        true => option,
+        false => option.child(Element::new("flag").with("contact", "disable")),
+    }
+}
+
+/// The joints by which a held robot hangs on its stand, if that is a spring: slides along the axes of the world, where the one that
+/// gravity loads carries the robot's weight, and a ball joint at the place where it is held.
+fn stand(
+    robot: &Robot<'_>,
+    world_from_robot: &UnitQuaternion<f64>,
+    origin_m: &Vector3<f64>,
+) -> Vec<Element> {
+    let Some(mount) = robot.mount else {
+        return Vec::new();
+    };
+    let weight_n = robot.gravity_m_s2 * total_kg(&robot.assembly);
+    let slide = |(name, axis_world, load_n): (&str, Vector3<f64>, f64)| {
+        Element::new("joint")
+            .with("name", format!("stand.{name}"))
+            .with("type", "slide")
+            .with("axis", vector(&(world_from_robot.inverse() * axis_world)))
+            .with("stiffness", numbers([mount.stiffness_n_m]))
+            .with("damping", numbers([mount.damping_n_s_m]))
+            .with("springref", numbers([load_n / mount.stiffness_n_m]))
+    };
+    let axes = [
+        ("x", Vector3::x(), 0.0),
+        ("y", Vector3::y(), 0.0),
+        ("z", Vector3::z(), weight_n),
+    ];
+    let ball = Element::new("joint")
+        .with("name", "stand.turn")
+        .with("type", "ball")
+        .with("pos", vector(&-origin_m))
+        .with("stiffness", numbers([mount.stiffness_nm_rad]))
+        .with("damping", numbers([mount.damping_nm_s_rad]));
+    axes.into_iter().map(slide).chain([ball]).collect()
+}
+
 /// A part with the joints that move it. Several joints with links without mass and shape between them are joints of one body in
 /// MuJoCo.
 fn body(robot: &Robot<'_>, part: usize, hinges: &[&Hinge]) -> Element {
@@ -263,6 +312,9 @@ fn body(robot: &Robot<'_>, part: usize, hinges: &[&Hinge]) -> Element {
             element = element.with("pos", vector(&(mount * Point3::from(origin_m)).coords));
             if mount.rotation != UnitQuaternion::identity() {
                 element = element.with("quat", numbers(quaternion(&mount.rotation)));
+            }
+            for joint in stand(robot, &mount.rotation, &origin_m) {
+                element.push(joint);
             }
         }
         None => {
