@@ -56,7 +56,6 @@ symbols! {
     MetrePerJoule "m/J" "Metre per joule: distance per energy, which is speed per power.";
     RadianPerSecond "rad/s" "Radian per second.";
     NewtonPerMetre "N/m" "Newton per metre: the stiffness of a spring that slides.";
-    NewtonSecondPerMetre "N s/m" "Newton second per metre: a force per velocity.";
     NewtonMetre "N m" "Newton metre.";
     NewtonMetreSecondPerRadian "N m s/rad" "Newton metre second per radian: a torque per speed.";
     MetrePerSecondSquared "m/s^2" "Metre per second squared.";

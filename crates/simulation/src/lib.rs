@@ -18,6 +18,7 @@ mod energy;
 mod engine;
 mod experiment;
 mod film;
+mod inertia;
 mod kinematics;
 mod motor;
 mod mount;
@@ -54,6 +55,7 @@ pub use experiment::{
     Sampling, Solver, Start,
 };
 pub use film::{Film, film, film_with, part_from_solid, part_name};
+pub use inertia::InertiaChange;
 pub use motor::Effort;
 pub use mount::Mount;
 pub use noise::Noise;

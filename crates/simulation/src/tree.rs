@@ -359,9 +359,9 @@ fn held(
         spring: MountSpring {
             at_link_m: to_vector(&(part_from_robot * Point3::origin()).coords),
             stiffness_n_m: mount.stiffness_n_m,
-            damping_n_s_m: mount.damping_n_s_m,
+            damping_n_s_m: mount.damping_n_s_m(),
             stiffness_nm_rad: mount.stiffness_nm_rad,
-            damping_nm_s_rad: mount.damping_nm_s_rad,
+            damping_nm_s_rad: mount.damping_nm_s_rad(),
         },
     }
 }

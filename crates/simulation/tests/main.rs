@@ -18,4 +18,5 @@ mod rolling;
 mod scene;
 mod servo;
 mod simulation;
+mod stand;
 mod vehicle;

@@ -277,7 +277,7 @@ fn stand(
             .with("type", "slide")
             .with("axis", vector(&(world_from_robot.inverse() * axis_world)))
             .with("stiffness", numbers([mount.stiffness_n_m]))
-            .with("damping", numbers([mount.damping_n_s_m]))
+            .with("damping", numbers([mount.damping_n_s_m()]))
             .with("springref", numbers([load_n / mount.stiffness_n_m]))
     };
     let axes = [
@@ -290,7 +290,7 @@ fn stand(
         .with("type", "ball")
         .with("pos", vector(&-origin_m))
         .with("stiffness", numbers([mount.stiffness_nm_rad]))
-        .with("damping", numbers([mount.damping_nm_s_rad]));
+        .with("damping", numbers([mount.damping_nm_s_rad()]));
     axes.into_iter().map(slide).chain([ball]).collect()
 }
 

@@ -163,6 +163,9 @@ impl ParameterSet {
                 {
                     Some("contacts are off".to_owned())
                 }
+                "mount" if robot.world_from_mount.is_none() => {
+                    Some("the robot moves freely".to_owned())
+                }
                 "pusher" if !has_pusher => Some("the scene has no driven body".to_owned()),
                 "servo" | "hinge" if !a.parameter.has_effect_on(experiment) => {
                     Some("none of these joints has this quantity".to_owned())

@@ -1,6 +1,6 @@
 //! Parameters of the stand of a held robot: a spring in place of a rigid mount.
 
-use super::{Nudge, Parameter, Scale, entry};
+use super::{Nudge, Parameter, entry};
 use crate::mount::Mount;
 
 /// Defines a parameter that is a field of the mount's spring; a first one makes the rigid mount a spring.
@@ -22,11 +22,9 @@ macro_rules! spring {
 #[rustfmt::skip] // a table
 pub(super) static PARAMETERS: &[Parameter] = &[
     spring!("mount.stiffness_n_m", NewtonPerMetre, (1.0, 1e9), Log,
-        "Stiffness of the stand that holds the robot, in all directions; a robot that is held and states none is held rigidly.", stiffness_n_m),
-    spring!("mount.damping_n_s_m", NewtonSecondPerMetre, (0.0, 1e7), Linear,
-        "Damping of the stand that holds the robot, in all directions.", damping_n_s_m),
+        "Stiffness of the stand that holds the robot, in all directions; without any parameter of the stand, it is rigid.", stiffness_n_m),
     spring!("mount.stiffness_nm_rad", NewtonMetrePerRadian, (0.01, 1e8), Log,
         "Stiffness of the stand that holds the robot against rotations, about all axes.", stiffness_nm_rad),
-    spring!("mount.damping_nm_s_rad", NewtonMetreSecondPerRadian, (0.0, 1e6), Linear,
-        "Damping of the stand that holds the robot against rotations, about all axes.", damping_nm_s_rad),
+    spring!("mount.damping_s", Second, (0.0, 10.0), Linear,
+        "Damping of the stand that holds the robot, over its stiffness.", damping_s),
 ];

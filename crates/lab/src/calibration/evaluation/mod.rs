@@ -1,6 +1,7 @@
 //! Evaluation of given parameter values on recordings that they may not have been fitted on: pose errors, flips and resting
 //! faces.
 
+pub(super) mod determination;
 pub(super) mod joints;
 pub(super) mod prior_run;
 pub(super) mod reproduction;
