@@ -27,5 +27,6 @@ mod recovery;
 mod servo;
 mod strategy_contract;
 mod surface;
+mod timestep;
 mod toss;
 mod walkers;

@@ -1,5 +1,13 @@
 //! The stand of a held robot, where it gives a little.
 
+use nalgebra::{Isometry3, Point3};
+use realgap_robot::morphology::Assembly;
+use realgap_tree::{Attachment, MountSpring};
+
+use super::experiment::Experiment;
+use super::kinematics::robot_from_part_at_zero;
+use super::rapier::{to_pose, to_vector};
+
 /// Stiffness and damping of a stand, in all directions alike, at the place where the robot is held (the origin of its frame). At the start it
 /// carries the robot's weight: the robot begins where its file holds it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,5 +41,28 @@ impl Mount {
     /// Torque per angular velocity, N m s/rad.
     pub fn damping_nm_s_rad(&self) -> f64 {
         self.damping_s * self.stiffness_nm_rad
+    }
+}
+
+/// How the root of a held robot is attached to the world: rigidly, or by a spring at the origin of the robot's frame.
+pub(super) fn held(
+    experiment: &Experiment,
+    assembly: &Assembly,
+    world_from_part: &Isometry3<f64>,
+) -> Attachment {
+    let world_from_link = to_pose(world_from_part);
+    let Some(mount) = experiment.mount else {
+        return Attachment::Mounted { world_from_link };
+    };
+    let part_from_robot = robot_from_part_at_zero(assembly, 0).inverse();
+    Attachment::Sprung {
+        world_from_link,
+        spring: MountSpring {
+            at_link_m: to_vector(&(part_from_robot * Point3::origin()).coords),
+            stiffness_n_m: mount.stiffness_n_m,
+            damping_n_s_m: mount.damping_n_s_m(),
+            stiffness_nm_rad: mount.stiffness_nm_rad,
+            damping_nm_s_rad: mount.damping_nm_s_rad(),
+        },
     }
 }

@@ -3,24 +3,24 @@
 //! Both engines use Parry's shapes, and the same natural frequency and damping ratio of contacts. The number of solves per step
 //! is 2/3 of the experiment's substeps, rounded up: 960 solves per second with the defaults.
 
-use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Vector3};
-use realgap_tree::parry::math::{Mat3, Pose, Vec3};
+use nalgebra::{Isometry3, Point3, Translation3, Vector3};
+use realgap_tree::parry::math::{Pose, Vec3};
 use realgap_tree::parry::shape::SharedShape;
 use realgap_tree::{
-    Attachment, Collider, Cone, Fixture, Joint, JointType, Link, Model, MountSpring, Partner,
-    Settings,
+    Attachment, Collider, Cone, Fixture, Joint, JointType, Link, Model, Partner, Settings,
 };
 
 use super::engine::{Engine, Load, Setup, World};
 use super::experiment::{Experiment, FrictionModel};
 use super::kinematics::{joint_turns, robot_from_part_at_zero};
 use super::motor::Effort;
+use super::mount::held;
 use super::part_state::PartState;
 use super::rapier::{
     LEAST_SHARE, PartMotion, Surface, from_pose, from_vector, to_matrix, to_pose, to_vector,
     total_kg, weighable,
 };
-use super::scene::{SceneBody, SceneMotion};
+use super::scene::SceneMotion;
 use super::servo::Command;
 use realgap_core::error::{Error, Result};
 use realgap_robot::morphology::{Assembly, ClusterMass, Freedom, Hinge, Part, Role};
@@ -322,8 +322,8 @@ impl World for TreeWorld {
     fn place_driven(&mut self, index: usize, world_from_body: &Isometry3<f64>) {
         if let SceneHandle::Fixtures(first, end) = self.scene[index] {
             for fixture in first..end {
-                let pose = to_pose(world_from_body);
-                self.world.lead(fixture, pose, Vec3::ZERO, Vec3::ZERO);
+                self.world
+                    .lead(fixture, to_pose(world_from_body), Vec3::ZERO, Vec3::ZERO);
             }
         }
     }
@@ -340,29 +340,6 @@ impl World for TreeWorld {
             self.world
                 .lead(fixture, pose, to_vector(&linear), to_vector(&angular));
         }
-    }
-}
-
-/// How the root of a held robot is attached to the world: rigidly, or by a spring at the origin of the robot's frame.
-fn held(
-    experiment: &Experiment,
-    assembly: &Assembly,
-    world_from_part: &Isometry3<f64>,
-) -> Attachment {
-    let world_from_link = to_pose(world_from_part);
-    let Some(mount) = experiment.mount else {
-        return Attachment::Mounted { world_from_link };
-    };
-    let part_from_robot = robot_from_part_at_zero(assembly, 0).inverse();
-    Attachment::Sprung {
-        world_from_link,
-        spring: MountSpring {
-            at_link_m: to_vector(&(part_from_robot * Point3::origin()).coords),
-            stiffness_n_m: mount.stiffness_n_m,
-            damping_n_s_m: mount.damping_n_s_m(),
-            stiffness_nm_rad: mount.stiffness_nm_rad,
-            damping_nm_s_rad: mount.damping_nm_s_rad(),
-        },
     }
 }
 
@@ -419,8 +396,10 @@ fn colliders(
     part: &Part,
 ) -> Vec<Collider> {
     let part_from_robot = robot_from_part_at_zero(assembly, index).inverse();
-    let is_on = experiment.contact.is_on;
-    let solids = part.solids.iter().filter(|solid| solid.collides && is_on);
+    let solids = part
+        .solids
+        .iter()
+        .filter(|solid| solid.collides && experiment.contact.is_on);
     let collider = |solid: &realgap_robot::morphology::Solid| {
         let edge_radius_m = match solid.role {
             Role::Cube => experiment.adjustment.edge_radius_m,
@@ -474,14 +453,14 @@ fn add_scene(model: &mut Model, experiment: &Experiment) -> Vec<SceneHandle> {
                 mass_kg,
             } => {
                 places.push(SceneHandle::Link(model.links.len()));
-                let (centre_m, inertia_kg_m2) = uniform(body, *mass_kg);
+                let (centre_m, inertia_kg_m2) = body.uniform(*mass_kg);
                 model.links.push(Link {
                     attachment: Attachment::Free {
                         world_from_link: to_pose(world_from_body),
                     },
                     mass_kg: *mass_kg,
                     centre_link_m: to_vector(&centre_m),
-                    inertia_link_kg_m2: inertia_kg_m2,
+                    inertia_link_kg_m2: to_matrix(&inertia_kg_m2),
                     colliders: colliders.collect(),
                 });
                 continue;
@@ -493,33 +472,4 @@ fn add_scene(model: &mut Model, experiment: &Experiment) -> Vec<SceneHandle> {
         places.push(SceneHandle::Fixtures(first, model.fixtures.len()));
     }
     places
-}
-
-/// Centre of mass and inertia about it of boxes of one density.
-fn uniform(body: &SceneBody, mass_kg: f64) -> (Vector3<f64>, Mat3) {
-    let volume = |sides: &Vector3<f64>| sides.product();
-    let whole_m3: f64 = body.boxes.iter().map(|b| volume(&b.sides_m)).sum();
-    let share = |sides: &Vector3<f64>| mass_kg * volume(sides) / whole_m3;
-    let moment: Vector3<f64> = body
-        .boxes
-        .iter()
-        .map(|b| b.body_from_box.translation.vector * share(&b.sides_m))
-        .sum();
-    let centre_m = moment / mass_kg;
-    let inertia_kg_m2: Matrix3<f64> = body
-        .boxes
-        .iter()
-        .map(|b| {
-            let mass_kg = share(&b.sides_m);
-            let squares = b.sides_m.component_mul(&b.sides_m);
-            let own = Matrix3::from_diagonal(
-                &((Vector3::repeat(squares.sum()) - squares) * (mass_kg / 12.0)),
-            );
-            let turn = b.body_from_box.rotation.to_rotation_matrix();
-            let d = b.body_from_box.translation.vector - centre_m;
-            turn * own * turn.transpose()
-                + (Matrix3::identity() * d.norm_squared() - d * d.transpose()) * mass_kg
-        })
-        .sum();
-    (centre_m, to_matrix(&inertia_kg_m2))
 }
