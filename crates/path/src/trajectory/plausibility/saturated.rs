@@ -67,11 +67,10 @@ fn share(values: &[f64]) -> Option<f64> {
     let arrivals = values
         .windows(3)
         .filter(|w| !is_end(w[0]) && !is_end(w[1]) && is_end(w[2]));
-    let (mut all, mut in_motion) = (0, 0);
+    let (mut all, mut in_motion) = (0_usize, 0_usize);
     for arrival in arrivals {
         all += 1;
         in_motion += usize::from((arrival[1] - arrival[0]).abs() > IN_MOTION * usual);
     }
-    (all >= ARRIVALS && f64::from(in_motion as u32) > USUALLY * f64::from(all as u32))
-        .then_some(share)
+    (all >= ARRIVALS && in_motion as f64 > USUALLY * all as f64).then_some(share)
 }
