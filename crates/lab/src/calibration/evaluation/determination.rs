@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::calibration::exploration::information_gain::FitPrecision;
+use crate::calibration::exploration::information_gain::{FitPrecision, LogInformation};
 use crate::calibration::exploration::tune_problem::own_values;
 use crate::calibration::{InformationGain, Study};
 use realgap_core::unit::{Unit, counted, number};
@@ -229,12 +229,12 @@ fn channel_variances(
 fn further(
     study: &Study,
     (points, variances): (&[UnitPoint], &[Option<f64>]),
-    (all, logs): (&DMatrix<f64>, &[(String, bool, DMatrix<f64>)]),
+    (all, logs): (&DMatrix<f64>, &[LogInformation]),
     count: impl Fn() + Sync + Copy,
 ) -> Result<Vec<FurtherMotion>> {
     let names = study.definition().grid.ranges().iter();
     let names: Vec<&'static str> = names.map(|range| range.parameter.name).collect();
-    let total = |logs: &[(String, bool, DMatrix<f64>)]| {
+    let total = |logs: &[LogInformation]| {
         let fitted = logs.iter().filter(|(_, is_fitted, _)| *is_fitted);
         fitted.fold(all * 0.0, |sum, (_, _, own)| sum + own)
     };

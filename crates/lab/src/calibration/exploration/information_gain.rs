@@ -42,6 +42,9 @@ struct LogErrors<'a> {
     blocks: Vec<ErrorBlock>,
 }
 
+/// Name of a recording, whether it is fitted, and its information matrix.
+pub(in crate::calibration) type LogInformation = (String, bool, DMatrix<f64>);
+
 /// What is known about the errors and parameters of a fit beside the runs.
 #[derive(Debug, Clone)]
 pub(in crate::calibration) struct FitPrecision {
@@ -129,7 +132,7 @@ impl Study {
         &self,
         channel_variances: &[Option<f64>],
         around: &[(&UnitPoint, &Trial)],
-    ) -> Vec<(String, bool, DMatrix<f64>)> {
+    ) -> Vec<LogInformation> {
         let Some(((at, trial), moved)) = around.split_first() else {
             return Vec::new();
         };

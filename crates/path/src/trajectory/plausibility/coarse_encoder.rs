@@ -30,7 +30,7 @@ pub(super) fn doubt(seen: &Seen<'_>) -> Option<String> {
         let asked = range(&command.angles_rad) / step_rad;
         // A file of few digits rounds commands alike; then both come in the same steps, and the file is coarse.
         let is_few = steps <= FEW && asked >= ASKED;
-        is_few.then(|| (&angle.name, steps, step_rad))
+        is_few.then_some((&angle.name, steps, step_rad))
     });
     let found: Vec<_> = found.collect();
     let (name, steps, step_rad) = found.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
