@@ -1,6 +1,8 @@
 //! The output of `--format json`: each answer has a name, a schema in `schemas/answers/`, and a field with its version.
 
-use realgap::calibration::{JointEvaluation, RecordReport, Report as Calibration, Sensitivity};
+use realgap::calibration::{
+    Determination, JointEvaluation, RecordReport, Report as Calibration, Sensitivity,
+};
 use realgap::identification::JointIdentification;
 use realgap::plan::Status;
 use realgap::prediction::gap::{FloorReport, StudyGap};
@@ -69,6 +71,7 @@ forms! {
     "genome" one GenomeReport, "a drawn genome: `realgap robot genome random`";
     "identify" one Identified<'_>, "parameters read from motion without a fit: `realgap study identify`";
     "identify-joints" one JointIdentification, "parameters of jointed bodies, read from motion without a fit: `realgap study identify`";
+    "identify-logs" one Determination, "which parameters recordings of joints determine: `realgap study identify`";
     "import" one ImportReport, "an imported robot, with the notes of its import: `realgap robot import`";
     "parameters" rows ParameterRow, "every parameter: `realgap study parameters`";
     "predict" one Card, "a prediction card, prediction.json, and those of a search: `realgap predict`";

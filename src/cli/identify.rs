@@ -1,10 +1,13 @@
-//! `realgap study identify`: parameters from free flight, which do not depend on a contact model.
+//! `realgap study identify`: parameters from free flight, which do not depend on a contact model; for recordings of joints, which
+//! parameters they determine.
 
 use std::collections::BTreeMap;
 
-use realgap::calibration::{BestFile, Definition, Overrides, RestingOdds, StartRule, recording_id};
+use realgap::calibration::{
+    BestFile, Definition, Determination, Overrides, RestingOdds, StartRule, Study, recording_id,
+};
 use realgap::claim::flights;
-use realgap::comparison::Pose;
+use realgap::comparison::{Pose, by_name as metric_by_name};
 use realgap::file::write_ron;
 use realgap::identification::{
     FlightErrors, Identification, Interval, JointIdentification, LengthReading, identify,
@@ -38,11 +41,16 @@ const READINGS: &[Choice<LengthReading>] = &[
 /// evaluate. At the end, the command prints how often each face ends down, in the recordings and in one simulation of
 /// each recording with the study's values and the identified ones. Only these simulations involve contact, so
 /// friction and restitution should be given for them (--parameters best.ron).
+///
+/// Recordings of joints alone do not fly. For them the command ranks the study's parameters: which of them the recordings
+/// determine, which trade with each other, what each recording tells, and which further motion would tell most. Errors are
+/// linearised around the robot's own values; nothing is fitted.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   realgap study identify sweeps/cube_toss_fit.ron -o body.ron
-  realgap study identify sweeps/cube_toss_fit.ron --as gravity -o gravity.ron")]
+  realgap study identify sweeps/cube_toss_fit.ron --as gravity -o gravity.ron
+  realgap study identify sweeps/go2_fit.ron                       # joints: what a fit could tell")]
 pub struct Identify {
     /// The study: robot, floor height and stated gravity
     study: PathBuf,
@@ -70,6 +78,10 @@ impl Identify {
             ..self.recordings.overrides()?
         };
         let study = read_definition(&self.study, &overrides)?;
+        let mut recordings = study.recordings.iter();
+        if !study.recordings.is_empty() && recordings.all(|r| r.trajectory.is_of_joints()) {
+            return self.determine(overrides);
+        }
         let experiment = study.experiment();
         let (recordings, seed) = (&study.recordings, study.seed);
         let of_study = |e: Error| match e.file() {
@@ -106,6 +118,30 @@ impl Identify {
         self.finish(&file, &answer, || words(&found, odds.as_ref()))
     }
 
+    /// Ranks the parameters of recordings of joints.
+    fn determine(&self, overrides: Overrides) -> Result<()> {
+        if let Some(output) = &self.output {
+            return Err(Error::usage(
+                "recordings of joints determine parameters, but no values without a fit",
+            )
+            .field("-o")
+            .found(output.display())
+            .hint("leave it out; `realgap tune` fits values"));
+        }
+        let overrides = Overrides {
+            metric: Some(metric_by_name("joints")?),
+            ..overrides
+        };
+        let study = Study::new(read_definition(&self.study, &overrides)?)?;
+        let found = progress::during(0, "simulating", Default::default(), |run| {
+            study.determination(run)
+        })?;
+        terminal::print_warnings(study.warnings());
+        self.print.answer(&found, || {
+            format!("{}\n{found}", terminal::table(&rows(&found)))
+        })
+    }
+
     fn finish(
         &self,
         file: &BestFile,
@@ -121,6 +157,33 @@ impl Identify {
         }
         Ok(())
     }
+}
+
+/// The parameters from the best determined.
+fn rows(found: &Determination) -> TextTable {
+    let mut table = TextTable::new([
+        ("parameter", Side::Left),
+        ("value", Side::Right),
+        ("±", Side::Right),
+        ("% of range", Side::Right),
+        ("verdict", Side::Left),
+        ("most told by", Side::Left),
+    ]);
+    for one in &found.parameters {
+        table.push([
+            one.parameter.to_owned(),
+            realgap::unit::number(one.value),
+            realgap::unit::number(one.half_width),
+            format!("{:.1}", 100.0 * one.share_of_range),
+            match one.is_determined {
+                true => "determined",
+                false => "not determined",
+            }
+            .to_owned(),
+            one.told_by.clone().unwrap_or_default(),
+        ]);
+    }
+    table
 }
 
 fn words_of_joints(found: &JointIdentification) -> String {

@@ -55,6 +55,7 @@ symbols! {
     Joule "J" "Joule.";
     MetrePerJoule "m/J" "Metre per joule: distance per energy, which is speed per power.";
     RadianPerSecond "rad/s" "Radian per second.";
+    NewtonPerMetre "N/m" "Newton per metre: the stiffness of a spring that slides.";
     NewtonMetre "N m" "Newton metre.";
     NewtonMetreSecondPerRadian "N m s/rad" "Newton metre second per radian: a torque per speed.";
     MetrePerSecondSquared "m/s^2" "Metre per second squared.";

@@ -70,11 +70,13 @@ codes! {
     CentreOfMassOutside "centre-of-mass-outside" "A centre of mass lies outside of its cube." "correct the centre of mass in the robot's file";
     ChangedUnit "changed-unit" "A part of a recording is in another unit of length than the rest." "scale this part of the file, or crop the recording to one side of it";
     ClockOffset "clock-offset" "The stamps of two recordings look as if one clock were ahead of the other." "let the offset be estimated, or correct the stamps of one file";
+    CoarseEncoder "coarse-encoder" "A joint moves over a few steps of its encoder only." "record a larger motion of this joint, or leave its parameters out";
     CoarseGrid "coarse-grid" "Beliefs (distributions over the position) are narrower than the cells of their grid." "give the belief more cells";
     ColumnsIgnored "columns-ignored" "A recording has columns that nothing uses." "say what the columns are when reading, or leave them out of the file";
     CompensationNotExported "compensation-not-exported" "The compensation of weight in an exported file acts at another place." "give all bodies of a part the same gravity_compensation";
     ComponentsMissDifference "components-miss-difference" "The kept principal components contain little of the difference between two runs." "use the metric `rms`, or keep more components";
     CompressionUnknown "compression-unknown" "The files of pictures do not state the quality with which they were compressed." "give the pictures as the camera wrote them, and start from a camera file with their `jpeg_quality`";
+    ContactsOff "contacts-off" "Contacts are switched off, so the robot passes through itself and the floor." "switch contacts on where anything may touch";
     ContourStuck "contour-stuck" "A contour came to rest where there is no edge, or did not come to rest." "start the contour nearer to the edge, or look at the picture's contrast";
     DegreesAsRadians "degrees-as-radians" "Angles, commands or speeds of a joint look like degrees that were read as radians." "name columns of degrees NAME_deg (speeds NAME_deg_s)";
     DifferentDurations "different-durations" "Recordings of one comparison have different durations." "crop recordings to one length, or compare at equal times";
@@ -116,6 +118,7 @@ codes! {
     LongTask "long-task" "A task took more than a week." "give durations in seconds";
     LookupBetter "lookup-better" "A lookup of the nearest logged scan predicts better than polynomials." "fit again in the frame `turned` or `nearest`";
     LostAsZero "lost-as-zero" "Positions are exactly 0, and the path beside them is elsewhere." "leave these samples out, or write nothing in place of lost numbers";
+    LostPackets "lost-packets" "Packets were lost between a robot and its recorder." "leave these rows out, crop to a part without losses, or record again over a better link";
     LostSamples "lost-samples" "Samples without numbers are left out." "check the recorder for dropouts; a few lost samples do no harm";
     MassRatio "mass-ratio" "A joint holds a very light and a very heavy part." "make the light part heavier, or use more substeps";
     ModelContradicted "model-contradicted" "No parameters of a model explain the recordings." "check axes, units, robot and gait (`realgap check`); then fit contact parameters as well, or trust the widened intervals only";
@@ -157,6 +160,7 @@ codes! {
     RoughScore "rough-score" "The least-squares optimizer met a score that is not smooth." "use another optimizer, e.g. cma-es, or start it where this one ended";
     SameRun "same-run" "One run is named twice." "name every run once: with copies, reality looks more repeatable than it is";
     SamplesSorted "samples-sorted" "Samples are sorted by time." "nothing to do, unless the recorder's clock jumps";
+    SaturatedCommands "saturated-commands" "Commands are at their largest or smallest value most of the time." "record again with smaller motions, or crop to a part in which the commands move";
     ScansWithoutPose "scans-without-pose" "Scans outside of the times of the poses are left out." "record poses for as long as scans";
     ServoTooSlow "servo-too-slow" "A gait needs a higher speed than its servo reaches." "make the gait slower or smaller, or give the servo its true speed";
     SeveralMaterials "several-materials" "Readings of different materials are fitted as one sensor." "fit each material by itself";
@@ -172,6 +176,7 @@ codes! {
     StaleSamples "stale-samples" "Samples repeat the joint angles of the previous sample although the commands change." "read the joints again in every sample, or expect errors as large as the joints' motion in one sample";
     StandIn "stand-in" "The recordings were made by a simulator." "record real runs: a fit to a simulator proves nothing about reality";
     Standstill "standstill" "A recording begins before the robot moves." "crop the standstill";
+    SwitchedOff "switched-off" "A joint stands still while its command moves, and follows it elsewhere." "crop the recording, or give it a column NAME_on of 0 and 1 that says when the servo is on";
     TiedPlate "tied-plate" "A plate carries as much load as its cube, so chance decides which of them slips." "change the robot a little, so that plate and cube carry different loads";
     Toppled "toppled" "A robot fell over before its run." "turn the robot, or start it lower";
     TrackNotExported "track-not-exported" "A format cannot store which module is tracked." "choose the tracked body by hand in the other simulator";

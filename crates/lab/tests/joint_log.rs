@@ -11,7 +11,7 @@ use realgap_simulation::parameter::{Assignment, ParameterSet};
 use realgap_simulation::{CommandTrack, Experiment, JointState, Quantity, Sampling, run};
 
 /// An arm of two joints on a table. One joint is called `pitch`, which is also the name of a rotation of the whole body.
-fn robot(law: &str) -> String {
+pub(crate) fn robot(law: &str) -> String {
     format!(
         r#"(name: "arm", bodies: [
             (name: "base", mass_kg: 1.0, shapes: [(form: Box(sides_m: (0.1, 0.1, 0.1)))]),
@@ -27,7 +27,7 @@ fn robot(law: &str) -> String {
     )
 }
 
-const SPRING: &str = "Torque(stiffness_nm_rad: 8, damping_nm_s_rad: 0.4)";
+pub(crate) const SPRING: &str = "Torque(stiffness_nm_rad: 8, damping_nm_s_rad: 0.4)";
 
 fn times() -> Vec<f64> {
     (0..200).map(|k| f64::from(k) * 0.02).collect()
@@ -45,7 +45,13 @@ fn commands(quantity: Quantity, joint: usize) -> Vec<f64> {
 }
 
 /// Writes the file of the robot and a log that is simulated with these true parameters.
-fn recorded(folder: &Path, law: &str, quantity: Quantity, truth: &[(&str, f64)], header: &str) {
+pub(crate) fn recorded(
+    folder: &Path,
+    law: &str,
+    quantity: Quantity,
+    truth: &[(&str, f64)],
+    header: &str,
+) {
     record(
         folder,
         "log.csv",
@@ -57,7 +63,7 @@ fn recorded(folder: &Path, law: &str, quantity: Quantity, truth: &[(&str, f64)],
 }
 
 /// Like [`recorded`], for any robot and file; `sizes` multiply the commands of each joint, and a joint of size 0 does not move.
-fn record(
+pub(crate) fn record(
     folder: &Path,
     file: &str,
     robot: &str,
@@ -125,7 +131,7 @@ fn record(
     std::fs::write(folder.join(file), text).unwrap();
 }
 
-fn study(folder: &Path, more: &str) -> PathBuf {
+pub(crate) fn study(folder: &Path, more: &str) -> PathBuf {
     let path = folder.join("study.ron");
     let text = format!(
         r#"Study(morphology: "arm.ron", recordings: ["log.csv"], start: FromRecording, timestep_s: 0.005,
@@ -135,7 +141,7 @@ fn study(folder: &Path, more: &str) -> PathBuf {
     path
 }
 
-const POSITIONS: &str = "t_s,pitch_command_rad,elbow_command_rad,pitch_rad,elbow_rad";
+pub(crate) const POSITIONS: &str = "t_s,pitch_command_rad,elbow_command_rad,pitch_rad,elbow_rad";
 const FREE: &str = r#"parameters: [
     (name: "servo.pitch.stiffness_nm_rad", from: 4, to: 16),
     (name: "servo.elbow.stiffness_nm_rad", from: 4, to: 16),

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::inertia::InertiaChange;
 use realgap_robot::morphology::{Assembly, Role};
 
 /// Changes of the whole robot, relative to its morphology.
@@ -97,6 +98,8 @@ pub struct ModuleAdjustment {
     pub mass_scale: f64,
     /// Additional factors on its inertia about x, y and z of its own frame.
     pub inertia_scale: Vector3<f64>,
+    /// Change of the distribution of its mass, after these factors.
+    pub inertia_change: InertiaChange,
     /// Shift of its centre of mass in its own frame, metres.
     pub centre_of_mass_offset_m: Vector3<f64>,
 }
@@ -106,6 +109,7 @@ impl Default for ModuleAdjustment {
         Self {
             mass_scale: 1.0,
             inertia_scale: Vector3::repeat(1.0),
+            inertia_change: InertiaChange::default(),
             centre_of_mass_offset_m: Vector3::zeros(),
         }
     }
@@ -129,6 +133,7 @@ impl ModuleAdjustment {
                         self.mass_scale * root[row] * root[column];
                 }
             }
+            solid.inertia_kg_m2 = self.inertia_change.apply(&solid.inertia_kg_m2);
             solid.centre_of_mass_solid_m += self.centre_of_mass_offset_m;
         }
     }

@@ -105,6 +105,40 @@ impl CommandTrack {
         }
     }
 
+    /// The same commands `rate` times as fast, forwards and backwards until they are as long as before, and `gain` times as far from the
+    /// first one; torques are multiplied by `gain`.
+    #[must_use]
+    pub fn played(&self, rate: f64, gain: f64) -> Self {
+        let (first_s, last) = (self.times_s[0], self.times_s.len() - 1);
+        let end_s = self.times_s[last];
+        let middle = match self.quantity {
+            Quantity::Position => self.values[0],
+            Quantity::Velocity | Quantity::Torque | Quantity::Current | Quantity::Duty => 0.0,
+        };
+        let (mut times_s, mut values) = (vec![first_s], vec![self.values[0]]);
+        let (mut at, mut forward, mut now_s) = (0, true, first_s);
+        // Of commands that stand alone, nothing can be played.
+        while last > 0 && now_s < end_s {
+            let next = match (forward, at) {
+                (true, at) if at < last => at + 1,
+                (true, _) => last - 1,
+                (false, 0) => 1,
+                (false, at) => at - 1,
+            };
+            forward = next > at;
+            now_s += (self.times_s[next] - self.times_s[at]).abs() / rate;
+            at = next;
+            times_s.push(now_s);
+            values.push(self.values[at]);
+        }
+        let values = values.iter().map(|value| middle + gain * (value - middle));
+        Self {
+            values: values.collect(),
+            times_s,
+            ..self.clone()
+        }
+    }
+
     /// The same commands with a column that switches the servo: on where the value is not 0, one value per command.
     #[must_use]
     pub fn switched(mut self, on: &[f64]) -> Self {
@@ -209,6 +243,15 @@ mod tests {
             let between = track().with(Between::Interpolated);
             assert_eq!(between.value(t_s), line, "{t_s}");
         }
+    }
+
+    #[test]
+    fn played_twice_as_fast_and_far_commands_go_back_and_end_when_they_did() {
+        let track = CommandTrack::new(vec![0.0, 1.0, 2.0], vec![1.0, 2.0, 0.0], None).unwrap();
+        let played = track.played(2.0, 2.0);
+        assert_eq!(played.times_s, [0.0, 0.5, 1.0, 1.5, 2.0]);
+        assert_eq!(played.values, [1.0, 3.0, -1.0, 3.0, 1.0]);
+        assert_eq!(track.played(1.0, 1.0), track);
     }
 
     #[test]

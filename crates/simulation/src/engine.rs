@@ -156,11 +156,13 @@ impl EngineChoice {
         self.0
     }
 
-    /// The engine that will simulate an experiment: the chosen one, or Rapier together with the reason why the chosen engine
+    /// The engine that will simulate an experiment: the chosen one, or Rapier (the tree solver for a mount with a spring) together with the reason why the chosen engine
     /// cannot.
     pub fn able(&self, experiment: &Experiment) -> (&'static dyn Engine, Option<String>) {
         match self.0.refusal(experiment) {
             None => (self.0, None),
+            // Rapier has every kind of joint, but no mount with a spring.
+            Some(why) if experiment.mount.is_some() => (&TREE, Some(why)),
             Some(why) => (&RAPIER, Some(why)),
         }
     }

@@ -12,6 +12,7 @@ use super::command::CommandTrack;
 use super::control::Controller;
 use super::engine::{Engine, EngineChoice};
 use super::instrument::Instrument;
+use super::mount::Mount;
 use super::scene::SceneBody;
 use super::vehicle::{Drive, Vehicle};
 use realgap_core::unit::GRAVITY_M_S2;
@@ -145,6 +146,8 @@ pub struct Contact {
     pub damping_ratio: f64,
     /// Friction model.
     pub friction_model: FrictionModel,
+    /// Whether anything touches the robot; off, it passes through floor, scene and itself.
+    pub is_on: bool,
 }
 
 impl Default for Contact {
@@ -154,6 +157,7 @@ impl Default for Contact {
             natural_frequency_hz: 300.0,
             damping_ratio: 3.0,
             friction_model: FrictionModel::Coulomb,
+            is_on: true,
         }
     }
 }
@@ -308,6 +312,8 @@ pub struct Experiment {
     pub duration_s: f64,
     /// Times at which the state is recorded.
     pub sampling: Sampling,
+    /// The spring by which a held robot is held; `None`: it is held rigidly.
+    pub mount: Option<Mount>,
     /// Numerical settings.
     pub solver: Solver,
     /// Contact model.
@@ -345,6 +351,7 @@ impl Experiment {
             scene: Vec::new(),
             duration_s: 10.0,
             sampling: Sampling::Rate(60.0),
+            mount: None,
             solver: Solver::default(),
             contact: Contact::default(),
             adjustment: Adjustment::default(),
@@ -379,7 +386,9 @@ impl Experiment {
             && solver.relaxations == 0
             && self.contact.friction_model == FrictionModel::Coulomb;
         let is_known = [EngineChoice::default(), second].contains(&solver.engine);
-        let can = self.vehicle.is_none() && second.get().refusal(self).is_none();
+        // Rapier cannot simulate a mount with a spring, so there is no second opinion about it.
+        let can =
+            self.mount.is_none() && self.vehicle.is_none() && second.get().refusal(self).is_none();
         (plain && is_known && can).then_some(second)
     }
 

@@ -18,9 +18,11 @@ mod energy;
 mod engine;
 mod experiment;
 mod film;
+mod inertia;
 mod instrument;
 mod kinematics;
 mod motor;
+mod mount;
 mod noise;
 mod numerics;
 mod outcome;
@@ -54,8 +56,10 @@ pub use experiment::{
     Sampling, Solver, Start,
 };
 pub use film::{Film, film, film_with, part_from_solid, part_name};
+pub use inertia::InertiaChange;
 pub use instrument::{Instrument, Measured};
 pub use motor::Effort;
+pub use mount::Mount;
 pub use noise::Noise;
 pub use outcome::{Divergence, Outcome};
 pub use part_state::PartState;

@@ -54,6 +54,11 @@ impl Experiment {
                 2.0 * solid.half_extents_m().x
             ))
         }));
+        if !self.contact.is_on {
+            warnings.push(Code::ContactsOff.warning(
+                "contacts are off (contact.on): nothing stops the robot's parts in each other, in the floor or in the scene",
+            ));
+        }
         warnings
     }
 }

@@ -14,6 +14,7 @@ use super::engine::{Engine, Load, Setup, World};
 use super::experiment::{Experiment, FrictionModel};
 use super::kinematics::{compensated, joint_turns, robot_from_part_at_zero};
 use super::motor::Effort;
+use super::mount::held;
 use super::part_state::PartState;
 use super::rapier::{
     LEAST_SHARE, PartMotion, Surface, from_pose, from_vector, to_matrix, to_pose, to_vector,
@@ -123,9 +124,9 @@ impl TreeWorld {
         for (index, part) in assembly.parts.iter().enumerate() {
             let attachment = match assembly.hinges.iter().position(|h| h.child_part == index) {
                 Some(hinge) => Attachment::Joint(joint(assembly, hinge, joints[hinge].angle_rad)),
-                None if index == 0 && assembly.world_from_mount.is_some() => Attachment::Mounted {
-                    world_from_link: to_pose(&world_from_parts[index]),
-                },
+                None if index == 0 && assembly.world_from_mount.is_some() => {
+                    held(experiment, assembly, &world_from_parts[index])
+                }
                 None => Attachment::Free {
                     world_from_link: to_pose(&world_from_parts[index]),
                 },
@@ -338,8 +339,8 @@ impl World for TreeWorld {
     fn place_driven(&mut self, index: usize, world_from_body: &Isometry3<f64>) {
         if let SceneHandle::Fixtures(first, end) = self.scene[index] {
             for fixture in first..end {
-                let pose = to_pose(world_from_body);
-                self.world.lead(fixture, pose, Vec3::ZERO, Vec3::ZERO);
+                self.world
+                    .lead(fixture, to_pose(world_from_body), Vec3::ZERO, Vec3::ZERO);
             }
         }
     }
@@ -412,7 +413,10 @@ fn colliders(
     part: &Part,
 ) -> Vec<Collider> {
     let part_from_robot = robot_from_part_at_zero(assembly, index).inverse();
-    let solids = part.solids.iter().filter(|solid| solid.collides);
+    let solids = part
+        .solids
+        .iter()
+        .filter(|solid| solid.collides && experiment.contact.is_on);
     let collider = |solid: &realgap_robot::morphology::Solid| {
         let edge_radius_m = match solid.role {
             Role::Cube => experiment.adjustment.edge_radius_m,

@@ -21,4 +21,5 @@ mod rolling;
 mod scene;
 mod servo;
 mod simulation;
+mod stand;
 mod vehicle;

@@ -75,6 +75,19 @@ fn swung() -> Experiment {
     experiment
 }
 
+/// The same on a stand that gives.
+fn shaken() -> Experiment {
+    swung()
+        .set("mount.stiffness_n_m", 400.0)
+        .set("mount.stiffness_nm_rad", 8.0)
+        .set("mount.damping_s", 0.002)
+}
+
+/// A swinging weight that a floor is in the way of.
+fn stopped() -> Experiment {
+    swung().set("floor.height_m", 0.195)
+}
+
 /// The tripod walks with servos that are springs.
 fn sprung() -> Experiment {
     let mut experiment = walk();
@@ -180,6 +193,10 @@ fn case(parameter: &Parameter) -> (Vec<Make>, f64, f64) {
         "contact.natural_frequency_hz" => (vec![toss, walk], 60.0, 20.0),
         "contact.damping_ratio" => (vec![toss, walk], 10.0, 1.0),
         "contact.friction_model" => (vec![toss, walk], 0.0, 1.0),
+        "contact.on" => (vec![stopped], 0.0, 1.0),
+        "mount.stiffness_n_m" => (vec![shaken], 400.0, 800.0),
+        "mount.stiffness_nm_rad" => (vec![shaken], 8.0, 16.0),
+        "mount.damping_s" => (vec![shaken], 0.002, 0.004),
         "timestep_s" => (vec![toss, walk], 1.0 / 240.0, 1.0 / 480.0),
         "solver.substeps" => (vec![toss, walk], 8.0, 16.0),
         "solver.sweeps" => (vec![toss, walk], 1.0, 4.0),
@@ -256,6 +273,9 @@ fn case(parameter: &Parameter) -> (Vec<Make>, f64, f64) {
         }
         name if name.starts_with("vehicle.") => (vec![driven], 0.0, 0.05),
         name if name.starts_with("module.") && name.ends_with("scale") => (vec![elbow], 1.0, 1.3),
+        name if name.contains("inertia_stretch") || name.contains("inertia_shear") => {
+            (vec![elbow], 0.0, 0.5)
+        }
         name if name.starts_with("module.") => (vec![elbow], 0.0, 0.005),
         _ => (
             vec![toss, walk],
@@ -297,6 +317,9 @@ fn a_parameter_of_a_missing_module_gives_a_warning_about_no_effect() {
     assert!(said("hinge.dry_nm", &walk()).contains("states no hinges"));
     assert!(said("servo.gain", &elbow()).contains("no servos"));
     assert!(said("servo.dry_nm", &walk()).contains("no servo of the robot is a motor"));
+    assert!(said("mount.damping_s", &toss()).contains("moves freely"));
+    let off = swung().set("contact.on", 0.0);
+    assert!(said("floor.friction", &off).contains("contacts are off"));
     assert!(said("pusher.friction", &toss()).contains("no driven body"));
     assert!(said("vehicle.sensor.mean.slope", &toss()).contains("not a vehicle"));
     assert!(said("vehicle.sensor.mean.exponent", &driven()).contains("no such quantity"));

@@ -12,8 +12,8 @@ use crate::spatial::{Spatial, Symmetric};
 /// Articulated inertias from the leaves inwards (equations 7.33 to 7.43), then responses from the root outwards.
 ///
 /// `stiff` is the amount that a joint adds to the inertia about its axis: the rotor, and the implicit terms of dampers, springs
-/// and servos. Returns false if a joint or a root has no inertia.
-pub(crate) fn factor(forest: &Forest, nodes: &mut [Node], stiff: &[f64]) -> bool {
+/// and servos over a step of `time_s`. Returns false if a joint or a root has no inertia.
+pub(crate) fn factor(forest: &Forest, nodes: &mut [Node], stiff: &[f64], time_s: f64) -> bool {
     for (body, node) in forest.bodies.iter().zip(nodes.iter_mut()) {
         node.articulated = Symmetric::rigid(body.mass_kg, node.arm_m, &node.inertia_world);
     }
@@ -25,6 +25,10 @@ pub(crate) fn factor(forest: &Forest, nodes: &mut [Node], stiff: &[f64]) -> bool
         match body.freedom {
             Freedom::Mounted => node.response = Symmetric::ZERO,
             Freedom::Free => {
+                if let Some(mount) = &body.mount {
+                    let grip = mount.grip(node, time_s);
+                    node.articulated.add(&grip);
+                }
                 let inverse = node.articulated.inverse();
                 sound &= inverse.is_some();
                 node.response = inverse.unwrap_or(Symmetric::ZERO);

@@ -3,6 +3,7 @@
 use parry3d_f64::math::{Mat3, Pose, Rot3, Vec3};
 
 use crate::model::{Attachment, Joint, JointType, Model, ModelError};
+use crate::mount::MountSpring;
 
 /// Index that stands for "no body".
 pub(crate) const NONE: usize = usize::MAX;
@@ -49,7 +50,9 @@ pub(crate) struct Body {
     pub compensated: (f64, Vec3),
     /// Inertia about the centre of mass, body frame, kg m².
     pub inertia_body: Mat3,
-    /// Pose at the start, of a root.
+    /// The spring on which a root stands.
+    pub mount: Option<MountSpring>,
+    /// Pose at the start, of a root; that of a root on a spring is where the spring carries the weight alone.
     pub start: Pose,
     pub start_position: f64,
 }
@@ -283,6 +286,7 @@ fn body(attachment: &Attachment, places: &[Place]) -> Body {
         centre_body_m: Vec3::ZERO,
         compensated: (0.0, Vec3::ZERO),
         inertia_body: Mat3::ZERO,
+        mount: None,
         start: Pose::identity(),
         start_position: 0.0,
     };
@@ -292,6 +296,14 @@ fn body(attachment: &Attachment, places: &[Place]) -> Body {
             body.start = *world_from_link;
         }
         Attachment::Mounted { world_from_link } => body.start = *world_from_link,
+        Attachment::Sprung {
+            world_from_link,
+            spring,
+        } => {
+            body.freedom = Freedom::Free;
+            body.start = *world_from_link;
+            body.mount = Some(*spring);
+        }
         Attachment::Joint(joint) => hang(&mut body, joint, &places[joint.parent]),
     }
     body

@@ -12,6 +12,7 @@
 //! - `collision`, `touch`: collision detection by Parry, and contacts of box corners with half-spaces;
 //! - `contact`, `joint`: rows of contacts (soft normal, restitution, exact cone of friction) and of joints (servo, limit, dry
 //!   friction);
+//! - `mount`: a root on a spring;
 //! - `sweep`: projected Gauss–Seidel over all rows, walking around each tree.
 //!
 //! The same model and the same commands give bit-identical results. After the first steps no memory is allocated except by Parry.
@@ -23,6 +24,7 @@ mod forest;
 mod joint;
 mod kinematics;
 mod model;
+mod mount;
 mod spatial;
 mod step;
 mod sweep;
@@ -33,5 +35,6 @@ pub use joint::{Command, JointImpulse};
 pub use model::{
     Attachment, Collider, Cone, Fixture, Joint, JointType, Link, Model, ModelError, Settings,
 };
+pub use mount::MountSpring;
 pub use parry3d_f64 as parry;
 pub use world::{Contact, LinkState, Partner, World};

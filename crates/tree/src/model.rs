@@ -6,6 +6,8 @@ use std::fmt;
 use parry3d_f64::math::{Mat3, Pose, Vec3};
 use parry3d_f64::shape::SharedShape;
 
+use crate::mount::MountSpring;
+
 /// Everything that a [`World`](crate::World) is built from.
 #[derive(Clone, Default)]
 pub struct Model {
@@ -50,6 +52,13 @@ pub enum Attachment {
     Mounted {
         /// Constant pose.
         world_from_link: Pose,
+    },
+    /// The root of a tree on a spring, which exerts no force but the weight at this pose.
+    Sprung {
+        /// Pose at the start, at which the tree is at rest.
+        world_from_link: Pose,
+        /// The spring.
+        spring: MountSpring,
     },
     /// Connected to another link by a joint.
     Joint(Joint),
@@ -262,6 +271,13 @@ impl Model {
                 return fail(format!(
                     "link {index}: mass {} kg; it has to be finite and not negative",
                     link.mass_kg
+                ));
+            }
+            if let Attachment::Sprung { spring, .. } = &link.attachment
+                && !spring.is_sound()
+            {
+                return fail(format!(
+                    "link {index}: stiffness and damping of its mount have to be finite and not negative"
                 ));
             }
             let Attachment::Joint(joint) = &link.attachment else {

@@ -154,7 +154,7 @@ impl World {
                 actor.prepare(&bodies[index], &self.nodes[index], time_s, ratio)
             };
         }
-        factor(&self.forest, &mut self.nodes, &self.stiff);
+        factor(&self.forest, &mut self.nodes, &self.stiff, time_s);
         // In the first step the velocities go from the beginning of the step to its middle (leapfrog), so steady forces act only
         // half of the step.
         let kick_s = if self.fresh { 0.5 * time_s } else { time_s };
@@ -164,6 +164,7 @@ impl World {
             self.given[index] = weight(body, node, self.gravity_world_m_s2, kick_s);
             self.given[index].add_scaled(&self.wrenches[index], kick_s);
         }
+        self.carry(kick_s);
         let step = Step {
             time_s,
             gravity_world_m_s2: self.gravity_world_m_s2,
@@ -189,6 +190,21 @@ impl World {
             );
         }
         self.sweep(impact, time_s);
+    }
+
+    /// Adds the impulses of mounts with springs. In the first step, each takes over the weight of its tree.
+    fn carry(&mut self, time_s: f64) {
+        for (index, body) in self.forest.bodies.iter().enumerate() {
+            let Some(mount) = &body.mount else {
+                continue;
+            };
+            let load = *self.carried[index].get_or_insert_with(|| {
+                mount.load(&self.forest, &self.nodes, index, self.gravity_world_m_s2)
+            });
+            let node = &self.nodes[index];
+            self.given[index] += mount.impulse(body, node, time_s);
+            self.given[index] += mount.carried(node, load, time_s);
+        }
     }
 
     /// Builds the contact rows. They are warm started: their impulses of the previous step are part of the given impulses.

@@ -24,6 +24,8 @@ pub struct World {
     pub(crate) given: Vec<Spatial>,
     pub(crate) stiff: Vec<f64>,
     pub(crate) wrenches: Vec<Spatial>,
+    /// Force and torque that each mount with a spring carries since the first step, by body.
+    pub(crate) carried: Vec<Option<(Vec3, Vec3)>>,
     /// Velocities and speeds before the step.
     pub(crate) before: Vec<(Spatial, f64)>,
     pub(crate) centres_link_m: Vec<Vec3>,
@@ -94,7 +96,7 @@ impl World {
         let many = nodes.len();
         let actors: Vec<JointForces> = forest.bodies.iter().map(JointForces::new).collect();
         let stiff: Vec<f64> = actors.iter().map(|actor| actor.armature).collect();
-        if !factor(&forest, &mut nodes, &stiff) {
+        if !factor(&forest, &mut nodes, &stiff, model.settings.timestep_s) {
             let message = "a joint or a root without inertia; give its link a mass and an inertia";
             return Err(ModelError {
                 message: message.into(),
@@ -109,6 +111,7 @@ impl World {
             stiff,
             before: Vec::with_capacity(many),
             wrenches: vec![Spatial::ZERO; many],
+            carried: vec![None; many],
             centres_link_m: model.links.iter().map(|link| link.centre_link_m).collect(),
             earlier: Vec::new(),
             gravity_world_m_s2: model.gravity_world_m_s2,
@@ -307,11 +310,14 @@ impl World {
         .sum()
     }
 
-    /// Potential energy of the springs of the joints, J.
+    /// Potential energy of the springs of joints and mounts, J; that of a mount is counted from where it carries the weight.
     pub fn spring_energy_j(&self) -> f64 {
         let each = self.forest.bodies.iter().zip(&self.nodes);
-        each.map(|(body, node)| 0.5 * body.stiffness * (node.position - body.rest).powi(2))
-            .sum()
+        each.map(|(body, node)| {
+            let mount_j = body.mount.map_or(0.0, |mount| mount.energy_j(body, node));
+            0.5 * body.stiffness * (node.position - body.rest).powi(2) + mount_j
+        })
+        .sum()
     }
 
     /// Change of velocity (linear velocity of the point, and angular velocity) of a link due to an impulse on the link at that

@@ -10,4 +10,5 @@ mod cone;
 mod contact;
 mod flight;
 mod joint;
+mod mount;
 mod pair;

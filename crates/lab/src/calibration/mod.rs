@@ -49,6 +49,7 @@ pub(crate) use answer::values::by_name;
 pub use answer::values::{BestFile, Fitted, read_best, read_parameters, study_of};
 pub use answer::verdict::{Tables, Verdict};
 pub use evaluation::channels::ChannelSummary;
+pub use evaluation::determination::{Determination, Determined, FurtherMotion, Trade};
 pub use evaluation::joints::{JointErrors, JointEvaluation};
 pub use evaluation::prior_run::{PriorPoint, PriorRun, PriorRuns};
 pub use evaluation::reproduction::{Likeness, MetricFloors, Reproduction, RobotReproduction};

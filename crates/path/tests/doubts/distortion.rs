@@ -6,13 +6,13 @@ use realgap_path::trajectory::{
     COMMAND, Csv, Format as _, JointTrack, Reading, Recording, Trajectory, parse_all,
 };
 
-use super::{doubts, shipped};
+use super::{doubts, servo, shipped};
 
 /// Random numbers from 0 to 1 (SplitMix64).
-struct Draw(u64);
+pub(super) struct Draw(u64);
 
 impl Draw {
-    fn share(&mut self) -> f64 {
+    pub(super) fn share(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -20,7 +20,7 @@ impl Draw {
         ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.share()
     }
 
@@ -29,7 +29,7 @@ impl Draw {
         self.between(low.ln(), high.ln()).exp()
     }
 
-    fn index(&mut self, range: std::ops::Range<usize>) -> usize {
+    pub(super) fn index(&mut self, range: std::ops::Range<usize>) -> usize {
         range.start + (self.share() * range.len() as f64) as usize
     }
 
@@ -55,11 +55,11 @@ fn step_m(path: &[Vector3<f64>]) -> f64 {
     step(path.windows(2).map(|w| (w[1] - w[0]).norm()))
 }
 
-fn step_rad(joint: &JointTrack) -> f64 {
+pub(super) fn step_rad(joint: &JointTrack) -> f64 {
     step(joint.angles_rad.windows(2).map(|w| (w[1] - w[0]).abs()))
 }
 
-fn range(joint: &JointTrack) -> (f64, f64) {
+pub(super) fn range(joint: &JointTrack) -> (f64, f64) {
     let all = || joint.angles_rad.iter().copied();
     (
         all().fold(f64::INFINITY, f64::min),
@@ -68,7 +68,10 @@ fn range(joint: &JointTrack) -> (f64, f64) {
 }
 
 /// A random joint that was measured.
-fn joint<'a>(motion: &'a Trajectory, draw: &mut Draw) -> Option<(usize, &'a JointTrack)> {
+pub(super) fn joint<'a>(
+    motion: &'a Trajectory,
+    draw: &mut Draw,
+) -> Option<(usize, &'a JointTrack)> {
     let measured = motion.joints().iter().enumerate();
     let all: Vec<_> = measured
         .filter(|(_, joint)| !joint.name.ends_with(COMMAND))
@@ -76,12 +79,12 @@ fn joint<'a>(motion: &'a Trajectory, draw: &mut Draw) -> Option<(usize, &'a Join
     (!all.is_empty()).then(|| all[draw.index(0..all.len())])
 }
 
-fn command<'a>(motion: &'a Trajectory, joint: &JointTrack) -> Option<&'a JointTrack> {
+pub(super) fn command<'a>(motion: &'a Trajectory, joint: &JointTrack) -> Option<&'a JointTrack> {
     motion.joint(&format!("{}{COMMAND}", joint.name))
 }
 
 /// The motion with other angles of one joint.
-fn with_angles(motion: &Trajectory, joint: usize, angles_rad: Vec<f64>) -> Trajectory {
+pub(super) fn with_angles(motion: &Trajectory, joint: usize, angles_rad: Vec<f64>) -> Trajectory {
     let mut joints = motion.joints().to_vec();
     joints[joint].angles_rad = angles_rad;
     motion.clone().with_joints(joints).unwrap()
@@ -187,7 +190,7 @@ fn wrapped(recording: &Recording, _: &[Recording], draw: &mut Draw) -> Option<Tr
     ))
 }
 
-fn spread(values: &[f64]) -> f64 {
+pub(super) fn spread(values: &[f64]) -> f64 {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt()
 }
@@ -309,7 +312,7 @@ fn other_unit(recording: &Recording, _: &[Recording], draw: &mut Draw) -> Option
     motion.clone().with_positions(path).ok()
 }
 
-const DISTORTIONS: [(&str, Code, Distort); 12] = [
+const DISTORTIONS: [(&str, Code, Distort); 17] = [
     ("spike of the position", Code::Spike, spike),
     ("spike of a joint", Code::Spike, joint_spike),
     ("zeros over lost samples", Code::LostAsZero, zeros),
@@ -322,6 +325,15 @@ const DISTORTIONS: [(&str, Code, Distort); 12] = [
     ("normalised -100 to 100", Code::NormalisedAngles, normalised),
     ("two bodies interleaved", Code::SeveralRobots, interleaved),
     ("millimetres for metres", Code::ChangedUnit, other_unit),
+    (
+        "saturated commands",
+        Code::SaturatedCommands,
+        servo::saturated,
+    ),
+    ("coarse encoder", Code::CoarseEncoder, servo::coarse),
+    ("missing rows", Code::LostPackets, servo::lost_rows),
+    ("held packets", Code::LostPackets, servo::held),
+    ("robot switched off", Code::SwitchedOff, servo::off),
 ];
 
 /// The runs in which each distortion is tried.

@@ -1,6 +1,7 @@
 //! Doubts about recordings: nothing shipped is doubted wrongly, and shipped recordings that are distorted are doubted.
 
 mod distortion;
+mod servo;
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +11,7 @@ use realgap_path::trajectory::{Reading, Recording, parse_all, read_all};
 use crate::common::{project, shared_data};
 
 /// The codes of the doubts about the motion itself.
-const CODES: [Code; 11] = [
+const CODES: [Code; 15] = [
     Code::Spike,
     Code::LostAsZero,
     Code::FrozenTracker,
@@ -22,6 +23,10 @@ const CODES: [Code; 11] = [
     Code::NormalisedAngles,
     Code::SeveralRobots,
     Code::ChangedUnit,
+    Code::CoarseEncoder,
+    Code::LostPackets,
+    Code::SaturatedCommands,
+    Code::SwitchedOff,
 ];
 
 /// All files with this extension below a folder, sorted.

@@ -1,7 +1,7 @@
 //! Validation of an experiment before it is simulated.
 
 use super::{EngineChoice, Experiment, FrictionModel, JointFormulation, Sampling};
-use realgap_core::error::{Error, Result};
+use realgap_core::error::{Advice, Error, Result};
 use realgap_robot::morphology::{Hinge, Role};
 
 /// A part with a compliant bearing needs at least this fraction of the mass of the other part at the hinge: the stiffness follows
@@ -27,6 +27,7 @@ impl Experiment {
         self.check_edges()?;
         self.check_energy()?;
         self.check_friction()?;
+        self.check_mount()?;
         self.check_compliance()?;
         for body in &self.scene {
             body.check()?;
@@ -147,6 +148,46 @@ impl Experiment {
         Err(Error::invalid(why)
             .field("hinge.bearing_hz")
             .allowed(allowed))
+    }
+
+    /// Checks that a robot without contacts is held, and that only a held robot has a mount with a spring, which only the tree solver
+    /// simulates.
+    fn check_mount(&self) -> Result<()> {
+        let is_held = self.assembly.world_from_mount.is_some();
+        if !self.contact.is_on && !is_held {
+            return Err(Error::invalid(
+                "without contacts, a robot that is not held falls for ever",
+            )
+            .field("contact.on")
+            .found("0 (off)")
+            .allowed("1 (on), or a robot whose file states a `mount`")
+            .advise(Advice::HoldRoot));
+        }
+        if self.mount.is_none() {
+            return Ok(());
+        }
+        if !is_held {
+            return Err(Error::invalid("a robot that moves freely has no stand")
+                .field("mount.stiffness_n_m")
+                .found("a spring")
+                .allowed("a robot whose file states a `mount`")
+                .advise(Advice::HoldRoot));
+        }
+        if self.assembly.is_compliant() {
+            return Err(Error::invalid(
+                "no engine simulates compliant hinges on a mount with a spring",
+            )
+            .field("hinge.bearing_hz")
+            .allowed("0"));
+        }
+        if self.energy_from_s.is_some() {
+            return Err(
+                Error::invalid("the energy balance does not count the spring of a mount")
+                    .field("mount.stiffness_n_m")
+                    .allowed("no spring"),
+            );
+        }
+        Ok(())
     }
 
     /// Checks that the engine supports the friction model: Rapier has no relaxed cone.

@@ -4,6 +4,7 @@ use nalgebra::{Point3, UnitQuaternion, Vector3};
 
 use super::format::{Exported, Format};
 use super::robot::{Robot, origin_robot_m, quaternion, seen_from};
+use super::stand::{stand, switched};
 use super::xml::{Element, numbers, vector};
 use crate::servo::speed_damping_nm_s_rad;
 use realgap_core::warning::{Code, Warning};
@@ -43,7 +44,8 @@ impl Format for Mjcf {
                     .with("autolimits", "true")
                     .with("inertiafromgeom", "false"),
             )
-            .child(
+            .child(switched(
+                robot,
                 Element::new("option")
                     .with("timestep", numbers([TIMESTEP_S]))
                     .with("gravity", numbers([0.0, 0.0, -robot.gravity_m_s2]))
@@ -51,7 +53,7 @@ impl Format for Mjcf {
                     // pyramid favours the directions of its axes.
                     .with("integrator", "implicitfast")
                     .with("cone", "elliptic"),
-            )
+            ))
             .child(
                 Element::new("default").child(
                     Element::new("geom")
@@ -129,6 +131,11 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
     if robot.assembly.parts.iter().any(is_aside) {
         warnings.push(Code::CompensationNotExported.warning(
             "the place where the compensation of weight acts: it acts at the centre of mass of each part",
+        ));
+    }
+    if robot.mount.is_some() {
+        warnings.push(Code::SpringNotExported.warning(
+            "that the stand carries the robot's moment about it from the start (in MuJoCo the robot tilts until the ball joint's spring carries it; the weight is in `springref`)",
         ));
     }
     if robot.has_servos() {
@@ -278,6 +285,9 @@ fn body(robot: &Robot<'_>, part: usize, hinges: &[&Hinge]) -> Element {
             element = element.with("pos", vector(&(mount * Point3::from(origin_m)).coords));
             if mount.rotation != UnitQuaternion::identity() {
                 element = element.with("quat", numbers(quaternion(&mount.rotation)));
+            }
+            for joint in stand(robot, &mount.rotation, &origin_m) {
+                element.push(joint);
             }
         }
         None => {

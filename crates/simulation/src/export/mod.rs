@@ -22,6 +22,7 @@ mod format;
 mod mjcf;
 mod registry;
 mod robot;
+mod stand;
 mod urdf;
 mod xml;
 

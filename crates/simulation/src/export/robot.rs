@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-use crate::{Experiment, Floor};
+use crate::{Experiment, Floor, Mount};
 use realgap_core::warning::Warning;
 use realgap_robot::morphology::{Actuator, Assembly, Hinge, Morphology, Part, Role, Shape, Solid};
 
@@ -19,6 +19,10 @@ pub struct Robot<'a> {
     pub floor: Floor,
     /// Gravity along −z, m/s².
     pub gravity_m_s2: f64,
+    /// The spring by which a held robot is held.
+    pub mount: Option<Mount>,
+    /// Whether anything touches the robot.
+    pub has_contacts: bool,
 }
 
 impl<'a> Robot<'a> {
@@ -30,6 +34,8 @@ impl<'a> Robot<'a> {
             assembly: experiment.adjusted_assembly(),
             floor: experiment.floor,
             gravity_m_s2: experiment.gravity_m_s2,
+            mount: experiment.mount,
+            has_contacts: experiment.contact.is_on,
         }
     }
 

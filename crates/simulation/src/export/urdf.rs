@@ -86,6 +86,19 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
                 .warning("springs, armatures and compliance of joints, and marks"),
         );
     }
+    if robot.mount.is_some() {
+        warnings.push(
+            Code::SpringNotExported
+                .warning("the spring of the stand (mount.*): the robot is held rigidly"),
+        );
+    }
+    if !robot.has_contacts {
+        warnings.push(
+            Code::ExclusionNotExported.warning(
+                "that contacts are off (contact.on): switch them off in the other program",
+            ),
+        );
+    }
     if !robot.assembly.hinges.is_empty() {
         warnings.push(Code::ExclusionNotExported.warning(
             "the exclusion of collisions between parts joined by a hinge (most readers assume it, URDF cannot state it)",

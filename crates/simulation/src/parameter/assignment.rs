@@ -158,6 +158,18 @@ impl ParameterSet {
                 "vehicle" if a.parameter.value(experiment).is_none() => {
                     Some("the sensor's model has no such quantity".to_owned())
                 }
+                "contact" if !experiment.contact.is_on && a.parameter.name != "contact.on" => {
+                    Some("contacts are off".to_owned())
+                }
+                "floor"
+                    if !experiment.contact.is_on
+                        && ["floor.friction", "floor.restitution"].contains(&a.parameter.name) =>
+                {
+                    Some("contacts are off".to_owned())
+                }
+                "mount" if robot.world_from_mount.is_none() => {
+                    Some("the robot moves freely".to_owned())
+                }
                 "pusher" if !has_pusher => Some("the scene has no driven body".to_owned()),
                 "servo" | "hinge" if !a.parameter.has_effect_on(experiment) => {
                     Some("none of these joints has this quantity".to_owned())

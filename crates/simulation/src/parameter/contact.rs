@@ -14,7 +14,12 @@ pub(super) static PARAMETERS: &[Parameter] = &[
     choice!("contact.friction_model", MODELS,
         "0: Simplified, a friction pyramid per contact area (Rapier); 1: Coulomb, a cone at every contact point; 2: Relaxed, a convex cone as MuJoCo's (tree solver).",
         contact.friction_model),
+    choice!("contact.on", ON,
+        "0: nothing touches the robot, which has to be held, and runs are faster; 1: contacts with the floor, the scene and itself.", contact.is_on),
 ];
+
+/// Whether there are contacts, in the order of their numbers.
+const ON: [bool; 2] = [false, true];
 
 /// Friction models in the order of their numbers.
 const MODELS: [FrictionModel; 3] = [

@@ -13,6 +13,7 @@ mod joint;
 mod member;
 mod module;
 mod motor;
+mod mount;
 mod recording;
 mod sensor;
 mod servo;
@@ -145,6 +146,7 @@ pub static PARAMETERS: &[&[Parameter]] = &[
     body::PARAMETERS,
     servo::PARAMETERS,
     motor::PARAMETERS,
+    mount::PARAMETERS,
     gait::PARAMETERS,
     hinge::PARAMETERS,
     joint::PARAMETERS,

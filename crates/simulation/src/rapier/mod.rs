@@ -108,8 +108,9 @@ impl Engine for Rapier {
         ENGINE_VERSION
     }
 
-    fn refusal(&self, _: &Experiment) -> Option<String> {
-        None
+    fn refusal(&self, experiment: &Experiment) -> Option<String> {
+        let is_sprung = experiment.mount.is_some();
+        is_sprung.then(|| "it holds robots rigidly only (mount.stiffness_n_m)".to_owned())
     }
 
     fn build(&self, setup: &Setup<'_>) -> Result<Box<dyn World>> {
@@ -292,7 +293,8 @@ impl RapierWorld {
             .can_sleep(false)
             .build();
         member.body = self.bodies.insert(body);
-        for solid in part.solids.iter().filter(|solid| solid.collides) {
+        let is_on = experiment.contact.is_on;
+        for solid in part.solids.iter().filter(|solid| solid.collides && is_on) {
             let edge_radius_m = match solid.role {
                 Role::Cube => experiment.adjustment.edge_radius_m,
                 Role::Plate => 0.0,

@@ -2,6 +2,7 @@
 //! faces.
 
 pub(in crate::calibration) mod channels;
+pub(super) mod determination;
 pub(super) mod joints;
 pub(super) mod prior_run;
 pub(super) mod reproduction;

@@ -10,7 +10,7 @@ use realgap_core::statistics::{ends_of, mean, standard_deviation};
 use realgap_core::unit::Unit;
 use realgap_optimization::RunOptions;
 use realgap_path::comparison::joint_error_rad;
-use realgap_path::trajectory::{JointTrack, Trajectory};
+use realgap_path::trajectory::{JointTrack, Trajectory, resolution};
 use realgap_simulation::Experiment;
 use realgap_simulation::parameter::ParameterSet;
 
@@ -57,6 +57,10 @@ pub struct PriorRun {
     /// How many times farther than at their start two runs get from each other whose joints start 0.1 mrad apart, where joints
     /// alone were recorded.
     pub growth: Option<f64>,
+    /// Mean change of the joints' angles where the timestep is halved, radians, where joints alone were recorded.
+    pub step_change_rad: Option<f64>,
+    /// Mean over the recorded joints of the standard deviation of their rounding, radians; 0 where no step of an encoder shows.
+    pub rounding_rad: f64,
 }
 
 /// What runs before the fit show.
@@ -112,6 +116,17 @@ impl PriorRuns {
             .min_by(f64::total_cmp)
     }
 
+    /// The largest change of the joints where the timestep is halved, and the largest that a fit does not see, if the first is larger:
+    /// a tenth of what the fit may leave.
+    pub fn coarse_step_rad(&self) -> Option<(f64, f64)> {
+        let changes = self.runs.iter().filter_map(|run| run.step_change_rad);
+        let change_rad = changes.max_by(f64::total_cmp)?;
+        let roundings = self.runs.iter().map(|run| run.rounding_rad);
+        let rounding_rad = roundings.min_by(f64::total_cmp)?;
+        let left_rad = (LEFT * self.joint_error_rad()?).max(rounding_rad);
+        (change_rad > UNSEEN * left_rad).then_some((change_rad, UNSEEN * left_rad))
+    }
+
     /// The largest [`PriorRun::growth`].
     pub fn growth(&self) -> Option<f64> {
         let all = self.runs.iter().filter_map(|run| run.growth);
@@ -132,6 +147,30 @@ impl PriorRuns {
 
 /// How far apart two runs start whose distance is followed, radians.
 const NUDGE_RAD: f64 = 1e-4;
+
+/// A fit leaves at least about this share of the error before it: of real servos a third to a half.
+const LEFT: f64 = 0.2;
+/// A change below this share of what a fit leaves moves no parameter by what matters.
+const UNSEEN: f64 = 0.1;
+
+/// The mean change of the joints with half of the timestep; `None` if that run diverges.
+fn step_change_rad(experiment: &Experiment, motion: &Trajectory) -> Result<Option<f64>> {
+    let mut finer = experiment.clone();
+    finer.solver.timestep_s *= 0.5;
+    let outcome = realgap_simulation::run(&finer)?.outcome;
+    let Some(other) = outcome.get() else {
+        return Ok(None);
+    };
+    let joints = motion.joints().iter().zip(other.joints());
+    let pairs = joints.flat_map(|(a, b)| a.angles_rad.iter().zip(&b.angles_rad));
+    let apart: Vec<f64> = pairs.map(|(a, b)| (a - b).abs()).collect();
+    Ok((!apart.is_empty()).then(|| mean(&apart)))
+}
+
+/// The standard deviation of rounding to the step of a joint's encoder.
+fn rounding_rad(joint: &JointTrack) -> f64 {
+    resolution(&joint.angles_rad).map_or(0.0, |step_rad| step_rad / 12.0_f64.sqrt())
+}
 
 /// How many times farther apart than at their start two runs get; `None` if the second diverges.
 fn growth(experiment: &Experiment, motion: &Trajectory) -> Result<Option<f64>> {
@@ -184,6 +223,11 @@ impl Study {
                 Some(motion) if prior.joint_error_rad.is_some() => growth(&experiment, motion)?,
                 _ => None,
             };
+            if let (PriorPoint::OwnValues, Some(motion), true) =
+                (at, outcome.get(), prior.joint_error_rad.is_some())
+            {
+                prior.step_change_rad = step_change_rad(&experiment, motion)?;
+            }
             // The doubled commands are compared with the run of the robot's own values.
             let own = outcome.get().filter(|_| at == PriorPoint::OwnValues);
             Ok((prior, own.cloned().map(|motion| (experiment, motion))))
@@ -234,6 +278,11 @@ impl Study {
             joint_error_rad,
             joint_spread_rad,
             growth: None,
+            step_change_rad: None,
+            rounding_rad: match joints.is_empty() {
+                true => 0.0,
+                false => mean(&joints.iter().map(|j| rounding_rad(j)).collect::<Vec<f64>>()),
+            },
         })
     }
 }

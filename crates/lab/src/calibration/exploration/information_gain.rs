@@ -42,6 +42,9 @@ struct LogErrors<'a> {
     blocks: Vec<ErrorBlock>,
 }
 
+/// Name of a recording, whether it is fitted, and its information matrix.
+pub(in crate::calibration) type LogInformation = (String, bool, DMatrix<f64>);
+
 /// What is known about the errors and parameters of a fit beside the runs.
 #[derive(Debug, Clone)]
 pub(in crate::calibration) struct FitPrecision {
@@ -134,13 +137,13 @@ impl Study {
         (!errors.is_empty()).then_some((errors, blocks))
     }
 
-    /// The information gain of each recording, largest first. `around` is the point where least squares ended, followed by the
-    /// points that differ from it in one coordinate each, as they were simulated.
-    pub(in crate::calibration) fn motions(
+    /// The information matrix of each recording, with its name and whether it is fitted. `around` is a point, followed by the points
+    /// that differ from it in one coordinate each, as they were simulated. Empty where a run diverged.
+    pub(in crate::calibration) fn informations(
         &self,
-        known: &FitPrecision,
+        channel_variances: &[Option<f64>],
         around: &[(&UnitPoint, &Trial)],
-    ) -> Vec<InformationGain> {
+    ) -> Vec<LogInformation> {
         let Some(((at, trial), moved)) = around.split_first() else {
             return Vec::new();
         };
@@ -158,25 +161,46 @@ impl Study {
             let channels =
                 channels.flat_map(|block| std::iter::repeat_n(block.channel, block.count));
             for (mut row, channel) in jacobian.row_iter_mut().zip(channels) {
-                let variance = known.channel_variances.get(channel).copied().flatten();
+                let variance = channel_variances.get(channel).copied().flatten();
                 row *= variance.map_or(0.0, |variance| 1.0 / variance.sqrt());
             }
-            (jacobian.tr_mul(&jacobian), log.is_fitted)
+            (
+                log.name.to_owned(),
+                log.is_fitted,
+                jacobian.tr_mul(&jacobian),
+            )
         });
-        let informations: Vec<(DMatrix<f64>, bool)> = informations.collect();
+        informations.collect()
+    }
+
+    /// The information gain of each recording, largest first. `around` is the point where least squares ended, followed by the
+    /// points that differ from it in one coordinate each, as they were simulated.
+    pub(in crate::calibration) fn motions(
+        &self,
+        known: &FitPrecision,
+        around: &[(&UnitPoint, &Trial)],
+    ) -> Vec<InformationGain> {
+        let logs = self.informations(&known.channel_variances, around);
+        let informations: Vec<(DMatrix<f64>, bool)> = logs
+            .iter()
+            .map(|(_, is_fitted, information)| (information.clone(), *is_fitted))
+            .collect();
         let prior = DMatrix::from_diagonal(&DVector::from_column_slice(&known.prior));
         let added = added_information(&informations, &prior);
         let ranges = self.definition().grid.ranges();
-        let gains = here.iter().zip(added).filter_map(|(log, added)| {
-            let added = added?;
-            let names = ranges.iter().map(|range| range.parameter.name);
-            Some(InformationGain {
-                recording: log.name.to_owned(),
-                is_fitted: log.is_fitted,
-                bits: added.bits,
-                parameters: names.zip(added.parameters).collect(),
-            })
-        });
+        let gains = logs
+            .iter()
+            .zip(added)
+            .filter_map(|((name, is_fitted, _), added)| {
+                let added = added?;
+                let names = ranges.iter().map(|range| range.parameter.name);
+                Some(InformationGain {
+                    recording: name.clone(),
+                    is_fitted: *is_fitted,
+                    bits: added.bits,
+                    parameters: names.zip(added.parameters).collect(),
+                })
+            });
         let mut motions: Vec<InformationGain> = gains.collect();
         motions.sort_by(|a, b| b.bits.total_cmp(&a.bits));
         motions

@@ -7,5 +7,5 @@ pub(super) mod other_start;
 pub(super) mod sweep;
 pub(super) mod trial_sink;
 pub(super) mod tune;
-mod tune_problem;
+pub(super) mod tune_problem;
 pub(super) mod wave;

@@ -52,7 +52,7 @@ fn check_errors(study: &Study, options: &TuneOptions) -> Result<()> {
 
 /// The coordinates of the values that the robot and the floor have without a fit, within the ranges; the middle of the range of a
 /// parameter without such a value.
-fn own_values(study: &Study) -> UnitPoint {
+pub(in crate::calibration) fn own_values(study: &Study) -> UnitPoint {
     let definition = study.definition();
     let ranges = definition.grid.ranges().iter();
     let all = ranges

@@ -282,8 +282,9 @@ pub(in crate::calibration) fn in_short(mut warnings: Vec<Warning>) -> Vec<Warnin
 }
 
 /// Warnings that are about single recordings.
-const OF_ONE_RECORDING: [Code; 22] = [
+const OF_ONE_RECORDING: [Code; 26] = [
     Code::ChangedUnit,
+    Code::CoarseEncoder,
     Code::DegreesAsRadians,
     Code::ExchangedJoints,
     Code::FlippedSign,
@@ -291,14 +292,17 @@ const OF_ONE_RECORDING: [Code; 22] = [
     Code::Hole,
     Code::JointDropout,
     Code::LostAsZero,
+    Code::LostPackets,
     Code::NormalisedAngles,
     Code::OffFloor,
     Code::OtherRobot,
     Code::QuaternionOrder,
     Code::SameRun,
+    Code::SaturatedCommands,
     Code::Spike,
     Code::StaleSamples,
     Code::Standstill,
+    Code::SwitchedOff,
     Code::UnknownAxes,
     Code::UnlikelyAngle,
     Code::UnlikelyLength,

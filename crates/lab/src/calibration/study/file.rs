@@ -77,6 +77,9 @@ pub struct StudyFile {
     substeps: Option<usize>,
     /// Kind of joint; the same as `set: { "solver.joint": ... }`.
     joint: Option<Joint>,
+    /// Whether anything touches the robot; `false` is faster and for robots that are held, e.g. an arm or a leg on a stand. The same
+    /// as `set: { "contact.on": ... }`.
+    contacts: Option<bool>,
     /// Parameters with a fixed value, by name; `realgap study parameters` lists all.
     #[serde(default, deserialize_with = "unique_keys")]
     set: BTreeMap<String, f64>,
@@ -444,6 +447,10 @@ impl StudyFile {
             ("timestep_s", self.timestep_s),
             ("solver.substeps", self.substeps.map(|n| n as f64)),
             ("solver.joint", multibody.map(|is| f64::from(u8::from(is)))),
+            (
+                "contact.on",
+                self.contacts.map(|is| f64::from(u8::from(is))),
+            ),
         ];
         let mut set = ParameterSet::new();
         for (name, value) in named {

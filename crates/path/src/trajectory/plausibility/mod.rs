@@ -2,19 +2,23 @@
 //!
 //! A new doubt is one new file and one line in [`DOUBTS`]. Every doubt looks at the motion alone, so it holds for all formats.
 
+mod coarse_encoder;
 mod degrees;
 mod exchanged;
 mod flipped;
 mod frozen;
 mod interleaved;
+mod lost_packets;
 mod normalised;
 mod obedience;
 mod quaternion_order;
+mod saturated;
 mod scale;
 mod series;
 mod spike;
 mod stale;
 mod standstill;
+mod switched_off;
 mod timing;
 mod wrapped;
 mod zeros;
@@ -71,6 +75,10 @@ const DOUBTS: &[(Code, Doubt)] = &[
     (Code::NormalisedAngles, normalised::doubt),
     (Code::SeveralRobots, interleaved::doubt),
     (Code::ChangedUnit, scale::doubt),
+    (Code::CoarseEncoder, coarse_encoder::doubt),
+    (Code::LostPackets, lost_packets::doubt),
+    (Code::SaturatedCommands, saturated::doubt),
+    (Code::SwitchedOff, switched_off::doubt),
 ];
 
 /// The doubts about paths that also hold for bodies beside the tracked one.
