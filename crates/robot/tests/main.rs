@@ -5,5 +5,6 @@
 mod common;
 mod foreign;
 mod genome;
+mod limits;
 mod morphology;
 mod urdf;

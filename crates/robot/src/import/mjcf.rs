@@ -8,13 +8,13 @@ use mjcf_rs::equality::Equality;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use roxmltree::Node;
 
-use super::Options;
 use super::element::XmlSource;
 use super::mjcf_mass::{MassReader, isometry};
 use super::note::Notes;
 use super::urdf::file_name;
 use super::urdf_joint::{Bearing, chained};
-use crate::morphology::body::{Body, Frame, Joint, JointKind, Piece, Pose, Structure};
+use super::{MOST_SHAPES, Options, includes, refuse_count};
+use crate::morphology::body::{Body, Frame, Joint, JointKind, MAX_BODIES, Piece, Pose, Structure};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::Source;
 
@@ -29,14 +29,8 @@ pub(super) fn read(
     notes: &mut Notes,
 ) -> Result<Structure> {
     let source = place.source;
-    let folder = source.path().parent().unwrap_or(std::path::Path::new(""));
-    let model = match source.path().is_file() {
-        true => Model::from_file(source.path()),
-        false => Model::from_str(source.text(), folder),
-    };
-    let model = model.map_err(|error| {
-        Error::invalid(format!("not an MJCF that can be read: {error}")).at_file(source.path())
-    })?;
+    let model = includes::model(place, root)?;
+    limit_size(&model).map_err(|error| place.at(root, error))?;
     let mut robot = Robot {
         source,
         model: &model,
@@ -71,6 +65,17 @@ pub(super) fn read(
     robot.others(root, &place, notes);
     robot.mass_reader.finish(&mut robot.structure, notes);
     Ok(robot.structure)
+}
+
+/// Refuses a model with more bodies or shapes than are read.
+fn limit_size(model: &Model) -> Result<()> {
+    let shapes = model
+        .bodies
+        .iter()
+        .map(|entry| entry.body.geoms.len())
+        .sum();
+    refuse_count("bodies", model.bodies.len() - 1, MAX_BODIES)?;
+    refuse_count("shapes", shapes, MOST_SHAPES)
 }
 
 /// A unique name for every body.

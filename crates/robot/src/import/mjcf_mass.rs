@@ -12,6 +12,7 @@ use nalgebra::{
 
 use super::Options;
 use super::mesh::forms;
+use super::mesh_file;
 use super::note::Notes;
 use super::package::locate;
 use crate::morphology::Shape;
@@ -206,7 +207,7 @@ impl MassReader<'_> {
             doubt(format!("{file} cannot be found"));
             return None;
         };
-        Mesh::read(&path, &scale).map_err(doubt).ok()
+        mesh_file::read(&path, &scale).map_err(doubt).ok()
     }
 
     /// Applies the compiler's settings for masses (boundmass, boundinertia, settotalmass) to the finished robot.

@@ -24,7 +24,9 @@
 mod assumption;
 mod driven;
 mod element;
+mod includes;
 mod mesh;
+mod mesh_file;
 mod mjcf;
 mod mjcf_actuator;
 mod mjcf_mass;
@@ -43,10 +45,30 @@ use roxmltree::Document;
 pub use assumption::AssumedLaw;
 pub use note::{Note, NoteKind};
 
-use crate::morphology::body::Structure;
+use crate::morphology::body::{MAX_BODIES, Structure};
 use note::Notes;
+use realgap_core::confined::on_large_stack;
 use realgap_core::error::{Error, Result};
-use realgap_core::file::Source;
+use realgap_core::file::{Source, XmlLimits, measure_xml};
+
+/// The largest sizes of a robot's XML: a body may lie in each of the bodies before it, in a few elements around all.
+const ROBOT: XmlLimits = XmlLimits {
+    depth: MAX_BODIES + 24,
+    elements: 200_000,
+    attributes: 256,
+};
+/// The largest number of shapes of a robot.
+const MOST_SHAPES: usize = 20_000;
+
+/// Refuses a robot with more of something than is read.
+fn refuse_count(what: &str, found: usize, most: usize) -> Result<()> {
+    if found <= most {
+        return Ok(());
+    }
+    Err(Error::invalid(format!("a robot with too many {what}"))
+        .found(found)
+        .allowed(format!("at most {most}")))
+}
 
 /// Settings of an import, in addition to the robot's file.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -104,6 +126,17 @@ pub fn is_foreign(path: &Path) -> bool {
 /// Text that is neither URDF nor MJCF; links that do not form a tree; physically impossible values. Every error names the file
 /// and, if it is known, the line.
 pub fn import(source: &Source, options: &Options) -> Result<Imported> {
+    // Bodies may be nested as deep as a robot may be large, and parsers call themselves for each.
+    on_large_stack(|| read(source, options)).unwrap_or_else(|mishap| {
+        Err(
+            Error::invalid(format!("the robot cannot be imported: {mishap}"))
+                .at_file(source.path())
+                .hint("please report this file: an import should never fail in this way"),
+        )
+    })
+}
+
+fn read(source: &Source, options: &Options) -> Result<Imported> {
     let mut notes = Notes::default();
     let text = readable(source, &mut notes)?;
     let document = Document::parse(&text).map_err(|error| not_xml(source, &error))?;
@@ -154,6 +187,7 @@ fn without_comments(text: &str) -> String {
 /// The text as strict XML: errors that other readers of URDF accept are repaired without moving any element to another line.
 fn readable(source: &Source, notes: &mut Notes) -> Result<String> {
     let mut text = without_comments(source.text());
+    measure_xml(&text, ROBOT).map_err(|error| error.at_file(source.path()))?;
     if let Some(at) = text.find("<!DOCTYPE")
         && let Some(length) = text[at..].find(['>', '['])
         && text[at + length..].starts_with('>')
