@@ -1,11 +1,16 @@
 //! Warnings about experiments that can be simulated but whose results mean little.
 
-use super::experiment::Experiment;
+use super::engine::EngineChoice;
+use super::experiment::{Experiment, JointFormulation, Solver};
 use realgap_core::warning::{Code, Warning};
 use realgap_robot::morphology::Role;
 
 /// Smallest number of steps per period of a gait.
 const STEPS_A_PERIOD: f64 = 10.0;
+/// CPU time for one simulated second of a chain of [`JointFormulation::MOST_HINGES`] multibody joints in Rapier with the usual steps,
+/// seconds, and the exponent with which it grows with the number of joints (docs/validation/joints.md).
+const DOZEN_S: f64 = 0.2;
+const GROWTH: f64 = 2.4;
 
 impl Experiment {
     /// Warnings about settings that can be simulated but give meaningless results: a gait that is faster than the steps can
@@ -42,6 +47,7 @@ impl Experiment {
             let half_m = solid.half_extents_m();
             solid.role == Role::Cube && (0..3).any(|i| centre_m[i] > half_m[i] * (1.0 + 1e-9))
         });
+        warnings.extend(self.slow_joints());
         warnings.extend(outside.map(|solid| {
             let centre_m = solid.centre_of_mass_solid_m;
             Code::CentreOfMassOutside.warning(format!(
@@ -55,6 +61,36 @@ impl Experiment {
             ))
         }));
         warnings
+    }
+
+    /// A warning about a robot of many joints whose multibody joints will cost Rapier much time.
+    fn slow_joints(&self) -> Option<Warning> {
+        let joints = self.assembly.hinges.len();
+        let is_rapier = EngineChoice::new(self.engine()) == EngineChoice::default();
+        let is_slow = self.vehicle.is_none()
+            && is_rapier
+            && joints > JointFormulation::MOST_HINGES
+            && self.joint_kind() == JointFormulation::Multibody;
+        let usual = Solver::default();
+        let steps = self.solver.substeps as f64 / self.solver.timestep_s;
+        let usual_steps = usual.substeps as f64 / usual.timestep_s;
+        let share = joints as f64 / JointFormulation::MOST_HINGES as f64;
+        let cost_s = DOZEN_S * share.powf(GROWTH) * steps / usual_steps;
+        is_slow.then(|| {
+            Code::SlowJoints.warning(format!(
+                "{joints} multibody joints take Rapier about {} s of CPU for each simulated second, and twice as many about {:.0} times that",
+                two_digits(cost_s),
+                2.0_f64.powf(GROWTH)
+            ))
+        })
+    }
+}
+
+/// A number with two digits.
+fn two_digits(number: f64) -> String {
+    match number {
+        ..10.0 => format!("{number:.1}"),
+        _ => format!("{number:.0}"),
     }
 }
 

@@ -47,7 +47,7 @@ pub use note::{Note, NoteKind};
 
 use crate::morphology::body::{MAX_BODIES, Structure};
 use note::Notes;
-use realgap_core::confined::on_large_stack;
+use realgap_core::confined::quietly;
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{Source, XmlLimits, measure_xml};
 
@@ -126,8 +126,7 @@ pub fn is_foreign(path: &Path) -> bool {
 /// Text that is neither URDF nor MJCF; links that do not form a tree; physically impossible values. Every error names the file
 /// and, if it is known, the line.
 pub fn import(source: &Source, options: &Options) -> Result<Imported> {
-    // Bodies may be nested as deep as a robot may be large, and parsers call themselves for each.
-    on_large_stack(|| read(source, options)).unwrap_or_else(|mishap| {
+    quietly(|| read(source, options)).unwrap_or_else(|mishap| {
         Err(
             Error::invalid(format!("the robot cannot be imported: {mishap}"))
                 .at_file(source.path())
