@@ -95,6 +95,23 @@ pub fn quietly<T>(work: impl FnOnce() -> T) -> Result<T, Mishap> {
     caught(work)
 }
 
+/// Runs work on a thread with a large stack, and waits until it ends, however long that takes.
+///
+/// # Errors
+/// The panic of the work; a system that gives no thread.
+pub fn on_large_stack<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T, Mishap> {
+    hush();
+    thread::scope(|scope| {
+        let builder = thread::Builder::new().stack_size(STACK_BYTES);
+        let worker = builder
+            .spawn_scoped(scope, || caught(work))
+            .map_err(|e| Mishap::NoThread(e.to_string()))?;
+        worker
+            .join()
+            .unwrap_or_else(|panic| Err(Mishap::Panic(message(&*panic))))
+    })
+}
+
 /// Runs work on a thread with a large stack, and waits for its end at most this long.
 ///
 /// # Errors

@@ -72,6 +72,7 @@ codes! {
     ClockOffset "clock-offset" "The stamps of two recordings look as if one clock were ahead of the other." "let the offset be estimated, or correct the stamps of one file";
     CoarseGrid "coarse-grid" "Beliefs (distributions over the position) are narrower than the cells of their grid." "give the belief more cells";
     ColumnsIgnored "columns-ignored" "A recording has columns that nothing uses." "say what the columns are when reading, or leave them out of the file";
+    CompensationNotExported "compensation-not-exported" "The compensation of weight in an exported file acts at another place." "give all bodies of a part the same gravity_compensation";
     ComponentsMissDifference "components-miss-difference" "The kept principal components contain little of the difference between two runs." "use the metric `rms`, or keep more components";
     CompressionUnknown "compression-unknown" "The files of pictures do not state the quality with which they were compressed." "give the pictures as the camera wrote them, and start from a camera file with their `jpeg_quality`";
     ContourStuck "contour-stuck" "A contour came to rest where there is no edge, or did not come to rest." "start the contour nearer to the edge, or look at the picture's contrast";

@@ -3,6 +3,7 @@
 
 #[path = "../../../tests/common/shared.rs"]
 mod common;
+mod compiled;
 mod foreign;
 mod genome;
 mod limits;

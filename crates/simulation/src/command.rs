@@ -1,6 +1,7 @@
 //! Recorded commands of servos over time.
 
 use realgap_core::error::{Error, Result};
+use realgap_robot::morphology::CommandScale;
 
 /// The quantity that a track commands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -83,6 +84,19 @@ impl CommandTrack {
     pub fn scaled(&self, factor: f64) -> Self {
         Self {
             values: self.values.iter().map(|value| factor * value).collect(),
+            ..self.clone()
+        }
+    }
+
+    /// The same commands as an actuator passes them on to its joint.
+    #[must_use]
+    pub(super) fn passed(&self, scale: &CommandScale) -> Self {
+        Self {
+            values: self
+                .values
+                .iter()
+                .map(|value| scale.apply(*value))
+                .collect(),
             ..self.clone()
         }
     }

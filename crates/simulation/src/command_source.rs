@@ -1,5 +1,7 @@
 //! Sources of servo commands: a gait, or a recorded track.
 
+use std::borrow::Cow;
+
 use super::command::{Between, CommandTrack, Quantity};
 use super::experiment::Experiment;
 use realgap_robot::morphology::{Gait, Hinge, ServoLaw};
@@ -10,8 +12,8 @@ pub(super) enum CommandSource<'a> {
     None,
     /// A sinusoidal gait.
     Gait(Gait, Quantity),
-    /// A recorded track.
-    Track(&'a CommandTrack),
+    /// A recorded track, as the actuator passes it on to its joint.
+    Track(Cow<'a, CommandTrack>),
 }
 
 impl<'a> CommandSource<'a> {
@@ -19,7 +21,17 @@ impl<'a> CommandSource<'a> {
     pub fn new(experiment: &'a Experiment, hinge: &Hinge) -> Self {
         match (&hinge.actuator, experiment.commands.get(&hinge.name)) {
             (None, _) => Self::None,
-            (Some(_), Some(track)) => Self::Track(track),
+            (Some(actuator), Some(track)) => {
+                let own = match actuator.servo.law {
+                    ServoLaw::Direct => Quantity::Torque,
+                    _ => Quantity::Position,
+                };
+                // The scale is that of the quantity that the actuator itself takes.
+                match track.quantity() == own && !actuator.command.is_none() {
+                    true => Self::Track(Cow::Owned(track.passed(&actuator.command))),
+                    false => Self::Track(Cow::Borrowed(track)),
+                }
+            }
             (Some(actuator), None) => Self::Gait(
                 actuator.gait,
                 match actuator.servo.law {
@@ -79,7 +91,7 @@ mod tests {
     #[test]
     fn the_command_of_a_step_is_the_mean_of_the_held_commands() {
         let track = track();
-        let commands = CommandSource::Track(&track);
+        let commands = CommandSource::Track(Cow::Borrowed(&track));
         for (from_s, to_s, latency_s, mean) in [
             (1.5, 2.5, 0.0, 0.5),
             (1.75, 2.75, 0.25, 0.5),
@@ -94,12 +106,13 @@ mod tests {
     #[test]
     fn a_servo_is_switched_off_by_the_column_of_its_track() {
         let switched = track().switched(&[1.0, 0.0, 1.0]);
-        let commands = CommandSource::Track(&switched);
+        let commands = CommandSource::Track(Cow::Borrowed(&switched));
         let on: Vec<bool> = [0.0, 1.9, 2.0, 3.9, 4.0, 9.0]
             .map(|t| commands.is_on(t))
             .into();
         assert_eq!(on, [true, true, false, false, true, true]);
         let off = CommandTrack::new(vec![0.0], vec![0.0], Some(2.0)).unwrap();
-        assert!(CommandSource::Track(&off).is_on(1.9) && !CommandSource::Track(&off).is_on(2.0));
+        let off = CommandSource::Track(Cow::Borrowed(&off));
+        assert!(off.is_on(1.9) && !off.is_on(2.0));
     }
 }

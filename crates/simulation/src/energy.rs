@@ -15,7 +15,7 @@ use serde::Serialize;
 
 use super::engine::{EngineChoice, Load, World};
 use super::experiment::{Experiment, JointFormulation};
-use super::kinematics::robot_from_part_at_zero;
+use super::kinematics::{compensated, robot_from_part_at_zero};
 use super::motor::Effort;
 use super::part_state::PartState;
 use realgap_core::warning::{Code, Warning};
@@ -151,6 +151,8 @@ impl Mean {
 pub(super) struct EnergyMeter {
     from_s: f64,
     gravity_m_s2: f64,
+    /// Mass of each part whose weight is compensated, kg, and its centre in the part's frame, metres.
+    compensated: Vec<(f64, Vector3<f64>)>,
     timestep_s: f64,
     hinge_meters: Vec<HingeMeter>,
     before: Vec<PartState>,
@@ -186,6 +188,9 @@ impl EnergyMeter {
         Self {
             from_s,
             gravity_m_s2: experiment.gravity_m_s2,
+            compensated: (0..assembly.parts.len())
+                .map(|part| compensated(assembly, part))
+                .collect(),
             timestep_s: experiment.solver.timestep_s,
             hinge_meters: hinge_meters.collect(),
             before: Vec::new(),
@@ -243,11 +248,22 @@ impl EnergyMeter {
                 balance.kinetic_j += b.kinetic_energy_j() - a.kinetic_energy_j();
                 balance.gravity_j += weight_n.dot(&(b.centre_world_m - a.centre_world_m));
             }
-            let impulse_n_s =
-                b.momentum_world_kg_m_s() - a.momentum_world_kg_m_s() - weight_n * self.timestep_s;
+            // The part of the weight that is compensated acts at a place of its own.
+            let (lifted_kg, lifted_part_m) = self.compensated[index];
+            let lift_n = Vector3::new(0.0, 0.0, lifted_kg * self.gravity_m_s2);
+            let place =
+                |part: &PartState| (part.world_from_part * Point3::from(lifted_part_m)).coords;
+            if !(is_held && index == 0) {
+                balance.gravity_j += lift_n.dot(&(place(b) - place(a)));
+            }
+            let lift_arm_m = 0.5 * (place(a) + place(b)) - centre_world_m;
+            let impulse_n_s = b.momentum_world_kg_m_s()
+                - a.momentum_world_kg_m_s()
+                - (weight_n + lift_n) * self.timestep_s;
             self.wrenches.push(Wrench {
                 impulse_n_s,
-                moment_nm_s: spin(b) - spin(a) + centre_world_m.cross(&impulse_n_s),
+                moment_nm_s: spin(b) - spin(a) + centre_world_m.cross(&impulse_n_s)
+                    - lift_arm_m.cross(&lift_n) * self.timestep_s,
             });
         }
         for load in &self.loads {

@@ -11,6 +11,16 @@ pub(super) fn robot_from_part_at_zero(assembly: &Assembly, part: usize) -> Isome
     Isometry3::from_parts(origin, UnitQuaternion::identity())
 }
 
+/// The mass of a part whose weight is compensated, kg, and its centre in the part's frame, metres; a mass of 0 if there is none.
+pub(super) fn compensated(assembly: &Assembly, part: usize) -> (f64, Vector3<f64>) {
+    let (mass_kg, centre_robot_m) = assembly.parts[part].compensated().unwrap_or_default();
+    let part_from_robot = robot_from_part_at_zero(assembly, part).inverse();
+    (
+        mass_kg,
+        (part_from_robot * Point3::from(centre_robot_m)).coords,
+    )
+}
+
 /// Velocity of a rigid body (a twist): from it follow the velocities of all its points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Turn {

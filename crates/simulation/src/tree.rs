@@ -12,7 +12,7 @@ use realgap_tree::{
 
 use super::engine::{Engine, EngineChoice, Load, Setup, World};
 use super::experiment::{Experiment, FrictionModel, JointFormulation};
-use super::kinematics::{joint_turns, robot_from_part_at_zero};
+use super::kinematics::{compensated, joint_turns, robot_from_part_at_zero};
 use super::motor::Effort;
 use super::part_state::PartState;
 use super::rapier::{
@@ -138,11 +138,13 @@ impl TreeWorld {
                 },
             };
             let mass = &masses[index];
+            let (lifted_kg, lifted_m) = compensated(assembly, index);
             model.links.push(Link {
                 attachment,
                 mass_kg: mass.mass_kg,
                 centre_link_m: to_vector(&mass.centre_m),
                 inertia_link_kg_m2: to_matrix(&mass.inertia_kg_m2),
+                compensated: (lifted_kg, to_vector(&lifted_m)),
                 colliders: colliders(experiment, assembly, index, part),
             });
         }
@@ -466,6 +468,7 @@ fn add_scene(model: &mut Model, experiment: &Experiment) -> Vec<SceneHandle> {
                     mass_kg: *mass_kg,
                     centre_link_m: to_vector(&centre_m),
                     inertia_link_kg_m2: inertia_kg_m2,
+                    compensated: (0.0, Vec3::ZERO),
                     colliders: colliders.collect(),
                 });
                 continue;

@@ -1,9 +1,8 @@
 //! Mass properties of shapes with uniform density.
 
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
-use parry3d_f64::math::Vector;
-use parry3d_f64::shape::SharedShape;
 
+use crate::hull::convex_hull;
 use crate::shape::Shape;
 
 /// Volume, centre of mass, and inertia per density of a shape.
@@ -91,27 +90,35 @@ pub fn uniform(shape: &Shape) -> Option<UniformMass> {
             about_centre(tube + ball, diagonal(across, across, along))
         }
         Shape::Hull { points_m } => {
-            let points: Vec<Vector> = points_m
-                .iter()
-                .map(|point| Vector::new(point.x, point.y, point.z))
-                .collect();
-            let properties = SharedShape::convex_hull(&points)?.mass_properties(1.0);
-            let centre = properties.local_com;
-            let inertia = properties.reconstruct_inertia_matrix();
-            let column = |v: Vector| Vector3::new(v.x, v.y, v.z);
-            UniformMass {
-                volume_m3: properties.mass(),
-                centre_m: column(centre),
-                inertia_m5: Matrix3::from_columns(&[
-                    column(inertia.x_axis),
-                    column(inertia.y_axis),
-                    column(inertia.z_axis),
-                ]),
-            }
+            let (corners, triangles) = convex_hull(points_m)?;
+            enclosed(&corners, &triangles)
         }
         Shape::Nothing => return None,
     };
     (mass.volume_m3 > 0.0).then_some(mass)
+}
+
+/// The mass of the volume that triangles enclose: the sum over the tetrahedra between each triangle and one point. (The inertia that
+/// Parry computes from a hull has wrong products in bodies without symmetry.)
+fn enclosed(corners: &[Vector3<f64>], triangles: &[[usize; 3]]) -> UniformMass {
+    let apex: Vector3<f64> = corners.iter().sum::<Vector3<f64>>() / corners.len() as f64;
+    let (mut volume_m3, mut moment, mut second) = (0.0, Vector3::zeros(), Matrix3::zeros());
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|corner| corners[corner] - apex);
+        let part = a.dot(&b.cross(&c)) / 6.0;
+        let sum = a + b + c;
+        volume_m3 += part;
+        moment += sum * (part / 4.0);
+        let squares = a * a.transpose() + b * b.transpose() + c * c.transpose();
+        second += (squares + sum * sum.transpose()) * (part / 20.0);
+    }
+    let away = moment / volume_m3;
+    let second = second - away * away.transpose() * volume_m3;
+    UniformMass {
+        volume_m3,
+        centre_m: apex + away,
+        inertia_m5: Matrix3::identity() * second.trace() - second,
+    }
 }
 
 #[cfg(test)]
@@ -132,6 +139,32 @@ mod tests {
         let cuboid = uniform(&Shape::cuboid(half)).unwrap();
         assert!((hull.volume_m3 / cuboid.volume_m3 - 1.0).abs() < 1e-9);
         assert!((hull.inertia_m5 - cuboid.inertia_m5).amax() < 1e-9 * cuboid.inertia_m5.amax());
+    }
+
+    #[test]
+    fn a_hull_without_symmetry_has_the_products_of_inertia_of_a_tetrahedron() {
+        let corners = [
+            Vector3::zeros(),
+            Vector3::new(0.3, 0.0, 0.0),
+            Vector3::new(0.0, 0.2, 0.0),
+            Vector3::new(0.0, 0.0, 0.1),
+        ];
+        let hull = uniform(&Shape::Hull {
+            points_m: corners.into(),
+        })
+        .unwrap();
+        // About the centre of mass the integral of x y is minus the product of the edges times V / 80, and that of x² is 3 a² V / 80.
+        let volume_m3 = 0.3 * 0.2 * 0.1 / 6.0;
+        assert!((hull.volume_m3 - volume_m3).abs() < 1e-15);
+        assert!((hull.centre_m - Vector3::new(0.075, 0.05, 0.025)).amax() < 1e-15);
+        let xy = 0.3 * 0.2 * volume_m3 / 80.0;
+        let zz = 3.0 * (0.09 + 0.04) * volume_m3 / 80.0;
+        assert!(
+            (hull.inertia_m5[(0, 1)] - xy).abs() < 1e-18,
+            "{}",
+            hull.inertia_m5
+        );
+        assert!((hull.inertia_m5[(2, 2)] - zz).abs() < 1e-18);
     }
 
     #[test]

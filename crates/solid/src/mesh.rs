@@ -40,6 +40,11 @@ impl Mesh {
         })
     }
 
+    /// The vertices and the triangles between them, as the file states them; a mesh of points has no triangles.
+    pub fn faces(&self) -> (&[Vector3<f64>], &[[u32; 3]]) {
+        (&self.vertices, &self.triangles)
+    }
+
     /// The corners of at most `most` nearly convex parts, by a voxel decomposition (V-HACD: Mamou and Ghorbel 2009, as implemented in
     /// Parry); empty if the decomposition fails, or if only one part is wanted.
     pub fn parts(&self, most: usize) -> Vec<Vec<Vector3<f64>>> {

@@ -75,6 +75,7 @@ impl Robot {
             mass_kg: mass,
             centre_link_m: Vec3::ZERO,
             inertia_link_kg_m2: Mat3::from_diagonal(inertia),
+            compensated: (0.0, Vec3::ZERO),
             colliders: vec![Collider::new(
                 SharedShape::cuboid(half.x, half.y, half.z),
                 0.5,

@@ -174,7 +174,13 @@ fn spread(tree: &Tree, bodies: &[Body], nodes: &mut [Node]) {
     }
 }
 
-/// Acceleration of gravity as an impulse over a time.
+/// Gravity as an impulse over a time, less the part that is compensated.
 pub(crate) fn weight(body: &Body, node: &Node, gravity_world_m_s2: Vec3, time_s: f64) -> Spatial {
-    Spatial::at(node.arm_m, gravity_world_m_s2 * (body.mass_kg * time_s))
+    let mut all = Spatial::at(node.arm_m, gravity_world_m_s2 * (body.mass_kg * time_s));
+    let (compensated_kg, away_body_m) = body.compensated;
+    if compensated_kg != 0.0 {
+        let arm_m = node.arm_m + node.rotation * away_body_m;
+        all += Spatial::at(arm_m, gravity_world_m_s2 * (-compensated_kg * time_s));
+    }
+    all
 }

@@ -45,6 +45,8 @@ pub(crate) struct Body {
     /// Inverse of the total mass of the moving bodies of its tree, 1/kg; 0 if nothing moves.
     pub tree_inverse_mass: f64,
     pub centre_body_m: Vec3,
+    /// Mass whose weight is compensated, kg, and the place of that force relative to the centre of mass, body frame.
+    pub compensated: (f64, Vec3),
     /// Inertia about the centre of mass, body frame, kg m².
     pub inertia_body: Mat3,
     /// Pose at the start, of a root.
@@ -232,6 +234,17 @@ impl Forest {
             let outer = Mat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
             let shifted = (Mat3::IDENTITY * arm.length_squared() - outer) * link.mass_kg;
             body.inertia_body += turn * link.inertia_link_kg_m2 * turn.transpose() + shifted;
+            let (mass_kg, centre_link_m) = link.compensated;
+            body.compensated.0 += mass_kg;
+            let away_m = place.body_from_link * centre_link_m - body.centre_body_m;
+            body.compensated.1 += away_m * mass_kg;
+        }
+        for body in self
+            .bodies
+            .iter_mut()
+            .filter(|body| body.compensated.0 != 0.0)
+        {
+            body.compensated.1 /= body.compensated.0;
         }
     }
 
@@ -268,6 +281,7 @@ fn body(attachment: &Attachment, places: &[Place]) -> Body {
         mass_kg: 0.0,
         tree_inverse_mass: 0.0,
         centre_body_m: Vec3::ZERO,
+        compensated: (0.0, Vec3::ZERO),
         inertia_body: Mat3::ZERO,
         start: Pose::identity(),
         start_position: 0.0,

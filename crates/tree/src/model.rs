@@ -32,6 +32,8 @@ pub struct Link {
     pub centre_link_m: Vec3,
     /// Inertia about the centre of mass, along the link's axes, kg m².
     pub inertia_link_kg_m2: Mat3,
+    /// Mass whose weight a force upwards compensates, kg, and the place in the link's frame where that force acts.
+    pub compensated: (f64, Vec3),
     /// Collision shapes.
     pub colliders: Vec<Collider>,
 }

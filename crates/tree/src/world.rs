@@ -5,7 +5,7 @@ use parry3d_f64::math::{Pose, Vec3};
 use crate::articulated::factor;
 use crate::collision::Collision;
 use crate::contact::Point;
-use crate::forest::{Forest, Freedom, NONE};
+use crate::forest::{Body, Forest, Freedom, NONE};
 use crate::joint::{Command, JointForces, JointImpulse};
 use crate::kinematics::{self, Node};
 use crate::model::{Model, ModelError, Settings};
@@ -296,8 +296,15 @@ impl World {
     /// Potential energy in the gravitational field, J, 0 at the world's origin.
     pub fn potential_energy_j(&self) -> f64 {
         let each = self.forest.bodies.iter().zip(&self.nodes);
-        each.map(|(body, node)| -body.mass_kg * self.gravity_world_m_s2.dot(node.centre_world_m()))
-            .sum()
+        let lifted = |body: &Body, node: &Node| {
+            let (mass_kg, away_body_m) = body.compensated;
+            (node.centre_world_m() + node.rotation * away_body_m) * mass_kg
+        };
+        each.map(|(body, node)| {
+            let moment = node.centre_world_m() * body.mass_kg - lifted(body, node);
+            -self.gravity_world_m_s2.dot(moment)
+        })
+        .sum()
     }
 
     /// Potential energy of the springs of the joints, J.

@@ -5,8 +5,8 @@ use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use realgap_core::error::Result;
 use realgap_core::file::Source;
 use realgap_robot::morphology::{
-    Actuator, Assembly, Bearing, Freedom, Gait, Hinge, Morphology, Part, Role, Servo, ServoLaw,
-    Shape, Solid,
+    Actuator, Assembly, Bearing, CommandScale, Freedom, Gait, Hinge, Morphology, Part, Role, Servo,
+    ServoLaw, Shape, Solid,
 };
 
 /// Edge of a module, metres.
@@ -31,6 +31,7 @@ pub(super) fn block(centre_m: Vector3<f64>, half_m: Vector3<f64>, mass_kg: f64) 
             about(squares.x, squares.z),
             about(squares.x, squares.y),
         )),
+        gravity_compensation: 0.0,
         collides: true,
     }
 }
@@ -122,7 +123,11 @@ pub(super) fn arm(mass_kg: f64, axis: Vector3<f64>, servo: Servo, gait: Gait) ->
         anchor_robot_m: Vector3::new(BASE_HALF_M, 0.0, 0.0),
         axis_robot: nalgebra::Unit::new_normalize(axis),
         freedom: Freedom::Turn,
-        actuator: Some(Actuator { servo, gait }),
+        actuator: Some(Actuator {
+            servo,
+            gait,
+            command: CommandScale::default(),
+        }),
         bearing: Bearing::default(),
         is_stated: false,
     };
@@ -191,7 +196,11 @@ pub(super) fn stool(modules: Vec<Solid>, servo: Servo, gait: Gait) -> Assembly {
         anchor_robot_m: Vector3::new(0.0, 0.0, -0.5 * SIDE_M),
         axis_robot: -Vector3::z_axis(),
         freedom: Freedom::Turn,
-        actuator: Some(Actuator { servo, gait }),
+        actuator: Some(Actuator {
+            servo,
+            gait,
+            command: CommandScale::default(),
+        }),
         bearing: Bearing::default(),
         is_stated: false,
     };

@@ -9,7 +9,7 @@ use super::film::{SimulationLog, measure};
 use realgap_core::error::Result;
 use realgap_core::statistics::mean;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
-use realgap_robot::morphology::{Actuator, Assembly, Bearing, Freedom, Hinge, Solid};
+use realgap_robot::morphology::{Actuator, Assembly, Bearing, CommandScale, Freedom, Hinge, Solid};
 use realgap_simulation::{JointFormulation, JointState, Snapshot};
 
 const ROD_M: f64 = 0.2;
@@ -33,6 +33,7 @@ fn hinge(number: usize) -> Hinge {
         actuator: Some(Actuator {
             servo: no_servo(),
             gait: STILL,
+            command: CommandScale::default(),
         }),
         bearing: Bearing::default(),
         is_stated: false,

@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::sequence::Genome;
-use crate::morphology::{Actuator, Drive, DriveAxis, Face, Gait, Plate, Servo, ServoLaw};
+use crate::morphology::{
+    Actuator, CommandScale, Drive, DriveAxis, Face, Gait, Plate, Servo, ServoLaw,
+};
 use realgap_core::{Error, Result};
 
 /// Settings that translate the numbers of a genome into sizes, masses, a servo and the ranges of the gait.
@@ -166,6 +168,7 @@ impl Development {
                     delay_s: 0.0,
                 },
                 gait,
+                command: CommandScale::default(),
             },
         }
     }

@@ -76,5 +76,6 @@ fn add(structure: &mut Structure, name: &str, law: ServoLaw, max_torque_nm: f64)
         },
         gait: None,
         follows: None,
+        command: None,
     });
 }

@@ -39,8 +39,15 @@ pub(super) fn read(path: &Path, scale: &Vector3<f64>) -> Result<Mesh, String> {
     if !["stl", "obj", "dae"].contains(&ending.as_str()) {
         return Err(format!("`{ending}` is no supported file format of meshes"));
     }
-    let bytes = read_regular(path, MAX_BYTES, "mesh").map_err(|error| in_one_line(&error))?;
-    of_bytes(&ending, bytes, scale)
+    of_bytes(&ending, bytes(path)?, scale)
+}
+
+/// The bytes of a mesh's file.
+///
+/// # Errors
+/// The reason why the file cannot be read, as text.
+pub(super) fn bytes(path: &Path) -> Result<Vec<u8>, String> {
+    read_regular(path, MAX_BYTES, "mesh").map_err(|error| in_one_line(&error))
 }
 
 /// The mesh of a file's bytes; `ending` is the lower-case extension of its name.

@@ -2,8 +2,8 @@
 //!
 //! Everything that the import leaves out, changes or assumes, and everything that looks wrong, is reported as a [`Note`] with its
 //! line and a remedy. URDF values are read by this module and not by the crate `urdf-rs`, because that crate reports no line
-//! numbers, silently fills in missing values, and refuses files that simulators accept (docs/robots.md). MJCF is read by
-//! `mjcf-rs`, which resolves includes, defaults and angles.
+//! numbers, silently fills in missing values, and refuses files that simulators accept (docs/robots.md). MJCF is compiled
+//! as MuJoCo compiles it (docs/validation/compiled.md).
 //!
 //! ```
 //! use realgap_core::file::Source;
@@ -24,12 +24,9 @@
 mod assumption;
 mod driven;
 mod element;
-mod includes;
 mod mesh;
 mod mesh_file;
 mod mjcf;
-mod mjcf_actuator;
-mod mjcf_mass;
 mod note;
 mod package;
 mod tidy;
@@ -47,7 +44,7 @@ pub use note::{Note, NoteKind};
 
 use crate::morphology::body::{MAX_BODIES, Structure};
 use note::Notes;
-use realgap_core::confined::quietly;
+use realgap_core::confined::on_large_stack;
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{Source, XmlLimits, measure_xml};
 
@@ -126,7 +123,8 @@ pub fn is_foreign(path: &Path) -> bool {
 /// Text that is neither URDF nor MJCF; links that do not form a tree; physically impossible values. Every error names the file
 /// and, if it is known, the line.
 pub fn import(source: &Source, options: &Options) -> Result<Imported> {
-    quietly(|| read(source, options)).unwrap_or_else(|mishap| {
+    // Bodies may be nested as deep as a robot may be large, and the reader calls itself for each.
+    on_large_stack(|| read(source, options)).unwrap_or_else(|mishap| {
         Err(
             Error::invalid(format!("the robot cannot be imported: {mishap}"))
                 .at_file(source.path())
@@ -148,7 +146,7 @@ fn read(source: &Source, options: &Options) -> Result<Imported> {
     let mut lines = BTreeMap::new();
     let mut structure = match root.tag_name().name() {
         "robot" => urdf::read(place, root, options, &mut notes, &mut lines)?,
-        "mujoco" => mjcf::read(place, root, options, &mut notes)?,
+        "mujoco" => mjcf::read(source, &text, options, &mut notes)?,
         other => {
             let error = Error::invalid("neither a URDF nor an MJCF")
                 .found(format!("<{other}>"))

@@ -264,6 +264,7 @@ impl Robot<'_> {
             servo,
             gait: None,
             follows,
+            command: None,
         });
         Ok(())
     }

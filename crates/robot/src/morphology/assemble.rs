@@ -170,6 +170,7 @@ fn boxes(index: usize, module: &Module, placement: &Placement) -> impl Iterator<
             mass_kg,
             centre_of_mass_solid_m: centre_m - part.centre_m,
             inertia_kg_m2,
+            gravity_compensation: 0.0,
             collides: true,
         },
     )
@@ -194,6 +195,7 @@ fn plate_solid(
         mass_kg,
         centre_of_mass_solid_m: Vector3::zeros(),
         inertia_kg_m2: nalgebra::Matrix3::from_diagonal(&(moments * (mass_kg / 3.0))),
+        gravity_compensation: 0.0,
         collides,
     }
 }

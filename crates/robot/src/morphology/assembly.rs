@@ -7,6 +7,7 @@ use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, UnitQuaternion, V
 use serde::{Deserialize, Serialize};
 
 use super::absent::{is_unlimited, is_zero, limit, unlimited};
+use super::command_scale::CommandScale;
 use super::law::ServoLaw;
 use realgap_solid::Shape;
 
@@ -39,6 +40,8 @@ pub struct Solid {
     pub centre_of_mass_solid_m: Vector3<f64>,
     /// Inertia about the solid's own centre of mass, along its own axes, kg m².
     pub inertia_kg_m2: Matrix3<f64>,
+    /// Share of the weight that a force upwards at the centre of mass compensates.
+    pub gravity_compensation: f64,
     /// False if the solid has mass but takes part in no contacts (a plate with a module attached to it).
     pub collides: bool,
 }
@@ -86,6 +89,19 @@ impl Part {
     /// Mass of all its solids, kg.
     pub fn mass_kg(&self) -> f64 {
         self.solids.iter().map(|solid| solid.mass_kg).sum()
+    }
+
+    /// Mass whose weight is compensated, kg, and its centre of mass in the robot frame, metres; `None` if no weight is compensated.
+    pub fn compensated(&self) -> Option<(f64, Vector3<f64>)> {
+        let each = self.solids.iter().map(|solid| {
+            let centre = solid.robot_from_solid * Point3::from(solid.centre_of_mass_solid_m);
+            (solid.mass_kg * solid.gravity_compensation, centre.coords)
+        });
+        let (mass_kg, moment) = each
+            .fold((0.0, Vector3::zeros()), |(mass, moment), (kg, centre)| {
+                (mass + kg, moment + centre * kg)
+            });
+        (mass_kg != 0.0).then(|| (mass_kg, moment / mass_kg))
     }
 
     /// Mass properties of the cluster in a frame given by its pose: the sum over the solids, moved to the common
@@ -184,6 +200,8 @@ pub struct Actuator {
     pub servo: Servo,
     /// Open-loop command.
     pub gait: Gait,
+    /// How recorded commands become commands of the joint.
+    pub command: CommandScale,
 }
 
 /// Passive properties of a hinge. For a slide, read metres for radians and newtons for newton metres.

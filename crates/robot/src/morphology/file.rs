@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::assembly::{Actuator, Bearing, Gait, Servo};
 use super::attachment::Attachment;
+use super::command_scale::CommandScale;
 use super::face::Face;
 use super::flaw::{Checked, Flaw};
 use super::module::Module;
@@ -159,6 +160,7 @@ impl MorphologyFile {
                     (servo, gait) => Some(Actuator {
                         servo: required(servo, None, "servo", &at)?,
                         gait: gait.unwrap_or(Gait::hold(0.0)),
+                        command: CommandScale::default(),
                     }),
                 },
                 name: hinge.name,

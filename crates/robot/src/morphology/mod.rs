@@ -115,6 +115,7 @@ mod assembly;
 mod attachment;
 mod blueprint;
 pub mod body;
+mod command_scale;
 mod dynamics;
 mod face;
 mod file;
@@ -143,6 +144,7 @@ pub use assembly::{
 pub use attachment::Attachment;
 pub use blueprint::Blueprint;
 use blueprint::names;
+pub use command_scale::CommandScale;
 pub use dynamics::Dynamics;
 pub use face::Face;
 pub use law::ServoLaw;

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::assembly::{Actuator, Gait, Servo};
+use super::command_scale::CommandScale;
 use super::face::Face;
 use super::flaw::{Checked, Flaw};
 use super::module::{Drive, DriveAxis, Module, ModuleBox};
@@ -144,6 +145,7 @@ impl ModuleFile {
                 actuator: Actuator {
                     servo: required(servo, defaults.servo, "servo", at)?,
                     gait: gait.unwrap_or(Gait::hold(0.0)),
+                    command: CommandScale::default(),
                 },
             }),
         };

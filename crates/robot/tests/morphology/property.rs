@@ -6,8 +6,8 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 use realgap_core::file::Source;
 use realgap_robot::morphology::{
-    Actuator, Assembly, Attachment, Blueprint, Drive, DriveAxis, Face, Gait, Module, Morphology,
-    Plate, Role, Servo, ServoLaw,
+    Actuator, Assembly, Attachment, Blueprint, CommandScale, Drive, DriveAxis, Face, Gait, Module,
+    Morphology, Plate, Role, Servo, ServoLaw,
 };
 
 /// Random numbers for one step of growing a robot: they select module, faces and drive.
@@ -71,6 +71,7 @@ fn module(index: usize, seed: &Seed) -> Module {
                 frequency_hz: 1.0 / 3.0,
                 phase_rad: angle / 7.0,
             },
+            command: CommandScale::default(),
         },
     });
     module

@@ -7,7 +7,9 @@ use super::robot::{Robot, origin_robot_m, quaternion, seen_from};
 use super::xml::{Element, numbers, vector};
 use crate::servo::speed_damping_nm_s_rad;
 use realgap_core::warning::{Code, Warning};
-use realgap_robot::morphology::{Actuator, Freedom, Hinge, Motor, Servo, ServoLaw, Shape, Solid};
+use realgap_robot::morphology::{
+    Actuator, CommandScale, Freedom, Hinge, Motor, Part, Servo, ServoLaw, Shape, Solid,
+};
 
 /// MuJoCo's XML.
 pub(super) struct Mjcf;
@@ -90,7 +92,7 @@ impl Format for Mjcf {
                 );
             }
             for (hinge, driven) in robot.driven_hinges() {
-                actuator.push(motor(&hinge.name, &driven.servo));
+                actuator.push(motor(&hinge.name, driven));
             }
             root.push(contact);
             if robot.has_servos() {
@@ -118,6 +120,16 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
     if robot.assembly.is_compliant() {
         warnings
             .push(Code::SpringNotExported.warning("the compliance of bearings (hinge.bearing_hz)"));
+    }
+    // MuJoCo compensates weight at the centre of mass of a whole body.
+    let is_aside = |part: &Part| {
+        let centre_m = part.mass(&nalgebra::Isometry3::identity()).centre_m;
+        (part.compensated()).is_some_and(|(_, place_m)| (place_m - centre_m).norm() > 1e-9)
+    };
+    if robot.assembly.parts.iter().any(is_aside) {
+        warnings.push(Code::CompensationNotExported.warning(
+            "the place where the compensation of weight acts: it acts at the centre of mass of each part",
+        ));
     }
     if robot.has_servos() {
         warnings.push(Code::GaitNeedsProgram.warning(
@@ -148,7 +160,7 @@ fn custom(robot: &Robot<'_>) -> Element {
         "body_length_m".to_owned(),
         numbers([robot.assembly.body_length_m]),
     ));
-    for (hinge, Actuator { servo, gait }) in robot.driven_hinges() {
+    for (hinge, Actuator { servo, gait, .. }) in robot.driven_hinges() {
         let name = &hinge.name;
         custom.push(numeric(
             format!("gait_{name}"),
@@ -257,6 +269,9 @@ fn body(robot: &Robot<'_>, part: usize, hinges: &[&Hinge]) -> Element {
     }
     let origin_m = origin_robot_m(cluster);
     let mut element = Element::new("body").with("name", name_of(robot, part));
+    if let Some((compensated_kg, _)) = cluster.compensated() {
+        element = element.with("gravcomp", numbers([compensated_kg / cluster.mass_kg()]));
+    }
     match hinges.first() {
         None if robot.assembly.world_from_mount.is_some() => {
             let mount = robot.assembly.world_from_mount.unwrap_or_default();
@@ -410,23 +425,37 @@ fn geom(robot: &Robot<'_>, solid: &Solid, origin_robot_m: &Vector3<f64>) -> Elem
     }
 }
 
-fn spring(motor: Element, stiffness_nm_rad: f64, damping_nm_s_rad: f64) -> Element {
-    motor.with("gainprm", numbers([stiffness_nm_rad])).with(
+/// A spring whose command is in the actuator's own unit.
+fn spring(
+    motor: Element,
+    stiffness_nm_rad: f64,
+    damping_nm_s_rad: f64,
+    command: &CommandScale,
+) -> Element {
+    let offset_nm = stiffness_nm_rad * command.offset;
+    let factor = stiffness_nm_rad * command.factor;
+    motor.with("gainprm", numbers([factor])).with(
         "biasprm",
-        numbers([0.0, -stiffness_nm_rad, -damping_nm_s_rad]),
+        numbers([offset_nm, -stiffness_nm_rad, -damping_nm_s_rad]),
     )
 }
 
-fn motor(name: &str, servo: &Servo) -> Element {
+fn motor(name: &str, Actuator { servo, command, .. }: &Actuator) -> Element {
     let stall_nm = servo.law.motor().map_or(f64::INFINITY, Motor::stall_nm);
     let most_nm = servo.max_torque_nm.min(stall_nm);
     let limit = numbers([-most_nm, most_nm]);
-    let motor = Element::new("general")
+    let mut motor = Element::new("general")
         .with("name", name)
         .with("joint", name)
         .with("forcerange", limit)
         .with("gaintype", "fixed")
         .with("biastype", "affine");
+    if let (Some((low, high)), false) = (
+        command.range,
+        matches!(servo.law, ServoLaw::Velocity { .. }),
+    ) {
+        motor = motor.with("ctrlrange", numbers([low, high]));
+    }
     match servo.law {
         ServoLaw::Velocity { .. } => {
             let top_rad_s = servo.max_speed_rad_s;
@@ -443,9 +472,16 @@ fn motor(name: &str, servo: &Servo) -> Element {
         ServoLaw::Torque {
             stiffness_nm_rad,
             damping_nm_s_rad,
-        } => spring(motor, stiffness_nm_rad, damping_nm_s_rad),
+        } => spring(motor, stiffness_nm_rad, damping_nm_s_rad, command),
         // The limit of the duty is not exported, except for the torque at standstill.
-        ServoLaw::Motor(law) => spring(motor, law.stiffness_nm_rad(), law.damping_nm_s_rad()),
-        ServoLaw::Direct => motor.with("gainprm", "1").with("biasprm", "0 0 0"),
+        ServoLaw::Motor(law) => spring(
+            motor,
+            law.stiffness_nm_rad(),
+            law.damping_nm_s_rad(),
+            command,
+        ),
+        ServoLaw::Direct => motor
+            .with("gainprm", numbers([command.factor]))
+            .with("biasprm", numbers([command.offset, 0.0, 0.0])),
     }
 }

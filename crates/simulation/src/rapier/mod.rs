@@ -1,5 +1,6 @@
 //! The engine Rapier, the default and the reference for all results: rigid bodies, multibodies, impulse joints and contacts.
 
+mod compensation;
 mod driven;
 mod friction;
 mod hook;
@@ -19,6 +20,7 @@ use super::kinematics::{Turn, joint_turns, robot_from_part_at_zero};
 use super::motor::Effort;
 use super::part_state::PartState;
 use super::servo::Command;
+use compensation::Compensation;
 use friction::Friction;
 use hook::{Hooks, module_mark};
 use joint::{JointFrame, RapierJoint, rotor_inertia_kg_m2};
@@ -134,6 +136,7 @@ struct RapierWorld {
     hooks: Hooks,
     /// Bodies of the scene, in its order.
     scene: Vec<RigidBodyHandle>,
+    compensations: Vec<Compensation>,
 }
 
 impl RapierWorld {
@@ -169,6 +172,7 @@ impl RapierWorld {
                 ..Hooks::default()
             },
             scene: Vec::new(),
+            compensations: Vec::new(),
         };
         world.lay_floor(experiment);
         let kind = experiment.joint_kind();
@@ -196,6 +200,7 @@ impl RapierWorld {
                 &mass,
             );
         }
+        world.compensations = Compensation::of(assembly, &world.parts);
         for (hinge, joint) in assembly.hinges.iter().zip(joints) {
             let parent_from_robot = robot_from_part_at_zero(assembly, hinge.parent_part).inverse();
             let anchor_parent_m = parent_from_robot * nalgebra::Point3::from(hinge.anchor_robot_m);
@@ -367,6 +372,7 @@ impl World for RapierWorld {
             joint_of_hinge.brake(&mut self.impulse_joints, &self.bodies);
             joint_of_hinge.spring(&mut self.bodies, &self.parameters);
         }
+        Compensation::push(&self.compensations, &mut self.bodies, -self.gravity.z);
         self.pipeline.step(
             self.gravity,
             &self.parameters,
@@ -385,6 +391,7 @@ impl World for RapierWorld {
         for joint_of_hinge in &self.joints_of_hinges {
             joint_of_hinge.reset_forces(&mut self.bodies);
         }
+        Compensation::reset(&self.compensations, &mut self.bodies);
     }
 
     fn part(&self, part: usize) -> (Isometry3<f64>, Vector3<f64>, Vector3<f64>) {

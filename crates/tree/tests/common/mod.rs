@@ -25,6 +25,7 @@ pub fn block(mass_kg: f64, size_m: Vec3, friction: f64, pose: Pose) -> Link {
         mass_kg,
         centre_link_m: Vec3::ZERO,
         inertia_link_kg_m2: box_inertia(mass_kg, size_m),
+        compensated: (0.0, Vec3::ZERO),
         colliders: vec![Collider::new(
             SharedShape::cuboid(half.x, half.y, half.z),
             friction,
@@ -92,6 +93,7 @@ pub fn rod(attachment: Attachment) -> Link {
         mass_kg: 1.0,
         centre_link_m: Vec3::new(0.0, 0.0, -0.5),
         inertia_link_kg_m2: Mat3::from_diagonal(Vec3::new(1.0 / 12.0, 1.0 / 12.0, 1e-4)),
+        compensated: (0.0, Vec3::ZERO),
         colliders: Vec::new(),
     }
 }
@@ -104,6 +106,7 @@ pub fn mount() -> Link {
         mass_kg: 0.0,
         centre_link_m: Vec3::ZERO,
         inertia_link_kg_m2: Mat3::ZERO,
+        compensated: (0.0, Vec3::ZERO),
         colliders: Vec::new(),
     }
 }

@@ -105,6 +105,7 @@ impl AssemblyBuilder<'_> {
             mass_kg,
             centre_of_mass_solid_m: centre_m,
             inertia_kg_m2,
+            gravity_compensation: body.gravity_compensation,
             collides: false,
         });
         for (number, piece) in body.shapes.iter().enumerate() {
@@ -118,6 +119,7 @@ impl AssemblyBuilder<'_> {
                 mass_kg: 0.0,
                 centre_of_mass_solid_m: Vector3::zeros(),
                 inertia_kg_m2: Matrix3::zeros(),
+                gravity_compensation: 0.0,
                 collides: true,
             });
         }
@@ -222,7 +224,9 @@ impl AssemblyBuilder<'_> {
             let actuator = Actuator {
                 servo: driver.servo,
                 gait: driver.gait.unwrap_or(Gait::hold(rest_rad)),
+                command: driver.command.unwrap_or_default(),
             };
+            actuator.command.check(&format!("{at}.command"))?;
             check_actuator(&actuator, &at)?;
             driven.push((hinge, actuator));
         }

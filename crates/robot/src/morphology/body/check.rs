@@ -57,6 +57,10 @@ pub(super) fn check_pose(pose: &Pose, at: &str) -> Checked<()> {
 pub(super) fn check_body(body: &Body, at: &str) -> Checked<()> {
     check_name(&body.name, "a body", &format!("{at}.name"))?;
     Range::within(0.0, 1e6, "kg").check(body.mass_kg, &format!("{at}.mass_kg"))?;
+    Range::within(-100.0, 100.0, "").check(
+        body.gravity_compensation,
+        &format!("{at}.gravity_compensation"),
+    )?;
     if let Some(centre_m) = body.centre_of_mass_m {
         check_place(centre_m, &format!("{at}.centre_of_mass_m"))?;
     }

@@ -41,6 +41,7 @@ use serde::{Deserialize, Serialize};
 
 use super::absent::is_zero;
 use super::assembly::{Assembly, Gait, Servo, Solid};
+use super::command_scale::CommandScale;
 use super::module::Module;
 use realgap_core::file::Source;
 
@@ -105,6 +106,9 @@ pub struct Body {
     /// Inertia about the centre of mass, along the body's axes; by default that of uniform shapes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inertia_kg_m2: Option<Tensor>,
+    /// Share of the body's weight that a force upwards at its centre of mass compensates: 0 for none, 1 for a body that floats.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub gravity_compensation: f64,
     /// The collision shapes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub shapes: Vec<Piece>,
@@ -310,6 +314,10 @@ pub struct Driver {
     /// Another actuated joint whose command this actuator copies, instead of a gait.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub follows: Option<Follow>,
+    /// How recorded commands become commands of the joint, for actuators whose commands are in other units, e.g. those of a motor
+    /// before its gear.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub command: Option<CommandScale>,
 }
 
 /// How a joint copies the command of another one.
