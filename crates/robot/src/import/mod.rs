@@ -110,10 +110,11 @@ pub struct Imported {
     pub lines: BTreeMap<String, usize>,
 }
 
-/// Whether the extension of a file is that of a URDF or MJCF file.
+/// Whether the extension of a file is that of a URDF or MJCF file, or of a file that can be turned into one.
 pub fn is_foreign(path: &Path) -> bool {
     path.extension().is_some_and(|ending| {
-        ["urdf", "xml", "mjcf"].contains(&ending.to_string_lossy().to_lowercase().as_str())
+        ["urdf", "xml", "mjcf", "xacro", "sdf"]
+            .contains(&ending.to_string_lossy().to_lowercase().as_str())
     })
 }
 
@@ -143,15 +144,25 @@ fn read(source: &Source, options: &Options) -> Result<Imported> {
         source,
         ends: &ends,
     };
+    refuse_xacro(place, root)?;
     let mut lines = BTreeMap::new();
     let mut structure = match root.tag_name().name() {
         "robot" => urdf::read(place, root, options, &mut notes, &mut lines)?,
         "mujoco" => mjcf::read(source, &text, options, &mut notes)?,
         other => {
+            let hint = match other {
+                "sdf" => {
+                    "an SDF is turned into a URDF by the converter of its makers: gz sdf -p FILE.sdf checks it and writes it in full, and `sdformat_urdf` or MuJoCo's `sdf2mjcf` converts it"
+                }
+                "mujocoinclude" => {
+                    "this file is a part that others include: read the file that includes it"
+                }
+                _ => "URDF begins with <robot>, MJCF with <mujoco>",
+            };
             let error = Error::invalid("neither a URDF nor an MJCF")
                 .found(format!("<{other}>"))
                 .allowed("<robot>, <mujoco>")
-                .hint("a xacro file is turned into a URDF by: xacro FILE; SDF and mujocoinclude are not read");
+                .hint(hint);
             return Err(place.at(root, error));
         }
     };
@@ -161,6 +172,24 @@ fn read(source: &Source, options: &Options) -> Result<Imported> {
         notes: notes.sorted(),
         lines,
     })
+}
+
+/// Refuses a URDF with macros: its elements would be left out, and the rest would be another robot.
+fn refuse_xacro(place: element::XmlSource<'_>, root: roxmltree::Node<'_, '_>) -> Result<()> {
+    // `readable` replaces the colon of a prefix that is not declared.
+    let is_macro = |node: &roxmltree::Node<'_, '_>| {
+        let tag = node.tag_name();
+        let is_declared = tag.namespace().is_some_and(|space| space.contains("xacro"));
+        node.is_element() && (is_declared || tag.name().starts_with("xacro_"))
+    };
+    let Some(node) = root.descendants().find(is_macro) else {
+        return Ok(());
+    };
+    let error = Error::invalid("the file contains macros of xacro")
+        .found(format!("<{}>", node.tag_name().name()))
+        .allowed("a URDF whose macros are expanded")
+        .hint("expand it: `xacro FILE.xacro > FILE.urdf`, a program of ROS (also `pip install xacro`)");
+    Err(place.at(node, error))
 }
 
 /// The text with its comments replaced by blanks: many comments contain `--`, which XML forbids and other readers accept.
