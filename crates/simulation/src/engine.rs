@@ -141,7 +141,7 @@ impl EngineChoice {
 
     /// The engine for a robot whose file and user choose none: the tree solver for a robot of bodies with more than
     /// [`JointFormulation::MOST_HINGES`] joints, else Rapier. Such a robot has multibody joints in Rapier, whose cost grows with the cube of
-    /// the number of joints, and in the tree solver in proportion to it (docs/validation/joints.md).
+    /// the number of joints, and in the tree solver in proportion to it (docs/design.md).
     pub fn suited_to(assembly: &Assembly) -> Self {
         let is_long = !assembly.is_modular
             && assembly.hinges.len() > JointFormulation::MOST_HINGES

@@ -8,9 +8,9 @@ use realgap_robot::morphology::Role;
 /// Smallest number of steps per period of a gait.
 const STEPS_A_PERIOD: f64 = 10.0;
 /// CPU time for one simulated second of a chain of [`JointFormulation::MOST_HINGES`] multibody joints in Rapier with the usual steps,
-/// seconds, and the exponent with which it grows with the number of joints (docs/validation/joints.md).
-const DOZEN_S: f64 = 0.2;
-const GROWTH: f64 = 2.4;
+/// seconds, and the exponent with which it grows with the number of joints (docs/design.md).
+const DOZEN_S: f64 = 0.04;
+const GROWTH: f64 = 2.6;
 
 impl Experiment {
     /// Warnings about settings that can be simulated but give meaningless results: a gait that is faster than the steps can
@@ -97,6 +97,8 @@ fn two_digits(number: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use realgap_core::file::Source;
+    use realgap_robot::import::Options;
     use realgap_robot::morphology::Morphology;
 
     fn codes(experiment: &Experiment) -> Vec<Code> {
@@ -131,5 +133,32 @@ mod tests {
         assert_eq!(codes(&experiment), []);
         experiment.adjustment.frequency_scale = 1.01;
         assert!(codes(&experiment).contains(&Code::GaitTooFast));
+    }
+
+    #[test]
+    fn a_robot_of_many_joints_gets_the_tree_solver_and_a_warning_where_rapier_is_chosen() {
+        let of = |joints: usize| {
+            let mut text = String::from(r#"<robot name="r"><link name="l0"/>"#);
+            for k in 1..=joints {
+                text += &format!(
+                    r#"<link name="l{k}"><inertial><mass value="0.1"/><inertia ixx="1e-4" iyy="1e-4" izz="1e-4"/></inertial></link>
+                    <joint name="j{k}" type="continuous"><origin xyz="0 0 0.1"/><parent link="l{}"/><child link="l{k}"/></joint>"#,
+                    k - 1
+                );
+            }
+            let source = Source::new("r.urdf", text + "</robot>");
+            let (robot, _) = Morphology::import(&source, &Options::default()).unwrap();
+            Experiment::new(robot.assemble())
+        };
+        assert_eq!(of(12).engine().name(), "rapier");
+        let mut long = of(13);
+        assert_eq!(long.engine().name(), "tree");
+        assert_eq!(codes(&long), []);
+        // Settings that only Rapier has lead to Rapier, and the chosen engine is never replaced silently.
+        long.solver.joint = JointFormulation::Impulse;
+        assert_eq!(long.engine().name(), "rapier");
+        long.solver.joint = JointFormulation::Auto;
+        long.solver.engine = EngineChoice::default();
+        assert_eq!(codes(&long), [Code::SlowJoints]);
     }
 }
