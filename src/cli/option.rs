@@ -89,7 +89,7 @@ pub const JOINTS: &[Choice<JointFormulation>] = &[
     (
         "auto",
         JointFormulation::Auto,
-        "Multibody where a light part carries a heavy one; impulse otherwise, and for more than 12 hinges",
+        "Multibody for robots of bodies, and for cubes where a light part carries a heavy one in at most 12 hinges; impulse otherwise",
     ),
     (
         "multibody",
@@ -312,7 +312,7 @@ pub struct Values {
     /// Take parameters from a file such as the `best.ron` of a sweep (repeatable)
     #[arg(long = "parameters", help_heading = VALUES, value_name = "FILE")]
     parameters: Vec<PathBuf>,
-    /// Physics engine by name, the same as --set solver.engine [default: rapier, unless the file says otherwise]
+    /// Physics engine by name, the same as --set solver.engine [default: tree for a robot of bodies with more than 12 joints, rapier for others, unless the file says otherwise]
     #[arg(long, help_heading = VALUES, value_name = "NAME", value_parser = engine)]
     engine: Option<Assignment>,
 }

@@ -3,8 +3,8 @@
 use realgap::file::Source;
 use realgap::report::SIMULATION;
 use realgap::simulation::{
-    Controller, Divergence, EnergyBalance, Film, Outcome, Run, Sampling, SceneBody, film_with,
-    run_with,
+    Controller, Divergence, EnergyBalance, EngineChoice, Film, Outcome, Run, Sampling, SceneBody,
+    film_with, run_with,
 };
 use realgap::trajectory;
 use realgap::unit::decimals;
@@ -329,6 +329,12 @@ impl Simulate {
             "  cost              {:.3} s CPU, {} steps + {} to settle, {times_real:.0} x real time",
             cpu_s, run.steps, run.settle_steps
         ));
+        if experiment.solver.engine != EngineChoice::default() {
+            lines.push(format!(
+                "  engine            {}",
+                experiment.engine_version()
+            ));
+        }
         if let (Some(output), Some(motion)) = (&self.output, run.outcome.get()) {
             lines.push(format!(
                 "  written           {} ({} samples)",

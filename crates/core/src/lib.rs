@@ -1,5 +1,6 @@
 //! Shared foundations of every realgap crate: errors, warnings, units, random number streams, statistics and file access.
 
+pub mod confined;
 mod declaration;
 pub mod error;
 pub mod file;

@@ -169,6 +169,7 @@ codes! {
     SeveralSessions "several-sessions" "Several sessions of a log are fitted together." "fit each session by itself";
     ShortRecording "short-recording" "A recording is shorter than the study." "record longer, or shorten `duration_s` of the study";
     ShorterSimulation "shorter-simulation" "A simulation ends before its recording." "simulate as long as the recording";
+    SlowJoints "slow-joints" "A robot has so many multibody joints that Rapier takes long." "choose the engine tree, whose time grows in proportion to the number of joints";
     SolverNotExported "solver-not-exported" "A format cannot store the solver's settings." "set timestep and solver by hand in the other simulator";
     SpeedLimitInvented "speed-limit-invented" "A format requires a speed limit, and the robot has none." "check the speed limit in the written file";
     Spike "spike" "A position or an angle leaves its path for a few samples and returns." "leave these samples out, or record again";

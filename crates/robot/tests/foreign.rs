@@ -472,3 +472,51 @@ fn mjcf_resolves_defaults_angles_and_densities() {
     );
     assert!(has_note(&notes, NoteKind::Assumed, "torques as commands"));
 }
+
+#[test]
+fn the_heaviest_body_with_a_free_joint_is_the_robot_and_what_stands_beside_it_is_said() {
+    let text = r#"<mujoco><worldbody><geom type="plane" size="5 5 .1"/>
+        <body name="target" mocap="true" pos="1 0 .5"><geom size=".02" contype="0" conaffinity="0"/></body>
+        <body name="puck" pos="1 1 .1"><freejoint/><geom size=".05" mass="0.1"/></body>
+        <body name="rover" pos="0 0 .5"><freejoint/><geom type="box" size=".1 .1 .05" mass="1"/>
+            <body name="arm"><joint axis="0 1 0"/><geom size=".03" mass="0.2"/></body></body>
+        </worldbody></mujoco>"#;
+    let (assembly, notes) = import("two.xml", text);
+    assert!(assembly.world_from_mount.is_none());
+    assert_eq!(assembly.module_names, ["rover", "arm"]);
+    assert!(
+        has_note(&notes, NoteKind::LeftOut, "`target`, `puck`"),
+        "{notes:?}"
+    );
+}
+
+#[test]
+fn a_held_hand_does_not_start_inside_the_floor() {
+    let text = r#"<mujoco><worldbody><body name="palm"><geom type="box" size=".05 .05 .05" mass="1"/>
+        <body name="finger" pos="0 0 -.05"><joint name="j" axis="0 1 0"/><geom type="capsule" fromto="0 0 0 0 0 -.1" size=".01" mass=".1"/></body></body></worldbody>
+        <actuator><position joint="j" kp="2"/></actuator></mujoco>"#;
+    let (assembly, notes) = import("hand.xml", text);
+    let height_m = assembly.world_from_mount.unwrap().translation.z;
+    assert!(height_m > 0.16, "{height_m}");
+    assert!(
+        has_note(&notes, NoteKind::Assumed, "160.0 mm below the floor"),
+        "{notes:?}"
+    );
+    let (assembly, _) = import(
+        "arm.xml",
+        &text.replace("name=\"palm\"", "name=\"palm\" pos=\"0 0 1\""),
+    );
+    assert_eq!(assembly.world_from_mount.unwrap().translation.z, 0.0);
+}
+
+#[test]
+fn xacro_and_sdf_are_refused_with_the_command_that_converts_them() {
+    let declared = r#"<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
+        <xacro:property name="a" value="1"/><link name="l"/></robot>"#;
+    let bare = r#"<robot name="r"><xacro:macro name="a"/><link name="l"/></robot>"#;
+    for text in [declared, bare] {
+        let said = refusal(text);
+        assert!(said.contains("xacro FILE.xacro > FILE.urdf"), "{said}");
+    }
+    assert!(refusal("<sdf version='1.9'><model name='m'/></sdf>").contains("gz sdf -p"));
+}

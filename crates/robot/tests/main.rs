@@ -6,5 +6,6 @@ mod common;
 mod compiled;
 mod foreign;
 mod genome;
+mod limits;
 mod morphology;
 mod urdf;

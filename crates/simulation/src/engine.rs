@@ -4,7 +4,7 @@ use std::fmt;
 
 use nalgebra::{Isometry3, Vector3};
 
-use super::experiment::{Experiment, JointState};
+use super::experiment::{Experiment, JointFormulation, JointState};
 use super::motor::Effort;
 use super::part_state::PartState;
 use super::rapier::RAPIER;
@@ -144,6 +144,19 @@ impl EngineChoice {
     /// Any engine, including one that is implemented outside of this crate.
     pub const fn new(engine: &'static dyn Engine) -> Self {
         Self(engine)
+    }
+
+    /// The engine for a robot whose file and user choose none: the tree solver for a robot of bodies with more than
+    /// [`JointFormulation::MOST_HINGES`] joints, else Rapier. Such a robot has multibody joints in Rapier, whose cost grows with the cube of
+    /// the number of joints, and in the tree solver in proportion to it (docs/design.md).
+    pub fn suited_to(assembly: &Assembly) -> Self {
+        let is_long = !assembly.is_modular
+            && assembly.hinges.len() > JointFormulation::MOST_HINGES
+            && !assembly.is_compliant();
+        match is_long {
+            true => Self(&TREE),
+            false => Self::default(),
+        }
     }
 
     /// The second engine besides the reference: the tree solver, if it is in the list.

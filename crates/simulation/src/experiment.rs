@@ -334,8 +334,13 @@ pub struct Experiment {
 }
 
 impl Experiment {
-    /// An experiment with all defaults: settled start, 10 s, 60 samples per second.
+    /// An experiment with all defaults: settled start, 10 s, 60 samples per second, and the engine that suits the robot
+    /// ([`EngineChoice::suited_to`]).
     pub fn new(assembly: Assembly) -> Self {
+        let solver = Solver {
+            engine: EngineChoice::suited_to(&assembly),
+            ..Solver::default()
+        };
         Self {
             records_joints: assembly.hinges.iter().any(|hinge| hinge.is_stated),
             assembly: Arc::new(assembly),
@@ -352,7 +357,7 @@ impl Experiment {
             duration_s: 10.0,
             sampling: Sampling::Rate(60.0),
             mount: None,
-            solver: Solver::default(),
+            solver,
             contact: Contact::default(),
             adjustment: Adjustment::default(),
             hinge_adjustments: Vec::new(),

@@ -10,8 +10,8 @@ use realgap_tree::{
     Attachment, Collider, Cone, Fixture, Joint, JointType, Link, Model, Partner, Settings,
 };
 
-use super::engine::{Engine, Load, Setup, World};
-use super::experiment::{Experiment, FrictionModel};
+use super::engine::{Engine, EngineChoice, Load, Setup, World};
+use super::experiment::{Experiment, FrictionModel, JointFormulation};
 use super::kinematics::{compensated, joint_turns, robot_from_part_at_zero};
 use super::motor::Effort;
 use super::mount::held;
@@ -45,10 +45,19 @@ impl Engine for Tree {
         if experiment.vehicle.is_some() {
             return Some("a vehicle is not a tree of links".to_owned());
         }
-        experiment
-            .assembly
-            .is_compliant()
-            .then(|| "its hinges cannot be compliant (hinge.bearing_hz)".to_owned())
+        if experiment.assembly.is_compliant() {
+            return Some("its hinges cannot be compliant (hinge.bearing_hz)".to_owned());
+        }
+        // Nobody needs to have chosen this engine for such a robot, so that settings of Rapier count as a choice of Rapier.
+        let solver = &experiment.solver;
+        let asks_for_rapier = solver.joint == JointFormulation::Impulse
+            || solver.relaxations > 0
+            || experiment.contact.friction_model == FrictionModel::Simplified;
+        let is_suited = EngineChoice::suited_to(&experiment.assembly) != EngineChoice::default();
+        (asks_for_rapier && is_suited).then(|| {
+            "it has no impulse joints, relaxations or simplified friction (solver.joint, solver.relaxations, contact.friction_model)"
+                .to_owned()
+        })
     }
 
     fn build(&self, setup: &Setup<'_>) -> Result<Box<dyn World>> {

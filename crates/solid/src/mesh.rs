@@ -1,15 +1,11 @@
-//! Reads meshes from files, and decomposes them into nearly convex parts.
-
-use std::path::Path;
+//! Triangle meshes, and their decomposition into nearly convex parts.
 
 use nalgebra::Vector3;
 use parry3d_f64::math::Vector;
 use parry3d_f64::transformation::vhacd::{VHACD, VHACDParameters};
 
-/// The size of the largest mesh that is read, bytes: a million triangles of binary STL are 50 MB.
-const MAX_BYTES: u64 = 64_000_000;
-
 /// A triangle mesh, as its file describes it.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
     vertices: Vec<Vector3<f64>>,
     triangles: Vec<[u32; 3]>,
@@ -18,38 +14,6 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Reads a mesh from a file, and multiplies its coordinates by `scale`.
-    ///
-    /// # Errors
-    /// The reason why the file cannot be read, as text.
-    pub fn read(path: &Path, scale: &Vector3<f64>) -> Result<Self, String> {
-        let bytes = std::fs::metadata(path).map_err(|e| e.to_string())?.len();
-        if bytes > MAX_BYTES {
-            return Err(format!(
-                "it has {bytes} bytes; at most {MAX_BYTES} bytes are read"
-            ));
-        }
-        let ending = path.extension().unwrap_or_default().to_string_lossy();
-        if !["stl", "obj", "dae"].contains(&ending.to_lowercase().as_str()) {
-            return Err(format!("`{ending}` is no supported file format of meshes"));
-        }
-        // The external crate may panic on a broken file; a panic is reported as an error of the file.
-        let scene = std::panic::catch_unwind(|| mesh_loader::Loader::default().load(path))
-            .map_err(|_| "it cannot be read".to_owned())?
-            .map_err(|e| e.to_string())?;
-        let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
-        for mesh in &scene.meshes {
-            let before = vertices.len() as u32;
-            let all = mesh
-                .vertices
-                .iter()
-                .map(|v| Vector3::from(v.map(f64::from)));
-            vertices.extend(all.map(|vertex| vertex.component_mul(scale)));
-            triangles.extend((mesh.faces.iter()).map(|face| face.map(|corner| before + corner)));
-        }
-        Self::of(vertices, triangles)
-    }
-
     /// A mesh of these vertices and the triangles between them; there may be no triangles.
     ///
     /// # Errors
@@ -57,6 +21,13 @@ impl Mesh {
     pub fn of(vertices: Vec<Vector3<f64>>, triangles: Vec<[u32; 3]>) -> Result<Self, String> {
         if !vertices.iter().flatten().all(|v| v.is_finite()) {
             return Err("it has coordinates that are not finite numbers".to_owned());
+        }
+        if triangles
+            .iter()
+            .flatten()
+            .any(|&at| at as usize >= vertices.len())
+        {
+            return Err("a triangle names a corner that the mesh does not have".to_owned());
         }
         let corners = each_once(vertices.clone());
         if corners.len() < 3 {

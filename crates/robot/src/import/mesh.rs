@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::note::Notes;
 use crate::morphology::body::{Form, Triple};
+use realgap_core::confined::quietly;
 use realgap_solid::{Mesh, Shape, bounds, simplified, uniform};
 
 /// A hull that is thinner than this is replaced by a plate of this thickness, metres.
@@ -19,7 +20,8 @@ pub(super) fn forms(
     line: Option<usize>,
     notes: &mut Notes,
 ) -> Vec<(Form, Vector3<f64>)> {
-    let parts = mesh.parts(most);
+    // The decomposition may panic on torn meshes; the hull of the whole mesh is used then.
+    let parts = quietly(|| mesh.parts(most)).unwrap_or_default();
     match parts.len() {
         0..=1 => vec![hull(&mesh.corners, name, line, notes)],
         _ => (parts.iter())

@@ -25,6 +25,7 @@ mod assumption;
 mod driven;
 mod element;
 mod mesh;
+mod mesh_file;
 mod mjcf;
 mod note;
 mod package;
@@ -41,10 +42,30 @@ use roxmltree::Document;
 pub use assumption::AssumedLaw;
 pub use note::{Note, NoteKind};
 
-use crate::morphology::body::Structure;
+use crate::morphology::body::{MAX_BODIES, Structure};
 use note::Notes;
+use realgap_core::confined::on_large_stack;
 use realgap_core::error::{Error, Result};
-use realgap_core::file::Source;
+use realgap_core::file::{Source, XmlLimits, measure_xml};
+
+/// The largest sizes of a robot's XML: a body may lie in each of the bodies before it, in a few elements around all.
+const ROBOT: XmlLimits = XmlLimits {
+    depth: MAX_BODIES + 24,
+    elements: 200_000,
+    attributes: 256,
+};
+/// The largest number of shapes of a robot.
+const MOST_SHAPES: usize = 20_000;
+
+/// Refuses a robot with more of something than is read.
+fn refuse_count(what: &str, found: usize, most: usize) -> Result<()> {
+    if found <= most {
+        return Ok(());
+    }
+    Err(Error::invalid(format!("a robot with too many {what}"))
+        .found(found)
+        .allowed(format!("at most {most}")))
+}
 
 /// Settings of an import, in addition to the robot's file.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -89,10 +110,11 @@ pub struct Imported {
     pub lines: BTreeMap<String, usize>,
 }
 
-/// Whether the extension of a file is that of a URDF or MJCF file.
+/// Whether the extension of a file is that of a URDF or MJCF file, or of a file that can be turned into one.
 pub fn is_foreign(path: &Path) -> bool {
     path.extension().is_some_and(|ending| {
-        ["urdf", "xml", "mjcf"].contains(&ending.to_string_lossy().to_lowercase().as_str())
+        ["urdf", "xml", "mjcf", "xacro", "sdf"]
+            .contains(&ending.to_string_lossy().to_lowercase().as_str())
     })
 }
 
@@ -102,6 +124,17 @@ pub fn is_foreign(path: &Path) -> bool {
 /// Text that is neither URDF nor MJCF; links that do not form a tree; physically impossible values. Every error names the file
 /// and, if it is known, the line.
 pub fn import(source: &Source, options: &Options) -> Result<Imported> {
+    // Bodies may be nested as deep as a robot may be large, and the reader calls itself for each.
+    on_large_stack(|| read(source, options)).unwrap_or_else(|mishap| {
+        Err(
+            Error::invalid(format!("the robot cannot be imported: {mishap}"))
+                .at_file(source.path())
+                .hint("please report this file: an import should never fail in this way"),
+        )
+    })
+}
+
+fn read(source: &Source, options: &Options) -> Result<Imported> {
     let mut notes = Notes::default();
     let text = readable(source, &mut notes)?;
     let document = Document::parse(&text).map_err(|error| not_xml(source, &error))?;
@@ -111,15 +144,25 @@ pub fn import(source: &Source, options: &Options) -> Result<Imported> {
         source,
         ends: &ends,
     };
+    refuse_xacro(place, root)?;
     let mut lines = BTreeMap::new();
     let mut structure = match root.tag_name().name() {
         "robot" => urdf::read(place, root, options, &mut notes, &mut lines)?,
         "mujoco" => mjcf::read(source, &text, options, &mut notes)?,
         other => {
+            let hint = match other {
+                "sdf" => {
+                    "an SDF is turned into a URDF by the converter of its makers: gz sdf -p FILE.sdf checks it and writes it in full, and `sdformat_urdf` or MuJoCo's `sdf2mjcf` converts it"
+                }
+                "mujocoinclude" => {
+                    "this file is a part that others include: read the file that includes it"
+                }
+                _ => "URDF begins with <robot>, MJCF with <mujoco>",
+            };
             let error = Error::invalid("neither a URDF nor an MJCF")
                 .found(format!("<{other}>"))
                 .allowed("<robot>, <mujoco>")
-                .hint("a xacro file is turned into a URDF by: xacro FILE; SDF and mujocoinclude are not read");
+                .hint(hint);
             return Err(place.at(root, error));
         }
     };
@@ -129,6 +172,24 @@ pub fn import(source: &Source, options: &Options) -> Result<Imported> {
         notes: notes.sorted(),
         lines,
     })
+}
+
+/// Refuses a URDF with macros: its elements would be left out, and the rest would be another robot.
+fn refuse_xacro(place: element::XmlSource<'_>, root: roxmltree::Node<'_, '_>) -> Result<()> {
+    // `readable` replaces the colon of a prefix that is not declared.
+    let is_macro = |node: &roxmltree::Node<'_, '_>| {
+        let tag = node.tag_name();
+        let is_declared = tag.namespace().is_some_and(|space| space.contains("xacro"));
+        node.is_element() && (is_declared || tag.name().starts_with("xacro_"))
+    };
+    let Some(node) = root.descendants().find(is_macro) else {
+        return Ok(());
+    };
+    let error = Error::invalid("the file contains macros of xacro")
+        .found(format!("<{}>", node.tag_name().name()))
+        .allowed("a URDF whose macros are expanded")
+        .hint("expand it: `xacro FILE.xacro > FILE.urdf`, a program of ROS (also `pip install xacro`)");
+    Err(place.at(node, error))
 }
 
 /// The text with its comments replaced by blanks: many comments contain `--`, which XML forbids and other readers accept.
@@ -152,6 +213,7 @@ fn without_comments(text: &str) -> String {
 /// The text as strict XML: errors that other readers of URDF accept are repaired without moving any element to another line.
 fn readable(source: &Source, notes: &mut Notes) -> Result<String> {
     let mut text = without_comments(source.text());
+    measure_xml(&text, ROBOT).map_err(|error| error.at_file(source.path()))?;
     if let Some(at) = text.find("<!DOCTYPE")
         && let Some(length) = text[at..].find(['>', '['])
         && text[at + length..].starts_with('>')

@@ -86,15 +86,42 @@ impl Notes {
         self.add(NoteKind::Doubt, line, what, remedy);
     }
 
-    /// All notes: doubts first, then sorted by line.
-    pub fn sorted(mut self) -> Vec<Note> {
-        self.0.sort_by_key(|note| {
+    /// All notes: what changes the motion first (doubts, then what is left out, changed and assumed), each kind sorted by line; the hulls
+    /// of meshes, of which a robot may have many, in one line at the end.
+    pub fn sorted(self) -> Vec<Note> {
+        let is_hull = |note: &Note| note.what.starts_with(HULL);
+        let (hulls, mut notes): (Vec<Note>, Vec<Note>) = self.0.into_iter().partition(is_hull);
+        notes.sort_by_key(|note| {
             (
                 std::cmp::Reverse(note.kind == NoteKind::Doubt),
                 note.line,
                 note.kind,
             )
         });
-        self.0
+        notes.extend(in_one_line(hulls));
+        notes
     }
+}
+
+/// The beginning of every note about the hull of a mesh.
+pub(super) const HULL: &str = "the hull of the mesh ";
+
+/// The notes about the hulls of meshes as one note, with those of the first three.
+fn in_one_line(hulls: Vec<Note>) -> Option<Note> {
+    let mut first = hulls.first()?.clone();
+    if hulls.len() > 1 {
+        let shown = hulls
+            .iter()
+            .take(3)
+            .map(|note| note.what.trim_start_matches(HULL));
+        let shown: Vec<&str> = shown.collect();
+        let more = if hulls.len() > 3 { "; and others" } else { "" };
+        first.what = format!(
+            "the hulls of {} meshes are simplified: {}{more}",
+            hulls.len(),
+            shown.join("; ")
+        );
+        first.line = None;
+    }
+    Some(first)
 }

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Vector3};
 use parry3d_f64::query;
 
 use super::note::Notes;
@@ -77,6 +77,7 @@ pub(super) fn tidy(structure: &mut Structure, options: &Options, notes: &mut Not
             "if its meshes are in millimetres, they need scale=\"0.001 0.001 0.001\"",
         );
     }
+    raise(structure, &assembly, notes);
     let pairs = overlapping(&assembly);
     if !pairs.is_empty() {
         let shown: Vec<String> = pairs
@@ -101,6 +102,53 @@ pub(super) fn tidy(structure: &mut Structure, options: &Options, notes: &mut Not
         );
         structure.collision_exclude.extend(pairs);
     }
+}
+
+/// Lifts a held robot of which a moving part would start inside the floor, which would throw it out: files of arms and hands place
+/// the root at the origin, and state no floor.
+fn raise(structure: &mut Structure, assembly: &Assembly, notes: &mut Notes) {
+    let Some(mount) = structure.mount else {
+        return;
+    };
+    let moved = assembly.moved(&start(assembly));
+    let world_from_robot = mount.isometry();
+    let down = -Vector3::z();
+    let moving = assembly.parts.iter().enumerate().skip(1);
+    let depths_m = moving.flat_map(|(part, cluster)| {
+        let solids = cluster.solids.iter().filter(|solid| solid.has_surface());
+        let world_from_part = world_from_robot * moved[part];
+        solids.map(move |solid| {
+            let pose = world_from_part * solid.robot_from_solid;
+            let direction = pose.rotation.inverse() * down;
+            solid.shape.reach_m(&direction) - pose.translation.z
+        })
+    });
+    let depth_m = depths_m.fold(0.0, f64::max);
+    if depth_m <= DEEPEST_M {
+        return;
+    }
+    let height_m = reach_m(structure);
+    if let Some(mount) = &mut structure.mount {
+        mount.at_m.2 += height_m;
+    }
+    notes.assumed(
+        None,
+        format!(
+            "a part of the held robot would start {:.1} mm below the floor at height 0: the robot is held {height_m:.3} m higher, where no posture reaches the floor",
+            1e3 * depth_m
+        ),
+        "state in `mount` where the robot is held",
+    );
+}
+
+/// The joint coordinates nearest to 0 that the limits allow.
+fn start(assembly: &Assembly) -> Vec<f64> {
+    let hinges = assembly.hinges.iter();
+    let nearest = hinges.map(|hinge| {
+        let limits = hinge.bearing.limits_rad;
+        limits.map_or(0.0, |(low, high)| 0.0_f64.clamp(low, high))
+    });
+    nearest.collect()
 }
 
 /// Renames everything whose name is not valid in realgap.
@@ -279,16 +327,7 @@ fn hold_weightless_root(structure: &mut Structure, notes: &mut Notes) {
 
 /// Pairs of bodies that overlap at the start although no joint connects them.
 fn overlapping(assembly: &Assembly) -> Vec<(String, String)> {
-    let start: Vec<f64> = assembly
-        .hinges
-        .iter()
-        .map(|hinge| {
-            hinge
-                .bearing
-                .limits_rad
-                .map_or(0.0, |(low, high)| 0.0_f64.clamp(low, high))
-        })
-        .collect();
+    let start = start(assembly);
     let joined: BTreeSet<(usize, usize)> = assembly
         .hinges
         .iter()

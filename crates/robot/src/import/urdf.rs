@@ -5,11 +5,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::Isometry3;
 use roxmltree::Node;
 
-use super::Options;
 use super::element::{XmlSource, child, children, words};
 use super::note::Notes;
 use super::urdf_link::{DENSITY_KG_M3, Reader, ball};
-use crate::morphology::body::{Body, Pose, Structure};
+use super::{MOST_SHAPES, Options, refuse_count};
+use crate::morphology::body::{Body, MAX_BODIES, Pose, Structure};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::Source;
 
@@ -25,6 +25,18 @@ pub(super) fn read(
     lines: &mut BTreeMap<String, usize>,
 ) -> Result<Structure> {
     let source = place.source;
+    let shapes = root.descendants().filter(|node| {
+        let tag = node.tag_name().name();
+        tag == "collision" || tag == "visual"
+    });
+    let checks = [
+        ("links", children(root, "link").count(), MAX_BODIES),
+        ("joints", children(root, "joint").count(), MAX_BODIES),
+        ("shapes", shapes.count(), MOST_SHAPES),
+    ];
+    for (what, found, most) in checks {
+        refuse_count(what, found, most).map_err(|error| place.at(root, error))?;
+    }
     let name = match root.attribute("name") {
         Some(name) => name.to_owned(),
         None => {

@@ -8,11 +8,11 @@ use roxmltree::Node;
 use super::Options;
 use super::element::{XmlSource, child, children};
 use super::mesh::forms;
+use super::mesh_file;
 use super::note::Notes;
 use super::package::locate;
 use crate::morphology::body::{Body, Form, Piece, Pose, Tensor, Triple};
 use realgap_core::error::{Error, Result};
-use realgap_solid::Mesh;
 
 /// Density for links without a stated mass, and of the ball that replaces a link without shapes, kg/m³: that of water, as MuJoCo
 /// assumes.
@@ -306,7 +306,7 @@ impl Reader<'_> {
             notes.doubt(line, what, "state the folder of its package");
             return Ok(Vec::new());
         };
-        match Mesh::read(&path, &scale) {
+        match mesh_file::read(&path, &scale) {
             Ok(mesh) => Ok(forms(&mesh, self.options.hulls, name, line, notes)),
             Err(why) => {
                 notes.doubt(

@@ -9,17 +9,18 @@ use nalgebra::Vector3;
 use roxmltree::{Document, Node};
 
 use super::super::element::words;
-use super::super::without_comments;
+use super::super::{ROBOT, without_comments};
 use realgap_core::error::{Error, Result};
+use realgap_core::file::{measure_xml, read_regular};
 
 /// Largest number of files of one model.
 const MOST_FILES: usize = 1000;
 /// Largest size of all files of one model together, bytes.
-const MOST_BYTES: u64 = 64_000_000;
+const MOST_BYTES: u64 = 16_000_000;
 /// Largest number of elements of one model, after all copies are made.
-pub(super) const MOST_ELEMENTS: usize = 2_000_000;
-/// Largest depth to which elements are nested.
-const MOST_DEPTH: usize = 4000;
+pub(super) const MOST_ELEMENTS: usize = ROBOT.elements;
+/// Largest depth to which elements are nested, through all included files.
+const MOST_DEPTH: usize = ROBOT.depth;
 
 /// An element with its attributes and children.
 #[derive(Debug, Clone, Default)]
@@ -127,7 +128,10 @@ pub(super) struct FileReader {
     pub origin: usize,
     pub files: usize,
     pub bytes: u64,
+    elements: usize,
     included: Vec<PathBuf>,
+    /// Elements that are open around the file that is read.
+    depth: usize,
 }
 
 impl FileReader {
@@ -137,7 +141,9 @@ impl FileReader {
             origin,
             files: 0,
             bytes: 0,
+            elements: 0,
             included: Vec::new(),
+            depth: 0,
         }
     }
 
@@ -152,6 +158,14 @@ impl FileReader {
                 .allowed(format!("{MOST_FILES} files, {MOST_BYTES} bytes")));
         }
         let text = without_comments(text);
+        let size = measure_xml(&text, ROBOT).map_err(|error| error.at_file(file))?;
+        self.elements += size.elements;
+        if self.elements > MOST_ELEMENTS {
+            return Err(Error::invalid("too many elements")
+                .at_file(file)
+                .found(format!("{} elements up to this file", self.elements))
+                .allowed(format!("{MOST_ELEMENTS}, with all included files")));
+        }
         let document = Document::parse(&text).map_err(|error| {
             let place = error.pos();
             Error::invalid(format!("not XML: {error}"))
@@ -160,7 +174,7 @@ impl FileReader {
         })?;
         let lines = super::super::element::line_ends(&text);
         let file = Rc::new(file.to_owned());
-        self.element(document.root_element(), &lines, &file, 0)
+        self.element(document.root_element(), &lines, &file, self.depth)
     }
 
     fn element(
@@ -188,7 +202,9 @@ impl FileReader {
             let child = self.element(child, lines, file, depth + 1)?;
             match child.tag.as_str() {
                 "include" => {
+                    let around = std::mem::replace(&mut self.depth, depth);
                     let included = self.include(&child)?;
+                    self.depth = around;
                     element.children.extend(included.children);
                 }
                 _ => element.children.push(child),
@@ -202,7 +218,7 @@ impl FileReader {
         let name = element.get("file").unwrap_or_default();
         let beside = element.file.parent().unwrap_or(Path::new(""));
         let places = [self.folder.join(name), beside.join(name)];
-        let Some(path) = places.into_iter().find(|path| path.is_file()) else {
+        let Some(path) = places.into_iter().find(|path| path.exists()) else {
             let error = Error::invalid("the included file cannot be found").found(name);
             return Err(
                 element.error(error.hint("a path relative to the main file, or to this one"))
@@ -220,15 +236,15 @@ impl FileReader {
         self.root(&text, &path)
     }
 
-    /// The text of a file that is not too large.
+    /// The text of a regular file that is not too large.
     pub fn text(&self, path: &Path) -> Result<String> {
-        let bad =
-            |why: String| Error::invalid(format!("{} cannot be read", path.display())).found(why);
-        let size = std::fs::metadata(path).map_err(|e| bad(e.to_string()))?;
-        if !size.is_file() || self.bytes + size.len() > MOST_BYTES {
-            return Err(bad(format!("{} bytes", size.len()))
-                .allowed(format!("a file; {MOST_BYTES} bytes in total")));
-        }
-        std::fs::read_to_string(path).map_err(|e| bad(e.to_string()))
+        let left = MOST_BYTES.saturating_sub(self.bytes);
+        let bytes = read_regular(path, left, "included file")
+            .map_err(|error| error.hint(format!("the included file is {}", path.display())))?;
+        String::from_utf8(bytes).map_err(|_| {
+            Error::invalid("the included file is not UTF-8 text")
+                .found(path.display().to_string())
+                .hint("save it as UTF-8 in a text editor")
+        })
     }
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 
 use super::super::Options;
+use super::super::mesh_file;
 use super::super::package::locate;
 use super::element::Element;
 use super::model::{GeomType, Origin};
@@ -118,14 +119,14 @@ fn file(asset: &Element, origin: &Origin, main: &Path, options: &Options) -> Res
     if ending == "msh" {
         return binary(&path);
     }
-    let mesh = Mesh::read(&path, &Vector3::repeat(1.0))?;
+    let mesh = mesh_file::read(&path, &Vector3::repeat(1.0))?;
     let (vertices, triangles) = mesh.faces();
     Ok((vertices.to_vec(), triangles.to_vec()))
 }
 
 /// A mesh in MuJoCo's own binary format: four counts (vertices, normals, texture coordinates, faces) and the numbers, all of 4 bytes.
 fn binary(path: &Path) -> Result<Faces, String> {
-    let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
+    let bytes = mesh_file::bytes(path)?;
     let words: Vec<[u8; 4]> = (bytes.chunks_exact(4))
         .filter_map(|w| w.try_into().ok())
         .collect();

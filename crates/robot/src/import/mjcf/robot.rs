@@ -1,20 +1,22 @@
 //! Conversion of a resolved MJCF into a robot of bodies.
 
-use std::cell::RefCell;
+use std::cell::{LazyCell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
-use super::super::Options;
 use super::super::note::Notes;
 use super::super::urdf::file_name;
 use super::super::urdf_joint::{Bearing, chained};
+use super::super::{MOST_SHAPES, Options, refuse_count};
 use super::actuator::Actuator;
 use super::mass::{Mass, MassReader};
 use super::matrix::Inertia;
 use super::model::{Geom, GeomType, Joint as GivenJoint, JointType, Model};
-use crate::morphology::body::{Body, Frame, Joint, JointKind, Piece, Pose, Structure, Tensor};
+use crate::morphology::body::{
+    Body, Frame, Joint, JointKind, MAX_BODIES, Piece, Pose, Structure, Tensor,
+};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::Source;
 
@@ -34,6 +36,7 @@ pub(super) fn read(
             .at_file(source.path())
             .hint("a file that others include is not a robot: read the one that includes it"));
     }
+    limit_size(&model).map_err(|error| error.at_file(source.path()))?;
     let names = names(&model);
     let reader = MassReader {
         model: &model,
@@ -62,14 +65,15 @@ pub(super) fn read(
         description: format!("read from {}", file_name(source)),
         ..Structure::default()
     };
+    let of_joints = armatures.clone();
     let mut robot = Robot {
         source,
         model: &model,
-        inertia: Inertia::of(&model, &masses, &armatures),
+        inertia: LazyCell::new(Box::new(|| Inertia::of(&model, &masses, &of_joints))),
         masses: &masses,
         armatures,
         reader,
-        free_root: free_root(&model),
+        free_root: free_root(&model, &masses, &drives),
         names,
         structure,
         drives,
@@ -80,6 +84,13 @@ pub(super) fn read(
     robot.actuators(notes)?;
     robot.others(notes);
     Ok(robot.structure)
+}
+
+/// Refuses a model with more bodies or shapes than are read.
+fn limit_size(model: &Model) -> Result<()> {
+    let shapes = model.bodies.iter().map(|body| body.geoms.len()).sum();
+    refuse_count("bodies", model.bodies.len() - 1, MAX_BODIES)?;
+    refuse_count("shapes", shapes, MOST_SHAPES)
 }
 
 /// A unique name for every body.
@@ -101,14 +112,39 @@ fn names(model: &Model) -> Vec<String> {
         .collect()
 }
 
-/// The only body on the world, if it moves freely.
-fn free_root(model: &Model) -> Option<usize> {
-    let mut on_world = (1..model.bodies.len()).filter(|id| model.bodies[*id].parent == 0);
-    let only = on_world.next().filter(|_| on_world.next().is_none())?;
-    let mut joints = model.bodies[only].joints.iter();
-    joints
-        .any(|joint| joint.kind == JointType::Free)
-        .then_some(only)
+/// The body on the world that contains each body, by index.
+fn tops(model: &Model) -> Vec<usize> {
+    let mut tops = vec![0; model.bodies.len()];
+    for id in 1..model.bodies.len() {
+        let parent = model.bodies[id].parent;
+        tops[id] = if parent == 0 { id } else { tops[parent] };
+    }
+    tops
+}
+
+/// The root of a robot that moves freely: the heaviest body on the world that has a free joint, together with what hangs on it. Of a
+/// robot that is held, actuators drive joints of a body without a free joint; it has no such root.
+fn free_root(model: &Model, masses: &[Mass], drives: &[Actuator]) -> Option<usize> {
+    let tops = tops(model);
+    let is_free = |id: usize| {
+        let mut joints = model.bodies[id].joints.iter();
+        joints.any(|joint| joint.kind == JointType::Free)
+    };
+    let is_driven = |joint: &GivenJoint| {
+        joint.name.is_some() && drives.iter().any(|drive| drive.joint == joint.name)
+    };
+    let mut bodies = model.bodies.iter().zip(&tops).skip(1);
+    if bodies.any(|(body, top)| !is_free(*top) && body.joints.iter().any(is_driven)) {
+        return None;
+    }
+    let weight_kg = |root: usize| -> f64 {
+        let own = masses.iter().zip(&tops).filter(|(_, top)| **top == root);
+        own.map(|(mass, _)| mass.mass_kg).sum()
+    };
+    let free = (1..model.bodies.len()).filter(|id| model.bodies[*id].parent == 0 && is_free(*id));
+    // Of equally heavy ones the first is taken.
+    free.rev()
+        .max_by(|a, b| weight_kg(*a).total_cmp(&weight_kg(*b)))
 }
 
 /// The armatures of all joints, with those of the actuators that drive them.
@@ -132,7 +168,8 @@ fn armatures(model: &Model, drives: &[Actuator]) -> Vec<Vec<f64>> {
 pub(super) struct Robot<'a> {
     pub source: &'a Source,
     pub model: &'a Model,
-    pub inertia: Inertia,
+    /// Computed when a value needs it: its cost grows with the cube of the number of joints.
+    pub inertia: LazyCell<Inertia, Box<dyn FnOnce() -> Inertia + 'a>>,
     masses: &'a [Mass],
     armatures: Vec<Vec<f64>>,
     reader: MassReader<'a>,
@@ -155,7 +192,8 @@ impl Robot<'_> {
                 self.structure.bodies.push(world);
             }
         }
-        for id in 1..model.bodies.len() {
+        let beside = self.beside(notes);
+        for id in (1..model.bodies.len()).filter(|id| !beside.contains(id)) {
             let body = self.body(id, notes);
             self.structure.bodies.push(body);
             for (index, (name, pose)) in model.bodies[id].sites.iter().enumerate() {
@@ -170,6 +208,31 @@ impl Robot<'_> {
                 self.hang(id, notes);
             }
         }
+    }
+
+    /// The bodies that are not part of a robot that moves freely: those that neither are its root nor hang on it.
+    fn beside(&self, notes: &mut Notes) -> BTreeSet<usize> {
+        let Some(root) = self.free_root else {
+            return BTreeSet::new();
+        };
+        let tops = tops(self.model);
+        let beside: BTreeSet<usize> = (1..tops.len()).filter(|id| tops[*id] != root).collect();
+        let first: Vec<String> = (beside.iter().filter(|id| tops[**id] == **id).take(6))
+            .map(|id| format!("`{}`", self.names[*id]))
+            .collect();
+        if !beside.is_empty() {
+            notes.left_out(
+                None,
+                format!(
+                    "{} bodies beside the robot, whose root is `{}`, the heaviest body with a free joint: {}",
+                    beside.len(),
+                    self.names[root],
+                    first.join(", ")
+                ),
+                "state them as the scene of an experiment, or take out of the file what is not to be the robot",
+            );
+        }
+        beside
     }
 
     /// Places a root that moves freely.
@@ -281,8 +344,8 @@ impl Robot<'_> {
     /// Friction, spring and limits of a joint of the file, in the coordinate that is 0 at the start.
     fn bearing(&self, joint: &GivenJoint, (body, index): (usize, usize)) -> Bearing {
         let (mut stiffness, mut damping) = (joint.stiffness, joint.damping);
-        if let (Some([time_s, ratio]), Some(inertia)) =
-            (joint.spring_damper, self.inertia.free(body, index))
+        if let Some([time_s, ratio]) = joint.spring_damper
+            && let Some(inertia) = self.inertia.free(body, index)
         {
             stiffness = inertia / (time_s * time_s * ratio * ratio);
             damping = 2.0 * inertia / time_s;
@@ -398,7 +461,14 @@ impl Robot<'_> {
                         .iter()
                         .any(|h| g.contype & h.conaffinity != 0 || h.contype & g.conaffinity != 0)
                 });
-                if !meets && !all[a].is_empty() && !all[b].is_empty() {
+                let known = |id: usize| {
+                    self.structure
+                        .bodies
+                        .iter()
+                        .any(|b| b.name == self.names[id])
+                };
+                let touches = !all[a].is_empty() && !all[b].is_empty();
+                if !meets && touches && known(a) && known(b) {
                     pairs.insert((self.names[a].clone(), self.names[b].clone()));
                 }
             }
