@@ -359,6 +359,7 @@ fn rows(
         basis: Some(comparison.basis()),
         spread: None,
         body_length_m: how.body_length_m,
+        channels: None,
     };
     let mut rows = Vec::new();
     let mut drawn = Vec::new();

@@ -164,34 +164,3 @@ impl<'a> DrivenPath<'a> {
         Isometry3::from_parts(at_m.into(), turn)
     }
 }
-
-impl SceneBody {
-    /// Centre of mass and inertia about it of boxes of one density.
-    pub(super) fn uniform(&self, mass_kg: f64) -> (Vector3<f64>, Matrix3<f64>) {
-        let volume = |sides: &Vector3<f64>| sides.product();
-        let whole_m3: f64 = self.boxes.iter().map(|b| volume(&b.sides_m)).sum();
-        let share = |sides: &Vector3<f64>| mass_kg * volume(sides) / whole_m3;
-        let moment: Vector3<f64> = self
-            .boxes
-            .iter()
-            .map(|b| b.body_from_box.translation.vector * share(&b.sides_m))
-            .sum();
-        let centre_m = moment / mass_kg;
-        let inertia_kg_m2: Matrix3<f64> = self
-            .boxes
-            .iter()
-            .map(|b| {
-                let mass_kg = share(&b.sides_m);
-                let squares = b.sides_m.component_mul(&b.sides_m);
-                let own = Matrix3::from_diagonal(
-                    &((Vector3::repeat(squares.sum()) - squares) * (mass_kg / 12.0)),
-                );
-                let turn = b.body_from_box.rotation.to_rotation_matrix();
-                let d = b.body_from_box.translation.vector - centre_m;
-                turn * own * turn.transpose()
-                    + (Matrix3::identity() * d.norm_squared() - d * d.transpose()) * mass_kg
-            })
-            .sum();
-        (centre_m, inertia_kg_m2)
-    }
-}
