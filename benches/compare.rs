@@ -48,6 +48,7 @@ fn compare(criterion: &mut Criterion) {
     let pair = Pair::new((&real, all[0]), (&simulated, all[1]));
     let context = Context {
         spread: None,
+        channels: None,
         basis: Some(&basis),
         body_length_m: Some(0.1),
     };

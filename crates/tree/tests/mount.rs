@@ -24,6 +24,7 @@ fn stand(spring: MountSpring, centre_link_m: Vec3) -> Link {
         mass_kg: 2.0,
         centre_link_m,
         inertia_link_kg_m2: Mat3::IDENTITY * 0.01,
+        compensated: (0.0, Vec3::ZERO),
         colliders: vec![],
     }
 }
