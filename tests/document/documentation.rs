@@ -258,6 +258,7 @@ const EXPLAINING: [&str; 3] = [
     "| check | closed form |",
     "| part | what it is |",
     "| setting | value | why |",
+    "| feature | rule |",
 ];
 
 /// What a command of a measurement begins with.

@@ -77,3 +77,46 @@ fn a_recording_of_joints_brings_its_commands_its_gain_and_when_torque_was_off() 
     let other = angle_mrad(&study(off));
     assert!(other > 20.0, "{other} mrad");
 }
+
+#[test]
+fn identify_ranks_the_parameters_of_a_joint_log_and_names_what_determines_none() {
+    let folder = tempfile::tempdir().unwrap();
+    recorded(folder.path(), 200.0, "kp200.csv");
+    let project = common::project().display();
+    let path = folder.path().join("study.ron");
+    // The rotor's inertia acts; a light plate far from the joint does not.
+    let text = format!(
+        r#"Study(morphology: "{project}/morphologies/servo_pendulum.ron", recordings: ["kp*.csv"], start: FromRecording,
+            commands: Commands(columns: [(hinge: "angle", column: "command")], gain_after: "kp"),
+            timestep_s: 0.002, parameters: [(name: "floor.friction", from: 0.2, to: 0.8),
+                (name: "servo.armature_kg_m2", from: 0.0005, to: 0.005)],
+            metric: "joints", score: Single)"#
+    );
+    std::fs::write(&path, text).unwrap();
+    let identify = |format: &[&str]| {
+        let said = common::realgap()
+            .args(["study", "identify"])
+            .arg(&path)
+            .args(format)
+            .output()
+            .unwrap();
+        assert!(said.status.success(), "{}", common::text(&said.stderr));
+        common::text(&said.stdout)
+    };
+    let said = common::schema::answer("identify-logs", &identify(&["--format", "json"]));
+    let ranked = said["parameters"].as_array().unwrap();
+    let of = |index: usize, field: &str| ranked[index][field].clone();
+    assert_eq!(of(0, "parameter"), "servo.armature_kg_m2", "{said}");
+    assert_eq!(of(0, "is_determined"), true, "{said}");
+    assert_eq!(of(1, "parameter"), "floor.friction", "{said}");
+    assert_eq!(of(1, "is_determined"), false, "{said}");
+    let table = identify(&[]);
+    let rows: Vec<&str> = table
+        .lines()
+        .filter(|line| line.contains("determined"))
+        .collect();
+    assert!(
+        rows[0].starts_with("servo.armature_kg_m2") && rows[1].contains("not determined"),
+        "{table}"
+    );
+}

@@ -223,7 +223,7 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (label, about) in VERDICT {
             let mut claims = self.claims.iter().filter(|claim| claim.about == about);
-            claims.try_for_each(|claim| writeln!(f, "{label:10}  {claim}"))?;
+            claims.try_for_each(|claim| writeln!(f, "{label}: {claim}"))?;
         }
         write!(
             f,
