@@ -11,7 +11,9 @@ use super::adjustment::{Adjustment, HingeAdjustment, ModuleAdjustment};
 use super::command::CommandTrack;
 use super::control::Controller;
 use super::engine::{Engine, EngineChoice};
+use super::foreign::Foreign;
 use super::scene::SceneBody;
+use super::simulator::SimulatorChoice;
 use super::vehicle::{Drive, Vehicle};
 use realgap_core::unit::GRAVITY_M_S2;
 use realgap_path::trajectory::State;
@@ -293,6 +295,10 @@ pub struct Experiment {
     pub records_joints: bool,
     /// Recorded commands of servos, in place of their gaits, by name of the hinge.
     pub commands: BTreeMap<String, Arc<CommandTrack>>,
+    /// What simulates: the engines of this crate, or a simulator of somebody else.
+    pub simulator: SimulatorChoice,
+    /// What a simulator of somebody else is asked; empty for the engines of this crate.
+    pub foreign: Foreign,
     /// A two-wheel robot that replaces the robot of the assembly, which then only provides the size.
     pub vehicle: Option<Arc<Vehicle>>,
     /// Parameters of the two-wheel robot.
@@ -335,6 +341,8 @@ impl Experiment {
             start: Start::Settled,
             start_joints: Vec::new(),
             commands: BTreeMap::new(),
+            simulator: SimulatorChoice::default(),
+            foreign: Foreign::default(),
             vehicle: None,
             drive: Drive::default(),
             controller: None,
@@ -357,13 +365,15 @@ impl Experiment {
         self.solver.engine.able(self).0
     }
 
-    /// Name and version of the engine that simulates this experiment; a vehicle is simulated by its own equations without an
-    /// engine.
+    /// Name and version of what simulates this experiment: an engine, the equations of a vehicle, or a simulator of somebody else.
     pub fn engine_version(&self) -> &'static str {
-        match self.vehicle {
-            Some(_) => "two-wheel vehicle, no engine",
-            None => self.engine().version(),
-        }
+        self.simulator.get().version(self)
+    }
+
+    /// Whether an engine of this crate simulates the experiment, so that its numerics, contacts and joints can be changed. A
+    /// vehicle and a simulator of somebody else have none.
+    pub fn has_engine(&self) -> bool {
+        self.vehicle.is_none() && self.simulator.is_built_in()
     }
 
     /// A second engine that is as valid for this experiment as Rapier: the tree solver. `None` if the tree solver cannot simulate
@@ -375,7 +385,7 @@ impl Experiment {
             && solver.relaxations == 0
             && self.contact.friction_model == FrictionModel::Coulomb;
         let is_known = [EngineChoice::default(), second].contains(&solver.engine);
-        let can = self.vehicle.is_none() && second.get().refusal(self).is_none();
+        let can = self.has_engine() && second.get().refusal(self).is_none();
         (plain && is_known && can).then_some(second)
     }
 
@@ -468,7 +478,7 @@ impl Experiment {
     }
 
     /// Sample times, seconds from the start, at least two.
-    pub(super) fn sample_times_s(&self) -> Vec<f64> {
+    pub fn sample_times_s(&self) -> Vec<f64> {
         match &self.sampling {
             Sampling::Times(times_s) => times_s.to_vec(),
             Sampling::Rate(hz) => {

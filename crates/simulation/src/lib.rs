@@ -18,6 +18,7 @@ mod energy;
 mod engine;
 mod experiment;
 mod film;
+mod foreign;
 mod kinematics;
 mod motor;
 mod noise;
@@ -32,6 +33,7 @@ mod run;
 mod scene;
 mod servo;
 mod settle;
+mod simulator;
 mod tree;
 mod vehicle;
 mod watch;
@@ -53,6 +55,7 @@ pub use experiment::{
     Sampling, Solver, Start,
 };
 pub use film::{Film, film, film_with, part_from_solid, part_name};
+pub use foreign::{Foreign, ForeignStart};
 pub use motor::Effort;
 pub use noise::Noise;
 pub use outcome::{Divergence, Outcome};
@@ -63,6 +66,7 @@ pub use run::{Run, run, run_with, steer, watch};
 pub use scene::{SceneBody, SceneBox, SceneMotion};
 pub use servo::Command;
 pub use settle::{Settling, settle};
+pub use simulator::{BuiltIn, Simulator, SimulatorChoice};
 pub use tree::{TREE, Tree};
 #[cfg(feature = "schema")]
 pub use vehicle::VehicleFile;

@@ -90,5 +90,6 @@ pub use study::file::StudyFile;
 pub use study::fleet::Member;
 pub use study::horizon::Horizon;
 pub use study::overrides::{Overrides, Part};
+pub use study::simulator_file::{CommandConsent, OwnSimulator};
 pub use study::split::Split;
 pub use study::steering::Steering;

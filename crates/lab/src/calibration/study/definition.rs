@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize, Serializer};
 
-use crate::calibration::{BasisRule, Commands, Horizon, Member, Split, Steering};
+use crate::calibration::{BasisRule, Commands, Horizon, Member, OwnSimulator, Split, Steering};
 use realgap_core::file::sha256;
 use realgap_core::range::Range;
 use realgap_core::{Error, Warning};
@@ -63,6 +63,8 @@ pub struct Definition {
     pub robots: Vec<Member>,
     /// The two-wheel robot that is simulated in place of the morphology, which then is only its size.
     pub vehicle: Option<Arc<Vehicle>>,
+    /// The study's own simulator, in place of a robot; the morphology then is only a size and a name.
+    pub own_simulator: Option<OwnSimulator>,
     /// Which set of recordings is compared, in a file that holds several (`condition,run,…`).
     pub condition: Option<String>,
     /// SHA-256 of the morphology file.
@@ -166,6 +168,7 @@ impl Definition {
             morphology,
             robots: Vec::new(),
             vehicle: None,
+            own_simulator: None,
             condition: None,
             recording_globs: Vec::new(),
             recordings: Vec::new(),
@@ -242,6 +245,11 @@ impl Definition {
         }
         if let Some(steering) = &self.steering {
             steering.give_to(&mut base);
+        }
+        if let Some(own) = &self.own_simulator {
+            own.give_to(&mut base);
+            let robot = Arc::make_mut(&mut base.assembly);
+            robot.body_length_m = own.body_length_m().unwrap_or(0.0);
         }
         self.set.apply(&base)
     }
