@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use realgap::calibration::{
-    self, BasisRule, CommandConsent, Overrides, Part, Repeatable, ScoreRule, Split, TuneOptions, recording_id,
+    self, BasisRule, CommandConsent, Overrides, Part, Repeatable, ScoreRule, Split, TuneOptions,
+    recording_id,
 };
 use realgap::comparison::Metric;
 use realgap::identification::StartState;
@@ -25,8 +26,8 @@ use crate::error::Raise;
 use crate::folder::{into_folder, mode_of, source};
 use crate::robot::Robot;
 use crate::running::{self, Way};
-use crate::simulator;
 use crate::simulation::{fitted, values};
+use crate::simulator;
 use crate::text::{of_text, to_text};
 use crate::trajectory::Trajectory;
 

@@ -7,7 +7,7 @@ pub mod report;
 mod scene;
 mod sensing;
 
-use realgap::calibration::{CommandConsent, Definition, OwnSimulator, Overrides, read_parameters};
+use realgap::calibration::{CommandConsent, Definition, Overrides, OwnSimulator, read_parameters};
 use realgap::file::Source;
 use realgap::robot::genome::Individual;
 use realgap::robot::import::is_foreign;
@@ -118,7 +118,12 @@ impl Check {
     fn describe(&self, path: &Path, reading: &Reading) -> Result<Contents> {
         // Without consent a study's command is only read about.
         let consent = self.consent.or(CommandConsent::ReadOnly);
-        describe(path, reading, (self.dynamics, consent), self.robot.as_deref())
+        describe(
+            path,
+            reading,
+            (self.dynamics, consent),
+            self.robot.as_deref(),
+        )
     }
 
     fn draw(&self, plot: &Path) -> Result<()> {
@@ -291,21 +296,29 @@ fn simulator_lines(own: &OwnSimulator) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some(command) = own.command() {
         let folder = command.folder().display();
-        lines.push(format!("  command       {} (in {folder})", shown(&command.to_string(), SHOWN)));
+        lines.push(format!(
+            "  command       {} (in {folder})",
+            shown(&command.to_string(), SHOWN)
+        ));
         for (file, hash) in command.files() {
             lines.push(format!("  file          {file}, sha256 {hash}"));
         }
     }
     match own.guest() {
         None => lines.push(
-            "  the command was not run: its parameters were not checked (--allow-command)".to_owned(),
+            "  the command was not run: its parameters were not checked (--allow-command)"
+                .to_owned(),
         ),
         Some(guest) => {
             let hello = guest.hello();
             for parameter in &hello.parameters {
                 lines.push(format!(
                     "  declares      {} from {} to {} {}, {} by default",
-                    shown(&parameter.name, SHOWN), parameter.from, parameter.to, shown(&parameter.unit, SHOWN), parameter.default
+                    shown(&parameter.name, SHOWN),
+                    parameter.from,
+                    parameter.to,
+                    shown(&parameter.unit, SHOWN),
+                    parameter.default
                 ));
             }
         }
@@ -330,7 +343,10 @@ fn study(path: &Path, consent: CommandConsent) -> Result<Contents> {
         study.metric.unit()
     )];
     lines.extend(study.own_simulator.iter().flat_map(simulator_lines));
-    let is_asked = study.own_simulator.as_ref().is_none_or(|own| own.guest().is_some());
+    let is_asked = study
+        .own_simulator
+        .as_ref()
+        .is_none_or(|own| own.guest().is_some());
     let mut ranges = Vec::new();
     for range in study.grid.ranges() {
         lines.push(format!(
@@ -411,7 +427,12 @@ fn study(path: &Path, consent: CommandConsent) -> Result<Contents> {
         }
         Err(error) => return Err(error),
     }
-    Ok(contents(lines, warnings, (recordings, simulations, cpu_s), ranges))
+    Ok(contents(
+        lines,
+        warnings,
+        (recordings, simulations, cpu_s),
+        ranges,
+    ))
 }
 
 fn search(path: &Path) -> Result<Contents> {

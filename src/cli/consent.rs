@@ -35,7 +35,9 @@ pub fn reading<T>(read: impl Fn(&Overrides) -> Result<T>, overrides: &Overrides)
         return Err(refused);
     }
     let command = refused.found_text().unwrap_or_default();
-    terminal::note(format!("This study runs the command {command}. Run it (yes, no)?"));
+    terminal::note(format!(
+        "This study runs the command {command}. Run it (yes, no)?"
+    ));
     let mut line = String::new();
     let read_line = std::io::stdin().lock().read_line(&mut line);
     read_line.map_err(|e| Error::io("read the answer", "standard input", &e))?;

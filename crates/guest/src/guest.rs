@@ -14,9 +14,7 @@ use realgap_core::file::unknown_name;
 use realgap_core::{Code, Error, Result, Warning};
 use realgap_path::trajectory::Trajectory;
 use realgap_simulation::parameter::{FOREIGN, Parameter, foreign_parameter};
-use realgap_simulation::{
-    Divergence, Experiment, Log, Outcome, Push, Run, RunHooks, Simulator,
-};
+use realgap_simulation::{Divergence, Experiment, Log, Outcome, Push, Run, RunHooks, Simulator};
 
 /// Somebody else's simulator that has said who it is.
 #[derive(Debug)]
@@ -53,7 +51,9 @@ impl Guest {
     /// # Errors
     /// No answer, or one that is not of the protocol.
     pub fn new(port: Arc<dyn Port>) -> Result<Self> {
-        let line = port.ask(HELLO, Question::Hello).map_err(|failure| refused(&failure))?;
+        let line = port
+            .ask(HELLO, Question::Hello)
+            .map_err(|failure| refused(&failure))?;
         let hello = Hello::parse(&line)?;
         let version = format!("{} {}: {}", hello.name, hello.version, port.identity());
         Ok(Self {
@@ -76,7 +76,9 @@ impl Guest {
     /// A name that the simulator does not declare.
     pub fn parameter(&self, name: &str) -> Result<(&ParameterDeclaration, &'static Parameter)> {
         let all = || self.hello.parameters.iter();
-        let own = name.strip_prefix(FOREIGN).and_then(|rest| rest.strip_prefix('.'));
+        let own = name
+            .strip_prefix(FOREIGN)
+            .and_then(|rest| rest.strip_prefix('.'));
         let found = all()
             .find(|declared| declared.name == name)
             .or_else(|| all().find(|declared| Some(declared.name.as_str()) == own));
@@ -93,7 +95,8 @@ impl Guest {
     /// The values that hold where a study states none.
     pub fn defaults(&self) -> BTreeMap<String, f64> {
         let all = self.hello.parameters.iter();
-        all.map(|declared| (declared.name.clone(), declared.default)).collect()
+        all.map(|declared| (declared.name.clone(), declared.default))
+            .collect()
     }
 
     fn ask(&self, experiment: &Experiment, seed: u64) -> Answered<Trajectory> {
@@ -110,17 +113,29 @@ impl Guest {
         let question = RunQuestion {
             ask: "run",
             id,
-            parameters: foreign.values.iter().map(|(name, value)| (name.as_str(), *value)).collect(),
+            parameters: foreign
+                .values
+                .iter()
+                .map(|(name, value)| (name.as_str(), *value))
+                .collect(),
             units: units.map(|p| (p.name.as_str(), p.unit.as_str())).collect(),
             seed,
             setting,
             duration_s: experiment.duration_s,
             times_s: &times_s,
             recording: &start.recording,
-            start: start.values.iter().map(|(name, value)| (name.as_str(), *value)).collect(),
+            start: start
+                .values
+                .iter()
+                .map(|(name, value)| (name.as_str(), *value))
+                .collect(),
             commands: (!start.commands.is_empty()).then(|| CommandsAsked {
                 times_s: &start.times_s,
-                channels: start.commands.iter().map(|(name, all)| (name.as_str(), all.as_slice())).collect(),
+                channels: start
+                    .commands
+                    .iter()
+                    .map(|(name, all)| (name.as_str(), all.as_slice()))
+                    .collect(),
             }),
         };
         let line = serde_json::to_string(&question)
@@ -134,7 +149,9 @@ impl Guest {
         let answer: RunAnswer = serde_json::from_str(line).map_err(|error| {
             let is_null = line.contains("null");
             let hint = if is_null { "; null is no number" } else { "" };
-            answered(format!("something else than the protocol asks for: {error}{hint}"))
+            answered(format!(
+                "something else than the protocol asks for: {error}{hint}"
+            ))
         })?;
         if let Some(why) = answer.failed {
             return Err(Failure::of_answer(format!(
@@ -142,14 +159,20 @@ impl Guest {
                 realgap_core::text::shown(&why, 600)
             )));
         }
-        let channels = answer.channels.into_iter().map(|(name, values)| (name, values.0));
+        let channels = answer
+            .channels
+            .into_iter()
+            .map(|(name, values)| (name, values.0));
         let mut channels: BTreeMap<String, Vec<f64>> = channels.collect();
         let mut own_s = answer.times_s.map(|values| values.0);
         if let Some(file) = answer.file {
             if own_s.is_some() || !channels.is_empty() {
                 return Err(answered("both a file and channels".to_owned()));
             }
-            let path = self.port.folder().map_or_else(|| file.clone(), |folder| folder.join(&file));
+            let path = self
+                .port
+                .folder()
+                .map_or_else(|| file.clone(), |folder| folder.join(&file));
             (own_s, channels) = table::read(&path).map_err(answered)?;
         }
         motion(own_s, channels, times_s).map_err(answered)
@@ -172,7 +195,11 @@ fn seed_of(experiment: &Experiment) -> u64 {
         return 0;
     };
     // A linear congruential generator mixes both numbers (Knuth 1997, MMIX).
-    let mix = |value: u64| value.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    let mix = |value: u64| {
+        value
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407)
+    };
     mix(mix(seed).wrapping_add(number)) >> (u64::BITS - SEED_BITS)
 }
 
@@ -223,7 +250,10 @@ impl Simulator for Guest {
     }
 
     fn settings(&self, usual: usize) -> usize {
-        let differs = self.habits.get().is_some_and(|h| h.is_random || !h.is_deterministic);
+        let differs = self
+            .habits
+            .get()
+            .is_some_and(|h| h.is_random || !h.is_deterministic);
         match differs {
             true => usual,
             false => self.hello.settings.len().max(1),

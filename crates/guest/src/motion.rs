@@ -34,7 +34,10 @@ pub(crate) fn motion(
     let samples = times_s.as_deref().unwrap_or(asked_s).len();
     for (name, values) in &channels {
         if values.len() != samples {
-            return Err(format!("{} values of `{name}` at {samples} times", values.len()));
+            return Err(format!(
+                "{} values of `{name}` at {samples} times",
+                values.len()
+            ));
         }
         if let Some(index) = values.iter().position(|value| !value.is_finite()) {
             return Err(format!("{} in `{name}`, sample {index}", values[index]));
@@ -57,7 +60,11 @@ fn at_times(
         return Err("fewer than two times".to_owned());
     };
     if let Some(at) = own_s.windows(2).position(|pair| !(pair[0] < pair[1])) {
-        return Err(format!("times that do not increase: {} s after {} s", own_s[at + 1], own_s[at]));
+        return Err(format!(
+            "times that do not increase: {} s after {} s",
+            own_s[at + 1],
+            own_s[at]
+        ));
     }
     if own_s == asked_s {
         return Ok(channels);
@@ -91,7 +98,6 @@ fn at_times(
     Ok(channels)
 }
 
-
 /// Turns the signs of quaternions so that neighbours are on the same side: q and −q are one orientation, and their mean is none.
 fn same_sides(channels: &mut BTreeMap<String, Vec<f64>>, samples: usize) {
     if !ORIENTATION.iter().all(|name| channels.contains_key(*name)) {
@@ -99,7 +105,9 @@ fn same_sides(channels: &mut BTreeMap<String, Vec<f64>>, samples: usize) {
     }
     for sample in 1..samples {
         let dot = |channels: &BTreeMap<String, Vec<f64>>| -> f64 {
-            let products = ORIENTATION.iter().map(|name| channels[*name][sample] * channels[*name][sample - 1]);
+            let products = ORIENTATION
+                .iter()
+                .map(|name| channels[*name][sample] * channels[*name][sample - 1]);
             products.sum()
         };
         if dot(channels) < 0.0 {
@@ -145,7 +153,10 @@ fn trajectory(
             .map_err(said)?;
     }
     let names = channels.keys().filter_map(|name| name.strip_suffix(ANGLE));
-    let names: Vec<String> = names.filter(|name| !name.is_empty()).map(str::to_owned).collect();
+    let names: Vec<String> = names
+        .filter(|name| !name.is_empty())
+        .map(str::to_owned)
+        .collect();
     let mut joints = Vec::new();
     for name in names {
         if let Some(angles_rad) = channels.remove(&format!("{name}{ANGLE}")) {
@@ -180,13 +191,17 @@ fn group<const N: usize>(
             return Err(format!("some of {} without `{name}`", names.join(", ")));
         }
     }
-    Ok(Some(columns.map(|column| column.unwrap_or_else(|| vec![0.0; samples]))))
+    Ok(Some(columns.map(|column| {
+        column.unwrap_or_else(|| vec![0.0; samples])
+    })))
 }
 
 fn vectors(columns: &[Vec<f64>; 3]) -> Vec<Vector3<f64>> {
     let [x, y, z] = columns;
     let triples = x.iter().zip(y).zip(z);
-    triples.map(|((x, y), z)| Vector3::new(*x, *y, *z)).collect()
+    triples
+        .map(|((x, y), z)| Vector3::new(*x, *y, *z))
+        .collect()
 }
 
 #[cfg(test)]
@@ -195,12 +210,18 @@ mod tests {
 
     fn channels(named: &[(&str, &[f64])]) -> BTreeMap<String, Vec<f64>> {
         let named = named.iter();
-        named.map(|(name, values)| ((*name).to_owned(), values.to_vec())).collect()
+        named
+            .map(|(name, values)| ((*name).to_owned(), values.to_vec()))
+            .collect()
     }
 
     #[test]
     fn an_answer_at_its_own_steps_is_read_at_the_asked_times() {
-        let answered = channels(&[("x_m", &[0.0, 1.0, 4.0]), ("y_m", &[0.0; 3]), ("knee_rad", &[0.0, 0.1, 0.2])]);
+        let answered = channels(&[
+            ("x_m", &[0.0, 1.0, 4.0]),
+            ("y_m", &[0.0; 3]),
+            ("knee_rad", &[0.0, 0.1, 0.2]),
+        ]);
         let motion = motion(Some(vec![0.0, 1.0, 2.0]), answered, &[0.0, 0.5, 1.5]).unwrap();
         let x_m: Vec<f64> = motion.positions_world_m().iter().map(|p| p.x).collect();
         assert_eq!(x_m, [0.0, 0.5, 2.5]);

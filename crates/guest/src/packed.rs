@@ -51,9 +51,15 @@ fn unpacked(text: &str) -> Result<Vec<f64>, String> {
     let bytes = decoded(text.as_bytes())?;
     let (numbers, rest) = bytes.as_chunks::<8>();
     if !rest.is_empty() {
-        return Err(format!("{} bytes are no whole number of 64-bit floats", bytes.len()));
+        return Err(format!(
+            "{} bytes are no whole number of 64-bit floats",
+            bytes.len()
+        ));
     }
-    Ok(numbers.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect())
+    Ok(numbers
+        .iter()
+        .map(|bytes| f64::from_le_bytes(*bytes))
+        .collect())
 }
 
 /// Bytes of base64 with the usual alphabet.

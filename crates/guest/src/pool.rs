@@ -82,7 +82,11 @@ impl Port for Pool {
         let mut answer = self.ask_one(line, question);
         // Whether a worker that was asked before ends here may depend on what it was asked before, and so on the number of
         // threads. A new one answers this question alone.
-        if answer.as_ref().is_err_and(|failure| failure.fault == Fault::Ended) && question != Question::Hello {
+        if answer
+            .as_ref()
+            .is_err_and(|failure| failure.fault == Fault::Ended)
+            && question != Question::Hello
+        {
             answer = self.started(question).and_then(|mut worker| {
                 let answer = worker.ask(line, question)?;
                 self.idle

@@ -71,18 +71,29 @@ impl Hello {
         };
         let hello: Self = serde_json::from_str(line).map_err(|error| wrong(error.to_string()))?;
         if hello.realgap != PROTOCOL {
-            return Err(Error::invalid("the simulator speaks another version of the protocol")
-                .field("simulator")
-                .found(hello.realgap)
-                .allowed(PROTOCOL));
+            return Err(
+                Error::invalid("the simulator speaks another version of the protocol")
+                    .field("simulator")
+                    .found(hello.realgap)
+                    .allowed(PROTOCOL),
+            );
         }
         for (index, parameter) in hello.parameters.iter().enumerate() {
             parameter.check()?;
-            if hello.parameters[..index].iter().any(|other| other.name == parameter.name) {
-                return Err(wrong(format!("two parameters are called `{}`", parameter.name)));
+            if hello.parameters[..index]
+                .iter()
+                .any(|other| other.name == parameter.name)
+            {
+                return Err(wrong(format!(
+                    "two parameters are called `{}`",
+                    parameter.name
+                )));
             }
         }
-        if hello.body_length_m.is_some_and(|m| !(m > 0.0 && m.is_finite())) {
+        if hello
+            .body_length_m
+            .is_some_and(|m| !(m > 0.0 && m.is_finite()))
+        {
             return Err(wrong("body_length_m is not above 0".to_owned()));
         }
         Ok(hello)
@@ -102,14 +113,21 @@ impl ParameterDeclaration {
                 .found(format!("{:?}", self.name))
                 .allowed("letters, digits, `_`, `-`, `.`, `*`, at most 200"));
         }
-        let is_finite = [self.from, self.to, self.default].iter().all(|v| v.is_finite());
+        let is_finite = [self.from, self.to, self.default]
+            .iter()
+            .all(|v| v.is_finite());
         if !is_finite || self.from >= self.to || !(self.from..=self.to).contains(&self.default) {
             return Err(wrong("whose range or default is none")
-                .found(format!("from {} to {}, default {}", self.from, self.to, self.default))
+                .found(format!(
+                    "from {} to {}, default {}",
+                    self.from, self.to, self.default
+                ))
                 .allowed("from < to, and a default between them"));
         }
         if self.log && self.from <= 0.0 {
-            return Err(wrong("with ratios from 0 or below").found(self.from).allowed("from > 0"));
+            return Err(wrong("with ratios from 0 or below")
+                .found(self.from)
+                .allowed("from > 0"));
         }
         Ok(())
     }

@@ -29,7 +29,10 @@ impl Unasked {
         };
         Error::usage("this study runs a command, and nobody has consented to it")
             .field("simulator")
-            .found(format!("{command}, in the folder {}{reads}", command.folder().display()))
+            .found(format!(
+                "{command}, in the folder {}{reads}",
+                command.folder().display()
+            ))
             .hint("read what the command does")
             .advise(Advice::AllowCommand)
     }

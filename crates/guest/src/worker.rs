@@ -59,7 +59,10 @@ impl Worker {
             .stderr(Stdio::piped());
         join_group(&mut process, guard.as_ref());
         let mut process = process.spawn().map_err(|error| {
-            Failure::new(Fault::Ended, format!("`{command}` cannot be started: {error}"))
+            Failure::new(
+                Fault::Ended,
+                format!("`{command}` cannot be started: {error}"),
+            )
         })?;
         let (sender, lines) = sync_channel(READ_AHEAD);
         if let Some(output) = process.stdout.take() {
@@ -217,8 +220,13 @@ fn addressee(line: &str) -> Option<Addressee> {
     let excerpt = || shown(line, 200);
     Some(match serde_json::from_str::<Address>(line) {
         Ok(Address { id: Some(id), .. }) => Addressee::Question(Question::Run(id)),
-        Ok(Address { realgap: Some(_), .. }) => Addressee::Question(Question::Hello),
-        Ok(_) => Addressee::Nobody(format!("answered without the `id` of the question: {}", excerpt())),
+        Ok(Address {
+            realgap: Some(_), ..
+        }) => Addressee::Question(Question::Hello),
+        Ok(_) => Addressee::Nobody(format!(
+            "answered without the `id` of the question: {}",
+            excerpt()
+        )),
         Err(_) if line.contains("NaN") || line.contains("Infinity") => {
             Addressee::Nobody("answered NaN or Infinity, which are no numbers of JSON".to_owned())
         }
@@ -230,7 +238,11 @@ fn send_lines(output: impl Read, sender: &SyncSender<String>) {
     let mut output = BufReader::with_capacity(1 << 16, output);
     loop {
         let mut line = Vec::new();
-        match output.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut line) {
+        match output
+            .by_ref()
+            .take(LONGEST_LINE)
+            .read_until(b'\n', &mut line)
+        {
             Ok(0) | Err(_) => return,
             Ok(_) => {}
         }

@@ -20,15 +20,36 @@ fn what_a_simulator_does_wrong_is_named_with_its_last_words() {
     assert!(ended.contains("ended (exit status: 3)"), "{ended}");
     assert!(ended.contains("no such joint"), "{ended}");
     let hung = failure("echo 'still loading' >&2; sleep 30");
-    assert!(hung.contains("no answer within 0.5 s") && hung.contains("still loading"), "{hung}");
+    assert!(
+        hung.contains("no answer within 0.5 s") && hung.contains("still loading"),
+        "{hung}"
+    );
     let named = [
-        (r#"echo "{\"id\":$id,\"channels\":{\"a_rad\":[0,NaN]}}""#, "answered NaN"),
-        (r#"echo "{\"id\":$id,\"channels\":{\"a_rad\":[0,null]}}""#, "null is no number"),
+        (
+            r#"echo "{\"id\":$id,\"channels\":{\"a_rad\":[0,NaN]}}""#,
+            "answered NaN",
+        ),
+        (
+            r#"echo "{\"id\":$id,\"channels\":{\"a_rad\":[0,null]}}""#,
+            "null is no number",
+        ),
         (r#"echo "{\"id\":$id,\"chanels\":{}}""#, "chanels"),
-        (r#"echo "{\"id\":$id,\"channels\":{\"a_rad\":[0]}}""#, "1 values of `a_rad` at 2 times"),
-        (r#"echo "{\"channels\":{\"a_rad\":[0,1]}}""#, "without the `id`"),
-        (r#"echo "{\"id\":$id,\"failed\":\"out of torque\"}""#, "out of torque"),
-        (r#"echo "{\"id\":$id,\"file\":\"nowhere.csv\"}""#, "nowhere.csv"),
+        (
+            r#"echo "{\"id\":$id,\"channels\":{\"a_rad\":[0]}}""#,
+            "1 values of `a_rad` at 2 times",
+        ),
+        (
+            r#"echo "{\"channels\":{\"a_rad\":[0,1]}}""#,
+            "without the `id`",
+        ),
+        (
+            r#"echo "{\"id\":$id,\"failed\":\"out of torque\"}""#,
+            "out of torque",
+        ),
+        (
+            r#"echo "{\"id\":$id,\"file\":\"nowhere.csv\"}""#,
+            "nowhere.csv",
+        ),
         ("echo '{ bad'", "answered no JSON"),
     ];
     for (text, why) in named {
@@ -66,9 +87,15 @@ fn a_simulator_that_does_not_say_who_it_is_is_refused() {
     let refused = |text: &str| guest(command(folder.path(), text)).unwrap_err().to_string();
     let crashed = refused("echo 'cannot import mujoco' >&2; exit 1");
     assert!(crashed.contains("cannot import mujoco"), "{crashed}");
-    let newer = refused(&format!("read -r line; echo '{}'", HELLO.replace("\"realgap\":1", "\"realgap\":2")));
+    let newer = refused(&format!(
+        "read -r line; echo '{}'",
+        HELLO.replace("\"realgap\":1", "\"realgap\":2")
+    ));
     assert!(newer.contains("another version"), "{newer}");
-    let empty = refused(&format!("read -r line; echo '{}'", HELLO.replace("\"to\":10", "\"to\":0")));
+    let empty = refused(&format!(
+        "read -r line; echo '{}'",
+        HELLO.replace("\"to\":10", "\"to\":0")
+    ));
     assert!(empty.contains("range"), "{empty}");
 }
 
@@ -83,7 +110,8 @@ fn runs(process: &str) -> bool {
 #[cfg(target_os = "linux")]
 fn nothing_that_a_simulator_has_started_is_left_behind() {
     let folder = tempfile::tempdir().unwrap();
-    let parent = r#"sleep 300 & echo $! > child; echo "{\"id\":$id,\"channels\":{\"a_rad\":[0,1]}}""#;
+    let parent =
+        r#"sleep 300 & echo $! > child; echo "{\"id\":$id,\"channels\":{\"a_rad\":[0,1]}}""#;
     let guest = Arc::new(guest(command(folder.path(), &script(parent))).unwrap());
     answer(&experiment(guest)).unwrap();
     let child = std::fs::read_to_string(folder.path().join("child")).unwrap();

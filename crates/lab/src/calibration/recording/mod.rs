@@ -201,7 +201,10 @@ pub(in crate::calibration) fn warnings_for(
 ) -> Vec<Warning> {
     let mut warnings: Vec<Warning> = recordings.iter().flat_map(|r| r.warnings.clone()).collect();
     warnings.extend(different_robots(recordings));
-    for (recorded, robot) in robots(recordings).into_iter().zip(robot.into_iter().cycle()) {
+    for (recorded, robot) in robots(recordings)
+        .into_iter()
+        .zip(robot.into_iter().cycle())
+    {
         if recorded == robot.name() {
             continue;
         }

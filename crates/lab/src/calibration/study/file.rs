@@ -12,7 +12,8 @@ use crate::calibration::study::robot_file::{RobotFile, members, morphology_sourc
 use crate::calibration::study::scene_file::BodyFile;
 use crate::calibration::study::simulator_file::SimulatorFile;
 use crate::calibration::{
-    BasisRule, Commands, Definition, Horizon, Overrides, OwnSimulator, ScoreRule, StartRule, recording,
+    BasisRule, Commands, Definition, Horizon, Overrides, OwnSimulator, ScoreRule, StartRule,
+    recording,
 };
 use realgap_core::file::{Source, name_of_file, parse_ron, sha256, unique_keys};
 use realgap_core::{Error, Result};
@@ -437,12 +438,18 @@ impl StudyFile {
             ("timestep_s", self.timestep_s.is_some()),
             ("substeps", self.substeps.is_some()),
             ("joint", self.joint.is_some()),
-            ("noise", self.noise.is_some_and(|noise| !noise.without_camera().is_zero())),
+            (
+                "noise",
+                self.noise
+                    .is_some_and(|noise| !noise.without_camera().is_zero()),
+            ),
         ];
         if let Some((field, _)) = of_robots.iter().find(|(_, is_stated)| *is_stated) {
-            let error = Error::invalid("this is for robots of realgap, and the study names its own simulator")
-                .field(*field)
-                .hint("leave it out; the simulator declares what may be set (docs/simulator.md)");
+            let error = Error::invalid(
+                "this is for robots of realgap, and the study names its own simulator",
+            )
+            .field(*field)
+            .hint("leave it out; the simulator declares what may be set (docs/simulator.md)");
             return Err(source.at(field, error));
         }
         let own = named
@@ -454,16 +461,13 @@ impl StudyFile {
         })
     }
 
-    fn robot(
-        &self,
-        source: &Source,
-        folder: &Path,
-        own: Option<&OwnSimulator>,
-    ) -> Result<Robot> {
+    fn robot(&self, source: &Source, folder: &Path, own: Option<&OwnSimulator>) -> Result<Robot> {
         if let Some(own) = own {
             return Ok(Robot {
                 morphology: own.outside()?,
-                sha256: own.command().map_or_else(String::new, |c| sha256(c.identity())),
+                sha256: own
+                    .command()
+                    .map_or_else(String::new, |c| sha256(c.identity())),
                 vehicle: None,
             });
         }
@@ -561,5 +565,8 @@ fn values(named: &BTreeMap<String, f64>, own: Option<&OwnSimulator>) -> Result<P
     let Some(own) = own else {
         return assignments(named);
     };
-    named.iter().map(|(name, value)| own.assignment(name, *value)).collect()
+    named
+        .iter()
+        .map(|(name, value)| own.assignment(name, *value))
+        .collect()
 }

@@ -22,7 +22,10 @@ pub(in crate::calibration) fn own_cases(
 ) -> Result<(Vec<Case>, Vec<Warning>)> {
     let mut warnings = Vec::new();
     let recordings = definition.recordings.iter().enumerate();
-    let lengths_s = definition.recordings.iter().map(|r| r.trajectory.duration_s());
+    let lengths_s = definition
+        .recordings
+        .iter()
+        .map(|r| r.trajectory.duration_s());
     let shortest_s = definition
         .duration_s
         .unwrap_or(f64::INFINITY)
@@ -66,7 +69,11 @@ pub(in crate::calibration) fn own_cases(
 fn start_of(rule: StartRule, recording: &Recording, motion: &Trajectory) -> ForeignStart {
     let start_s = motion.times_s()[0];
     let mut commands = Vec::new();
-    for joint in motion.joints().iter().filter(|joint| joint.name.ends_with(COMMAND)) {
+    for joint in motion
+        .joints()
+        .iter()
+        .filter(|joint| joint.name.ends_with(COMMAND))
+    {
         commands.push((format!("{}_rad", joint.name), joint.angles_rad.clone()));
     }
     for signal in motion.signals() {
@@ -81,8 +88,16 @@ fn start_of(rule: StartRule, recording: &Recording, motion: &Trajectory) -> Fore
     let is_from_recording = rule == StartRule::FromRecording;
     ForeignStart {
         // Recordings that share a run have no name in common.
-        recording: if is_from_recording { recording.name.clone() } else { String::new() },
-        values: if is_from_recording { first_values(motion) } else { Vec::new() },
+        recording: if is_from_recording {
+            recording.name.clone()
+        } else {
+            String::new()
+        },
+        values: if is_from_recording {
+            first_values(motion)
+        } else {
+            Vec::new()
+        },
         times_s,
         commands,
     }
@@ -92,7 +107,12 @@ fn start_of(rule: StartRule, recording: &Recording, motion: &Trajectory) -> Fore
 fn first_values(motion: &Trajectory) -> Vec<(String, f64)> {
     let mut values: Vec<(String, f64)> = Vec::new();
     let mut add = |names: &[&str], numbers: &[f64]| {
-        values.extend(names.iter().map(|name| (*name).to_owned()).zip(numbers.iter().copied()));
+        values.extend(
+            names
+                .iter()
+                .map(|name| (*name).to_owned())
+                .zip(numbers.iter().copied()),
+        );
     };
     if !motion.is_of_joints() {
         let places = match motion.is_planar() {

@@ -7,10 +7,10 @@ use std::time::Duration;
 
 use serde::Deserialize;
 
+use crate::calibration::study::file::outside;
 use realgap_core::range::Range;
 use realgap_core::{Error, Result};
 use realgap_guest::{CommandLine, Guest, ParameterDeclaration, Pool, Unasked};
-use crate::calibration::study::file::outside;
 use realgap_robot::morphology::Morphology;
 use realgap_simulation::parameter::{
     Assignment, Declared, FOREIGN, Parameter, ParameterSet, by_name, foreign_parameter,
@@ -109,9 +109,10 @@ impl OwnSimulator {
     ) -> Result<Self> {
         let (choice, guest) = match consent {
             CommandConsent::Refused => return Err(Unasked::refusal(&command)),
-            CommandConsent::ReadOnly => {
-                (SimulatorChoice::new(Arc::new(Unasked::new(command.clone()))), None)
-            }
+            CommandConsent::ReadOnly => (
+                SimulatorChoice::new(Arc::new(Unasked::new(command.clone()))),
+                None,
+            ),
             CommandConsent::Given => {
                 let guest = Arc::new(Guest::new(Arc::new(Pool::new(command.clone())))?);
                 let simulator: Arc<dyn Simulator> = Arc::<Guest>::clone(&guest);
@@ -213,9 +214,13 @@ impl OwnSimulator {
         let all = set.iter().map(|assignment| {
             let name = assignment.parameter.name;
             if self.guest.is_some() && !is_foreign(name) && !is_of_recordings(name) {
-                return Err(Error::invalid("the study's own simulator has its own parameters")
-                    .field(name)
-                    .allowed(format!("{FOREIGN}.NAME, with a name that the simulator declares")));
+                return Err(
+                    Error::invalid("the study's own simulator has its own parameters")
+                        .field(name)
+                        .allowed(format!(
+                            "{FOREIGN}.NAME, with a name that the simulator declares"
+                        )),
+                );
             }
             self.assignment(name, assignment.value)
         });
@@ -225,7 +230,8 @@ impl OwnSimulator {
 
 /// Whether a parameter is one of a study's own simulator.
 fn is_foreign(name: &str) -> bool {
-    name.strip_prefix(FOREIGN).is_some_and(|rest| rest.starts_with('.'))
+    name.strip_prefix(FOREIGN)
+        .is_some_and(|rest| rest.starts_with('.'))
 }
 
 /// Whether a parameter is about the recordings, whoever simulates.
