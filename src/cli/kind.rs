@@ -44,6 +44,7 @@ impl Kind {
             ("morphology", Self::Study),
             ("vehicle", Self::Study),
             ("robots", Self::Study),
+            ("simulator", Self::Study),
             #[cfg(feature = "papers")]
             ("room_m", Self::Scene),
             ("segments_deg", Self::Sensorgraph),

@@ -27,12 +27,14 @@ pub struct Guest {
 }
 
 /// What two first questions have shown.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Habits {
     /// Whether the same question has the same answer.
     is_deterministic: bool,
     /// Whether another seed gives another answer.
     is_random: bool,
+    /// The joints of its answers.
+    joints: Vec<String>,
 }
 
 /// Seeds fit into 31 bits, so that every language takes them.
@@ -260,18 +262,26 @@ impl Simulator for Guest {
         }
     }
 
+    fn joints(&self, _: &Experiment) -> Vec<String> {
+        let habits = self.habits.get();
+        habits.map_or_else(Vec::new, |habits| habits.joints.clone())
+    }
+
     fn prepare(&self, experiment: &Experiment) -> Result<Vec<Warning>> {
         let habits = match self.habits.get() {
-            Some(habits) => *habits,
+            Some(habits) => habits,
             None => {
                 let mut short = experiment.clone();
                 short.perturbation.draw = None;
                 let ask = |seed: u64| self.ask(&short, seed).map_err(|failure| refused(&failure));
                 let (first, second, other) = (ask(0)?, ask(0)?, ask(OTHER_SEED)?);
                 let is_deterministic = first == second;
-                *self.habits.get_or_init(|| Habits {
+                let joints = first.joints().iter().map(|joint| joint.name.clone());
+                let joints = joints.collect();
+                self.habits.get_or_init(|| Habits {
                     is_deterministic,
                     is_random: first != other,
+                    joints,
                 })
             }
         };

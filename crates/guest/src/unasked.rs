@@ -55,6 +55,10 @@ impl Simulator for Unasked {
         1
     }
 
+    fn joints(&self, _: &Experiment) -> Vec<String> {
+        Vec::new()
+    }
+
     fn prepare(&self, _: &Experiment) -> Result<Vec<Warning>> {
         Ok(Vec::new())
     }

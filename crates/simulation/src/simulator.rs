@@ -34,6 +34,9 @@ pub trait Simulator: fmt::Debug + Send + Sync {
     /// Number of equally valid settings over which a score is the mean, where there are `usual` ones for the engines.
     fn settings(&self, usual: usize) -> usize;
 
+    /// Names of the joints that its runs have.
+    fn joints(&self, experiment: &Experiment) -> Vec<String>;
+
     /// Asks for a first run before a study, and says what the reader should know about the simulator.
     ///
     /// # Errors
@@ -68,6 +71,11 @@ impl Simulator for BuiltIn {
 
     fn settings(&self, usual: usize) -> usize {
         usual
+    }
+
+    fn joints(&self, experiment: &Experiment) -> Vec<String> {
+        let hinges = experiment.assembly.hinges.iter();
+        hinges.map(|hinge| hinge.name.clone()).collect()
     }
 
     fn prepare(&self, _: &Experiment) -> Result<Vec<Warning>> {

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize, Serializer};
 
+use crate::calibration::study::file::prior_of;
 use crate::calibration::{BasisRule, Commands, Horizon, Member, OwnSimulator, Split, Steering};
 use realgap_core::file::sha256;
 use realgap_core::range::Range;
@@ -220,6 +221,27 @@ impl Definition {
             StartRule::Settled => StartUsed::Settled,
             StartRule::FromRecording => StartUsed::FromRecording(self.start_state),
         }
+    }
+
+    /// Warnings about the robot; none where a study's own simulator stands for it, because its body is not known.
+    pub(in crate::calibration) fn robot_warnings(&self) -> Vec<Warning> {
+        match self.own_simulator {
+            Some(_) => Vec::new(),
+            None => self.morphology.warnings(),
+        }
+    }
+
+    /// Prior knowledge for a fit by least squares: the study's own, or what its simulator declares where the study states none.
+    pub(in crate::calibration) fn priors_of_fit(&self) -> Vec<Option<(f64, f64)>> {
+        let own = self.own_simulator.as_ref();
+        let all = self.priors.iter().zip(self.grid.ranges());
+        all.map(|(stated, range)| {
+            stated.or_else(|| {
+                let declared = own?.declaration(range.parameter.name)?.prior;
+                prior_of(declared, range).ok().flatten()
+            })
+        })
+        .collect()
     }
 
     /// The source of the recordings.

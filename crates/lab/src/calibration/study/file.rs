@@ -173,31 +173,31 @@ impl RangeFile {
                 .hint("state both ends of the range")
         })
     }
+}
 
-    /// The prior in coordinates from 0 to 1 along the range: median and variance.
-    fn prior_of(&self, range: &Range) -> Result<Option<(f64, f64)>> {
-        let Some((median, sd)) = self.prior else {
-            return Ok(None);
-        };
-        let is_within = (range.from..=range.to).contains(&median);
-        let is_spread = sd > 0.0 && sd.is_finite();
-        if !is_within || !is_spread {
-            return Err(Error::invalid("no prior knowledge of this parameter")
-                .field("prior")
-                .found(format!("({median}, {sd})"))
-                .allowed("(median, spread): a median within the range, a spread above 0"));
-        }
-        let at = range.coordinate(median);
-        // Along a logarithmic range a standard deviation is a share of the median.
-        let near = 1e-3 * (range.to - range.from);
-        let there = if median + near <= range.to {
-            median + near
-        } else {
-            median - near
-        };
-        let slope = (range.coordinate(there) - at).abs() / near;
-        Ok(Some((at, (slope * sd).powi(2))))
+/// Prior knowledge, a median and a standard deviation, in coordinates from 0 to 1 along the range: median and variance.
+pub(super) fn prior_of(prior: Option<(f64, f64)>, range: &Range) -> Result<Option<(f64, f64)>> {
+    let Some((median, sd)) = prior else {
+        return Ok(None);
+    };
+    let is_within = (range.from..=range.to).contains(&median);
+    let is_spread = sd > 0.0 && sd.is_finite();
+    if !is_within || !is_spread {
+        return Err(Error::invalid("no prior knowledge of this parameter")
+            .field("prior")
+            .found(format!("({median}, {sd})"))
+            .allowed("(median, spread): a median within the range, a spread above 0"));
     }
+    let at = range.coordinate(median);
+    // Along a logarithmic range a standard deviation is a share of the median.
+    let near = 1e-3 * (range.to - range.from);
+    let there = if median + near <= range.to {
+        median + near
+    } else {
+        median - near
+    };
+    let slope = (range.coordinate(there) - at).abs() / near;
+    Ok(Some((at, (slope * sd).powi(2))))
 }
 
 fn default_metric() -> String {
@@ -315,7 +315,7 @@ impl Definition {
         let priors = file.parameters.iter().zip(grid.ranges()).enumerate();
         let priors = priors
             .map(|(index, (range, on_grid))| {
-                let prior = range.prior_of(on_grid);
+                let prior = prior_of(range.prior, on_grid);
                 prior.map_err(|e| source.at(&format!("parameters[{index}]"), e))
             })
             .collect::<Result<Vec<_>>>()?;

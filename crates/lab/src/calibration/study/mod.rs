@@ -119,7 +119,7 @@ impl Study {
         warnings.extend(folded_directions(&definition, &cases));
         let of_first = definition.set_of(&definition.morphology);
         warnings.extend(of_first.without_effect(&cases[0].experiment));
-        warnings.extend(definition.morphology.warnings());
+        warnings.extend(definition.robot_warnings());
         warnings.extend(cases[0].experiment.warnings());
         let simulator = cases[0].experiment.simulator.get();
         let said = simulator.prepare(&cases[0].experiment);
