@@ -7,6 +7,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize, Serializer};
 
 use crate::calibration::study::file::prior_of;
+use crate::calibration::study::simulator_file::is_of_recordings;
 use crate::calibration::{BasisRule, Commands, Horizon, Member, OwnSimulator, Split, Steering};
 use realgap_core::file::sha256;
 use realgap_core::range::Range;
@@ -16,7 +17,7 @@ use realgap_optimization::Grid;
 use realgap_path::comparison::{Components, Metric, Pca};
 use realgap_path::trajectory::{Alignment, Reading, Recording, Source};
 use realgap_robot::morphology::Morphology;
-use realgap_simulation::parameter::{Parameter, ParameterSet};
+use realgap_simulation::parameter::{self, Parameter, ParameterSet};
 use realgap_simulation::{Experiment, Noise, SceneBody, Vehicle};
 
 /// Where a simulated run starts.
@@ -229,6 +230,15 @@ impl Definition {
             Some(_) => Vec::new(),
             None => self.morphology.warnings(),
         }
+    }
+
+    /// Every parameter that the study may set: those of the registry, or those of its own simulator and of recordings.
+    pub(in crate::calibration) fn known_parameters(&self) -> Vec<&'static Parameter> {
+        let Some(own) = &self.own_simulator else {
+            return parameter::all().collect();
+        };
+        let of_recordings = parameter::all().filter(|p| is_of_recordings(p.name));
+        own.parameters().into_iter().chain(of_recordings).collect()
     }
 
     /// Prior knowledge for a fit by least squares: the study's own, or what its simulator declares where the study states none.

@@ -197,7 +197,27 @@ impl OwnSimulator {
 
     /// What stands for the robot: a cube with the simulator's name and body length.
     pub(in crate::calibration) fn outside(&self) -> Result<Morphology> {
-        outside(&self.name(), self.body_length_m().unwrap_or(1.0))
+        // A simulator may be called anything, and a robot may not.
+        let is_letter = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        let letters = self
+            .name()
+            .chars()
+            .map(|c| if is_letter(c) { c } else { '_' })
+            .take(64)
+            .collect::<String>();
+        let name = match letters.trim_matches('_') {
+            "" => "simulator",
+            name => name,
+        };
+        outside(name, self.body_length_m().unwrap_or(1.0))
+    }
+
+    /// All parameters that the simulator declares; none where it was not asked.
+    pub(in crate::calibration) fn parameters(&self) -> Vec<&'static Parameter> {
+        let guest = self.guest.iter();
+        let all = guest.flat_map(|guest| &guest.hello().parameters);
+        all.map(|declared| foreign_parameter(&declared.declared()))
+            .collect()
     }
 
     /// What the simulator declares of a parameter.
@@ -235,6 +255,6 @@ fn is_foreign(name: &str) -> bool {
 }
 
 /// Whether a parameter is about the recordings, whoever simulates.
-fn is_of_recordings(name: &str) -> bool {
+pub(super) fn is_of_recordings(name: &str) -> bool {
     name.starts_with("recording.")
 }
