@@ -88,7 +88,10 @@ fn mean_score(
 fn sensitivity(study: &Study, run: &RunOptions<'_>) -> Result<Sensitivity> {
     let base = ParameterSet::new();
     let experiment = study.experiment_with(0, &base)?;
-    let (parameters, perturbed): (Vec<_>, Vec<_>) = perturbations(&experiment, study.definition().known_parameters()).into_iter().unzip();
+    let (parameters, perturbed): (Vec<_>, Vec<_>) =
+        perturbations(&experiment, study.definition().known_parameters())
+            .into_iter()
+            .unzip();
     let mut tasks = vec![base];
     tasks.extend(evaluations(&perturbed).into_iter().map(|(number, value)| {
         let parameter = parameters[number];

@@ -87,7 +87,7 @@ impl LeastSquaresFit {
         };
         let best = grid.values_at(posterior.best());
         if ending == Ending::Complete && study.is_audited() {
-            // A simulator of somebody else has no timestep and no start that could be changed from here.
+            // A simulator of somebody else has no timestep that could be changed from here.
             if study.cases()[0].experiment.simulator.is_built_in() {
                 let step = run.step("fitting with finer timesteps", RUNS_OF_NUMERICS);
                 posterior = posterior.with_numerics(&mut |point, factor| {
@@ -96,8 +96,8 @@ impl LeastSquaresFit {
                     step.count();
                     Ok(study.errors_of(&trial).map(|(errors, _)| errors))
                 })?;
-                posterior = posterior.with_starts(&study.errors_of_other_starts(&best, run)?);
             }
+            posterior = posterior.with_starts(&study.errors_of_other_starts(&best, run)?);
         }
         let mut scores = scores.with_more(study, &checks)?;
         let chosen = scores.points.iter().position(|point| point.values == best);
