@@ -1,5 +1,6 @@
 //! From the channels of an answer to a trajectory at the asked times.
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -59,7 +60,10 @@ fn at_times(
     let [.., before_s, last_s] = own_s else {
         return Err("fewer than two times".to_owned());
     };
-    if let Some(at) = own_s.windows(2).position(|pair| !(pair[0] < pair[1])) {
+    if let Some(at) = own_s
+        .windows(2)
+        .position(|pair| pair[0].partial_cmp(&pair[1]) != Some(Ordering::Less))
+    {
         return Err(format!(
             "times that do not increase: {} s after {} s",
             own_s[at + 1],

@@ -12,7 +12,7 @@ use realgap_core::{Advice, Error, Result, Warning};
 use realgap_inference::sensitivity::{Effect, Perturbation, effects, evaluations};
 use realgap_optimization::RunOptions;
 use realgap_path::comparison::Basis;
-use realgap_simulation::parameter::{self, Assignment, Parameter, ParameterSet};
+use realgap_simulation::parameter::{Assignment, Parameter, ParameterSet};
 use realgap_simulation::{Experiment, Noise};
 use realgap_store::CaseRow;
 
