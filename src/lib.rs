@@ -68,6 +68,8 @@ pub mod schema;
 
 // A crate that is one module of the library has that module's name.
 #[doc(inline)]
+pub use realgap_guest as guest;
+#[doc(inline)]
 pub use realgap_identification as identification;
 #[doc(inline)]
 pub use realgap_inference as inference;
@@ -174,7 +176,7 @@ pub mod guide {
         pictures: compare confidence convergence corner curves ensemble fitness gallery heatmap histograms joints map paths profile ride
             robot seen sensitivity sensor so101_arm steps template time times tosses trajectories turtlebot3_burger unitree_a1 visits
             watched;
-        pages: start concepts robots recordings control scale cli files results python gallery limits compare design bibliography;
+        pages: start concepts robots recordings control simulator scale cli files results python gallery limits compare design bibliography;
         headings: {
             [bibliography]:
                 "sensors";

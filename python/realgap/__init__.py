@@ -57,6 +57,7 @@ from ._robot import Robot
 from ._search import Finalist, Search, SearchResults, Travel
 from ._simulation import EnergyBalance, Simulation, simulate
 from ._statistic import Interval
+from ._simulator import Question, serve
 from ._study import Study
 from ._sweep import Verdict
 from ._table import Table
@@ -88,6 +89,7 @@ __all__ = [
     "Optimizer",
     "Prediction",
     "Prepared",
+    "Question",
     "Result",
     "Robot",
     "Search",
@@ -111,5 +113,6 @@ __all__ = [
     "prepare",
     "read_parameters",
     "report",
+    "serve",
     "simulate",
 ]

@@ -13,6 +13,7 @@ from ._json import Given, JsonObject, asked, made, parsed
 from ._prediction import Ensemble, Gap, Noise, ensemble_of, gap_of
 from ._robot import Robot, native_robot
 from ._run import Parameters, Path, Progress, file_name, files_and_values, folder_name, mode
+from ._simulator import Declarations, Simulate, responder
 from ._trajectory import Trajectories, Trajectory, native_trajectories
 from ._warning import Warning
 
@@ -69,20 +70,22 @@ class Study:
         folds: Optional[int] = None,
         hold_out: Optional[float] = None,
         reading: Optional[Mapping[str, Given]] = None,
+        allow_command: bool = False,
     ) -> "Study":
         """A study from its RON file, as `realgap sweep` reads it; arguments override the file.
 
         `recordings` are globs; every `every`-th file from `offset` on is taken, at most `limit_recordings`; of each run, the
         first `duration_s` are simulated; `points` is the number of each range; `score` is "valid", "ensemble:N" or "single";
         `basis` is "recordings" or a file, for metrics that project; `set` fixes values by name, `parameters` those of files;
-        `folds` or `hold_out` (a share) keep recordings for a check; `reading` says how files are read.
+        `folds` or `hold_out` (a share) keep recordings for a check; `reading` says how files are read; `allow_command` runs the
+        command that the study names as its simulator.
 
         >>> realgap.Study.read("sweeps/tripod_floor.ron", points=3, recordings="real_trajectories/tripod_standin/run_0*.csv")
         Study tripod_floor: tripod, 10 recordings, floor.friction, floor.restitution by pca
         """
         wishes = _wishes(
             recordings, every, offset, limit_recordings, duration_s, points, seed, score, basis, set, parameters,
-            folds, hold_out, reading,
+            folds, hold_out, reading, allow_command,
         )  # fmt: skip
         return cls(_native.Study.parse(os.fspath(path), None, False, native_metric(metric), wishes))
 
@@ -108,6 +111,7 @@ class Study:
         folds: Optional[int] = None,
         hold_out: Optional[float] = None,
         reading: Optional[Mapping[str, Given]] = None,
+        allow_command: bool = False,
     ) -> "Study":
         """A study from RON. The files that it names are relative to `folder`; the rest as for `Study.read`.
 
@@ -117,7 +121,7 @@ class Study:
         """
         wishes = _wishes(
             recordings, every, offset, limit_recordings, duration_s, points, seed, score, basis, set, parameters,
-            folds, hold_out, reading,
+            folds, hold_out, reading, allow_command,
         )  # fmt: skip
         path = file_name(folder, name)
         return cls(_native.Study.parse(path, text, False, native_metric(metric), wishes))
@@ -144,6 +148,7 @@ class Study:
         folds: Optional[int] = None,
         hold_out: Optional[float] = None,
         reading: Optional[Mapping[str, Given]] = None,
+        allow_command: bool = False,
     ) -> "Study":
         """A study from the fields of its file, as `Robot.from_dict` takes those of a robot; the rest as for `Study.from_text`.
 
@@ -160,7 +165,7 @@ class Study:
         """
         wishes = _wishes(
             recordings, every, offset, limit_recordings, duration_s, points, seed, score, basis, set, parameters,
-            folds, hold_out, reading,
+            folds, hold_out, reading, allow_command,
         )  # fmt: skip
         path, text = file_name(folder, name), asked("a study", **dict(fields))
         return cls(_native.Study.parse(path, text, True, native_metric(metric), wishes))
@@ -168,10 +173,14 @@ class Study:
     @classmethod
     def of(
         cls,
-        robot: Robot,
-        recordings: Trajectories,
-        vary: Mapping[str, Range],
+        robot: Optional[Robot] = None,
+        recordings: Optional[Trajectories] = None,
+        vary: Optional[Mapping[str, Range]] = None,
         *,
+        simulate: Optional[Simulate] = None,
+        declares: Optional[Declarations] = None,
+        settings: Sequence[Mapping[str, Given]] = (),
+        version: str = "",
         name: str = "study",
         metric: Optional[AnyMetric] = None,
         set: Optional[Mapping[str, float]] = None,
@@ -188,9 +197,15 @@ class Study:
         `start` is "settled", or "first-sample", "half-sample" or "flight" for runs that begin with the state of each recording.
         Runs of a simulation are recordings, too.
 
+        In place of a robot, `simulate` is a function of your own, as `realgap.serve` takes it with `declares` and `settings`: it
+        gets a `realgap.Question` and returns channels by name. `version` stands in the fingerprint of results: change it when you
+        change what the function calls.
+
         >>> realgap.Study.of(robot, run, {"floor.friction": (0.2, 0.8)}, metric="rms").info["points"]
         21
         """
+        if recordings is None or vary is None:
+            raise TypeError("a study needs recordings, and parameters that vary")
         ranges = [(parameter, *_range(values)) for parameter, values in vary.items()]
         said = asked(
             "a study",
@@ -206,7 +221,9 @@ class Study:
             noise=None if noise is None else dict(noise),
         )
         given = native_trajectories(recordings)
-        return cls(_native.Study.build(native_robot(robot), given, native_metric(metric), said))
+        own = None if simulate is None else responder(simulate, declares or {}, settings, name, version)
+        model = None if robot is None else native_robot(robot)
+        return cls(_native.Study.build(model, own, given, native_metric(metric), said))
 
     @property
     def name(self) -> str:
@@ -384,6 +401,7 @@ def _wishes(
     folds: Optional[int],
     hold_out: Optional[float],
     reading: Optional[Mapping[str, Given]],
+    allow_command: bool,
 ) -> str:
     files, values = files_and_values(parameters)
     return asked(
@@ -402,4 +420,5 @@ def _wishes(
         folds=folds,
         hold_out=hold_out,
         reading=dict(reading or {}),
+        allow_command=allow_command,
     )

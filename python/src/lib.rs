@@ -15,6 +15,7 @@ mod robot;
 mod running;
 mod search;
 mod simulation;
+mod simulator;
 mod study;
 mod text;
 mod trajectory;

@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use realgap::calibration::{
-    self, BasisRule, Overrides, Part, Repeatable, ScoreRule, Split, TuneOptions, recording_id,
+    self, BasisRule, CommandConsent, Overrides, Part, Repeatable, ScoreRule, Split, TuneOptions,
+    recording_id,
 };
 use realgap::comparison::Metric;
 use realgap::identification::StartState;
@@ -26,6 +27,7 @@ use crate::folder::{into_folder, mode_of, source};
 use crate::robot::Robot;
 use crate::running::{self, Way};
 use crate::simulation::{fitted, values};
+use crate::simulator;
 use crate::text::{of_text, to_text};
 use crate::trajectory::Trajectory;
 
@@ -47,6 +49,7 @@ struct Wishes {
     folds: Option<usize>,
     hold_out: Option<f64>,
     reading: Reading,
+    allow_command: bool,
 }
 
 /// The fields of a study that is built from objects.
@@ -120,6 +123,10 @@ impl Wishes {
             draws: fitted.draws,
             fitted_on: fitted.fitted_on,
             reading: self.reading,
+            command: match self.allow_command {
+                true => CommandConsent::Given,
+                false => CommandConsent::Refused,
+            },
             split: split(self.folds, self.hold_out)?,
             ..Overrides::default()
         })
@@ -163,7 +170,8 @@ impl Study {
     #[staticmethod]
     fn build(
         py: Python<'_>,
-        robot: &Robot,
+        robot: Option<&Robot>,
+        respond: Option<(Py<PyAny>, String)>,
         recordings: Vec<Bound<'_, Trajectory>>,
         metric: Option<Bound<'_, PyAny>>,
         said: &str,
@@ -179,8 +187,20 @@ impl Study {
         };
         let study = running::run(py, &way, |options| {
             let said: Said = of_text("a study", said)?;
-            let mut builder =
-                calibration::Study::builder(said.name, robot.morphology.clone()).seed(said.seed);
+            let builder = match (robot, respond) {
+                (Some(robot), None) => {
+                    calibration::Study::builder(said.name, robot.morphology.clone())
+                }
+                (None, Some((respond, identity))) => {
+                    let own = simulator::own(respond, identity)?;
+                    calibration::Study::builder_of(said.name, own)?
+                }
+                _ => {
+                    return Err(Error::usage("a study is of a robot or of a simulator")
+                        .allowed("robot, or simulate"));
+                }
+            };
+            let mut builder = builder.seed(said.seed);
             for recording in recordings {
                 builder = builder.recording(recording);
             }

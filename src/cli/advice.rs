@@ -114,6 +114,7 @@ fn option(advice: &Advice) -> String {
         Advice::EstimateOffset => {
             "find the offset between two clocks of one run with --offset auto".to_owned()
         }
+        Advice::AllowCommand => "run it with --allow-command".to_owned(),
         Advice::ListParameters => "`realgap study parameters` lists all of them".to_owned(),
         other => other.to_string(),
     }

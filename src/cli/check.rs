@@ -7,7 +7,7 @@ pub mod report;
 mod scene;
 mod sensing;
 
-use realgap::calibration::{Definition, Overrides, read_parameters};
+use realgap::calibration::{CommandConsent, Definition, Overrides, OwnSimulator, read_parameters};
 use realgap::file::Source;
 use realgap::robot::genome::Individual;
 use realgap::robot::import::is_foreign;
@@ -18,6 +18,7 @@ use realgap::trajectory::Reading;
 use realgap::verification::known_limits;
 use realgap::{results::draw_arena, results::portrait, trajectory};
 
+use super::consent::ConsentOption;
 use super::kind::Kind;
 use super::kit::*;
 use super::option::Format;
@@ -47,6 +48,8 @@ pub struct Check {
     files: Vec<PathBuf>,
     #[command(flatten)]
     reading: ReadingOptions,
+    #[command(flatten)]
+    consent: ConsentOption,
     /// Check controllers against this robot: the modules that carry sensors, the names of servos, and that every robot starts clear
     /// of walls
     #[arg(long, value_name = "FILE")]
@@ -82,7 +85,7 @@ impl Check {
         let mut failed = 0;
         for (index, path) in self.files.iter().enumerate() {
             let reading = self.reading.of_path(path, index, self.files.len())?;
-            let found = describe(path, &reading, self.dynamics, self.robot.as_deref());
+            let found = self.describe(path, &reading);
             if let Err(error) = &found {
                 failed += 1;
                 terminal::print_error(error);
@@ -110,6 +113,17 @@ impl Check {
             return Ok(1);
         }
         Ok(0)
+    }
+
+    fn describe(&self, path: &Path, reading: &Reading) -> Result<Contents> {
+        // Without consent a study's command is only read about.
+        let consent = self.consent.or(CommandConsent::ReadOnly);
+        describe(
+            path,
+            reading,
+            (self.dynamics, consent),
+            self.robot.as_deref(),
+        )
     }
 
     fn draw(&self, plot: &Path) -> Result<()> {
@@ -150,7 +164,7 @@ fn report(path: &Path, found: Result<Contents>) -> FileReport {
 fn describe(
     path: &Path,
     reading: &Reading,
-    dynamics: usize,
+    (dynamics, consent): (usize, CommandConsent),
     robot: Option<&Path>,
 ) -> Result<Contents> {
     if path.is_dir() {
@@ -173,7 +187,7 @@ fn describe(
     match Kind::of_ron(&source) {
         Some(Kind::Morphology) => morphology(&source, dynamics),
         Some(Kind::Genome) => genome(&source),
-        Some(Kind::Study) => study(path),
+        Some(Kind::Study) => study(path, consent),
         Some(Kind::Search) => search(path),
         Some(Kind::Parameters) => parameters(path),
         Some(Kind::Meta) => meta(path),
@@ -277,14 +291,62 @@ fn genome(source: &Source) -> Result<Contents> {
     })
 }
 
-fn study(path: &Path) -> Result<Contents> {
-    let study = Definition::read_without_recordings(path, &Overrides::default())?;
+/// What a study's own simulator is, and whether it was asked.
+fn simulator_lines(own: &OwnSimulator) -> Vec<String> {
+    let mut lines = Vec::new();
+    if let Some(command) = own.command() {
+        let folder = command.folder().display();
+        lines.push(format!(
+            "  command       {} (in {folder})",
+            shown(&command.to_string(), SHOWN)
+        ));
+        for (file, hash) in command.files() {
+            lines.push(format!("  file          {file}, sha256 {hash}"));
+        }
+    }
+    match own.guest() {
+        None => lines.push(
+            "  the command was not run: its parameters were not checked (--allow-command)"
+                .to_owned(),
+        ),
+        Some(guest) => {
+            let hello = guest.hello();
+            for parameter in &hello.parameters {
+                lines.push(format!(
+                    "  declares      {} from {} to {} {}, {} by default",
+                    shown(&parameter.name, SHOWN),
+                    parameter.from,
+                    parameter.to,
+                    shown(&parameter.unit, SHOWN),
+                    parameter.default
+                ));
+            }
+        }
+    }
+    lines
+}
+
+fn study(path: &Path, consent: CommandConsent) -> Result<Contents> {
+    let overrides = Overrides {
+        command: consent,
+        ..Overrides::default()
+    };
+    let study = Definition::read_without_recordings(path, &overrides)?;
+    let whose = match study.own_simulator {
+        Some(_) => "own simulator",
+        None => "robot",
+    };
     let mut lines = vec![format!(
-        "  study of the robot \"{}\", metric {} in {}",
+        "  study of the {whose} \"{}\", metric {} in {}",
         study.morphology.name(),
         study.metric.name(),
         study.metric.unit()
     )];
+    lines.extend(study.own_simulator.iter().flat_map(simulator_lines));
+    let is_asked = study
+        .own_simulator
+        .as_ref()
+        .is_none_or(|own| own.guest().is_some());
     let mut ranges = Vec::new();
     for range in study.grid.ranges() {
         lines.push(format!(
@@ -303,17 +365,37 @@ fn study(path: &Path) -> Result<Contents> {
     }
     let points = study.grid.len();
     let (robot, metric) = (study.morphology.name().to_owned(), study.metric);
+    let contents = |lines, warnings, (recordings, simulations, cpu_s), parameters| Contents {
+        kind: Kind::Study,
+        lines,
+        details: report::Contents::Study {
+            robot: robot.clone(),
+            metric: metric.name(),
+            unit: metric.unit(),
+            parameters,
+            points,
+            recordings,
+            simulations,
+            cpu_s,
+        },
+        warnings,
+    };
     let (mut recordings, mut simulations, mut cpu_s) = (None, None, None);
     let mut warnings = Vec::new();
-    match Definition::read(path, &Overrides::default()) {
+    match Definition::read(path, &overrides) {
         Ok(whole) => {
             let given = whole.recordings.len();
             let study = realgap::calibration::Study::new(whole)?;
             let runs = study.sweep_runs().checked_mul(study.cases().len());
-            let one = study.cpu_s_per_point()?;
-            let cost_s = one * study.sweep_runs() as f64;
             recordings = Some(given);
             let given = counted(given, "recording");
+            warnings = study.warnings().to_vec();
+            if !is_asked {
+                lines.push(format!("  {given}, {}", counted(points, "point")));
+                return Ok(contents(lines, warnings, (recordings, None, None), ranges));
+            }
+            let one = study.cpu_s_per_point()?;
+            let cost_s = one * study.sweep_runs() as f64;
             if let Some(runs) = runs {
                 let (points, all) = (counted(points, "point"), counted(runs, "simulation"));
                 lines.push(format!("  {given}, {points}, {all}"));
@@ -329,11 +411,12 @@ fn study(path: &Path) -> Result<Contents> {
                     "  about {one:.3} CPU s per point, estimated from a part of one simulation on this machine"
                 ));
             }
-            warnings = study.warnings().to_vec();
             let grid = &study.definition().grid;
             let tuned: Vec<&str> = grid.ranges().iter().map(|r| r.parameter.name).collect();
             let middle = study.experiment(0, &grid.values(points / 2))?;
-            warnings.extend(known_limits(&middle, &tuned));
+            if middle.has_engine() {
+                warnings.extend(known_limits(&middle, &tuned));
+            }
         }
         Err(error) if study.recording_globs.is_empty() => {
             lines.push(format!(
@@ -344,21 +427,12 @@ fn study(path: &Path) -> Result<Contents> {
         }
         Err(error) => return Err(error),
     }
-    Ok(Contents {
-        kind: Kind::Study,
+    Ok(contents(
         lines,
-        details: report::Contents::Study {
-            robot,
-            metric: metric.name(),
-            unit: metric.unit(),
-            parameters: ranges,
-            points,
-            recordings,
-            simulations,
-            cpu_s,
-        },
         warnings,
-    })
+        (recordings, simulations, cpu_s),
+        ranges,
+    ))
 }
 
 fn search(path: &Path) -> Result<Contents> {

@@ -78,6 +78,11 @@ impl Identify {
             ..self.recordings.overrides()?
         };
         let study = read_definition(&self.study, &overrides)?;
+        if study.own_simulator.is_some() {
+            return Err(Error::invalid("nothing is identified without the robot's bodies, and the study names its own simulator")
+                .at_file(&self.study)
+                .hint("use `realgap tune`, which varies what the simulator declares"));
+        }
         let mut recordings = study.recordings.iter();
         if !study.recordings.is_empty() && recordings.all(|r| r.trajectory.is_of_joints()) {
             return self.determine(overrides);

@@ -9,6 +9,8 @@ use realgap::robot::morphology::Morphology;
 use realgap::search::{self, Search};
 use realgap::{Error, Result, trajectory};
 
+use super::consent;
+
 /// The kinds of files that people name on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
@@ -42,6 +44,7 @@ impl Kind {
             ("morphology", Self::Study),
             ("vehicle", Self::Study),
             ("robots", Self::Study),
+            ("simulator", Self::Study),
             #[cfg(feature = "papers")]
             ("room_m", Self::Scene),
             ("segments_deg", Self::Sensorgraph),
@@ -143,7 +146,8 @@ pub fn read_individual(path: &Path) -> Result<Individual> {
 /// Reads a study for its repeats.
 pub fn read_repeatable(path: &Path, overrides: &Overrides) -> Result<Repeatable> {
     let (path, overrides) = &resolve_study(path, overrides)?;
-    Repeatable::read(path, overrides).map_err(|error| explain(path, Kind::Study, error))
+    let read = |overrides: &Overrides| Repeatable::read(path, overrides);
+    consent::reading(read, overrides).map_err(|error| explain(path, Kind::Study, error))
 }
 
 /// Whether a file looks like a search.
@@ -175,7 +179,8 @@ pub fn read_study(path: &Path, overrides: &Overrides) -> Result<Study> {
 /// Reads a study and its recordings without making them ready to run.
 pub fn read_definition(path: &Path, overrides: &Overrides) -> Result<Definition> {
     let (path, overrides) = &resolve_study(path, overrides)?;
-    Definition::read(path, overrides).map_err(|error| explain(path, Kind::Study, error))
+    let read = |overrides: &Overrides| Definition::read(path, overrides);
+    consent::reading(read, overrides).map_err(|error| explain(path, Kind::Study, error))
 }
 
 /// The study and its overrides: a parameter file that names its study stands for that study with the file's values.

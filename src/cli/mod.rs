@@ -58,6 +58,7 @@ mod check;
 mod committed;
 mod compare;
 mod completions;
+mod consent;
 mod develop;
 mod ensemble;
 mod evaluate;

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use realgap::calibration::{Fitted, Mode, Overrides, Part};
+use realgap::calibration::{CommandConsent, Fitted, Mode, Overrides, Part};
 use realgap::comparison::{self, Metric};
 use realgap::identification::StartState;
 use realgap::search::read_posterior;
@@ -15,6 +15,7 @@ use realgap::simulation::{ENGINES, Experiment, JointFormulation, Solver, engine_
 use realgap::warning::Code;
 use realgap::{Error, Result, RunOptions, Warning};
 
+use super::consent::ConsentOption;
 use super::reading::ReadingOptions;
 use super::terminal::Answer;
 use super::{interrupt, terminal};
@@ -167,6 +168,8 @@ pub struct Recordings {
     limit_recordings: Option<NonZeroUsize>,
     #[command(flatten)]
     reading: ReadingOptions,
+    #[command(flatten)]
+    consent: ConsentOption,
 }
 
 fn parse_count(text: &str) -> std::result::Result<NonZeroUsize, String> {
@@ -185,6 +188,7 @@ impl Recordings {
                 .transpose()?,
             limit_recordings: self.limit_recordings.map(NonZeroUsize::get),
             reading: self.reading.reading()?,
+            command: self.consent.or(CommandConsent::Refused),
             ..Overrides::default()
         })
     }

@@ -16,6 +16,7 @@ mod library;
 mod model_error;
 mod noise_floor;
 mod servo;
+mod simulator;
 #[path = "../../crates/lab/tests/toss/standin.rs"]
 mod standin;
 mod sweep;

@@ -138,6 +138,7 @@ advice! {
     OtherTime "Compare at times since each start, or at equal fractions of the durations." "compare at times since each start (`start`), or at equal fractions of the durations (`fraction`)";
     Associate "Match samples farther apart in time, or interpolate." "allow a larger difference of times, or interpolate the other trajectory";
     EstimateOffset "Estimate the offset between two clocks." "let the offset between the clocks be estimated from the speeds";
+    AllowCommand "Consent to the command that a study runs." "consent to the command";
     ListParameters "Look up the names of all parameters." "look up the names in the registry of parameters";
 }
 

@@ -8,7 +8,9 @@
 mod file_unit;
 mod number;
 
+use std::collections::BTreeSet;
 use std::fmt;
+use std::sync::Mutex;
 
 pub use file_unit::{AngleUnit, LengthUnit, TimeUnit};
 pub use number::{DisplayUnit, decimals, number, percent_change_range, percent_range, quantity};
@@ -24,6 +26,8 @@ macro_rules! symbols {
         #[non_exhaustive]
         pub enum Unit {
             $(#[doc = $doc] $unit,)*
+            /// A unit that a simulator of somebody else declares, by its symbol.
+            Other(&'static str),
         }
 
         impl Unit {
@@ -31,6 +35,7 @@ macro_rules! symbols {
             pub fn symbol(self) -> &'static str {
                 match self {
                     $(Self::$unit => $symbol,)*
+                    Self::Other(symbol) => symbol,
                 }
             }
 
@@ -69,7 +74,27 @@ symbols! {
     KilogramSquareMetre "kg m^2" "Kilogram square metre: an inertia.";
 }
 
+/// Units that are not of this crate are compared and stored by reference, so each symbol lives as long as the program.
+static OTHERS: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
+
 impl Unit {
+    /// The unit with this symbol, which may be one that this crate does not have; an empty text and `1` are [`Unit::One`].
+    pub fn named(symbol: &str) -> Self {
+        let symbol = symbol.trim();
+        if let Some(unit) = Self::by_label(if symbol.is_empty() { "1" } else { symbol }) {
+            return unit;
+        }
+        let mut others = OTHERS
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        if let Some(known) = others.get(symbol) {
+            return Self::Other(known);
+        }
+        let known: &'static str = Box::leak(symbol.to_owned().into_boxed_str());
+        others.insert(known);
+        Self::Other(known)
+    }
+
     /// The symbol, or `1` for a dimensionless quantity: for CSV and JSON, where a field may not be empty.
     pub fn label(self) -> &'static str {
         if self == Self::One {

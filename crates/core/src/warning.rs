@@ -140,6 +140,7 @@ codes! {
     NotAudited "not-audited" "An answer was not checked by further runs." "resume the run with the audit before you rely on the answer";
     NotConverged "not-converged" "A fit by least squares had not ended when its budget did." "tune with a larger budget";
     NotNormal "not-normal" "Readings are not normally distributed." "use the histogram or a mixture in place of a normal distribution";
+    NotReproducible "not-reproducible" "The study's own simulator answers one question differently each time." "seed its random numbers with the `seed` of each question, and begin every answer in the same state";
     NotSettled "not-settled" "A robot did not come to rest before its run." "lift the robot less, or give it longer to settle";
     NotWritten "not-written" "A result could not be written." "check the folder and the disk, then run the command again";
     OffFloor "off-floor" "Recorded poses place the robot inside the floor or above it." "check the robot's size, the unit of lengths, the axes, the order of quaternions and the floor's height";

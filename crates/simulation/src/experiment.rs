@@ -11,9 +11,11 @@ use super::adjustment::{Adjustment, HingeAdjustment, ModuleAdjustment};
 use super::command::CommandTrack;
 use super::control::Controller;
 use super::engine::{Engine, EngineChoice};
+use super::foreign::Foreign;
 use super::instrument::Instrument;
 use super::mount::Mount;
 use super::scene::SceneBody;
+use super::simulator::SimulatorChoice;
 use super::vehicle::{Drive, Vehicle};
 use realgap_core::unit::GRAVITY_M_S2;
 use realgap_path::trajectory::State;
@@ -300,6 +302,10 @@ pub struct Experiment {
     pub instruments: Vec<Instrument>,
     /// Recorded commands of servos, in place of their gaits, by name of the hinge.
     pub commands: BTreeMap<String, Arc<CommandTrack>>,
+    /// What simulates: the engines of this crate, or a simulator of somebody else.
+    pub simulator: SimulatorChoice,
+    /// What a simulator of somebody else is asked; empty for the engines of this crate.
+    pub foreign: Foreign,
     /// A two-wheel robot that replaces the robot of the assembly, which then only provides the size.
     pub vehicle: Option<Arc<Vehicle>>,
     /// Parameters of the two-wheel robot.
@@ -350,6 +356,8 @@ impl Experiment {
             start_joints: Vec::new(),
             instruments: Vec::new(),
             commands: BTreeMap::new(),
+            simulator: SimulatorChoice::default(),
+            foreign: Foreign::default(),
             vehicle: None,
             drive: Drive::default(),
             controller: None,
@@ -373,13 +381,15 @@ impl Experiment {
         self.solver.engine.able(self).0
     }
 
-    /// Name and version of the engine that simulates this experiment; a vehicle is simulated by its own equations without an
-    /// engine.
+    /// Name and version of what simulates this experiment: an engine, the equations of a vehicle, or a simulator of somebody else.
     pub fn engine_version(&self) -> &'static str {
-        match self.vehicle {
-            Some(_) => "two-wheel vehicle, no engine",
-            None => self.engine().version(),
-        }
+        self.simulator.get().version(self)
+    }
+
+    /// Whether an engine of this crate simulates the experiment, so that its numerics, contacts and joints can be changed. A
+    /// vehicle and a simulator of somebody else have none.
+    pub fn has_engine(&self) -> bool {
+        self.vehicle.is_none() && self.simulator.is_built_in()
     }
 
     /// A second engine that is as valid for this experiment as Rapier: the tree solver. `None` if the tree solver cannot simulate
@@ -392,8 +402,7 @@ impl Experiment {
             && self.contact.friction_model == FrictionModel::Coulomb;
         let is_known = [EngineChoice::default(), second].contains(&solver.engine);
         // Rapier cannot simulate a mount with a spring, so there is no second opinion about it.
-        let can =
-            self.mount.is_none() && self.vehicle.is_none() && second.get().refusal(self).is_none();
+        let can = self.mount.is_none() && self.has_engine() && second.get().refusal(self).is_none();
         (plain && is_known && can).then_some(second)
     }
 
@@ -486,7 +495,7 @@ impl Experiment {
     }
 
     /// Sample times, seconds from the start, at least two.
-    pub(super) fn sample_times_s(&self) -> Vec<f64> {
+    pub fn sample_times_s(&self) -> Vec<f64> {
         match &self.sampling {
             Sampling::Times(times_s) => times_s.to_vec(),
             Sampling::Rate(hz) => {

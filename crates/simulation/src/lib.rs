@@ -18,6 +18,7 @@ mod energy;
 mod engine;
 mod experiment;
 mod film;
+mod foreign;
 mod inertia;
 mod instrument;
 mod kinematics;
@@ -35,6 +36,7 @@ mod run;
 mod scene;
 mod servo;
 mod settle;
+mod simulator;
 mod tree;
 mod vehicle;
 mod watch;
@@ -56,6 +58,7 @@ pub use experiment::{
     Sampling, Solver, Start,
 };
 pub use film::{Film, film, film_with, part_from_solid, part_name};
+pub use foreign::{Foreign, ForeignStart};
 pub use inertia::InertiaChange;
 pub use instrument::{Instrument, Measured};
 pub use motor::Effort;
@@ -69,6 +72,7 @@ pub use run::{Run, run, run_with, steer, watch};
 pub use scene::{SceneBody, SceneBox, SceneMotion};
 pub use servo::Command;
 pub use settle::{Settling, settle};
+pub use simulator::{BuiltIn, Simulator, SimulatorChoice};
 pub use tree::{TREE, Tree};
 #[cfg(feature = "schema")]
 pub use vehicle::VehicleFile;

@@ -282,7 +282,7 @@ impl Noise {
                 modules,
             ),
             run_friction_factor: factors(self.friction_run_relative, Numbered::RunFriction, 1)[0],
-            draw: experiment.vehicle.as_ref().map(|_| (seed, repeat)),
+            draw: (!experiment.has_engine()).then_some((seed, repeat)),
         }
     }
 }

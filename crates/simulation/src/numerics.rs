@@ -9,14 +9,21 @@ impl Experiment {
     /// The experiment with equally valid numerical settings; number 0 stands for its own settings. For other numbers the timestep
     /// is divided, or the substeps are multiplied, by a factor of 1 to 2. Odd numbers vary the substeps, even ones the step, in a
     /// sequence whose first members always cover the range evenly (van der Corput 1935).
+    ///
+    /// A simulator of somebody else has settings of its own.
     #[must_use]
     pub fn with_numerics(&self, number: u64) -> Self {
-        let (shorter, more) = factors(number);
         let mut changed = self.clone();
-        changed.solver.timestep_s /= shorter;
-        changed.solver.substeps = (changed.solver.substeps as f64 * more).ceil() as usize;
+        self.simulator.get().vary(&mut changed, number);
         changed
     }
+}
+
+/// The timestep and substeps of setting number `number`.
+pub(super) fn vary_engine(experiment: &mut Experiment, number: u64) {
+    let (shorter, more) = factors(number);
+    experiment.solver.timestep_s /= shorter;
+    experiment.solver.substeps = (experiment.solver.substeps as f64 * more).ceil() as usize;
 }
 
 /// The factors by which the timestep is divided and the substeps are multiplied.

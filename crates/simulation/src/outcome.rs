@@ -26,19 +26,32 @@ pub enum Outcome<T> {
     Diverged(Divergence),
 }
 
-/// Time and reason of a simulation that was stopped because it diverged.
+/// Time and reason of a simulation that was stopped because it diverged, or that failed as a whole.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Divergence {
-    /// Time of the divergence, seconds from the start (negative while the robot settles).
+    /// Time of the divergence, seconds from the start (negative while the robot settles); 0 where the run failed as a whole.
     pub at_s: f64,
-    /// Description of the implausible state.
+    /// Description of the implausible state, or of the failure.
     pub why: String,
+}
+
+impl Divergence {
+    /// The failure of a whole run.
+    pub fn failure(why: impl Into<String>) -> Self {
+        Self {
+            at_s: 0.0,
+            why: why.into(),
+        }
+    }
 }
 
 impl fmt::Display for Divergence {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "at {:.3} s: {}", self.at_s, self.why)
+        match self.at_s {
+            0.0 => f.write_str(&self.why),
+            at_s => write!(f, "at {at_s:.3} s: {}", self.why),
+        }
     }
 }
 
@@ -110,6 +123,9 @@ impl<T> Outcome<T> {
 
 impl From<Divergence> for Error {
     fn from(divergence: Divergence) -> Self {
+        if divergence.at_s == 0.0 {
+            return Self::invalid(format!("the simulation failed: {divergence}"));
+        }
         Self::invalid(format!("the simulation diverged {divergence}"))
             .hint("try a shorter timestep or more substeps; check masses, sizes and servo limits")
     }

@@ -77,8 +77,17 @@ pub fn run_with(experiment: &Experiment, hooks: RunHooks<'_>) -> Result<(Run, Lo
     pushed(experiment, &[], hooks)
 }
 
-fn pushed(experiment: &Experiment, pushes: &[Push], mut hooks: RunHooks<'_>) -> Result<(Run, Log)> {
+fn pushed(experiment: &Experiment, pushes: &[Push], hooks: RunHooks<'_>) -> Result<(Run, Log)> {
     experiment.check()?;
+    experiment.simulator.get().run(experiment, pushes, hooks)
+}
+
+/// Simulates an experiment with the engines of this crate.
+pub(super) fn run_built_in(
+    experiment: &Experiment,
+    pushes: &[Push],
+    mut hooks: RunHooks<'_>,
+) -> Result<(Run, Log)> {
     let started = thread_cpu_time();
     let (mut run, log) = if let Some(vehicle) = &experiment.vehicle {
         if hooks.observer.is_some() {

@@ -26,7 +26,7 @@ pub struct RunHooks<'a> {
 
 impl RunHooks<'_> {
     /// Calls the clock with the number of completed steps.
-    pub(super) fn report_progress(&mut self, done: u64, steps: u64) -> Result<()> {
+    pub fn report_progress(&mut self, done: u64, steps: u64) -> Result<()> {
         match &mut self.clock {
             Some(clock) => clock(done as f64 / steps.max(1) as f64),
             None => Ok(()),

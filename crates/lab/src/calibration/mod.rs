@@ -93,5 +93,6 @@ pub use study::fleet::Member;
 pub use study::horizon::Horizon;
 pub use study::overrides::{Overrides, Part};
 pub use study::scored_columns::ScoredColumns;
+pub use study::simulator_file::{CommandConsent, OwnSimulator};
 pub use study::split::Split;
 pub use study::steering::Steering;

@@ -14,14 +14,14 @@ pub(super) const LIMIT: &str = "limit of hard contact";
 /// The change by which a model differs from an experiment.
 pub(super) type Change = Box<dyn Fn(&Experiment) -> Experiment + Sync + Send>;
 
-/// Other models of an experiment: name, what they vary, and the change. No engine simulates a vehicle, so only values vary there.
+/// Other models of an experiment: name, what they vary, and the change. Only values vary where no engine of this program simulates.
 pub(super) fn alternatives(
     experiment: &Experiment,
     points: &[ParameterSet],
 ) -> Vec<(String, Source, Change)> {
-    let mut models = match experiment.vehicle {
-        Some(_) => Vec::new(),
-        None => other_physics(experiment),
+    let mut models = match experiment.has_engine() {
+        false => Vec::new(),
+        true => other_physics(experiment),
     };
     let taken = points.len().min(POINTS);
     for index in 0..taken {

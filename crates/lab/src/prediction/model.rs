@@ -212,7 +212,7 @@ impl ModelError {
                 model.ratio = model.ratio.map(|ratio| ratio / limit);
             }
         }
-        let other_engine = if experiment.vehicle.is_some() {
+        let other_engine = if !experiment.has_engine() {
             None
         } else {
             let Some(sensitivity_m) = sensitivity_m(experiment, ensemble.seed, run)? else {

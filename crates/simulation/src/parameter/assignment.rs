@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::foreign::FOREIGN;
 use super::member::{OF_JOINTS, matches};
 use super::motor::is_of_motor;
 use super::{Parameter, by_name};
@@ -142,6 +143,9 @@ impl ParameterSet {
                         "the robot has no joint `{subject}`, only {}",
                         names.join(", ")
                     ))
+                }
+                FOREIGN if experiment.simulator.is_built_in() => {
+                    Some("the study names no simulator of its own".to_owned())
                 }
                 "servo" | "gait" if !has_servos => Some("the robot has no servos".to_owned()),
                 "servo"

@@ -7,6 +7,7 @@ mod assignment;
 mod body;
 mod contact;
 mod floor;
+mod foreign;
 mod gait;
 mod hinge;
 mod joint;
@@ -21,6 +22,7 @@ mod solver;
 mod vehicle;
 
 pub use assignment::{Assignment, ParameterSet};
+pub use foreign::{Declared, FOREIGN, foreign_parameter};
 
 pub use realgap_core::quantity::Scale;
 
@@ -261,6 +263,9 @@ pub fn by_name(name: &str) -> Result<&'static Parameter> {
     let asked = name;
     if let Some((robot, rest)) = scoped(name) {
         return Ok(of_robot(robot, by_name(rest)?));
+    }
+    if let Some(own) = foreign::own_name(name) {
+        return Ok(foreign_parameter(&Declared::unknown(own)));
     }
     let name = usual(name);
     let name = name.as_str();

@@ -12,7 +12,7 @@ use realgap_core::{Advice, Error, Result, Warning};
 use realgap_inference::sensitivity::{Effect, Perturbation, effects, evaluations};
 use realgap_optimization::RunOptions;
 use realgap_path::comparison::Basis;
-use realgap_simulation::parameter::{self, Assignment, Parameter, ParameterSet};
+use realgap_simulation::parameter::{Assignment, Parameter, ParameterSet};
 use realgap_simulation::{Experiment, Noise};
 use realgap_store::CaseRow;
 
@@ -49,8 +49,11 @@ impl Study {
 }
 
 /// Every parameter that acts on an experiment, with the values next to its own.
-fn perturbations(experiment: &Experiment) -> Vec<(&'static Parameter, Perturbation)> {
-    let all = parameter::all().filter_map(|parameter| {
+fn perturbations(
+    experiment: &Experiment,
+    parameters: Vec<&'static Parameter>,
+) -> Vec<(&'static Parameter, Perturbation)> {
+    let all = parameters.into_iter().filter_map(|parameter| {
         let value = parameter.value(experiment)?;
         let one = ParameterSet::new().with(Assignment { parameter, value });
         let acts = one.without_effect(experiment).is_empty();
@@ -85,7 +88,10 @@ fn mean_score(
 fn sensitivity(study: &Study, run: &RunOptions<'_>) -> Result<Sensitivity> {
     let base = ParameterSet::new();
     let experiment = study.experiment_with(0, &base)?;
-    let (parameters, perturbed): (Vec<_>, Vec<_>) = perturbations(&experiment).into_iter().unzip();
+    let (parameters, perturbed): (Vec<_>, Vec<_>) =
+        perturbations(&experiment, study.definition().known_parameters())
+            .into_iter()
+            .unzip();
     let mut tasks = vec![base];
     tasks.extend(evaluations(&perturbed).into_iter().map(|(number, value)| {
         let parameter = parameters[number];

@@ -92,8 +92,6 @@ impl Study {
 
     /// The joints whose errors a case has, in their order.
     fn error_blocks(&self, case: &Case) -> Vec<ErrorBlock> {
-        let hinges = &case.experiment.assembly.hinges;
-        let channel = |name: &str| hinges.iter().position(|hinge| hinge.name == name);
         if let Some(channels) = self.scored_channels() {
             let targets = case.targets.iter();
             let series = targets.flat_map(|t| channels.series(&t.motion, self.most_errors()));
@@ -105,6 +103,8 @@ impl Study {
             });
             return blocks.collect();
         }
+        let joints = self.simulator().joints(&case.experiment);
+        let channel = |name: &str| joints.iter().position(|joint| joint == name);
         let blocks = case.targets.iter().flat_map(|target| {
             let is_simulated = |name: &str| channel(name).is_some();
             let series = joint_error_series(&target.motion, is_simulated, self.most_errors());

@@ -87,13 +87,16 @@ impl LeastSquaresFit {
         };
         let best = grid.values_at(posterior.best());
         if ending == Ending::Complete && study.is_audited() {
-            let step = run.step("fitting with finer timesteps", RUNS_OF_NUMERICS);
-            posterior = posterior.with_numerics(&mut |point, factor| {
-                let finer = |e: &mut Experiment| e.solver.timestep_s *= factor;
-                let trial = study.simulate_changed(&grid.values_at(point), finer, true)?;
-                step.count();
-                Ok(study.errors_of(&trial).map(|(errors, _)| errors))
-            })?;
+            // A simulator of somebody else has no timestep that could be changed from here.
+            if study.cases()[0].experiment.simulator.is_built_in() {
+                let step = run.step("fitting with finer timesteps", RUNS_OF_NUMERICS);
+                posterior = posterior.with_numerics(&mut |point, factor| {
+                    let finer = |e: &mut Experiment| e.solver.timestep_s *= factor;
+                    let trial = study.simulate_changed(&grid.values_at(point), finer, true)?;
+                    step.count();
+                    Ok(study.errors_of(&trial).map(|(errors, _)| errors))
+                })?;
+            }
             posterior = posterior.with_starts(&study.errors_of_other_starts(&best, run)?);
         }
         let mut scores = scores.with_more(study, &checks)?;

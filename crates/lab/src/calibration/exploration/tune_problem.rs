@@ -79,7 +79,10 @@ pub(super) fn brief(study: &Study, options: &TuneOptions) -> Result<Optimization
         points: ranges.map(|range| range.points).collect(),
         budget: options.budget.saturating_sub(design),
         seed: definition.seed,
-        priors: definition.priors.clone(),
+        priors: match options.optimizer.needs_errors() {
+            true => definition.priors_of_fit(),
+            false => definition.priors.clone(),
+        },
         error_blocks: Vec::new(),
         own: Some(own_values(study)),
     };

@@ -71,7 +71,11 @@ impl Audit {
             .second
             .and_then(|_| settings.engine_means(&runs)[usize::from(second.is_some())]);
         let best = best.or(point.score);
-        let solver = study.experiment(0, &point.values)?.solver;
+        let experiment = study.experiment(0, &point.values)?;
+        if !experiment.has_engine() {
+            return Ok(None);
+        }
+        let solver = experiment.solver;
         let mut rows = Vec::new();
         let changes = changes(&solver);
         let step = run.step("auditing the numerics", changes.len());

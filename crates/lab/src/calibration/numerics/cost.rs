@@ -26,6 +26,11 @@ impl Study {
     pub fn cpu_s_per_point(&self) -> Result<f64> {
         let grid = &self.definition().grid;
         let mut whole = self.experiment(0, &grid.values(grid.len() / 2))?;
+        if !whole.simulator.is_built_in() {
+            // Nothing is known about the steps of somebody else's simulator, so a whole run is made.
+            let run_s = simulation::run(&whole)?.cpu.as_secs_f64();
+            return Ok(run_s / whole.duration_s * self.simulated_s());
+        }
         let settings = self.settings();
         let [own, other] = settings.mean_costs(&self.cases()[0].experiment);
         let mut cpu_s = own * self.cpu_s_of(&whole)?;

@@ -180,7 +180,7 @@ impl Study {
             StartRule::FromRecording => Noise::default(),
         };
         let (noise, count) = match definition.score {
-            ScoreRule::Valid => (start, VALID_SETTINGS),
+            ScoreRule::Valid => (start, self.simulator().settings(VALID_SETTINGS)),
             ScoreRule::Ensemble { repeats } => (definition.noise.unwrap_or(start), repeats),
             ScoreRule::Single => (start, 1),
         };

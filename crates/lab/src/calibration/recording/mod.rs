@@ -194,14 +194,17 @@ fn is_beside(path: &Path) -> bool {
             .any(|start| name.starts_with(start))
 }
 
-/// Warnings about recordings that are compared with simulations of `robot`.
+/// Warnings about recordings that are compared with simulations of `robot`, where that is known.
 pub(in crate::calibration) fn warnings_for(
-    robot: &Morphology,
+    robot: Option<&Morphology>,
     recordings: &[Recording],
 ) -> Vec<Warning> {
     let mut warnings: Vec<Warning> = recordings.iter().flat_map(|r| r.warnings.clone()).collect();
     warnings.extend(different_robots(recordings));
-    for recorded in robots(recordings) {
+    for (recorded, robot) in robots(recordings)
+        .into_iter()
+        .zip(robot.into_iter().cycle())
+    {
         if recorded == robot.name() {
             continue;
         }
@@ -211,10 +214,13 @@ pub(in crate::calibration) fn warnings_for(
         );
         warnings.push(Code::OtherRobot.warning(message));
     }
-    warnings.extend(plausibility::lengths(robot, recordings));
-    warnings.extend(plausibility::axes(robot, recordings));
-    warnings.extend(plausibility::angles(robot, recordings));
-    warnings.extend(plausibility::held(robot, recordings));
+    // Nothing is known about the robot of a study's own simulator.
+    if let Some(robot) = robot {
+        warnings.extend(plausibility::lengths(robot, recordings));
+        warnings.extend(plausibility::axes(robot, recordings));
+        warnings.extend(plausibility::angles(robot, recordings));
+        warnings.extend(plausibility::held(robot, recordings));
+    }
     warnings.extend(plausibility::duplicate_recordings(recordings));
     warnings.extend(stand_in(recordings));
     in_short(warnings)

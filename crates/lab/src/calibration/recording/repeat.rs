@@ -83,7 +83,7 @@ impl Repeatable {
         experiment.duration_s = duration_s;
         experiment.sampling = Sampling::Rate(RATE_HZ);
         experiment.check().map_err(|e| definition.at_file(e))?;
-        let mut warnings = definition.morphology.warnings();
+        let mut warnings = definition.robot_warnings();
         warnings.extend(experiment.warnings());
         warnings.push(Code::NoRecordings.warning(
             "the study names no recordings: nothing says whether these confidences are honest",

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::calibration::recording::identity::samples_sha256;
 use crate::calibration::recording::warnings_for;
-use crate::calibration::{BasisRule, Definition, ScoreRule, Split, StartRule, Study};
+use crate::calibration::{BasisRule, Definition, OwnSimulator, ScoreRule, Split, StartRule, Study};
 use realgap_core::Result;
 use realgap_core::file::check_name;
 use realgap_identification::StartState;
@@ -54,6 +54,18 @@ impl Study {
             fixed: Vec::new(),
             ranges: Vec::new(),
         }
+    }
+}
+
+impl Study {
+    /// Begins a study of somebody else's simulator, whose parameters may be named with or without `sim.`.
+    ///
+    /// # Errors
+    /// A simulator whose name cannot stand for a robot.
+    pub fn builder_of(name: impl Into<String>, simulator: OwnSimulator) -> Result<StudyBuilder> {
+        let mut builder = Self::builder(name, simulator.outside()?);
+        builder.definition.own_simulator = Some(simulator);
+        Ok(builder)
     }
 }
 
@@ -129,20 +141,31 @@ impl StudyBuilder {
         check_name(&definition.name, "a study")?;
         let mut ranges = Vec::new();
         for (name, from, to, points) in self.ranges {
-            let parameter = by_name(&name)?;
+            let parameter = match &definition.own_simulator {
+                Some(own) => own.parameter(&name)?,
+                None => by_name(&name)?,
+            };
             ranges.push(Range::new(parameter, from, to, points)?);
             definition.parameters.push(parameter);
         }
         definition.grid = Grid::new(ranges)?;
         for (name, value) in &self.fixed {
-            definition.set = definition.set.with(Assignment::new(name, *value)?);
+            let assignment = match &definition.own_simulator {
+                Some(own) => own.assignment(name, *value)?,
+                None => Assignment::new(name, *value)?,
+            };
+            definition.set = definition.set.with(assignment);
         }
         if let Some((field, error)) = definition.fault() {
             return Err(error.field(field));
         }
         let recordings = definition.recordings.iter();
         definition.recordings_sha256 = recordings.map(samples_sha256).collect();
-        definition.warnings = warnings_for(&definition.morphology, &definition.recordings);
+        let robot = match definition.own_simulator {
+            Some(_) => None,
+            None => Some(&definition.morphology),
+        };
+        definition.warnings = warnings_for(robot, &definition.recordings);
         Study::new(definition)
     }
 }

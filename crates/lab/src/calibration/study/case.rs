@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex};
 use nalgebra::Vector3;
 
 use crate::calibration::recording::{digest, in_short, joints, plausibility};
+use crate::calibration::study::own_case::own_cases;
 use crate::calibration::study::{scene_file, scored_columns};
 use crate::calibration::{Definition, StartRule};
 use realgap_core::statistics::ends_of;
@@ -58,6 +59,14 @@ pub struct Case {
     pub(in crate::calibration) flight: Arc<Mutex<Option<KnownFlight>>>,
 }
 
+impl Case {
+    /// Body length of the robot, metres; `None` where nobody states it.
+    pub fn body_length_m(&self) -> Option<f64> {
+        let stated_m = self.experiment.assembly.body_length_m;
+        (stated_m > 0.0).then_some(stated_m)
+    }
+}
+
 /// Samples per second of a simulation that starts settled; the comparison resamples to 182 points anyway.
 const SETTLED_RATE_HZ: f64 = 60.0;
 
@@ -83,6 +92,9 @@ pub(in crate::calibration) fn cases(definition: &Definition) -> Result<(Vec<Case
         return cases_of_all(definition);
     }
     let base = definition.experiment();
+    if definition.own_simulator.is_some() {
+        return own_cases(definition, &base);
+    }
     match definition.start {
         StartRule::Settled => settled(definition, &base),
         StartRule::FromRecording => from_recordings(definition, &base),
@@ -252,7 +264,7 @@ fn start_state_warnings(definition: &Definition, cases: &[Case]) -> Result<Vec<W
     Ok(warnings)
 }
 
-fn target(
+pub(super) fn target(
     definition: &Definition,
     (index, recording): (usize, &Recording),
     duration_s: f64,

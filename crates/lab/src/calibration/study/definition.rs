@@ -6,7 +6,11 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize, Serializer};
 
-use crate::calibration::{BasisRule, Commands, Horizon, Member, ScoredColumns, Split, Steering};
+use crate::calibration::study::file::prior_of;
+use crate::calibration::study::simulator_file::is_of_recordings;
+use crate::calibration::{
+    BasisRule, Commands, Horizon, Member, OwnSimulator, ScoredColumns, Split, Steering,
+};
 use realgap_core::file::sha256;
 use realgap_core::range::Range;
 use realgap_core::{Error, Warning};
@@ -15,7 +19,7 @@ use realgap_optimization::Grid;
 use realgap_path::comparison::{ChannelSet, Components, Metric, Pca};
 use realgap_path::trajectory::{Alignment, Reading, Recording, Source};
 use realgap_robot::morphology::Morphology;
-use realgap_simulation::parameter::{Parameter, ParameterSet};
+use realgap_simulation::parameter::{self, Parameter, ParameterSet};
 use realgap_simulation::{Experiment, Noise, SceneBody, Vehicle};
 
 /// Where a simulated run starts.
@@ -63,6 +67,8 @@ pub struct Definition {
     pub robots: Vec<Member>,
     /// The two-wheel robot that is simulated in place of the morphology, which then is only its size.
     pub vehicle: Option<Arc<Vehicle>>,
+    /// The study's own simulator, in place of a robot; the morphology then is only a size and a name.
+    pub own_simulator: Option<OwnSimulator>,
     /// Which set of recordings is compared, in a file that holds several (`condition,run,…`).
     pub condition: Option<String>,
     /// SHA-256 of the morphology file.
@@ -170,6 +176,7 @@ impl Definition {
             morphology,
             robots: Vec::new(),
             vehicle: None,
+            own_simulator: None,
             condition: None,
             recording_globs: Vec::new(),
             recordings: Vec::new(),
@@ -225,6 +232,36 @@ impl Definition {
         }
     }
 
+    /// Warnings about the robot; none where a study's own simulator stands for it, because its body is not known.
+    pub(in crate::calibration) fn robot_warnings(&self) -> Vec<Warning> {
+        match self.own_simulator {
+            Some(_) => Vec::new(),
+            None => self.morphology.warnings(),
+        }
+    }
+
+    /// Every parameter that the study may set: those of the registry, or those of its own simulator and of recordings.
+    pub(in crate::calibration) fn known_parameters(&self) -> Vec<&'static Parameter> {
+        let Some(own) = &self.own_simulator else {
+            return parameter::all().collect();
+        };
+        let of_recordings = parameter::all().filter(|p| is_of_recordings(p.name));
+        own.parameters().into_iter().chain(of_recordings).collect()
+    }
+
+    /// Prior knowledge for a fit by least squares: the study's own, or what its simulator declares where the study states none.
+    pub(in crate::calibration) fn priors_of_fit(&self) -> Vec<Option<(f64, f64)>> {
+        let own = self.own_simulator.as_ref();
+        let all = self.priors.iter().zip(self.grid.ranges());
+        all.map(|(stated, range)| {
+            stated.or_else(|| {
+                let declared = own?.declaration(range.parameter.name)?.prior;
+                prior_of(declared, range).ok().flatten()
+            })
+        })
+        .collect()
+    }
+
     /// The source of the recordings.
     pub fn source(&self) -> Source {
         Source::of(&self.recordings)
@@ -248,6 +285,11 @@ impl Definition {
         }
         if let Some(steering) = &self.steering {
             steering.give_to(&mut base);
+        }
+        if let Some(own) = &self.own_simulator {
+            own.give_to(&mut base);
+            let robot = Arc::make_mut(&mut base.assembly);
+            robot.body_length_m = own.body_length_m().unwrap_or(0.0);
         }
         self.set.apply(&base)
     }

@@ -11,9 +11,10 @@ use crate::calibration::recording::identity::in_sample;
 use crate::calibration::study::robot_file::{RobotFile, members, morphology_source};
 use crate::calibration::study::scene_file::BodyFile;
 use crate::calibration::study::scored_columns;
+use crate::calibration::study::simulator_file::SimulatorFile;
 use crate::calibration::{
-    BasisRule, Commands, Definition, Horizon, Overrides, ScoreRule, ScoredColumns, StartRule,
-    recording,
+    BasisRule, Commands, Definition, Horizon, Overrides, OwnSimulator, ScoreRule, ScoredColumns,
+    StartRule, recording,
 };
 use realgap_core::file::{Source, name_of_file, parse_ron, sha256, unique_keys};
 use realgap_core::{Error, Result};
@@ -37,6 +38,8 @@ pub struct StudyFile {
     morphology: Option<PathBuf>,
     /// A two-wheel robot in place of a morphology.
     vehicle: Option<VehicleFile>,
+    /// Somebody else's simulator in place of a robot.
+    simulator: Option<SimulatorFile>,
     /// Many robots in place of one: they share what is varied.
     #[serde(default)]
     robots: Vec<RobotFile>,
@@ -151,10 +154,10 @@ enum BasisFile {
 struct RangeFile {
     /// Name of the parameter; `realgap study parameters` lists all.
     name: String,
-    /// Lowest value, in the parameter's unit.
-    from: f64,
-    /// Highest value.
-    to: f64,
+    /// Lowest value, in the parameter's unit; may be left out for a parameter of the study's own simulator, which declares a range.
+    from: Option<f64>,
+    /// Highest value; as `from`.
+    to: Option<f64>,
     /// Points of the grid from the lowest to the highest.
     #[serde(default = "default_points")]
     points: usize,
@@ -164,30 +167,45 @@ struct RangeFile {
 }
 
 impl RangeFile {
-    /// The prior in coordinates from 0 to 1 along the range: median and variance.
-    fn prior_of(&self, range: &Range) -> Result<Option<(f64, f64)>> {
-        let Some((median, sd)) = self.prior else {
-            return Ok(None);
-        };
-        let is_within = (range.from..=range.to).contains(&median);
-        let is_spread = sd > 0.0 && sd.is_finite();
-        if !is_within || !is_spread {
-            return Err(Error::invalid("no prior knowledge of this parameter")
-                .field("prior")
-                .found(format!("({median}, {sd})"))
-                .allowed("(median, spread): a median within the range, a spread above 0"));
-        }
-        let at = range.coordinate(median);
-        // Along a logarithmic range a standard deviation is a share of the median.
-        let near = 1e-3 * (range.to - range.from);
-        let there = if median + near <= range.to {
-            median + near
-        } else {
-            median - near
-        };
-        let slope = (range.coordinate(there) - at).abs() / near;
-        Ok(Some((at, (slope * sd).powi(2))))
+    /// The ends of the range: those that the study states, or those that its own simulator declares.
+    fn ends(&self, own: Option<&OwnSimulator>) -> Result<(f64, f64)> {
+        let declared = own.and_then(|own| own.declaration(&self.name));
+        let from = self.from.or(declared.map(|declared| declared.from));
+        let to = self.to.or(declared.map(|declared| declared.to));
+        // The range of a simulator that was not asked is not known; nothing is simulated in it.
+        let unknown = own.filter(|own| own.guest().is_none()).map(|_| (0.0, 1.0));
+        from.zip(to).or(unknown).ok_or_else(|| {
+            Error::invalid("a parameter without a range")
+                .field("from")
+                .allowed("from: ..., to: ...")
+                .hint("state both ends of the range")
+        })
     }
+}
+
+/// Prior knowledge, a median and a standard deviation, in coordinates from 0 to 1 along the range: median and variance.
+pub(super) fn prior_of(prior: Option<(f64, f64)>, range: &Range) -> Result<Option<(f64, f64)>> {
+    let Some((median, sd)) = prior else {
+        return Ok(None);
+    };
+    let is_within = (range.from..=range.to).contains(&median);
+    let is_spread = sd > 0.0 && sd.is_finite();
+    if !is_within || !is_spread {
+        return Err(Error::invalid("no prior knowledge of this parameter")
+            .field("prior")
+            .found(format!("({median}, {sd})"))
+            .allowed("(median, spread): a median within the range, a spread above 0"));
+    }
+    let at = range.coordinate(median);
+    // Along a logarithmic range a standard deviation is a share of the median.
+    let near = 1e-3 * (range.to - range.from);
+    let there = if median + near <= range.to {
+        median + near
+    } else {
+        median - near
+    };
+    let slope = (range.coordinate(there) - at).abs() / near;
+    Ok(Some((at, (slope * sd).powi(2))))
 }
 
 fn default_metric() -> String {
@@ -257,7 +275,11 @@ impl Definition {
         if let Some(horizon) = definition.horizon {
             found.cut_into(horizon)?;
         }
-        let mut warnings = recording::warnings_for(&definition.morphology, &found.recordings);
+        let robot = match definition.own_simulator {
+            Some(_) => None,
+            None => Some(&definition.morphology),
+        };
+        let mut warnings = recording::warnings_for(robot, &found.recordings);
         warnings.extend(moving);
         warnings.extend(in_sample(&found.recordings, &overrides.fitted_on));
         Ok(Self {
@@ -285,6 +307,8 @@ impl Definition {
         let path = source.path();
         let file: StudyFile = parse_ron(source)?;
         let folder = path.parent().unwrap_or(Path::new(""));
+        let own_simulator = file.own_simulator(source, folder, overrides)?;
+        let own = own_simulator.as_ref();
         let members = members(&file.robots, source, folder, file.start)?;
         let robot = match members.first() {
             Some(first) if file.is_of_many() => Robot {
@@ -292,14 +316,18 @@ impl Definition {
                 sha256: first.sha256.clone(),
                 vehicle: None,
             },
-            _ => file.robot(source, folder)?,
+            _ => file.robot(source, folder, own)?,
         };
-        let set = file.fixed(source)?.with_all(&overrides.set);
-        let (grid, parameters) = file.varied(source, overrides)?;
+        let stated = match own {
+            Some(own) => own.adopt(&overrides.set)?,
+            None => overrides.set.clone(),
+        };
+        let set = file.fixed(source, own)?.with_all(&stated);
+        let (grid, parameters) = file.varied(source, overrides, own)?;
         let priors = file.parameters.iter().zip(grid.ranges()).enumerate();
         let priors = priors
             .map(|(index, (range, on_grid))| {
-                let prior = range.prior_of(on_grid);
+                let prior = prior_of(range.prior, on_grid);
                 prior.map_err(|e| source.at(&format!("parameters[{index}]"), e))
             })
             .collect::<Result<Vec<_>>>()?;
@@ -337,13 +365,14 @@ impl Definition {
                 .hint("use `start: FromRecording`");
             return Err(source.at("start", error));
         }
-        let truth = assignments(&file.truth).map_err(|e| source.at("truth", e))?;
+        let truth = values(&file.truth, own).map_err(|e| source.at("truth", e))?;
         let mut definition = Self {
             path: Some(path.to_path_buf()),
             text: source.text().to_owned(),
             description: file.description,
             morphology_sha256: robot.sha256,
             vehicle: robot.vehicle,
+            own_simulator,
             robots: members,
             condition: file.condition,
             start: file.start,
@@ -415,7 +444,62 @@ impl StudyFile {
         !one && self.recordings.is_empty() && !self.robots.is_empty()
     }
 
-    fn robot(&self, source: &Source, folder: &Path) -> Result<Robot> {
+    /// The study's own simulator, asked who it is where that is allowed.
+    fn own_simulator(
+        &self,
+        source: &Source,
+        folder: &Path,
+        overrides: &Overrides,
+    ) -> Result<Option<OwnSimulator>> {
+        let Some(named) = &self.simulator else {
+            return Ok(None);
+        };
+        let of_robots = [
+            ("morphology", self.morphology.is_some()),
+            ("vehicle", self.vehicle.is_some()),
+            ("robots", !self.robots.is_empty()),
+            ("start_state", self.start_state.is_some()),
+            ("scene", !self.scene.is_empty()),
+            ("arena", self.arena.is_some()),
+            ("controller", self.controller.is_some()),
+            ("commands", self.commands.is_some()),
+            ("left_out", !self.left_out.is_empty()),
+            ("timestep_s", self.timestep_s.is_some()),
+            ("substeps", self.substeps.is_some()),
+            ("joint", self.joint.is_some()),
+            (
+                "noise",
+                self.noise
+                    .is_some_and(|noise| !noise.without_camera().is_zero()),
+            ),
+        ];
+        if let Some((field, _)) = of_robots.iter().find(|(_, is_stated)| *is_stated) {
+            let error = Error::invalid(
+                "this is for robots of realgap, and the study names its own simulator",
+            )
+            .field(*field)
+            .hint("leave it out; the simulator declares what may be set (docs/simulator.md)");
+            return Err(source.at(field, error));
+        }
+        let own = named
+            .command(folder)
+            .and_then(|command| OwnSimulator::of_command(command, overrides.command));
+        own.map(Some).map_err(|e| match e.kind() {
+            realgap_core::ErrorKind::Usage => e.at_file(source.path()),
+            _ => source.at("simulator", e),
+        })
+    }
+
+    fn robot(&self, source: &Source, folder: &Path, own: Option<&OwnSimulator>) -> Result<Robot> {
+        if let Some(own) = own {
+            return Ok(Robot {
+                morphology: own.outside()?,
+                sha256: own
+                    .command()
+                    .map_or_else(String::new, |c| sha256(c.identity())),
+                vehicle: None,
+            });
+        }
         match (&self.morphology, &self.vehicle) {
             (Some(named), None) if self.robots.is_empty() => {
                 let robot = morphology_source(source, &folder.join(named))?;
@@ -435,13 +519,13 @@ impl StudyFile {
             }
             _ => Err(Error::invalid("a study is of one robot, or of many with their own recordings each")
                 .at_file(source.path())
-                .allowed("`morphology: \"...\"`, `vehicle: (file: \"...\")`, or `robots: [(morphology: ..., recordings: [...])]` alone")
+                .allowed("`morphology: \"...\"`, `vehicle: (file: \"...\")`, `simulator: Command([...])`, or `robots: [(morphology: ..., recordings: [...])]` alone")
                 .hint("add `morphology: ...`")),
         }
     }
 
     /// The values that the file fixes.
-    fn fixed(&self, source: &Source) -> Result<ParameterSet> {
+    fn fixed(&self, source: &Source, own: Option<&OwnSimulator>) -> Result<ParameterSet> {
         let multibody = self.joint.map(|joint| matches!(joint, Joint::Multibody));
         let named = [
             ("timestep_s", self.timestep_s),
@@ -459,7 +543,7 @@ impl StudyFile {
                 set = set.with(Assignment::new(name, value).map_err(|e| source.at(field, e))?);
             }
         }
-        let more = assignments(&self.set).map_err(|e| source.at("set", e))?;
+        let more = values(&self.set, own).map_err(|e| source.at("set", e))?;
         Ok(set.with_all(&more))
     }
 
@@ -468,12 +552,20 @@ impl StudyFile {
         &self,
         source: &Source,
         overrides: &Overrides,
+        own: Option<&OwnSimulator>,
     ) -> Result<(Grid, Vec<&'static Parameter>)> {
         let (mut ranges, mut parameters) = (Vec::new(), Vec::new());
         for (index, range) in self.parameters.iter().enumerate() {
             let points = overrides.points.unwrap_or(range.points);
-            let checked = by_name(&range.name)
-                .and_then(|p| Ok((p, Range::new(p, range.from, range.to, points)?)))
+            let parameter = match own {
+                Some(own) => own.parameter(&range.name),
+                None => by_name(&range.name),
+            };
+            let checked = parameter
+                .and_then(|p| {
+                    let (from, to) = range.ends(own)?;
+                    Ok((p, Range::new(p, from, to, points)?))
+                })
                 .map_err(|e| match overrides.points {
                     Some(points) if !(2..=MAX_POINTS).contains(&points) => {
                         e.field("points").into_usage()
@@ -490,10 +582,24 @@ impl StudyFile {
 
 /// A cube with the size and the name of a vehicle: the morphology from which body lengths are computed.
 fn outside_of(vehicle: &Vehicle) -> Result<Morphology> {
+    outside(&vehicle.name, 2.0 * vehicle.radius_m)
+}
+
+/// A cube with this name and size.
+pub(super) fn outside(name: &str, side_m: f64) -> Result<Morphology> {
     let text = format!(
-        "(name: {:?}, defaults: (side_m: {}, mass_kg: 0.3), modules: [(name: \"body\", kind: Passive())], glue: [])",
-        vehicle.name,
-        2.0 * vehicle.radius_m
+        "(name: {name:?}, defaults: (side_m: {side_m}, mass_kg: 0.3), modules: [(name: \"body\", kind: Passive())], glue: [])"
     );
     Morphology::parse(&Source::new("vehicle", text))
+}
+
+/// Values by the names of parameters, which are those of the study's own simulator where it has one.
+fn values(named: &BTreeMap<String, f64>, own: Option<&OwnSimulator>) -> Result<ParameterSet> {
+    let Some(own) = own else {
+        return assignments(named);
+    };
+    named
+        .iter()
+        .map(|(name, value)| own.assignment(name, *value))
+        .collect()
 }

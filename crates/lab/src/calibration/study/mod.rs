@@ -11,9 +11,11 @@ pub(super) mod fingerprint;
 pub(super) mod fleet;
 pub(super) mod horizon;
 pub(super) mod overrides;
+pub(super) mod own_case;
 pub(super) mod robot_file;
 pub(super) mod scene_file;
 pub(super) mod scored_columns;
+pub(super) mod simulator_file;
 pub(super) mod split;
 pub(super) mod steering;
 
@@ -31,7 +33,7 @@ use realgap_identification::{StartState, refine_again};
 use realgap_path::comparison::{Basis, ChannelSet, Channels, Context, Metric, Pair, Spread};
 use realgap_path::trajectory::{Alignment, Prepared, Trajectory, prepare_as};
 use realgap_simulation::parameter::{Assignment, ParameterSet};
-use realgap_simulation::{EngineChoice, Experiment, Noise};
+use realgap_simulation::{EngineChoice, Experiment, Noise, Simulator};
 use realgap_store::{CaseOutcome, CaseResult, CaseRow, Trial};
 
 /// Approximate number of single errors that are kept of a point, over all cases, and the least number of one case.
@@ -119,8 +121,11 @@ impl Study {
         warnings.extend(folded_directions(&definition, &cases));
         let of_first = definition.set_of(&definition.morphology);
         warnings.extend(of_first.without_effect(&cases[0].experiment));
-        warnings.extend(definition.morphology.warnings());
+        warnings.extend(definition.robot_warnings());
         warnings.extend(cases[0].experiment.warnings());
+        let simulator = cases[0].experiment.simulator.get();
+        let said = simulator.prepare(&cases[0].experiment);
+        warnings.extend(said.map_err(|e| definition.at_file(e))?);
         warnings.sort();
         warnings.dedup();
         let weights = definition.weights();
@@ -182,6 +187,11 @@ impl Study {
     /// The simulations of one point.
     pub fn cases(&self) -> &[Case] {
         &self.cases
+    }
+
+    /// What simulates the study's runs.
+    pub(in crate::calibration) fn simulator(&self) -> &dyn Simulator {
+        self.cases[0].experiment.simulator.get()
     }
 
     /// Warnings for the reader.

@@ -1,6 +1,6 @@
 //! Settings of a caller that take the place of those in a study's file.
 
-use crate::calibration::{BasisRule, ScoreRule, Split};
+use crate::calibration::{BasisRule, CommandConsent, ScoreRule, Split};
 use realgap_core::{Error, Result};
 use realgap_identification::StartState;
 use realgap_path::comparison::Metric;
@@ -70,6 +70,8 @@ pub struct Overrides {
     pub whole_runs: bool,
     /// Whether recordings without a study are cut to the shortest one and compared at equal times; a study always does this.
     pub equal_times: bool,
+    /// Whether the command that the study names may be run.
+    pub command: CommandConsent,
     /// Which recordings are held out of the fit to check it.
     pub split: Option<Split>,
 }

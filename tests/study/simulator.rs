@@ -1,0 +1,185 @@
+//! A study of somebody else's simulator as a user runs it: consent, answers, failures, resume.
+#![cfg(unix)]
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use crate::common;
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use common::{read, realgap, summary, text};
+
+/// A simulator in awk: a mass on a spring that is released at rest, `x = x0 cos(sqrt(k / m) t)`.
+const SPRING: &str = r#"# spring
+function value(name,    rest) { rest = $0; if (!sub(".*\"" name "\":", "", rest)) return "none"; return rest + 0 }
+/"hello"/ {
+    print "{\"realgap\":1,\"name\":\"spring\",\"parameters\":[" \
+        "{\"name\":\"k\",\"unit\":\"N/m\",\"from\":1,\"to\":100,\"default\":30}," \
+        "{\"name\":\"x0\",\"unit\":\"m\",\"from\":0.01,\"to\":1,\"default\":0.1}]}"; fflush(); next
+}
+{
+    rest = $0; sub(/.*"parameters":/, "", rest); sub(/\}.*/, "", rest); k = rest; sub(/.*"k":/, "", k); k += 0
+    x0 = rest; sub(/.*"x0":/, "", x0); x0 += 0
+    FAULT
+    times = $0; sub(/.*"times_s":\[/, "", times); sub(/\].*/, "", times); n = split(times, t, ",")
+    x = ""; y = ""
+    for (i = 1; i <= n; i++) { x = x (i > 1 ? "," : "") sprintf("%.12g", x0 * cos(sqrt(k) * t[i])); y = y (i > 1 ? "," : "") "0" }
+    print "{\"id\":" value("id") ",\"channels\":{\"x_m\":[" x "],\"y_m\":[" y "]}}"; fflush()
+}
+"#;
+
+/// The program: awk may read ahead, so that each question has an awk of its own.
+const LOOP: &str =
+    "while IFS= read -r line; do printf '%s\\n' \"$line\" | awk -f spring.awk || exit 1; done";
+
+/// A folder with two recordings of a spring of 42 N/m, the simulator, and its study.
+fn study(folder: &Path, fault: &str) -> PathBuf {
+    for (index, phase) in [0.0, 1.0].into_iter().enumerate() {
+        let mut table = "t_s,x_m,y_m\n".to_owned();
+        for sample in 0..100 {
+            let t_s = 0.02 * f64::from(sample);
+            let noise_m = 1e-3 * (1e3 * t_s + phase).sin();
+            let x_m = 0.1 * (42.0_f64.sqrt() * t_s).cos() + noise_m;
+            table.push_str(&format!("{t_s:.3},{x_m:.9},{noise_m:.9}\n"));
+        }
+        std::fs::write(folder.join(format!("run_{index}.csv")), table).unwrap();
+    }
+    std::fs::write(folder.join("spring.awk"), SPRING.replace("FAULT", fault)).unwrap();
+    std::fs::write(folder.join("spring.sh"), LOOP).unwrap();
+    let text = r#"(
+        simulator: Program(command: ["sh", "spring.sh"], files: ["spring.awk"], answer_limit_s: 2),
+        recordings: ["run_*.csv"],
+        start: Settled,
+        parameters: [(name: "k", from: 20, to: 60, points: 9)],
+        metric: "rms",
+        align: World,
+    )"#;
+    let path = folder.join("study.ron");
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+fn sweep(study: &Path, out: &Path) -> assert_cmd::Command {
+    let mut command = realgap();
+    command
+        .arg("sweep")
+        .arg(study)
+        .arg("-o")
+        .arg(out)
+        .arg("--allow-command");
+    command
+}
+
+#[test]
+fn a_command_is_run_only_with_consent() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = study(folder.path(), "");
+    // A simulator that leaves a trace when it is started.
+    let traced = SPRING.replace("FAULT", "").replace(
+        "# spring",
+        "BEGIN { print 1 > \"trace\"; close(\"trace\") }",
+    );
+    std::fs::write(folder.path().join("spring.awk"), traced).unwrap();
+    let trace = folder.path().join("trace");
+    let out = folder.path().join("out");
+    let refused = realgap()
+        .arg("sweep")
+        .arg(&study)
+        .arg("-o")
+        .arg(&out)
+        .assert()
+        .failure();
+    let said = text(&refused.get_output().stderr);
+    assert!(
+        said.contains("--allow-command") && said.contains("sh spring.sh"),
+        "{said}"
+    );
+    let checked = realgap().arg("check").arg(&study).assert().success();
+    let said = text(&checked.get_output().stdout);
+    assert!(
+        said.contains("spring.awk, sha256") && said.contains("was not run"),
+        "{said}"
+    );
+    assert!(!trace.exists());
+    let checked = realgap()
+        .arg("check")
+        .arg(&study)
+        .arg("--allow-command")
+        .assert()
+        .success();
+    let said = text(&checked.get_output().stdout);
+    assert!(
+        said.contains("k from 1 to 100 N/m") && trace.exists(),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_spring_is_found_and_resumed_with_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = study(folder.path(), "");
+    let out = folder.path().join("out");
+    sweep(&study, &out).args(["--jobs", "2"]).assert().success();
+    let best = summary(&out)["best"]["parameters"]["sim.k"]
+        .as_f64()
+        .unwrap();
+    assert!((best - 42.0).abs() < 3.0, "{best}");
+    let alone = folder.path().join("alone");
+    sweep(&study, &alone)
+        .args(["--jobs", "1"])
+        .assert()
+        .success();
+    assert_eq!(read(&out, "points.csv"), read(&alone, "points.csv"));
+    sweep(&study, &out).arg("--resume").assert().success();
+    assert_eq!(read(&out, "points.csv"), read(&alone, "points.csv"));
+    // A changed script is another simulator.
+    std::fs::write(
+        folder.path().join("spring.awk"),
+        SPRING.replace("FAULT", "# changed"),
+    )
+    .unwrap();
+    let refused = sweep(&study, &out).arg("--resume").assert().failure();
+    let said = text(&refused.get_output().stderr);
+    assert!(said.contains("spring.awk"), "{said}");
+}
+
+#[test]
+fn a_simulator_that_dies_or_hangs_costs_a_run_and_not_the_study() {
+    for fault in [
+        r#"if (k > 50) { print "torque limit" > "/dev/stderr"; exit 1 }"#,
+        r#"if (k > 58) { system("sleep 60") }"#,
+        r#"if (k > 50) { print "{\"id\":" value("id") ",\"channels\":{\"x_m\":[NaN]}}"; fflush(); next }"#,
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let study = study(folder.path(), fault);
+        let out = folder.path().join("out");
+        sweep(&study, &out)
+            .timeout(Duration::from_secs(120))
+            .assert()
+            .success();
+        let best = summary(&out)["best"]["parameters"]["sim.k"]
+            .as_f64()
+            .unwrap();
+        assert!((best - 42.0).abs() < 3.0, "{fault}: {best}");
+        assert!(read(&out, "points.csv").contains("diverged"), "{fault}");
+    }
+}
+
+#[test]
+fn names_that_the_simulator_does_not_have_are_refused_with_those_that_it_has() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = study(folder.path(), "");
+    let out = folder.path().join("out");
+    for (option, expected) in [
+        ("sim.x1=0.2", "x0"),
+        ("floor.friction=0.3", "sim.NAME"),
+        ("sim.x0=7", "0.01 to 1"),
+    ] {
+        let refused = sweep(&study, &out)
+            .args(["--set", option])
+            .assert()
+            .failure();
+        let said = text(&refused.get_output().stderr);
+        assert!(said.contains(expected), "{option}: {said}");
+    }
+}
