@@ -84,12 +84,12 @@ fn identify_ranks_the_parameters_of_a_joint_log_and_names_what_determines_none()
     recorded(folder.path(), 200.0, "kp200.csv");
     let project = common::project().display();
     let path = folder.path().join("study.ron");
-    // The rotor's inertia acts; a light plate far from the joint does not.
+    // Friction in the gear acts on the angle; that of the floor, which nothing touches, does not.
     let text = format!(
         r#"Study(morphology: "{project}/morphologies/servo_pendulum.ron", recordings: ["kp*.csv"], start: FromRecording,
             commands: Commands(columns: [(hinge: "angle", column: "command")], gain_after: "kp"),
             timestep_s: 0.002, parameters: [(name: "floor.friction", from: 0.2, to: 0.8),
-                (name: "servo.armature_kg_m2", from: 0.0005, to: 0.005)],
+                (name: "servo.dry_nm", from: 0.0, to: 0.1)],
             metric: "joints", score: Single)"#
     );
     std::fs::write(&path, text).unwrap();
@@ -106,7 +106,7 @@ fn identify_ranks_the_parameters_of_a_joint_log_and_names_what_determines_none()
     let said = common::schema::answer("identify-logs", &identify(&["--format", "json"]));
     let ranked = said["parameters"].as_array().unwrap();
     let of = |index: usize, field: &str| ranked[index][field].clone();
-    assert_eq!(of(0, "parameter"), "servo.armature_kg_m2", "{said}");
+    assert_eq!(of(0, "parameter"), "servo.dry_nm", "{said}");
     assert_eq!(of(0, "is_determined"), true, "{said}");
     assert_eq!(of(1, "parameter"), "floor.friction", "{said}");
     assert_eq!(of(1, "is_determined"), false, "{said}");
@@ -116,7 +116,7 @@ fn identify_ranks_the_parameters_of_a_joint_log_and_names_what_determines_none()
         .filter(|line| line.contains("determined"))
         .collect();
     assert!(
-        rows[0].starts_with("servo.armature_kg_m2") && rows[1].contains("not determined"),
+        rows[0].starts_with("servo.dry_nm") && rows[1].contains("not determined"),
         "{table}"
     );
 }

@@ -299,13 +299,12 @@ fn world(kind: usize, seed: u64, lack: f64) -> Answer {
 
 const KINDS: [&str; 3] = ["slide (drag)", "pendulum (viscous)", "arm (servo lag)"];
 
+/// What the answer says about the model as a whole.
 fn said(answer: &Answer) -> String {
-    answer
-        .to_string()
-        .lines()
-        .nth(1)
-        .unwrap_or_default()
-        .to_owned()
+    let text = answer.to_string();
+    let mut lines = text.lines();
+    let of_model = lines.find(|line| line.trim_start().starts_with("fits within"));
+    of_model.unwrap_or_default().to_owned()
 }
 
 /// REALGAP_MISFIT=40 cargo test -p realgap-lab --test main misfit::table -- --ignored --nocapture

@@ -1,5 +1,6 @@
 //! Sensitivity of a study's score to small changes of its parameters, one parameter at a time around a point.
 
+use std::collections::HashSet;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
@@ -93,8 +94,9 @@ fn sensitivity(study: &Study, run: &RunOptions<'_>) -> Result<Sensitivity> {
             .into_iter()
             .unzip();
     let mut tasks = vec![base];
-    tasks.extend(evaluations(&perturbed).into_iter().map(|(number, value)| {
-        let parameter = parameters[number];
+    let evaluations = evaluations(&perturbed);
+    tasks.extend(evaluations.iter().map(|(number, value)| {
+        let (parameter, value) = (parameters[*number], *value);
         ParameterSet::new().with(Assignment { parameter, value })
     }));
     let repeats = match study.definition().start {
@@ -143,6 +145,15 @@ fn sensitivity(study: &Study, run: &RunOptions<'_>) -> Result<Sensitivity> {
                 .advise(Advice::CalibratedValues),
         ));
     };
+    // A parameter of which no other value can be simulated, such as contacts that a walking robot needs, has no effect to show.
+    let possible: HashSet<&str> = evaluations
+        .iter()
+        .zip(&outcomes[1..])
+        .filter(|(_, outcome)| outcome.is_some())
+        .map(|((number, _), _)| parameters[*number].name)
+        .collect();
+    let mut effects = effects(&perturbed, at_point, &scores[1..]);
+    effects.retain(|effect| possible.contains(effect.parameter));
     let starts: Vec<f64> = starts
         .iter()
         .filter_map(|outcome| score(&tasks[0], std::slice::from_ref(outcome)).transpose())
@@ -153,7 +164,7 @@ fn sensitivity(study: &Study, run: &RunOptions<'_>) -> Result<Sensitivity> {
         unit: metric.unit().label(),
         score: at_point,
         start_sd: (repeats > 0).then(|| standard_deviation(&starts)),
-        effects: effects(&perturbed, at_point, &scores[1..]),
+        effects,
         warnings: study.warnings().to_vec(),
     })
 }

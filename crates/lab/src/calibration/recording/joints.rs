@@ -114,7 +114,10 @@ fn check_names(
     if missing.is_empty() && others.is_empty() {
         return Ok((!attitude.is_empty()).then(|| unused(&attitude)));
     }
-    let has_no_unit = |name: &&&str| UNITLESS_COMMANDS.iter().any(|end| name.ends_with(end));
+    // The name of a joint is that of its column without the unit, so only what stands as a signal has none.
+    let is_signal = |name: &str| motion.signals().iter().any(|signal| signal.name == name);
+    let has_no_unit =
+        |name: &&&str| is_signal(name) && UNITLESS_COMMANDS.iter().any(|end| name.ends_with(end));
     if let Some(command) = others.iter().find(has_no_unit) {
         return Err(Error::invalid("a column of commands states no unit")
             .at_file(&recording.path)
