@@ -87,7 +87,7 @@ fn identify_ranks_the_parameters_of_a_joint_log_and_names_what_determines_none()
     // Friction in the gear acts on the angle; that of the floor, which nothing touches, does not.
     let text = format!(
         r#"Study(morphology: "{project}/morphologies/servo_pendulum.ron", recordings: ["kp*.csv"], start: FromRecording,
-            commands: Commands(columns: [(hinge: "angle", column: "command")], gain_after: "kp"),
+            commands: Commands(columns: [(hinge: "angle", column: "command")], gain_after: "kp", off: [(recordings: "*", from_s: 2.0)]),
             timestep_s: 0.002, parameters: [(name: "floor.friction", from: 0.2, to: 0.8),
                 (name: "servo.dry_nm", from: 0.0, to: 0.1)],
             metric: "joints", score: Single)"#
