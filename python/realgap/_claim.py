@@ -21,6 +21,8 @@ class Claim:
         "set",
         "parameter",
         "parameters",
+        "gap",
+        "trust",
         "likeness",
         "distance",
         "over_time",

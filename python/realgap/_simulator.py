@@ -24,17 +24,21 @@ class Question:
     `parameters` are values by name; `times_s` the times of the compared samples; `start` the first recorded value of each column,
     where runs start from recordings, and `recording` the name of that recording; `commands` the recorded commands at
     `command_times_s`; `setting` is one of the declared settings, and `seed` is for random numbers.
+
+    >>> question = realgap.Question(parameters={"stiffness": 40.0}, times_s=[0.0, 0.5, 1.0], duration_s=1.0)
+    >>> [question.parameters["stiffness"] * t for t in question.times_s]
+    [0.0, 20.0, 40.0]
     """
 
     parameters: Dict[str, float]
     times_s: List[float]
     duration_s: float
     seed: int = 0
-    setting: Dict[str, Any] = field(default_factory=dict)
+    setting: Dict[str, Any] = field(default_factory=dict[str, Any])
     recording: str = ""
-    start: Dict[str, float] = field(default_factory=dict)
-    commands: Dict[str, List[float]] = field(default_factory=dict)
-    command_times_s: List[float] = field(default_factory=list)
+    start: Dict[str, float] = field(default_factory=dict[str, float])
+    commands: Dict[str, List[float]] = field(default_factory=dict[str, List[float]])
+    command_times_s: List[float] = field(default_factory=list[float])
 
 
 # Values of channels by their names; with a key "t_s" they are at these times, else at the asked ones.
@@ -57,6 +61,12 @@ def serve(
 
     `simulate` gets a `Question` and returns channels by name; `declares` says of each parameter (from, to, default, unit). What
     the function prints goes to the standard error.
+
+    >>> import io, sys
+    >>> sys.stdin = io.StringIO('{"realgap": 1, "ask": "hello"}')
+    >>> realgap.serve(lambda question: {"x_m": question.times_s}, {"speed": (0.0, 2.0, 1.0, "m/s")}, name="cart")
+    {"realgap": 1, "name": "cart", "version": "", "parameters": [{"name": "speed", "from": 0.0, "to": 2.0, "default": 1.0, "unit": "m/s"}], "settings": []}
+    >>> sys.stdin = sys.__stdin__
     """
     respond = _responder(simulate, declares, settings, name, version)
     output, sys.stdout = sys.stdout, sys.stderr
