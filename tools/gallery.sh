@@ -79,7 +79,7 @@ once readings.csv "$realgap" sense draw ultrasonic -o "$work/readings.csv"
 both sensor.png "$realgap" sense fit "$work/readings.csv" --plot "$work/sensor.png" \
     --histograms "$work/histograms.png"
 both robot.png "$realgap" check morphologies/tripod.ron --plot "$work/robot.png"
-for robot in turtlebot3_burger unitree_a1 so101_arm; do
+for robot in turtlebot3_burger unitree_a1 unitree_go2 so101_arm; do
     both "$robot.png" "$realgap" check "morphologies/$robot.ron" --plot "$work/$robot.png"
 done
 long arm/joints.png "$realgap" tune sweeps/so101_fit.ron --optimizer gauss-newton --budget 200 \
@@ -166,6 +166,7 @@ keep histograms.png histograms.png
 keep robot.png robot.png
 keep turtlebot3_burger.png turtlebot3_burger.png
 keep unitree_a1.png unitree_a1.png
+keep unitree_go2.png unitree_go2.png
 keep so101_arm.png so101_arm.png
 if [ -n "$check" ]; then
     # The pictures that were made now stand first in the committed list, in the same order.
