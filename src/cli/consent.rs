@@ -25,7 +25,7 @@ impl ConsentOption {
     }
 }
 
-/// Reads a study; where it names a command that nobody has consented to, the terminal is asked.
+/// Reads a study. If it names a command to which the user has not consented, the terminal asks for consent.
 pub fn reading<T>(read: impl Fn(&Overrides) -> Result<T>, overrides: &Overrides) -> Result<T> {
     let refused = match read(overrides) {
         Err(error) if error.advice().contains(&Advice::AllowCommand) => error,

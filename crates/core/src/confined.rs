@@ -125,7 +125,7 @@ pub fn within<T: Send + 'static>(
     let builder = thread::Builder::new().stack_size(STACK_BYTES);
     builder
         .spawn(move || {
-            // Nobody waits for the result of work that is late.
+            // After the limit the caller has left, and the result is dropped.
             let _ = sender.send(caught(work));
         })
         .map_err(|e| Mishap::NoThread(e.to_string()))?;

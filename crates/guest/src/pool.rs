@@ -53,11 +53,15 @@ impl Pool {
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
             .pop();
-        let mut worker = match idle {
+        let worker = match idle {
             Some(worker) => worker,
             None => self.started(question)?,
         };
-        // A worker that fails is dropped, and with it everything that it has started.
+        self.asked(worker, line, question)
+    }
+
+    /// Asks this worker, which is idle afterwards. A worker that fails is dropped, and with it everything that it has started.
+    fn asked(&self, mut worker: Worker, line: &str, question: Question) -> Answered<String> {
         let answer = worker.ask(line, question)?;
         self.idle
             .lock()
@@ -87,14 +91,9 @@ impl Port for Pool {
             .is_err_and(|failure| failure.fault == Fault::Ended)
             && question != Question::Hello
         {
-            answer = self.started(question).and_then(|mut worker| {
-                let answer = worker.ask(line, question)?;
-                self.idle
-                    .lock()
-                    .unwrap_or_else(PoisonError::into_inner)
-                    .push(worker);
-                Ok(answer)
-            });
+            answer = self
+                .started(question)
+                .and_then(|worker| self.asked(worker, line, question));
         }
         match &answer {
             Err(failure) if failure.fault == Fault::Hung => {

@@ -1,11 +1,11 @@
-//! A simulator that may be read about, but not started: nobody has consented to its command.
+//! A simulator whose command is described, but not started, because the user has not consented to it.
 
 use realgap_core::{Advice, Error, Result, Warning};
 use realgap_simulation::{Experiment, Log, Push, Run, RunHooks, Simulator};
 
 use super::command::CommandLine;
 
-/// A command that nobody has consented to. It is never started.
+/// A command to which the user has not consented. It is never started.
 #[derive(Debug)]
 pub struct Unasked {
     command: CommandLine,

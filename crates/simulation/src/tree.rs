@@ -48,7 +48,7 @@ impl Engine for Tree {
         if experiment.assembly.is_compliant() {
             return Some("its hinges cannot be compliant (hinge.bearing_hz)".to_owned());
         }
-        // Nobody needs to have chosen this engine for such a robot, so that settings of Rapier count as a choice of Rapier.
+        // A long chain starts in this engine by default, so settings that only Rapier has count as a choice of Rapier.
         let solver = &experiment.solver;
         let asks_for_rapier = solver.joint == JointFormulation::Impulse
             || solver.relaxations > 0

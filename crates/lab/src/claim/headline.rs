@@ -3,18 +3,18 @@
 
 use super::residual::differs;
 use super::{About, Claim, Conclusion, SIGNIFICANT};
-use crate::calibration::{Best, Fit, PoseErrors, Validation};
+use crate::calibration::{Fit, PoseErrors, Validation};
 use realgap_core::unit::{Unit, counted, number, quantity};
 
-/// How far the simulation is from `reality` at the best point, in units that people use, and in noise floors where there are repeats.
+/// How far the simulation is from `reality` at the best point, by its score, the difference of net displacements where the robot goes
+/// anywhere, and the errors of poses: in units that people use, and in noise floors where there are repeats.
 pub(crate) fn gap(
-    best: &Best,
-    pose: Option<&PoseErrors>,
+    (score, displacement_error_m, pose): (f64, Option<f64>, Option<&PoseErrors>),
     (metric, unit): (&str, Unit),
     noise_floors: Option<f64>,
     (reality, recordings): (&str, usize),
 ) -> Claim {
-    let (distance, text) = match (pose, best.displacement_error_m) {
+    let (distance, text) = match (pose, displacement_error_m) {
         (Some(pose), _) => {
             let distance = format!(
                 "{} % of the body length and {} deg",
@@ -24,7 +24,7 @@ pub(crate) fn gap(
             let text = format!("The simulation is {distance} away from {reality}");
             (distance, text)
         }
-        (None, Some(error_m)) if unit != Unit::Radian => {
+        (None, Some(error_m)) => {
             let distance = quantity(error_m, Unit::Metre);
             let text = format!(
                 "The net displacements of the simulation and of {reality} differ by {distance}"
@@ -32,7 +32,7 @@ pub(crate) fn gap(
             (distance, text)
         }
         (None, _) => {
-            let distance = quantity(best.score, unit);
+            let distance = quantity(score, unit);
             let text = match unit {
                 Unit::One => {
                     format!(
@@ -55,7 +55,7 @@ pub(crate) fn gap(
         counted(recordings, "recording")
     );
     let numbers = [
-        ("score", best.score),
+        ("score", score),
         (
             "position_percent",
             pose.map_or(f64::NAN, |pose| pose.position_percent),
@@ -66,7 +66,7 @@ pub(crate) fn gap(
         ),
         (
             "displacement_error_m",
-            best.displacement_error_m.unwrap_or(f64::NAN),
+            displacement_error_m.unwrap_or(f64::NAN),
         ),
         ("noise_floors", noise_floors.unwrap_or(f64::NAN)),
     ];
@@ -195,7 +195,6 @@ fn somewhere(fit: &Fit) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::collections::BTreeMap;
 
     fn fit(judged: bool, explains: bool) -> Fit {
         Fit {
@@ -286,31 +285,25 @@ mod tests {
 
     #[test]
     fn the_gap_has_the_unit_that_people_use() {
-        let best = |score, displacement_error_m| Best {
-            parameters: BTreeMap::new(),
-            score,
-            settings: 1,
-            own_score: None,
-            displacement_error_m,
-        };
         let pose = PoseErrors {
             position_percent: 12.7,
             rotation_deg: 14.88,
         };
-        let of = |best: &Best, pose, unit, floors| {
-            gap(best, pose, ("metric", unit), floors, ("reality", 40)).text
+        let of = |(score, displacement_m), pose, unit, floors| {
+            let distances = (score, displacement_m, pose);
+            gap(distances, ("metric", unit), floors, ("reality", 40)).text
         };
-        let text = of(&best(0.37, Some(0.1)), Some(&pose), Unit::One, None);
+        let text = of((0.37, Some(0.1)), Some(&pose), Unit::One, None);
         assert!(
             text.contains("12.7 % of the body length and 14.9 deg"),
             "{text}"
         );
-        let text = of(&best(0.0042, None), None, Unit::Radian, None);
+        let text = of((0.0042, None), None, Unit::Radian, None);
         assert!(
             text.contains("4.20 mrad") && !text.contains("floors"),
             "{text}"
         );
-        let text = of(&best(0.2, Some(0.032)), None, Unit::One, Some(0.73));
+        let text = of((0.2, Some(0.032)), None, Unit::One, Some(0.73));
         assert!(
             text.contains("32.0 mm") || text.contains("3.20 cm"),
             "{text}"

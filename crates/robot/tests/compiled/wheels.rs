@@ -106,18 +106,21 @@ fn check(models: &[Value]) -> Vec<String> {
     broken
 }
 
-#[test]
-fn models_of_wheels_have_the_numbers_that_mujoco_compiles() {
-    let Some(models) = compiled(&[Path::new("--wheels")]) else {
-        return;
-    };
-    let broken = check(&models);
+fn assert_sound(broken: &[String]) {
     assert!(
         broken.is_empty(),
         "{} faults:\n{}",
         broken.len(),
         broken.join("\n")
     );
+}
+
+#[test]
+fn models_of_wheels_have_the_numbers_that_mujoco_compiles() {
+    let Some(models) = compiled(&[Path::new("--wheels")]) else {
+        return;
+    };
+    assert_sound(&check(&models));
 }
 
 #[test]
@@ -135,11 +138,5 @@ fn robots_of_recordings_and_of_cases_have_the_numbers_that_mujoco_compiles() {
     let Some(models) = compiled(&paths) else {
         return;
     };
-    let broken = check(&models);
-    assert!(
-        broken.is_empty(),
-        "{} faults:\n{}",
-        broken.len(),
-        broken.join("\n")
-    );
+    assert_sound(&check(&models));
 }

@@ -45,6 +45,9 @@ pub struct Report {
     pub metric: &'static str,
     /// Its unit.
     pub unit: Unit,
+    /// Whether joints or other channels are compared, and not where the robot goes.
+    #[serde(skip)]
+    pub is_of_joints: bool,
     /// The best point; `None` when every point diverged.
     pub best: Option<Best>,
     /// Whether the best point explains the recordings; `None` where too little is known to ask.
@@ -372,6 +375,7 @@ impl Report {
             recordings: definition.recordings.len(),
             metric: definition.metric.name(),
             unit: definition.metric.unit(),
+            is_of_joints: definition.metric.needs().joints,
             best,
             fit: evidence.fit.clone(),
             uncertainty: evidence.uncertainty.map(|u| BestPointUncertainty {
@@ -430,7 +434,9 @@ impl Report {
         let floors = self.fit.as_ref().and_then(|fit| fit.noise_floors);
         let gap = self.best.as_ref().map(|best| {
             let pose = self.pose.as_ref();
-            claim::gap(best, pose, of_metric, floors, (reality, recordings))
+            let displacement_m = best.displacement_error_m.filter(|_| !self.is_of_joints);
+            let distances = (best.score, displacement_m, pose);
+            claim::gap(distances, of_metric, floors, (reality, recordings))
         });
         let trust = claim::trust(&claim::Ground {
             complete: self.complete,

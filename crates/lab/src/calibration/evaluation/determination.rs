@@ -167,8 +167,7 @@ fn determination(study: &Study, run: &RunOptions<'_>) -> Result<Determination> {
     let around: Vec<(&UnitPoint, &Trial)> = points.iter().zip(&trials).collect();
     let logs = study.informations(&variances, &around);
     let prior = DMatrix::identity(at.len(), at.len()) * OF_RANGE;
-    let fitted = logs.iter().filter(|(_, is_fitted, _)| *is_fitted);
-    let all = fitted.fold(prior.clone(), |sum, (_, _, own)| sum + own);
+    let all = with_fitted(prior, &logs);
     let further = further(study, (&points, &variances), (&all, &logs), count)?;
     let known = FitPrecision {
         channel_variances: variances,
@@ -181,6 +180,12 @@ fn determination(study: &Study, run: &RunOptions<'_>) -> Result<Determination> {
         recordings,
         further,
     })
+}
+
+/// This information, and that of all recordings that are fitted.
+fn with_fitted(known: DMatrix<f64>, logs: &[LogInformation]) -> DMatrix<f64> {
+    let fitted = logs.iter().filter(|(_, is_fitted, _)| *is_fitted);
+    fitted.fold(known, |sum, (_, _, own)| sum + own)
 }
 
 /// Whether a motion differs from the recorded ones, so that it has to be simulated.
@@ -234,10 +239,7 @@ fn further(
 ) -> Result<Vec<FurtherMotion>> {
     let names = study.definition().grid.ranges().iter();
     let names: Vec<&'static str> = names.map(|range| range.parameter.name).collect();
-    let total = |logs: &[LogInformation]| {
-        let fitted = logs.iter().filter(|(_, is_fitted, _)| *is_fitted);
-        fitted.fold(all * 0.0, |sum, (_, _, own)| sum + own)
-    };
+    let total = |logs: &[LogInformation]| with_fitted(all * 0.0, logs);
     let mut further = Vec::new();
     for motion in &MOTIONS {
         let (what, rate, gain) = *motion;

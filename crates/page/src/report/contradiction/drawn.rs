@@ -329,6 +329,7 @@ fn empty(scores: &Scores, recordings: usize) -> Report {
         recordings,
         metric: "rms",
         unit: scores.unit,
+        is_of_joints: false,
         best: None,
         fit: None,
         uncertainty: None,

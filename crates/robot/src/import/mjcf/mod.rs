@@ -17,18 +17,4 @@ mod remark;
 mod robot;
 mod settings;
 
-use super::Options;
-use super::note::Notes;
-use crate::morphology::body::Structure;
-use realgap_core::error::Result;
-use realgap_core::file::Source;
-
-/// Reads the model of a file, whose text may be repaired, and of the files that it includes.
-pub(super) fn read(
-    source: &Source,
-    text: &str,
-    options: &Options,
-    notes: &mut Notes,
-) -> Result<Structure> {
-    robot::read(source, text, options, notes)
-}
+pub(super) use robot::read;

@@ -24,7 +24,7 @@ use realgap_core::file::Source;
 const WORLD: &str = "world";
 
 /// Reads the model of a file, and of the files that it includes.
-pub(super) fn read(
+pub(in crate::import) fn read(
     source: &Source,
     text: &str,
     options: &Options,
