@@ -140,9 +140,9 @@ impl Channel {
     }
 
     /// Recorded and simulated values of this channel.
-    fn both<'a>(&self, pair: &Pair<'a>) -> Result<[&'a [f64]; 2]> {
+    fn both<'a>(&self, real: &'a Trajectory, simulated: &'a Trajectory) -> Result<[&'a [f64]; 2]> {
         let of = |motion: &'a Trajectory| values(motion, &self.column, self.quantity);
-        match (of(pair.real), of(pair.simulated)) {
+        match (of(real), of(simulated)) {
             (Some(recorded), Some(simulated)) => Ok([recorded, simulated]),
             _ => Err(Error::invalid("the simulation has no such channel").field(&self.column)),
         }
@@ -226,7 +226,10 @@ impl ChannelSet {
         let mut errors = Vec::new();
         let count = self.of(pair.real).count();
         for (_, channel) in self.of(pair.real) {
-            let (both, unit) = (channel.both(pair)?, self.error_unit(channel));
+            let (both, unit) = (
+                channel.both(pair.real, pair.simulated)?,
+                self.error_unit(channel),
+            );
             for sample in super::joint::samples(times_s.len(), count, most) {
                 let since_start_s = times_s[sample] - times_s[0];
                 errors.push(channel.difference(both, &mut at, since_start_s, sample) / unit);
@@ -292,13 +295,8 @@ impl ChannelSet {
         let since_start = real.times_s().iter().map(|t| t - real.times_s()[0]);
         let times_s: Vec<f64> = since_start.take_while(|t| *t <= end_s).collect();
         let one = |channel: &Channel| -> Result<ChannelSamples> {
+            let [recorded, there] = channel.both(real, simulated)?;
             let mut at = Interpolator::new(simulated);
-            let of = |motion| values(motion, &channel.column, channel.quantity);
-            let (Some(recorded), Some(there)) = (of(real), of(simulated)) else {
-                return Err(
-                    Error::invalid("the simulation has no such channel").field(&channel.column)
-                );
-            };
             let places = times_s.iter().enumerate();
             let simulated = places
                 .map(|(k, t)| recorded[k] + channel.difference([recorded, there], &mut at, *t, k));

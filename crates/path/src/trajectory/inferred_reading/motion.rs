@@ -3,6 +3,7 @@
 use nalgebra::{Rotation2, Vector2, Vector3};
 
 use super::super::{Recording, Trajectory};
+use realgap_core::statistics::ends_of;
 
 /// The axis of a file that points up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -133,12 +134,8 @@ pub(super) fn above_floor(trajectory: &Trajectory, body_m: f64) -> Option<(Up, f
 /// is no floor below z.
 pub(super) fn roams_along_z(trajectory: &Trajectory, body_m: f64) -> bool {
     let ends_m = |axis: usize| {
-        let along = || {
-            let places = trajectory.positions_world_m().iter();
-            places.map(move |place| place[axis])
-        };
-        let low_m = along().fold(f64::INFINITY, f64::min);
-        (low_m, along().fold(f64::NEG_INFINITY, f64::max))
+        let places = trajectory.positions_world_m().iter();
+        ends_of(places.map(|place| place[axis]))
     };
     let range_m = |axis: usize| ends_m(axis).1 - ends_m(axis).0;
     let (low_m, high_m) = ends_m(2);

@@ -3,6 +3,7 @@
 use super::Seen;
 use super::obedience::Obedience;
 use crate::trajectory::resolution;
+use realgap_core::statistics::ends_of;
 use realgap_core::unit::number;
 
 /// A joint that moves over this many steps of its encoder or fewer is doubted: rounding then has a twentieth of the standard deviation of
@@ -20,8 +21,7 @@ pub(super) fn doubt(seen: &Seen<'_>) -> Option<String> {
     }
     let obedience = Obedience::of(seen)?;
     let range = |values: &[f64]| {
-        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let (low, high) = ends_of(values.iter().copied());
         high - low
     };
     let found = obedience.joints.iter().filter_map(|(angle, command)| {

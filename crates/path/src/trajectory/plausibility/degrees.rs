@@ -4,6 +4,7 @@ use super::Seen;
 use super::obedience::{Obedience, slope_over_speed};
 use super::series::{measured, quantile};
 use crate::trajectory::{JointTrack, Trajectory};
+use realgap_core::statistics::ends_of;
 use realgap_core::unit::number;
 
 /// The ratios of an angle in degrees to its command in radians: 57.3, or less where a weak servo does not get as far as it is told, …
@@ -128,8 +129,7 @@ fn coarse(joint: &JointTrack) -> Option<String> {
 /// A message about a joint that stays within one turn, but is faster than a joint can go there and back.
 fn hasty(trajectory: &Trajectory, joint: &JointTrack) -> Option<String> {
     let (times_s, angles) = (trajectory.times_s(), &joint.angles_rad);
-    let low = angles.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = angles.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let (low, high) = ends_of(angles.iter().copied());
     let mut speeds = Vec::new();
     let mut from = 0;
     for to in 1..times_s.len() {

@@ -3,6 +3,7 @@
 use super::Seen;
 use super::series::quantile;
 use crate::trajectory::{COMMAND, Trajectory};
+use realgap_core::statistics::ends_of;
 
 /// The share of samples at the ends from which commands are doubted.
 const MOST: f64 = 0.5;
@@ -46,8 +47,7 @@ fn commands(trajectory: &Trajectory) -> impl Iterator<Item = (&str, &[f64])> {
 
 /// The share of samples at the ends, if the values are cut off there.
 fn share(values: &[f64]) -> Option<f64> {
-    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let (low, high) = ends_of(values.iter().copied());
     let near = ROUNDING * (high - low);
     let is_end = |value: f64| value <= low + near || value >= high - near;
     let at_ends = values.iter().filter(|value| is_end(**value)).count();

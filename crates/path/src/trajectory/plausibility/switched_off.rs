@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::Seen;
 use super::obedience::Obedience;
 use super::series::quantile;
-use realgap_core::statistics::{mean, standard_deviation};
+use realgap_core::statistics::{ends_of, mean, standard_deviation};
 use realgap_core::unit::number;
 
 /// A joint stands still while its angle stays within this share of its range.
@@ -63,7 +63,7 @@ pub(super) fn doubt(seen: &Seen<'_>) -> Option<String> {
 /// The longest samples in which the angle stands still and the command moves within the joint's range.
 fn longest_off(times_s: &[f64], angles: &[f64], commands: &[f64]) -> Option<Range<usize>> {
     let count = angles.len();
-    let (low, high) = ends(angles.iter().copied());
+    let (low, high) = ends_of(angles.iter().copied());
     let size = high - low;
     if size < SMALLEST_RAD {
         return None;
@@ -85,7 +85,7 @@ fn longest_off(times_s: &[f64], angles: &[f64], commands: &[f64]) -> Option<Rang
         if lasts_s > 2.0 * LATE_S && (to - from) as f64 <= LARGEST * count as f64 {
             // Commands just before the end have no effect yet, so they do not count.
             let until = (from..to).take_while(|k| times_s[*k] < times_s[to - 1] - LATE_S);
-            let (a, b) = ends(until.map(told));
+            let (a, b) = ends_of(until.map(told));
             let is_longer = best.as_ref().is_none_or(|best| to - from > best.len());
             let is_asked = b - a > MOVES * size;
             if is_asked
@@ -170,10 +170,4 @@ fn follows_outside(times_s: &[f64], angles: &[f64], commands: &[f64], off: &Rang
     largest
         .zip(usual)
         .is_some_and(|(largest, usual)| largest > FARTHER * usual)
-}
-
-fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-        (low.min(value), high.max(value))
-    })
 }
