@@ -221,6 +221,8 @@ class Study:
             noise=None if noise is None else dict(noise),
         )
         given = native_trajectories(recordings)
+        if simulate is None and (declares or settings or version):
+            raise TypeError("declares, settings and version belong to simulate, a function in place of a robot: give it, or leave them out")
         own = None if simulate is None else responder(simulate, declares or {}, settings, name, version)
         model = None if robot is None else native_robot(robot)
         return cls(_native.Study.build(model, own, given, native_metric(metric), said))

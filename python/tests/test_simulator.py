@@ -104,3 +104,8 @@ def test_the_served_function_answers_the_command_and_only_with_consent(tmp_path:
 
 def _ron(path: str) -> str:
     return '"' + path.replace("\\", "\\\\") + '"'
+
+
+def test_what_belongs_to_a_simulator_is_refused_without_one():
+    with pytest.raises(TypeError, match="belong to simulate"):
+        realgap.Study.of(recordings=[], vary={}, declares={"stiffness": (1.0, 100.0, 30.0, "N/m")})

@@ -183,3 +183,42 @@ fn names_that_the_simulator_does_not_have_are_refused_with_those_that_it_has() {
         assert!(said.contains(expected), "{option}: {said}");
     }
 }
+
+#[test]
+fn every_kind_of_recorded_command_is_told_and_what_no_simulator_reads_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    // It keeps what it is asked, and reads the question without its commands.
+    let study = study(
+        folder.path(),
+        r#"print > "asked"; fflush("asked"); close("asked"); sub(/,"commands":.*/, "")"#,
+    );
+    let kinds = ["rad", "rad_s", "nm", "a", "duty"];
+    let names: String = kinds
+        .iter()
+        .map(|kind| format!(",joint_{kind}_command_{kind}"))
+        .collect();
+    for index in 0..2 {
+        let path = folder.path().join(format!("run_{index}.csv"));
+        let table = std::fs::read_to_string(&path).unwrap();
+        let rows = table.lines().enumerate().map(|(row, line)| match row {
+            0 => format!("{line}{names}\n"),
+            _ => format!("{line}{}\n", ",0.25".repeat(kinds.len())),
+        });
+        std::fs::write(&path, rows.collect::<String>()).unwrap();
+    }
+    let out = folder.path().join("out");
+    sweep(&study, &out).assert().success();
+    let asked = std::fs::read_to_string(folder.path().join("asked")).unwrap();
+    for kind in kinds {
+        let channel = format!("\"joint_{kind}_command_{kind}\":[0.25");
+        assert!(asked.contains(&channel), "{channel}: {asked}");
+    }
+    let stated = std::fs::read_to_string(&study).unwrap();
+    std::fs::write(&study, stated.replace("align:", "contacts: false, align:")).unwrap();
+    let refused = sweep(&study, &out).arg("--restart").assert().failure();
+    let said = text(&refused.get_output().stderr);
+    assert!(
+        said.contains("contacts") && said.contains("own simulator"),
+        "{said}"
+    );
+}

@@ -31,7 +31,7 @@ pub struct Guest {
 struct Habits {
     /// Whether the same question has the same answer.
     is_deterministic: bool,
-    /// Whether another seed gives another answer.
+    /// Whether another seed, or the same once more, gives another answer.
     is_random: bool,
     /// The joints of its answers.
     joints: Vec<String>,
@@ -252,10 +252,7 @@ impl Simulator for Guest {
     }
 
     fn settings(&self, usual: usize) -> usize {
-        let differs = self
-            .habits
-            .get()
-            .is_some_and(|h| h.is_random || !h.is_deterministic);
+        let differs = self.habits.get().is_some_and(|habits| habits.is_random);
         match differs {
             true => usual,
             false => self.hello.settings.len().max(1),
@@ -271,16 +268,21 @@ impl Simulator for Guest {
         let habits = match self.habits.get() {
             Some(habits) => habits,
             None => {
-                let mut short = experiment.clone();
-                short.perturbation.draw = None;
-                let ask = |seed: u64| self.ask(&short, seed).map_err(|failure| refused(&failure));
-                let (first, second, other) = (ask(0)?, ask(0)?, ask(OTHER_SEED)?);
+                let mut without_noise = experiment.clone();
+                without_noise.perturbation.draw = None;
+                let ask = |seed: u64| {
+                    let answer = self.ask(&without_noise, seed);
+                    answer.map_err(|failure| refused(&failure))
+                };
+                let (first, second) = (ask(0)?, ask(0)?);
                 let is_deterministic = first == second;
+                // Where even the same seed gives another answer, another seed tells nothing more.
+                let is_random = !is_deterministic || first != ask(OTHER_SEED)?;
                 let joints = first.joints().iter().map(|joint| joint.name.clone());
                 let joints = joints.collect();
                 self.habits.get_or_init(|| Habits {
                     is_deterministic,
-                    is_random: first != other,
+                    is_random,
                     joints,
                 })
             }

@@ -46,18 +46,16 @@ impl Pool {
         Ok(worker)
     }
 
-    /// Asks an idle worker, or a new one.
-    fn ask_one(&self, line: &str, question: Question) -> Answered<String> {
-        let idle = self
-            .idle
+    fn idle(&self) -> Option<Worker> {
+        self.idle
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
-            .pop();
-        let worker = match idle {
-            Some(worker) => worker,
-            None => self.started(question)?,
-        };
-        self.asked(worker, line, question)
+            .pop()
+    }
+
+    /// Asks a worker that was never asked before.
+    fn asked_anew(&self, line: &str, question: Question) -> Answered<String> {
+        self.asked(self.started(question)?, line, question)
     }
 
     /// Asks this worker, which is idle afterwards. A worker that fails is dropped, and with it everything that it has started.
@@ -83,18 +81,15 @@ impl Port for Pool {
                 format!("gave no answer to {IN_VAIN} questions in a row, and is asked no more"),
             ));
         }
-        let mut answer = self.ask_one(line, question);
-        // Whether a worker that was asked before ends here may depend on what it was asked before, and so on the number of
-        // threads. A new one answers this question alone.
-        if answer
-            .as_ref()
-            .is_err_and(|failure| failure.fault == Fault::Ended)
-            && question != Question::Hello
-        {
-            answer = self
-                .started(question)
-                .and_then(|worker| self.asked(worker, line, question));
-        }
+        let answer = match self.idle() {
+            None => self.asked_anew(line, question),
+            // Whether a worker that was asked before ends here may depend on what it was asked before, and so on the number of
+            // threads. A new one answers this question alone.
+            Some(worker) => match self.asked(worker, line, question) {
+                Err(failure) if failure.fault == Fault::Ended => self.asked_anew(line, question),
+                answer => answer,
+            },
+        };
         match &answer {
             Err(failure) if failure.fault == Fault::Hung => {
                 self.in_vain.fetch_add(1, Ordering::Relaxed);

@@ -9,7 +9,7 @@ pub trait Port: fmt::Debug + Send + Sync {
     /// What is asked, with the hashes of what it consists of; two ports with the same identity give the same answers.
     fn identity(&self) -> String;
 
-    /// The answer to one line. `is_of_start` holds for the first question, which may take longer.
+    /// The answer to one line. The first question may take longer than the others.
     ///
     /// # Errors
     /// No answer.

@@ -32,7 +32,7 @@ const TICKS: (&str, &str) = ("_ticks", "_ticks_s");
 /// Suffix after the name of a joint for its commanded angle.
 pub const COMMAND: &str = "_command";
 /// Suffixes of signals: commanded speeds, torques, currents and duties, and whether a servo is on.
-const SIGNALS: [&str; 5] = [
+pub const COMMAND_SIGNALS: [&str; 5] = [
     "_command_rad_s",
     "_command_nm",
     "_command_a",
@@ -103,7 +103,7 @@ pub(super) fn find(
 
 /// Finds the signals among the columns without a role, and marks their columns as used.
 pub(super) fn find_signals(names: &[&str], used: &mut [bool]) -> Vec<usize> {
-    let is_command = |name: &str| SIGNALS.iter().any(|ending| name.ends_with(ending));
+    let is_command = |name: &str| COMMAND_SIGNALS.iter().any(|ending| name.ends_with(ending));
     // A command without a unit beside the angle of its joint is kept, so that it can be refused.
     let has_no_unit = |name: &str| {
         let mut joints = UNITLESS_COMMANDS
@@ -115,7 +115,7 @@ pub(super) fn find_signals(names: &[&str], used: &mut [bool]) -> Vec<usize> {
                 && !ANGLES
                     .iter()
                     .any(|(angle, ..)| of_joint(&format!("{COMMAND}{angle}")))
-                && !SIGNALS[..4].iter().any(|signal| of_joint(signal))
+                && !COMMAND_SIGNALS[..4].iter().any(|signal| of_joint(signal))
         })
     };
     let is_signal = |name: &str| {

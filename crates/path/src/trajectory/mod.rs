@@ -55,7 +55,7 @@ pub use format::{Format, Parsed, Rendered};
 pub use inferred_reading::{
     Ambiguity, Candidate, Evidence, InferredReading, JointReading, Question, odd_axes,
 };
-pub use joint_column::{COMMAND, UNITLESS_COMMANDS, may_be_attitude};
+pub use joint_column::{COMMAND, COMMAND_SIGNALS, UNITLESS_COMMANDS, may_be_attitude};
 pub use kitti::Kitti;
 pub use log::{Mcap, Rosbag};
 pub use measured::MeasuredQuantity;

@@ -58,19 +58,21 @@ fn disturb(experiment: &mut Experiment, real: &Trajectory, seed: u64, number: u6
     }
     let mut rng = Numbered::StartMotion.generator(seed, number);
     let dt_s = times_s[1] - times_s[0];
-    // What a simulator of somebody else is told of the start is moved in the same way.
-    let told = &mut Arc::make_mut(&mut experiment.foreign.start).values;
-    for joint in real.joints() {
-        let mut move_by = |ending: &str, size: f64| {
-            let name = format!("{}{ending}", joint.name);
-            if let Some((_, value)) = told.iter_mut().find(|(told, _)| *told == name) {
-                let normal: f64 = StandardNormal.sample(&mut rng);
-                *value += size * normal;
-            }
-        };
-        let angle_rad = noise(&joint.angles_rad);
-        move_by("_rad", angle_rad);
-        move_by("_rad_s", speed_noise_rad_s(joint, angle_rad, dt_s));
+    // What a simulator of somebody else is told of the start is moved in the same way; our own engines are told nothing.
+    if !experiment.foreign.start.values.is_empty() {
+        let told = &mut Arc::make_mut(&mut experiment.foreign.start).values;
+        for joint in real.joints() {
+            let mut move_by = |ending: &str, size: f64| {
+                let name = format!("{}{ending}", joint.name);
+                if let Some((_, value)) = told.iter_mut().find(|(told, _)| *told == name) {
+                    let normal: f64 = StandardNormal.sample(&mut rng);
+                    *value += size * normal;
+                }
+            };
+            let angle_rad = noise(&joint.angles_rad);
+            move_by("_rad", angle_rad);
+            move_by("_rad_s", speed_noise_rad_s(joint, angle_rad, dt_s));
+        }
     }
     for (hinge, start) in experiment
         .assembly

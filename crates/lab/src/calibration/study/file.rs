@@ -467,6 +467,7 @@ impl StudyFile {
             ("timestep_s", self.timestep_s.is_some()),
             ("substeps", self.substeps.is_some()),
             ("joint", self.joint.is_some()),
+            ("contacts", self.contacts.is_some()),
             (
                 "noise",
                 self.noise

@@ -539,7 +539,7 @@ impl Study {
         Context {
             basis: None,
             spread,
-            body_length_m: Some(case.experiment.assembly.body_length_m),
+            body_length_m: case.body_length_m(),
             channels: Some(&self.definition.channels),
         }
     }

@@ -7,14 +7,11 @@ use crate::calibration::{Definition, StartRule};
 use realgap_core::Result;
 use realgap_core::Warning;
 use realgap_core::statistics::ends_of;
-use realgap_path::trajectory::{COMMAND, Recording, Trajectory};
+use realgap_path::trajectory::{COMMAND, COMMAND_SIGNALS, Recording, Trajectory};
 use realgap_simulation::{Experiment, ForeignStart, Sampling, Start};
 
 /// Samples per second that are asked of a run that all recordings share.
 const SHARED_RATE_HZ: f64 = 60.0;
-/// Endings of the columns that a simulator is told as commands.
-const COMMANDS: [&str; 4] = [COMMAND, "_command_rad_s", "_command_nm", "_on"];
-
 /// One case for all recordings where the simulator starts by itself, else one a recording.
 pub(in crate::calibration) fn own_cases(
     definition: &Definition,
@@ -77,7 +74,8 @@ fn start_of(rule: StartRule, recording: &Recording, motion: &Trajectory) -> Fore
         commands.push((format!("{}_rad", joint.name), joint.angles_rad.clone()));
     }
     for signal in motion.signals() {
-        if COMMANDS.iter().any(|ending| signal.name.ends_with(ending)) {
+        let mut endings = COMMAND_SIGNALS.iter().chain([&COMMAND]);
+        if endings.any(|ending| signal.name.ends_with(ending)) {
             commands.push((signal.name.clone(), signal.values.clone()));
         }
     }

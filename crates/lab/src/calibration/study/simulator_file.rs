@@ -107,22 +107,21 @@ impl OwnSimulator {
         command: CommandLine,
         consent: CommandConsent,
     ) -> Result<Self> {
-        let (choice, guest) = match consent {
+        let own = match consent {
             CommandConsent::Refused => return Err(Unasked::refusal(&command)),
-            CommandConsent::ReadOnly => (
-                SimulatorChoice::new(Arc::new(Unasked::new(command.clone()))),
-                None,
-            ),
+            CommandConsent::ReadOnly => Self {
+                choice: SimulatorChoice::new(Arc::new(Unasked::new(command.clone()))),
+                guest: None,
+                command: None,
+            },
             CommandConsent::Given => {
-                let guest = Arc::new(Guest::new(Arc::new(Pool::new(command.clone())))?);
-                let simulator: Arc<dyn Simulator> = Arc::<Guest>::clone(&guest);
-                (SimulatorChoice::new(simulator), Some(guest))
+                let pool = Pool::new(command.clone());
+                Self::of_guest(Arc::new(Guest::new(Arc::new(pool))?))
             }
         };
         Ok(Self {
-            choice,
-            guest,
             command: Some(command),
+            ..own
         })
     }
 
