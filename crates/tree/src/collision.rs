@@ -258,6 +258,8 @@ impl Collision {
         }
         for touch in &mut touches[first..] {
             touch.led_world_m_s = placed.velocity_at(touch.point_world_m);
+            let rim_m = touch.point_world_m - world_from_shape.translation;
+            touch.tyre = shape.collider.tyre.map(|tyre| (tyre, rim_m));
         }
     }
 

@@ -92,6 +92,8 @@ pub(crate) struct Point {
     wanted: f64,
     slack: f64,
     friction: f64,
+    /// Slip velocity per friction force over load, m/s: 0 unless the shape is a tyre.
+    creep_m_s: f64,
     /// Speed of separation per slip velocity, for a relaxed cone.
     lift: f64,
     pub impulse: [f64; 3],
@@ -164,6 +166,7 @@ impl Point {
             wanted: step.softness.wanted_speed(touch.distance_m),
             slack: step.softness.slack,
             friction: touch.friction,
+            creep_m_s: 0.0,
             lift: 0.0,
             impulse: basis.map(|axis| touch.impulse_world_n_s.dot(axis)),
             memory: touch.memory,
@@ -190,6 +193,13 @@ impl Point {
             return point;
         }
         point.is_impact = point.bounce(touch, approach, pull, step);
+        if let Some((tyre, rim_m)) = touch.tyre {
+            let along = |velocity: Vec3| velocity - basis[0] * velocity.dot(basis[0]);
+            let over_ground =
+                |arm_m: Vec3| along(node.velocity.velocity_at(arm_m) - touch.led_world_m_s);
+            let (slip_m_s, hub_m_s) = (over_ground(arm_a), over_ground(arm_a - rim_m));
+            point.creep_m_s = tyre.speed_per_force(slip_m_s, hub_m_s, touch.friction);
+        }
         // Over the step a point travels by its velocity and by half of the effect of the velocity products.
         for (k, axis) in basis.iter().enumerate() {
             let same_point =
@@ -341,8 +351,14 @@ impl Point {
             relative_speed(self, 1, a, &b),
             relative_speed(self, 2, a, &b),
         ];
-        let k = self.tangent_k;
-        let wish = [k[0] * before[0] - slip[0], k[1] * before[1] - slip[1]];
+        let [t, u] = self.tangent_k;
+        let wish = [t * before[0] - slip[0], u * before[1] - slip[1]];
+        // The impulse of a tyre is proportional to the slip that remains: a compliance.
+        let creep = match most > 0.0 && self.creep_m_s > 0.0 {
+            true => self.creep_m_s / normal,
+            false => 0.0,
+        };
+        let k = [t + creep, u + creep];
         let now = friction(&k, wish, most, &mut self.slip_per_impulse);
         for k in 0..2 {
             let change = now[k] - before[k];

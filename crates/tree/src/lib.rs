@@ -13,6 +13,7 @@
 //! - `contact`, `joint`: rows of contacts (soft normal, restitution, exact cone of friction) and of joints (servo, limit, dry
 //!   friction);
 //! - `mount`: a root on a spring;
+//! - `tyre`: friction that grows with the slip;
 //! - `sweep`: projected Gauss–Seidel over all rows, walking around each tree.
 //!
 //! The same model and the same commands give bit-identical results. After the first steps no memory is allocated except by Parry.
@@ -29,6 +30,7 @@ mod spatial;
 mod step;
 mod sweep;
 mod touch;
+mod tyre;
 mod world;
 
 pub use joint::{Command, JointImpulse};
@@ -37,4 +39,5 @@ pub use model::{
 };
 pub use mount::MountSpring;
 pub use parry3d_f64 as parry;
+pub use tyre::Tyre;
 pub use world::{Contact, LinkState, Partner, World};

@@ -7,6 +7,7 @@ use parry3d_f64::math::{Mat3, Pose, Vec3};
 use parry3d_f64::shape::SharedShape;
 
 use crate::mount::MountSpring;
+use crate::tyre::Tyre;
 
 /// Everything that a [`World`](crate::World) is built from.
 #[derive(Clone, Default)]
@@ -139,6 +140,9 @@ pub struct Collider {
     pub pair_friction: Option<f64>,
     /// Restitution coefficient; that of a pair is the product of both.
     pub restitution: f64,
+    /// The law of a tyre, if the shape is one: its friction against fixtures grows with the slip. Friction against other links
+    /// is Coulomb's.
+    pub tyre: Option<Tyre>,
     /// No contacts are computed between shapes of the same group; 0 stands for no group.
     pub group: u32,
     /// A number that the caller chooses; it is returned in every [`Contact`](crate::Contact) of the shape.
@@ -154,6 +158,7 @@ impl Collider {
             friction,
             pair_friction: None,
             restitution: 0.0,
+            tyre: None,
             group: 0,
             mark: 0,
         }
@@ -280,6 +285,13 @@ impl Model {
                     "link {index}: stiffness and damping of its mount have to be finite and not negative"
                 ));
             }
+            let mut tyres = link.colliders.iter().filter_map(|collider| collider.tyre);
+            if let Some(tyre) = tyres.find(|tyre| !tyre.is_sound()) {
+                return fail(format!(
+                    "link {index}: slip stiffness {} and shape {} of its tyre; the stiffness has to be positive and finite, the shape from 1 to 2",
+                    tyre.slip_stiffness, tyre.shape
+                ));
+            }
             let Attachment::Joint(joint) = &link.attachment else {
                 continue;
             };
@@ -311,6 +323,14 @@ impl Model {
                     "link {index}: friction, armature and stiffness must not be negative"
                 ));
             }
+        }
+        let tyred = |collider: &Collider| collider.tyre.is_some();
+        if self.fixtures.iter().any(|fixture| tyred(&fixture.collider)) {
+            return fail("a fixture cannot be a tyre; give the tyre to a link".into());
+        }
+        let mut colliders = self.links.iter().flat_map(|link| &link.colliders);
+        if self.settings.cone == Cone::Relaxed && colliders.any(tyred) {
+            return fail("a tyre needs the exact friction cone, not the relaxed one".into());
         }
         let s = &self.settings;
         let positive = [s.timestep_s, s.contact_frequency_hz, s.max_turn_rad];

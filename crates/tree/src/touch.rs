@@ -6,6 +6,8 @@ use parry3d_f64::query::details::ContactManifoldsWorkspace;
 use parry3d_f64::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
 use parry3d_f64::shape::SharedShape;
 
+use crate::tyre::Tyre;
+
 /// A contact point that collision detection found.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Touch {
@@ -23,6 +25,8 @@ pub(crate) struct Touch {
     pub distance_m: f64,
     pub friction: f64,
     pub restitution: f64,
+    /// The law of a tyre, and the vector from the middle of its shape to the contact point.
+    pub tyre: Option<(Tyre, Vec3)>,
     /// Velocity of the fixture at the contact point.
     pub led_world_m_s: Vec3,
     /// Impulse of the contact in the previous step.
@@ -112,6 +116,7 @@ impl Pair {
             distance_m,
             friction: self.friction,
             restitution: self.restitution,
+            tyre: None,
             led_world_m_s: Vec3::ZERO,
             impulse_world_n_s: Vec3::ZERO,
             memory: Memory::Corner { pair: 0, corner: 0 },

@@ -12,3 +12,4 @@ mod flight;
 mod joint;
 mod mount;
 mod pair;
+mod tyre;
