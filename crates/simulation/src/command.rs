@@ -1,7 +1,7 @@
 //! Recorded commands of servos over time.
 
 use realgap_core::error::{Error, Result};
-use realgap_robot::morphology::CommandScale;
+use realgap_robot::morphology::{CommandScale, ServoLaw};
 
 /// The quantity that a track commands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -17,6 +17,19 @@ pub enum Quantity {
     Current,
     /// A share of the full voltage of the motor, from -1 to 1.
     Duty,
+}
+
+impl Quantity {
+    /// The quantity that a servo with this law takes by itself.
+    pub fn of(law: &ServoLaw) -> Self {
+        match law {
+            ServoLaw::Direct => Self::Torque,
+            ServoLaw::Throttle => Self::Duty,
+            ServoLaw::Velocity { .. } | ServoLaw::Torque { .. } | ServoLaw::Motor(_) => {
+                Self::Position
+            }
+        }
+    }
 }
 
 /// The command in force between two recorded commands.
@@ -36,6 +49,7 @@ pub struct CommandTrack {
     values: Vec<f64>,
     quantity: Quantity,
     between: Between,
+    lag: Option<Lag>,
     /// Times at which the servo is switched on or off, in order; it is on before the first.
     switches: Vec<(f64, bool)>,
 }
@@ -67,6 +81,7 @@ impl CommandTrack {
             values,
             quantity: Quantity::Position,
             between: Between::Held,
+            lag: None,
             switches: off_from_s.map(|off_s| (off_s, false)).into_iter().collect(),
         })
     }
@@ -95,12 +110,16 @@ impl CommandTrack {
     /// The same commands as an actuator passes them on to its joint.
     #[must_use]
     pub(super) fn passed(&self, scale: &CommandScale) -> Self {
+        let values: Vec<f64> = self
+            .values
+            .iter()
+            .map(|value| scale.apply(*value))
+            .collect();
+        let is_held = self.between == Between::Held;
         Self {
-            values: self
-                .values
-                .iter()
-                .map(|value| scale.apply(*value))
-                .collect(),
+            lag: (scale.lag_s > 0.0)
+                .then(|| Lag::new(scale.lag_s, &self.times_s, &values, is_held)),
+            values,
             ..self.clone()
         }
     }
@@ -185,8 +204,15 @@ impl CommandTrack {
         past == 0 || self.switches[past - 1].1
     }
 
-    /// The command at `t_s`, in the unit of its quantity.
+    /// The command at `t_s`, in the unit of its quantity, with the lag of its actuator.
     pub fn value(&self, t_s: f64) -> f64 {
+        let asked = self.asked(t_s);
+        self.lag
+            .as_ref()
+            .map_or(asked, |lag| lag.after(&self.times_s, t_s, asked))
+    }
+
+    fn asked(&self, t_s: f64) -> f64 {
         let after = self.times_s.partition_point(|time_s| *time_s <= t_s);
         let last = self.values.len() - 1;
         if after == 0 || after > last {
@@ -203,7 +229,8 @@ impl CommandTrack {
     /// The command for a whole step: the mean of the held commands over the step, so that a run is a smooth function of the
     /// delay.
     pub(super) fn mean(&self, from_s: f64, to_s: f64) -> f64 {
-        if self.between == Between::Interpolated || to_s <= from_s {
+        // A command that lags has no jumps.
+        if self.between == Between::Interpolated || self.lag.is_some() || to_s <= from_s {
             return self.value(0.5 * (from_s + to_s));
         }
         let (mut at_s, mut value, mut sum) = (from_s, self.value(from_s), 0.0);
@@ -219,6 +246,48 @@ impl CommandTrack {
             return value;
         }
         (sum + value * (to_s - at_s)) / (to_s - from_s)
+    }
+}
+
+/// The lag of first order with which an actuator follows: what it lacks at each command, which decays from there on.
+#[derive(Debug, Clone, PartialEq)]
+struct Lag {
+    lag_s: f64,
+    /// What the actuator has reached beyond the command at the time of each command, and the rate of the command from there on.
+    lacks: Vec<(f64, f64)>,
+}
+
+impl Lag {
+    /// At the first command the actuator has arrived.
+    fn new(lag_s: f64, times_s: &[f64], values: &[f64], is_held: bool) -> Self {
+        let mut reached = values[0];
+        let mut lacks = Vec::with_capacity(values.len());
+        for (k, value) in values.iter().enumerate() {
+            let next = times_s.get(k + 1).map(|next_s| next_s - times_s[k]);
+            let rate = match next {
+                Some(step_s) if !is_held => (values[k + 1] - value) / step_s,
+                _ => 0.0,
+            };
+            lacks.push((reached - value, rate));
+            if let Some(step_s) = next {
+                let held = value + rate * step_s;
+                reached = held + Self::left(lag_s, (reached - value, rate), step_s);
+            }
+        }
+        Self { lag_s, lacks }
+    }
+
+    /// What the actuator has reached beyond the command, a time after a command: the solution of `lag y' = u - y` for a ramp u.
+    fn left(lag_s: f64, (lack, rate): (f64, f64), time_s: f64) -> f64 {
+        (lack + rate * lag_s) * (-time_s / lag_s).exp() - rate * lag_s
+    }
+
+    /// What the actuator has reached at a time at which `asked` is commanded.
+    fn after(&self, times_s: &[f64], t_s: f64, asked: f64) -> f64 {
+        match times_s.partition_point(|time_s| *time_s <= t_s) {
+            0 => asked,
+            past => asked + Self::left(self.lag_s, self.lacks[past - 1], t_s - times_s[past - 1]),
+        }
     }
 }
 
@@ -277,5 +346,34 @@ mod tests {
         assert!(CommandTrack::new(vec![1.0, 1.0], vec![0.0, 1.0], None).is_err());
         assert!(CommandTrack::new(vec![], vec![], None).is_err());
         assert!(CommandTrack::new(vec![0.0], vec![f64::NAN], None).is_err());
+    }
+
+    /// Integrates `lag y' = u - y` in small steps.
+    fn followed(track: &CommandTrack, lag_s: f64, until_s: f64) -> f64 {
+        let steps = 200_000;
+        let h = (until_s - 1.0) / f64::from(steps);
+        (0..steps).fold(track.value(1.0), |y, k| {
+            y + h * (track.value(1.0 + (f64::from(k) + 0.5) * h) - y) / lag_s
+        })
+    }
+
+    #[test]
+    fn a_lagging_actuator_follows_the_differential_equation_of_first_order() {
+        let scale = CommandScale {
+            lag_s: 0.3,
+            ..CommandScale::default()
+        };
+        for between in [Between::Held, Between::Interpolated] {
+            let track = track().with(between);
+            let lagging = track.passed(&scale);
+            for until_s in [1.5, 2.0, 2.2, 3.7, 5.0] {
+                let (is, right) = (lagging.value(until_s), followed(&track, 0.3, until_s));
+                assert!(
+                    (is - right).abs() < 1e-4,
+                    "{between:?} {until_s}: {is} {right}"
+                );
+            }
+            assert_eq!(lagging.value(0.5), 0.0);
+        }
     }
 }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::command::{Between, CommandTrack, Quantity};
 use super::experiment::Experiment;
-use realgap_robot::morphology::{Gait, Hinge, ServoLaw};
+use realgap_robot::morphology::{Gait, Hinge};
 
 /// The source of commands of one hinge.
 pub(super) enum CommandSource<'a> {
@@ -22,23 +22,14 @@ impl<'a> CommandSource<'a> {
         match (&hinge.actuator, experiment.commands.get(&hinge.name)) {
             (None, _) => Self::None,
             (Some(actuator), Some(track)) => {
-                let own = match actuator.servo.law {
-                    ServoLaw::Direct => Quantity::Torque,
-                    _ => Quantity::Position,
-                };
+                let own = Quantity::of(&actuator.servo.law);
                 // The scale is that of the quantity that the actuator itself takes.
                 match track.quantity() == own && !actuator.command.is_none() {
                     true => Self::Track(Cow::Owned(track.passed(&actuator.command))),
                     false => Self::Track(Cow::Borrowed(track)),
                 }
             }
-            (Some(actuator), None) => Self::Gait(
-                actuator.gait,
-                match actuator.servo.law {
-                    ServoLaw::Direct => Quantity::Torque,
-                    _ => Quantity::Position,
-                },
-            ),
+            (Some(actuator), None) => Self::Gait(actuator.gait, Quantity::of(&actuator.servo.law)),
         }
     }
 

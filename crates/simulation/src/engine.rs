@@ -146,14 +146,14 @@ impl EngineChoice {
         Self(engine)
     }
 
-    /// The engine for a robot whose file and user choose none: the tree solver for a robot of bodies with more than
-    /// [`JointFormulation::MOST_HINGES`] joints, else Rapier. Such a robot has multibody joints in Rapier, whose cost grows with the cube of
+    /// The engine for a robot whose file and user choose none: the tree solver for a robot with tyres, and for a robot of bodies with
+    /// more than [`JointFormulation::MOST_HINGES`] joints, else Rapier. Such a long robot has multibody joints in Rapier, whose cost grows with the cube of
     /// the number of joints, and in the tree solver in proportion to it (docs/design.md).
     pub fn suited_to(assembly: &Assembly) -> Self {
         let is_long = !assembly.is_modular
             && assembly.hinges.len() > JointFormulation::MOST_HINGES
             && !assembly.is_compliant();
-        match is_long {
+        match is_long || assembly.has_tyres() {
             true => Self(&TREE),
             false => Self::default(),
         }
@@ -174,8 +174,8 @@ impl EngineChoice {
     pub fn able(&self, experiment: &Experiment) -> (&'static dyn Engine, Option<String>) {
         match self.0.refusal(experiment) {
             None => (self.0, None),
-            // Rapier has every kind of joint, but no mount with a spring.
-            Some(why) if experiment.mount.is_some() => (&TREE, Some(why)),
+            // Rapier has every kind of joint, but neither a mount with a spring nor tyres.
+            Some(why) if RAPIER.refusal(experiment).is_some() => (&TREE, Some(why)),
             Some(why) => (&RAPIER, Some(why)),
         }
     }

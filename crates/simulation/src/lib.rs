@@ -32,6 +32,7 @@ mod path;
 mod plausibility;
 mod posture;
 mod rapier;
+mod rolling;
 mod run;
 mod scene;
 mod servo;

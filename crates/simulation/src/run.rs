@@ -17,6 +17,7 @@ use super::instrument::Instruments;
 use super::kinematics::{lowest_m, part_from_track, robot_from_parts};
 use super::motor::{Effort, Supply, duty, effort, position_duty};
 use super::outcome::Outcome;
+use super::rolling;
 use super::scene::{DrivenPath, SceneMotion};
 use super::servo::{Command, NOTHING, command, error_beyond_play};
 use super::vehicle;
@@ -282,7 +283,7 @@ fn placed(
 
 impl<'a> Rollout<'a> {
     pub(super) fn new(experiment: &'a Experiment, assembly: &'a Assembly) -> Result<Self> {
-        let joints: Vec<JointState> = assembly
+        let mut joints: Vec<JointState> = assembly
             .hinges
             .iter()
             .enumerate()
@@ -305,6 +306,7 @@ impl<'a> Rollout<'a> {
             .iter()
             .map(|pose| world_from_robot * pose)
             .collect();
+        rolling::start(experiment, assembly, &poses, motion, &mut joints);
         let mut warnings = experiment.warnings();
         let (engine, refusal) = experiment.solver.engine.able(experiment);
         if let Some(why) = refusal {

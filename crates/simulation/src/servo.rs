@@ -111,6 +111,15 @@ pub(super) fn command(
             let asked_nm = servo.torque_per_current_nm_a().unwrap_or(0.0) * target;
             return torque(asked_nm.clamp(-max_torque_nm, max_torque_nm));
         }
+        Quantity::Duty if servo.law == ServoLaw::Throttle => {
+            let share = target.clamp(-1.0, 1.0);
+            let most_nm = share.abs() * max_torque_nm;
+            return Command::Velocity {
+                target_rad_s: servo.max_speed_rad_s.copysign(share),
+                damping_nm_s_rad: most_nm / servo.max_speed_rad_s,
+                max_torque_nm: most_nm,
+            };
+        }
         Quantity::Duty => {
             // The line from the full torque at standstill to none at the top speed; the torque limit caps braking.
             return Command::Velocity {
@@ -160,7 +169,7 @@ pub(super) fn command(
         },
         // A motor is controlled by its effort (see motor.rs), and a direct law by torque commands, so neither gets an angle
         // command.
-        ServoLaw::Motor(_) | ServoLaw::Direct => NOTHING,
+        ServoLaw::Motor(_) | ServoLaw::Direct | ServoLaw::Throttle => NOTHING,
     }
 }
 

@@ -440,6 +440,10 @@ fn colliders(
             owner_from_shape: to_pose(&pose),
             restitution: experiment.floor.restitution,
             mark: solid.module as u64,
+            tyre: solid.tyre.map(|tyre| realgap_tree::Tyre {
+                slip_stiffness_1_rad: tyre.slip_stiffness_1_rad,
+                shape: tyre.shape,
+            }),
             ..Collider::new(surface.shape, experiment.floor.friction * factor)
         })
     };

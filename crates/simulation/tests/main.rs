@@ -23,3 +23,4 @@ mod servo;
 mod simulation;
 mod stand;
 mod vehicle;
+mod wheels;

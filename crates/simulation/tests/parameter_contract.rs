@@ -13,7 +13,7 @@ use realgap_robot::morphology::{Gait, Morphology, ServoLaw};
 use realgap_sensing::range::form::{Curve, FORMS, form_by_name};
 use realgap_simulation::parameter::{self, Parameter, ParameterSet};
 use realgap_simulation::{
-    Experiment, JointState, SceneBody, SceneBox, SceneMotion, Start, Vehicle, run,
+    CommandTrack, Experiment, JointState, SceneBody, SceneBox, SceneMotion, Start, Vehicle, run,
 };
 
 use crate::change::Change as _;
@@ -177,6 +177,17 @@ fn seen_by_exponential() -> Experiment {
     )
 }
 
+/// A car that drives and steers by recorded commands, fast enough to slip.
+fn car() -> Experiment {
+    let mut experiment = crate::wheels::car(0.6, 0.7);
+    for joint in ["steer_fl", "steer_fr"] {
+        let track = CommandTrack::new(vec![0.0, 0.4], vec![0.7, -0.7], None);
+        let track = Arc::new(track.unwrap());
+        experiment.commands.insert(joint.to_owned(), track);
+    }
+    experiment
+}
+
 /// Builds an experiment.
 type Make = fn() -> Experiment;
 
@@ -197,6 +208,11 @@ fn case(parameter: &Parameter) -> (Vec<Make>, f64, f64) {
         "mount.stiffness_n_m" => (vec![shaken], 400.0, 800.0),
         "mount.stiffness_nm_rad" => (vec![shaken], 8.0, 16.0),
         "mount.damping_s" => (vec![shaken], 0.002, 0.004),
+        "tyre.slip_stiffness_1_rad" => (vec![car], 8.0, 4.0),
+        "tyre.shape" => (vec![car], 1.4, 1.0),
+        "command.factor" => (vec![car], 0.4, 0.3),
+        "command.offset" | "command.dead_zone" | "command.lag_s" => (vec![car], 0.0, 0.1),
+        "command.bend" => (vec![car], 0.0, 1.0),
         "timestep_s" => (vec![toss, walk], 1.0 / 240.0, 1.0 / 480.0),
         "solver.substeps" => (vec![toss, walk], 8.0, 16.0),
         "solver.sweeps" => (vec![toss, walk], 1.0, 4.0),

@@ -289,7 +289,7 @@ impl Model {
             if let Some(tyre) = tyres.find(|tyre| !tyre.is_sound()) {
                 return fail(format!(
                     "link {index}: slip stiffness {} and shape {} of its tyre; the stiffness has to be positive and finite, the shape from 1 to 2",
-                    tyre.slip_stiffness, tyre.shape
+                    tyre.slip_stiffness_1_rad, tyre.shape
                 ));
             }
             let Attachment::Joint(joint) = &link.attachment else {

@@ -12,7 +12,7 @@ use parry3d_f64::math::Vec3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tyre {
     /// Force per slip and per load at a small slip, k: the cornering stiffness over the load, 1/rad.
-    pub slip_stiffness: f64,
+    pub slip_stiffness_1_rad: f64,
     /// Shape of the curve, C, from 1 to 2: with 1 the force grows up to Coulomb's limit; above, it has its peak there and falls
     /// to µ N sin(C π/2).
     pub shape: f64,
@@ -24,7 +24,7 @@ const SLOWEST_M_S: f64 = 1e-3;
 impl Tyre {
     /// Whether the numbers are allowed.
     pub(crate) fn is_sound(&self) -> bool {
-        let stiff = self.slip_stiffness > 0.0 && self.slip_stiffness.is_finite();
+        let stiff = self.slip_stiffness_1_rad > 0.0 && self.slip_stiffness_1_rad.is_finite();
         stiff && (1.0..2.0).contains(&self.shape)
     }
 
@@ -33,7 +33,7 @@ impl Tyre {
         if friction <= 0.0 {
             return 0.0;
         }
-        let b = self.slip_stiffness / (self.shape * friction);
+        let b = self.slip_stiffness_1_rad / (self.shape * friction);
         friction * (self.shape * (b * slip).atan()).sin()
     }
 
@@ -50,7 +50,7 @@ impl Tyre {
         // At a vanishing slip the secant is the tangent.
         let secant = match slip > 1e-9 {
             true => self.force_per_load(slip, friction) / slip,
-            false => self.slip_stiffness,
+            false => self.slip_stiffness_1_rad,
         };
         travel_m_s / secant
     }

@@ -10,7 +10,7 @@ use realgap_tree::{
 
 const RADIUS_M: f64 = 0.03;
 const TYRE: Tyre = Tyre {
-    slip_stiffness: 5.0,
+    slip_stiffness_1_rad: 5.0,
     shape: 1.4,
 };
 
@@ -107,7 +107,7 @@ fn the_slip_curve_of_a_wheel_is_the_magic_formula() {
 }
 
 #[test]
-fn lower_friction_lowers_the_limit_and_keeps_the_slip_stiffness() {
+fn lower_friction_lowers_the_limit_and_keeps_the_slip_stiffness_1_rad() {
     let small = 0.004;
     assert!((measured(small, 0.2) / measured(small, 0.9) - 1.0).abs() < 0.03);
     assert!(measured(1.0, 0.2) < 0.25 * measured(1.0, 0.9));
@@ -121,7 +121,7 @@ fn a_wheel_without_friction_neither_drives_nor_steers() {
 #[test]
 fn a_law_that_rises_to_coulombs_limit_slides_as_any_other_body() {
     let monotone = Tyre {
-        slip_stiffness: 1e4,
+        slip_stiffness_1_rad: 1e4,
         shape: 1.0,
     };
     let stop = |tyre: Option<Tyre>| {
@@ -169,9 +169,9 @@ fn a_tyre_without_a_law_is_refused() {
             Ok(_) => panic!("accepted"),
         }
     };
-    for (slip_stiffness, shape) in [(0.0, 1.4), (f64::NAN, 1.4), (5.0, 0.9), (5.0, 2.0)] {
+    for (slip_stiffness_1_rad, shape) in [(0.0, 1.4), (f64::NAN, 1.4), (5.0, 0.9), (5.0, 2.0)] {
         let message = refused(Tyre {
-            slip_stiffness,
+            slip_stiffness_1_rad,
             shape,
         });
         assert!(message.contains("tyre"), "{message}");

@@ -54,7 +54,7 @@ fn is_free(servo: &Servo) -> bool {
             damping_nm_s_rad,
         } => stiffness_nm_rad.max(damping_nm_s_rad),
         ServoLaw::Motor(motor) => motor.damping_nm_s_rad(),
-        ServoLaw::Direct => 0.0,
+        ServoLaw::Direct | ServoLaw::Throttle => 0.0,
     };
     servo.max_torque_nm == 0.0 || answer == 0.0
 }

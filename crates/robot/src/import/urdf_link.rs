@@ -259,6 +259,7 @@ impl Reader<'_> {
                 let posed = forms.map(|(form, middle_m)| Piece {
                     form,
                     pose: Pose::of(&(pose * Translation3::from(middle_m))),
+                    tyre: None,
                 });
                 return Ok(posed.collect());
             }
@@ -279,6 +280,7 @@ impl Reader<'_> {
         Ok(vec![Piece {
             form,
             pose: Pose::of(&pose),
+            tyre: None,
         }])
     }
 
@@ -355,5 +357,6 @@ fn box_of_equal_inertia(body: &Body) -> Option<Piece> {
             sides_m: triple(&sides_m),
         },
         pose: Pose::of(&pose),
+        tyre: None,
     })
 }

@@ -172,6 +172,7 @@ fn boxes(index: usize, module: &Module, placement: &Placement) -> impl Iterator<
             inertia_kg_m2,
             gravity_compensation: 0.0,
             collides: true,
+            tyre: None,
         },
     )
 }
@@ -197,5 +198,6 @@ fn plate_solid(
         inertia_kg_m2: nalgebra::Matrix3::from_diagonal(&(moments * (mass_kg / 3.0))),
         gravity_compensation: 0.0,
         collides,
+        tyre: None,
     }
 }

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::absent::{is_unlimited, is_zero, limit, unlimited};
 use super::command_scale::CommandScale;
 use super::law::ServoLaw;
+use super::tyre::Tyre;
 use realgap_solid::Shape;
 
 /// The role of a solid in its module or body.
@@ -44,6 +45,8 @@ pub struct Solid {
     pub gravity_compensation: f64,
     /// False if the solid has mass but takes part in no contacts (a plate with a module attached to it).
     pub collides: bool,
+    /// The law of its friction, if it is a tyre.
+    pub tyre: Option<Tyre>,
 }
 
 impl Solid {
@@ -399,6 +402,12 @@ impl Assembly {
     /// Whether any hinge has a compliant bearing.
     pub fn is_compliant(&self) -> bool {
         self.hinges.iter().any(|hinge| hinge.bearing.is_compliant())
+    }
+
+    /// Whether any shape is a tyre.
+    pub fn has_tyres(&self) -> bool {
+        let mut solids = self.parts.iter().flat_map(|part| &part.solids);
+        solids.any(|solid| solid.tyre.is_some())
     }
 
     /// Whether the robot's file excludes contacts between two modules.

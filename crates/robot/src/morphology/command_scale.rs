@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::flaw::{Checked, Flaw, Range};
 use realgap_core::Error;
 
-/// How a recorded command becomes the command of a joint: `factor · command + offset`, with the command clamped to `range` first.
+/// How a recorded command becomes the command of a joint: the command is clamped to `range`, loses its dead zone, is bent,
+/// multiplied and shifted, and lags behind.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default, rename = "command")]
@@ -19,6 +20,15 @@ pub struct CommandScale {
     /// Smallest and largest command that the actuator takes, in the unit of the recording.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range: Option<(f64, f64)>,
+    /// Commands of this size or less have no effect, and larger ones that much less, in the unit of the recording.
+    #[serde(skip_serializing_if = "super::absent::is_zero")]
+    pub dead_zone: f64,
+    /// How strongly large commands are compressed, one over the unit of the recording: c becomes tanh(b c) / b; 0 for none.
+    #[serde(skip_serializing_if = "super::absent::is_zero")]
+    pub bend: f64,
+    /// Time constant of the lag with which the actuator follows (first order), seconds.
+    #[serde(skip_serializing_if = "super::absent::is_zero")]
+    pub lag_s: f64,
 }
 
 // serde passes fields by reference.
@@ -33,26 +43,42 @@ impl Default for CommandScale {
             factor: 1.0,
             offset: 0.0,
             range: None,
+            dead_zone: 0.0,
+            bend: 0.0,
+            lag_s: 0.0,
         }
     }
 }
 
 impl CommandScale {
+    /// Largest lag, seconds.
+    pub const LONGEST_LAG_S: f64 = 10.0;
+
     /// Whether commands stay as they are.
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }
 
-    /// The command of the joint.
+    /// The command of the joint, before the lag.
     pub fn apply(&self, command: f64) -> f64 {
         let (low, high) = self.range.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
-        self.factor * command.clamp(low, high) + self.offset
+        let command = command.clamp(low, high);
+        let beyond = (command.abs() - self.dead_zone).max(0.0).copysign(command);
+        let bent = match self.bend > 0.0 {
+            true => (self.bend * beyond).tanh() / self.bend,
+            false => beyond,
+        };
+        self.factor * bent + self.offset
     }
 
     /// Checks the range of every value; `at` is the path in the file.
     pub(super) fn check(&self, at: &str) -> Checked<()> {
         Range::within(-1e9, 1e9, "").check(self.factor, &format!("{at}.factor"))?;
         Range::within(-1e9, 1e9, "").check(self.offset, &format!("{at}.offset"))?;
+        Range::within(0.0, 1e9, "").check(self.dead_zone, &format!("{at}.dead_zone"))?;
+        Range::within(0.0, 1e9, "").check(self.bend, &format!("{at}.bend"))?;
+        let longest_s = Self::LONGEST_LAG_S;
+        Range::within(0.0, longest_s, "s").check(self.lag_s, &format!("{at}.lag_s"))?;
         if self.factor == 0.0 {
             let error = Error::invalid("with a factor of 0, commands have no effect").found(0);
             return Err(Flaw::new(format!("{at}.factor"), error));
@@ -79,6 +105,7 @@ mod tests {
             factor: -2.0,
             offset: 0.5,
             range: Some((-1.0, 3.0)),
+            ..CommandScale::default()
         };
         assert_eq!([-9.0, 0.25, 9.0].map(|c| scale.apply(c)), [2.5, 0.0, -5.5]);
         assert!(scale.check("c").is_ok());
@@ -98,5 +125,25 @@ mod tests {
         ] {
             assert!(wrong.check("c").is_err(), "{wrong:?}");
         }
+    }
+
+    #[test]
+    fn a_command_within_the_dead_zone_has_no_effect_and_a_large_one_is_bent() {
+        let throttle = CommandScale {
+            factor: 2.0,
+            dead_zone: 0.25,
+            ..CommandScale::default()
+        };
+        assert_eq!(
+            [-0.75, -0.25, 0.0, 0.2, 0.5].map(|c| throttle.apply(c)),
+            [-1.0, 0.0, 0.0, 0.0, 0.5]
+        );
+        let steering = CommandScale {
+            factor: 0.5,
+            bend: 2.0,
+            ..CommandScale::default()
+        };
+        assert!((steering.apply(1e-3) - 0.5e-3).abs() < 1e-8);
+        assert!((steering.apply(-1.0) + 0.25 * 2.0_f64.tanh()).abs() < 1e-15);
     }
 }

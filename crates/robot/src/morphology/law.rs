@@ -26,6 +26,9 @@ pub enum ServoLaw {
     Motor(Motor),
     /// The command is the torque itself, N m.
     Direct,
+    /// The command is a share of the full drive, from -1 to 1, of a motor that rolls freely at 0: the torque is the torque limit
+    /// times the share at standstill, and falls in proportion to the speed to none at the largest speed.
+    Throttle,
 }
 
 impl ServoLaw {
@@ -38,8 +41,8 @@ impl ServoLaw {
                 stiffness_nm_rad, ..
             } => *stiffness_nm_rad *= factor,
             Self::Motor(motor) => motor.position_gain *= factor,
-            // The direct law has no gain: the command is the torque itself.
-            Self::Direct => {}
+            // These laws have no gain: the command is the torque itself, or its share.
+            Self::Direct | Self::Throttle => {}
         }
     }
 
@@ -47,7 +50,7 @@ impl ServoLaw {
     pub fn motor(&self) -> Option<&Motor> {
         match self {
             Self::Motor(motor) => Some(motor),
-            Self::Velocity { .. } | Self::Torque { .. } | Self::Direct => None,
+            Self::Velocity { .. } | Self::Torque { .. } | Self::Direct | Self::Throttle => None,
         }
     }
 
@@ -55,7 +58,7 @@ impl ServoLaw {
     pub fn motor_mut(&mut self) -> Option<&mut Motor> {
         match self {
             Self::Motor(motor) => Some(motor),
-            Self::Velocity { .. } | Self::Torque { .. } | Self::Direct => None,
+            Self::Velocity { .. } | Self::Torque { .. } | Self::Direct | Self::Throttle => None,
         }
     }
 }
@@ -109,6 +112,8 @@ enum LawFile {
     },
     /// The command is the torque itself, N m.
     Direct,
+    /// The command is a share of the torque, from -1 to 1, that falls to none at the largest speed; at 0 the joint turns freely.
+    Throttle,
 }
 
 impl From<LawFile> for ServoLaw {
@@ -144,6 +149,7 @@ impl From<LawFile> for ServoLaw {
                 friction,
             }),
             LawFile::Direct => Self::Direct,
+            LawFile::Throttle => Self::Throttle,
         }
     }
 }
@@ -171,6 +177,7 @@ impl From<ServoLaw> for LawFile {
                 friction: motor.friction,
             },
             ServoLaw::Direct => Self::Direct,
+            ServoLaw::Throttle => Self::Throttle,
         }
     }
 }

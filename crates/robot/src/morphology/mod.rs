@@ -131,6 +131,7 @@ mod plausibility;
 mod summary;
 mod sweep;
 mod tree;
+mod tyre;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -153,6 +154,7 @@ pub use motor::{GearFriction, MOST_LOAD, Motor};
 pub use pivot::Pivot;
 pub use realgap_solid::{Facet, Shape, Surface};
 pub use summary::Summary;
+pub use tyre::Tyre;
 
 use crate::import::{Note, Options, import, is_foreign};
 use body::Structure;

@@ -316,7 +316,15 @@ fn check_servo(servo: &Servo, at: &str) -> Checked<()> {
                 .check(damping_nm_s_rad, &format!("{at}.law.damping_nm_s_rad"))?;
         }
         ServoLaw::Motor(motor) => check_motor(&motor, &format!("{at}.law"))?,
-        ServoLaw::Direct => {}
+        ServoLaw::Throttle if max_speed_rad_s == f64::INFINITY => {
+            return Err(Flaw::new(
+                format!("{at}.max_speed_rad_s"),
+                Error::invalid("the law Throttle needs the speed at which its torque vanishes")
+                    .found("none")
+                    .hint("add `max_speed_rad_s` beside `max_torque_nm`, the torque at standstill"),
+            ));
+        }
+        ServoLaw::Direct | ServoLaw::Throttle => {}
     }
     Range::above(0.0, 1e4, "N m").check(max_torque_nm, &format!("{at}.max_torque_nm"))?;
     // Infinity is the documented value for "no limit"; in files the field is left out.

@@ -133,6 +133,9 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
             "the place where the compensation of weight acts: it acts at the centre of mass of each part",
         ));
     }
+    warnings.extend(robot.of_wheels(
+        "that a throttle's torque falls with the speed backwards, too: it is that of forward driving",
+    ));
     if robot.mount.is_some() {
         warnings.push(Code::SpringNotExported.warning(
             "that the stand carries the robot's moment about it from the start (in MuJoCo the robot tilts until the ball joint's spring carries it; the weight is in `springref`)",
@@ -209,6 +212,7 @@ fn custom(robot: &Robot<'_>) -> Element {
                 ],
             ),
             ServoLaw::Direct => ("direct", [0.0, 0.0, max_torque_nm]),
+            ServoLaw::Throttle => ("throttle", [0.0, max_speed_rad_s, max_torque_nm]),
         };
         custom.push(text(&format!("law_{name}"), law));
         custom.push(numeric(format!("servo_{name}"), numbers(data)));
@@ -493,5 +497,14 @@ fn motor(name: &str, Actuator { servo, command, .. }: &Actuator) -> Element {
         ServoLaw::Direct => motor
             .with("gainprm", numbers([command.factor]))
             .with("biasprm", numbers([command.offset, 0.0, 0.0])),
+        // A gain that falls with the speed is that of forward driving.
+        ServoLaw::Throttle => {
+            let stall_nm = servo.max_torque_nm * command.factor;
+            let per_speed = -stall_nm / servo.max_speed_rad_s;
+            motor
+                .with("gaintype", "affine")
+                .with("gainprm", numbers([stall_nm, 0.0, per_speed]))
+                .with("biastype", "none")
+        }
     }
 }

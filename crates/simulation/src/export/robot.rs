@@ -3,8 +3,10 @@
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use crate::{Experiment, Floor, Mount};
-use realgap_core::warning::Warning;
-use realgap_robot::morphology::{Actuator, Assembly, Hinge, Morphology, Part, Role, Shape, Solid};
+use realgap_core::warning::{Code, Warning};
+use realgap_robot::morphology::{
+    Actuator, Assembly, Hinge, Morphology, Part, Role, ServoLaw, Shape, Solid,
+};
 
 /// A robot to be exported, with floor and gravity.
 #[derive(Debug, Clone)]
@@ -69,6 +71,27 @@ impl<'a> Robot<'a> {
     pub(super) fn driven_hinges(&self) -> impl Iterator<Item = (&Hinge, &Actuator)> {
         let hinges = self.assembly.hinges.iter();
         hinges.filter_map(|hinge| Some((hinge, hinge.actuator.as_ref()?)))
+    }
+
+    /// Warnings about tyres, and about commands that no format can state.
+    pub(super) fn of_wheels(&self, throttles: &str) -> Vec<Warning> {
+        let mut warnings = Vec::new();
+        if self.assembly.has_tyres() {
+            warnings.push(Code::TyreNotExported.warning(
+                "the slip of tyres (they have Coulomb's friction, which holds up to its limit)",
+            ));
+        }
+        let mut driven = self.driven_hinges().map(|(_, actuator)| actuator);
+        if driven.any(|actuator| actuator.servo.law == ServoLaw::Throttle) {
+            warnings.push(Code::TyreNotExported.warning(throttles));
+        }
+        let mut driven = self.driven_hinges().map(|(_, actuator)| actuator.command);
+        if driven.any(|command| command.dead_zone + command.bend + command.lag_s > 0.0) {
+            warnings.push(Code::TyreNotExported.warning(
+                "dead zone, bend and lag of recorded commands (command.*): apply them before you set a command",
+            ));
+        }
+        warnings
     }
 
     /// The solids that are hulls, each with its corners.

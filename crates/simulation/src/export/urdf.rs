@@ -86,6 +86,7 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
                 .warning("springs, armatures and compliance of joints, and marks"),
         );
     }
+    warnings.extend(robot.of_wheels("that a throttle's torque falls with the speed"));
     if robot.mount.is_some() {
         warnings.push(
             Code::SpringNotExported

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::foreign::FOREIGN;
-use super::member::{OF_JOINTS, matches};
+use super::member::{OF_JOINTS, OF_WHEELS, matches};
 use super::motor::is_of_motor;
 use super::{Parameter, by_name};
 use crate::{Experiment, SceneMotion};
@@ -147,7 +147,9 @@ impl ParameterSet {
                 FOREIGN if experiment.simulator.is_built_in() => {
                     Some("the study names no simulator of its own".to_owned())
                 }
-                "servo" | "gait" if !has_servos => Some("the robot has no servos".to_owned()),
+                "servo" | "gait" | "command" if !has_servos => {
+                    Some("the robot has no servos".to_owned())
+                }
                 "servo"
                     if !has_motors
                         && is_of_motor(a.parameter)
@@ -171,6 +173,10 @@ impl ParameterSet {
                 {
                     Some("contacts are off".to_owned())
                 }
+                OF_WHEELS if !a.parameter.has_effect_on(experiment) => {
+                    Some("no shape of these bodies is a tyre".to_owned())
+                }
+                OF_WHEELS if !experiment.contact.is_on => Some("contacts are off".to_owned()),
                 "mount" if robot.world_from_mount.is_none() => {
                     Some("the robot moves freely".to_owned())
                 }

@@ -1,5 +1,5 @@
 //! Parameters of single modules and joints: `module.NAME.quantity`, and every parameter of servos, hinges and joints as
-//! `servo.NAME.quantity`, where `*` in the name stands for any letters.
+//! `servo.NAME.quantity`, and those of tyres as `tyre.NAME.quantity`, where `*` in the name stands for any letters.
 
 use crate::{Experiment, HingeAdjustment};
 use realgap_robot::morphology::Hinge;
@@ -7,7 +7,9 @@ use realgap_robot::morphology::Hinge;
 /// Placeholder for the name of a module or joint in lists.
 pub(super) const ANY: &str = "NAME";
 /// Groups whose parameters may name a joint.
-pub(super) const OF_JOINTS: [&str; 3] = ["servo", "hinge", "joint"];
+pub(super) const OF_JOINTS: [&str; 4] = ["servo", "hinge", "joint", "command"];
+/// The group whose parameters may name bodies that have tyres.
+pub(super) const OF_WHEELS: &str = "tyre";
 
 /// Whether a name matches this pattern; an empty pattern matches every name.
 pub(super) fn matches(form: &str, name: &str) -> bool {

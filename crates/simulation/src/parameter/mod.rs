@@ -5,6 +5,7 @@
 
 mod assignment;
 mod body;
+mod command;
 mod contact;
 mod floor;
 mod foreign;
@@ -19,6 +20,7 @@ mod recording;
 mod sensor;
 mod servo;
 mod solver;
+mod tyre;
 mod vehicle;
 
 pub use assignment::{Assignment, ParameterSet};
@@ -30,7 +32,7 @@ use std::collections::BTreeMap;
 use std::sync::{LazyLock, Mutex};
 
 use crate::Experiment;
-use member::OF_JOINTS;
+use member::{OF_JOINTS, OF_WHEELS};
 use realgap_core::error::{Advice, Result};
 use realgap_core::file::unknown_name;
 use realgap_core::quantity::Quantity;
@@ -149,6 +151,8 @@ pub static PARAMETERS: &[&[Parameter]] = &[
     servo::PARAMETERS,
     motor::PARAMETERS,
     mount::PARAMETERS,
+    tyre::PARAMETERS,
+    command::PARAMETERS,
     gait::PARAMETERS,
     hinge::PARAMETERS,
     joint::PARAMETERS,
@@ -211,6 +215,7 @@ fn of_joints() -> impl Iterator<Item = &'static Parameter> {
         motor::PARAMETERS,
         hinge::PARAMETERS,
         joint::PARAMETERS,
+        command::PARAMETERS,
     ];
     let all = groups.into_iter().flatten();
     all.filter(|parameter| OF_JOINTS.contains(&parameter.group()))
@@ -242,14 +247,15 @@ fn of_robot(robot: &str, all: &'static Parameter) -> &'static Parameter {
 fn member(name: &str) -> Option<&'static Parameter> {
     let (group, rest) = name.split_once('.')?;
     let (subject, quantity) = rest.rsplit_once('.')?;
-    let is_of_joint = OF_JOINTS.contains(&group);
+    let has_pattern = OF_JOINTS.contains(&group) || group == OF_WHEELS;
     let is_name =
-        |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-' || (c == '*' && is_of_joint);
+        |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-' || (c == '*' && has_pattern);
     if subject.is_empty() || subject.len() > LONGEST || !subject.chars().all(is_name) {
         return None;
     }
     let family = match group {
         "module" => module::FAMILY.iter().find(|p| p.quantity() == quantity)?,
+        OF_WHEELS => tyre::PARAMETERS.iter().find(|p| p.quantity() == quantity)?,
         _ => of_joints().find(|p| p.group() == group && p.quantity() == quantity)?,
     };
     Some(interned(name.to_owned(), subject, family))

@@ -109,8 +109,11 @@ impl Engine for Rapier {
     }
 
     fn refusal(&self, experiment: &Experiment) -> Option<String> {
-        let is_sprung = experiment.mount.is_some();
-        is_sprung.then(|| "it holds robots rigidly only (mount.stiffness_n_m)".to_owned())
+        if experiment.mount.is_some() {
+            return Some("it holds robots rigidly only (mount.stiffness_n_m)".to_owned());
+        }
+        let has_tyres = experiment.assembly.has_tyres() && experiment.contact.is_on;
+        has_tyres.then(|| "it has no tyres, whose friction grows with the slip".to_owned())
     }
 
     fn build(&self, setup: &Setup<'_>) -> Result<Box<dyn World>> {

@@ -22,12 +22,13 @@ pub(super) fn check_commands(
     let is_followed = match servo.law {
         ServoLaw::Motor(_) => quantity != Quantity::Velocity,
         ServoLaw::Direct => !matches!(quantity, Quantity::Position | Quantity::Velocity),
+        ServoLaw::Throttle => quantity == Quantity::Duty,
         ServoLaw::Velocity { .. } | ServoLaw::Torque { .. } => true,
     };
     if !is_followed {
         return Err(Error::invalid("a servo cannot do what is commanded")
             .found(format!("{quantity:?} for the servo of `{hinge}`"))
-            .allowed("Motor: Position, Torque, Current, Duty; Direct: Torque, Current, Duty; Velocity and Torque: all five")
+            .allowed("Motor: Position, Torque, Current, Duty; Direct: Torque, Current, Duty; Throttle: Duty; Velocity and Torque: all five")
             .hint("give the joint a servo with another law in the robot's file"));
     }
     let is_motor = servo.law.motor().is_some();

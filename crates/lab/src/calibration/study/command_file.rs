@@ -9,7 +9,7 @@ use crate::calibration::study::command_check::check_commands;
 use realgap_core::file::unknown_name;
 use realgap_core::{Error, Result};
 use realgap_path::trajectory::{COMMAND, Recording, Trajectory};
-use realgap_robot::morphology::Hinge;
+use realgap_robot::morphology::{Actuator, Hinge};
 use realgap_simulation::{Between, CommandTrack, Experiment, Quantity};
 
 /// What the recordings of a study say of its servos: `Commands()` where columns are called after the joints, `NAME_command_rad`
@@ -52,8 +52,12 @@ pub enum BetweenCommands {
 pub struct CommandColumn {
     /// Name of the hinge.
     pub hinge: String,
-    /// Name of the column, without `_rad` where it holds angles.
+    /// Name of the column, without `_rad` where it holds angles. A column whose name states no unit holds commands of the
+    /// actuator's own kind (angles, torques, or shares of a throttle), which `command` of the actuator states in the robot's file.
     pub column: String,
+    /// Name of a column that switches the servo: it is on where the value is not 0. Without it, that is NAME_on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub on: Option<String>,
 }
 
 /// Endings of a command column after the name of the joint, and the quantity that is commanded.
@@ -84,7 +88,7 @@ impl RecordedCommand {
             let mut endings = ENDINGS.iter();
             endings.find_map(|(ending, quantity)| {
                 let column = format!("{}{ending}", hinge.name);
-                recorded(motion, &column).map(|_| Self {
+                with_unit(motion, &column).map(|_| Self {
                     hinge: hinge.name.clone(),
                     column,
                     quantity: *quantity,
@@ -98,15 +102,29 @@ impl RecordedCommand {
 /// Ending of a switch column after the name of the joint.
 pub(in crate::calibration) const ON: &str = "_on";
 
-/// The recorded numbers and the quantity of a column of commands.
-fn recorded<'a>(motion: &'a Trajectory, column: &str) -> Option<(&'a [f64], Quantity)> {
+/// The recorded numbers and the quantity of a column of commands whose name states the unit.
+fn with_unit<'a>(motion: &'a Trajectory, column: &str) -> Option<(&'a [f64], Quantity)> {
     if let Some(joint) = motion.joint(column) {
         return Some((&joint.angles_rad, Quantity::Position));
     }
-    // A column whose name states no unit is no command.
     let (_, quantity) = ENDINGS[1..].iter().find(|(e, _)| column.ends_with(e))?;
     let signal = motion.signal(column)?;
     Some((&signal.values, *quantity))
+}
+
+/// The recorded numbers and the quantity of a column of commands. What a column without a unit commands, only the robot's file can
+/// say.
+fn recorded<'a>(
+    motion: &'a Trajectory,
+    column: &str,
+    actuator: &Actuator,
+) -> Option<(&'a [f64], Quantity)> {
+    let stated = !actuator.command.is_none();
+    let own = || {
+        let signal = motion.signal(column).filter(|_| stated)?;
+        Some((&*signal.values, Quantity::of(&actuator.servo.law)))
+    };
+    with_unit(motion, column).or_else(own)
 }
 
 /// Recordings in which all servos are switched off from some time on.
@@ -133,7 +151,11 @@ impl Commands {
         let commands = RecordedCommand::all_of(hinges, motion).into_iter();
         let commands = commands.filter(|command| is_servo(&command.hinge));
         commands
-            .map(|RecordedCommand { hinge, column, .. }| CommandColumn { hinge, column })
+            .map(|RecordedCommand { hinge, column, .. }| CommandColumn {
+                hinge,
+                column,
+                on: None,
+            })
             .collect()
     }
 
@@ -151,21 +173,25 @@ impl Commands {
         let mut off = self.off.iter();
         let off = off.find(|off| name_matches(&off.recordings, &recording.name));
         let columns = self.columns_of(&experiment.assembly.hinges, motion);
-        for CommandColumn { hinge, column } in &columns {
+        for CommandColumn { hinge, column, on } in &columns {
             let hinges = experiment.assembly.hinges.iter();
             let servos = hinges.filter_map(|known| Some((known, known.actuator?)));
             let Some((_, actuator)) = servos.clone().find(|(known, _)| known.name == *hinge) else {
                 let names = servos.map(|(known, _)| known.name.as_str());
                 return Err(unknown_name("hinge with a servo", hinge, names).field("commands"));
             };
-            let Some((values, quantity)) = recorded(motion, column) else {
+            let Some((values, quantity)) = recorded(motion, column, &actuator) else {
                 let joints = motion.joints().iter().map(|joint| joint.name.as_str());
                 let signals = motion.signals().iter().map(|signal| signal.name.as_str());
                 return Err(unknown_name("recorded command", column, joints.chain(signals))
                     .at_file(&recording.path)
-                    .or_hint("a command stands in a column NAME_rad, NAME_command_rad_s, NAME_command_nm, NAME_command_a or NAME_command_duty"));
+                    .or_hint("a command stands in a column NAME_rad, NAME_command_rad_s, NAME_command_nm, NAME_command_a or NAME_command_duty; for a column without a unit the robot's file states `command: (factor: ...)` of the actuator"));
             };
-            check_commands(&actuator.servo, quantity, (hinge, values))
+            let passed: Vec<f64> = match quantity == Quantity::of(&actuator.servo.law) {
+                true => values.iter().map(|v| actuator.command.apply(*v)).collect(),
+                false => values.to_vec(),
+            };
+            check_commands(&actuator.servo, quantity, (hinge, &passed))
                 .map_err(|e| e.at_file(&recording.path).field(column))?;
             let mut track = CommandTrack::new(
                 motion.times_s().iter().map(|t| t - start_s).collect(),
@@ -178,8 +204,16 @@ impl Commands {
                 BetweenCommands::Held => Between::Held,
                 BetweenCommands::Interpolated => Between::Interpolated,
             });
-            if let Some(on) = motion.signal(&format!("{hinge}{ON}")) {
-                track = track.switched(&on.values);
+            let switch = on.clone().unwrap_or_else(|| format!("{hinge}{ON}"));
+            match motion.signal(&switch) {
+                Some(signal) => track = track.switched(&signal.values),
+                None if on.is_none() => {}
+                None => {
+                    let signals = motion.signals().iter().map(|signal| signal.name.as_str());
+                    return Err(unknown_name("recorded column", &switch, signals)
+                        .at_file(&recording.path)
+                        .field("commands.columns.on"));
+                }
             }
             experiment.commands.insert(hinge.clone(), Arc::new(track));
         }

@@ -3,8 +3,9 @@
 
 use serde::Deserialize;
 
+use nalgebra::{DMatrix, DVector, Vector3};
 use realgap_core::{Error, Result};
-use realgap_path::trajectory::{JointTrack, Recording, cut_out};
+use realgap_path::trajectory::{JointTrack, Recording, Trajectory, cut_out};
 
 /// Windows of one length that begin at equal intervals.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -22,7 +23,8 @@ impl Horizon {
 
     /// The windows of a recording, as recordings of their own that are named after the time at which they begin: half an interval
     /// after the recording begins, and every interval from then on. Joints start at measured angles, with the mean of seven
-    /// measured speeds, or else with the slope of a line through seven angles.
+    /// measured speeds, or else with the slope of a line through seven angles. A path without velocities starts with the slope of a
+    /// parabola through the samples of the last tenth of a second before the window, so that nothing of the window itself is used.
     ///
     /// # Errors
     /// Times that are not positive numbers, or a recording that is too short for one window.
@@ -54,9 +56,10 @@ impl Horizon {
             let joints = joints.into_iter().zip(motion.joints());
             let joints =
                 joints.map(|(part, whole)| with_start_speed(part, whole, motion.times_s(), first));
+            let part = part.clone().with_joints(joints.collect())?;
             Ok(Recording {
                 name: format!("{}@{from_s}s", recording.name),
-                trajectory: part.clone().with_joints(joints.collect())?,
+                trajectory: with_past_velocity(part, motion, first)?,
                 bodies: Vec::new(),
                 ..recording.clone()
             })
@@ -67,6 +70,67 @@ impl Horizon {
     /// The name of the recording from which a window with this name was cut.
     pub(in crate::calibration) fn log_of(window: &str) -> &str {
         window.rsplit_once('@').map_or(window, |(log, _)| log)
+    }
+}
+
+/// The velocity at the start of a window is that of this time before it, seconds.
+const PAST_S: f64 = 0.1;
+
+/// The path of a window with the velocity at its start, from the samples up to its first one; unchanged where velocities were recorded,
+/// or where there are no orientations.
+fn with_past_velocity(part: Trajectory, whole: &Trajectory, first: usize) -> Result<Trajectory> {
+    let (Some(turns), None) = (
+        whole.orientations_world_from_body(),
+        whole.velocities_world_m_s(),
+    ) else {
+        return Ok(part);
+    };
+    let now_s = whole.times_s()[first];
+    let from = whole
+        .times_s()
+        .partition_point(|t| *t < now_s - PAST_S - 1e-6);
+    // Two samples make a line.
+    let past = from.min(first.saturating_sub(1))..first + 1;
+    let times_s: Vec<f64> = whole.times_s()[past.clone()]
+        .iter()
+        .map(|t| t - now_s)
+        .collect();
+    let turned = |k: usize| (turns[first].inverse() * turns[k]).scaled_axis();
+    let linear = slope_at_end(&times_s, past.clone().map(|k| whole.positions_world_m()[k]));
+    let angular = slope_at_end(&times_s, past.map(turned));
+    let (mut linear_m_s, mut angular_rad_s) = (vec![linear], vec![angular]);
+    let turns = part.orientations_world_from_body().unwrap_or_default();
+    let steps = part
+        .times_s()
+        .windows(2)
+        .zip(part.positions_world_m().windows(2));
+    for ((times_s, places_m), turns) in steps.zip(turns.windows(2)) {
+        let step_s = times_s[1] - times_s[0];
+        linear_m_s.push((places_m[1] - places_m[0]) / step_s);
+        angular_rad_s.push((turns[0].inverse() * turns[1]).scaled_axis() / step_s);
+    }
+    part.clone().with_velocities(linear_m_s, angular_rad_s)
+}
+
+/// The slope at time 0 of the least-squares parabola through vectors over time, of a line through two of them.
+fn slope_at_end(times_s: &[f64], vectors: impl Iterator<Item = Vector3<f64>>) -> Vector3<f64> {
+    let terms = times_s.len().min(3);
+    let rows = times_s.iter().map(|t| {
+        let t = t / PAST_S;
+        [1.0, t, t * t]
+    });
+    let (mut square, mut product) = (DMatrix::zeros(terms, terms), DMatrix::zeros(terms, 3));
+    for (row, vector) in rows.zip(vectors) {
+        let row = DVector::from_column_slice(&row[..terms]);
+        square += &row * row.transpose();
+        product += &row * vector.transpose();
+    }
+    match square.cholesky() {
+        Some(factors) => {
+            let fitted = factors.solve(&product);
+            fitted.row(1).transpose().fixed_rows::<3>(0) / PAST_S
+        }
+        None => Vector3::zeros(),
     }
 }
 

@@ -243,7 +243,10 @@ impl Robot<'_> {
                 let what = format!("{} of {} s", actuator.dynamics, actuator.time_s);
                 lagging.entry(what).or_default().push(joint.clone());
             }
-            let effect = self.effect(&actuator, &joint, place, notes);
+            let mut effect = self.effect(&actuator, &joint, place, notes);
+            if actuator.dynamics != "none" {
+                effect.command.lag_s = actuator.time_s.clamp(0.0, CommandScale::LONGEST_LAG_S);
+            }
             motors += usize::from(effect.law == ServoLaw::Direct);
             unlimited += usize::from(effect.force.is_none());
             let max_torque_nm = match effect.force {
@@ -310,13 +313,13 @@ impl Robot<'_> {
             );
         }
         for (what, joints) in lagging {
-            notes.left_out(
+            notes.changed(
                 None,
                 format!(
-                    "the activation ({what}) of the actuators of {}: the command acts at once",
+                    "the activation ({what}) of the actuators of {} is a lag of recorded commands, which begins at the first command; MuJoCo's begins at 0",
                     joints.join(", ")
                 ),
-                "state a delay of the servo instead",
+                "no action is needed for recordings that begin at rest",
             );
         }
         Ok(())
@@ -374,6 +377,7 @@ impl Robot<'_> {
             factor,
             offset,
             range: range.map(|[low, high]| (low, high)),
+            ..CommandScale::default()
         };
         if stiffness > 0.0 {
             if stiffness > STIFFEST || damping > STIFFEST {
@@ -413,6 +417,7 @@ impl Robot<'_> {
                 factor,
                 offset,
                 range: range.map(|[low, high]| (low, high)),
+                ..CommandScale::default()
             },
             force,
         }

@@ -299,6 +299,7 @@ impl Robot<'_> {
             body.shapes.extend(posed.map(|(form, pose)| Piece {
                 form,
                 pose: Pose::of(&pose),
+                tyre: None,
             }));
         }
         body

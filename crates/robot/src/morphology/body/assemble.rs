@@ -108,6 +108,7 @@ impl AssemblyBuilder<'_> {
             inertia_kg_m2,
             gravity_compensation: body.gravity_compensation,
             collides: false,
+            tyre: None,
         });
         for (number, piece) in body.shapes.iter().enumerate() {
             let (shape, own) = piece.form.shape();
@@ -122,6 +123,7 @@ impl AssemblyBuilder<'_> {
                 inertia_kg_m2: Matrix3::zeros(),
                 gravity_compensation: 0.0,
                 collides: true,
+                tyre: piece.tyre,
             });
         }
         Ok(())
@@ -221,9 +223,9 @@ impl AssemblyBuilder<'_> {
                 ));
             }
             let limits = self.hinges[hinge].bearing.limits_rad;
-            // The command of a direct law is a torque, which no limit of the joint's coordinate shifts.
+            // The command of a direct law or a throttle is a torque or its share, which no limit of the joint's coordinate shifts.
             let rest_rad = match driver.servo.law {
-                ServoLaw::Direct => 0.0,
+                ServoLaw::Direct | ServoLaw::Throttle => 0.0,
                 _ => limits.map_or(0.0, |(low, high)| 0.0_f64.clamp(low, high)),
             };
             let actuator = Actuator {

@@ -88,6 +88,9 @@ pub(super) fn check_body(body: &Body, at: &str) -> Checked<()> {
         let at = format!("{at}.shapes[{index}]");
         check_pose(&piece.pose, &format!("{at}.pose"))?;
         check_form(&piece.form, &format!("{at}.form"))?;
+        if let Some(tyre) = &piece.tyre {
+            tyre.check(&format!("{at}.tyre"))?;
+        }
     }
     Ok(())
 }

@@ -43,6 +43,7 @@ use super::absent::is_zero;
 use super::assembly::{Assembly, Gait, Servo, Solid};
 use super::command_scale::CommandScale;
 use super::module::Module;
+use super::tyre::Tyre;
 use realgap_core::file::Source;
 
 pub(crate) use assemble::MAX_BODIES;
@@ -146,6 +147,9 @@ pub struct Piece {
     /// Pose in the body's frame.
     #[serde(default, skip_serializing_if = "Pose::is_none")]
     pub pose: Pose,
+    /// The shape is a tyre, whose friction against what does not move grows with the slip.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tyre: Option<Tyre>,
 }
 
 /// Geometric forms, centred at the origin of their own frame.
