@@ -12,7 +12,7 @@
 //! - `collision`, `touch`: collision detection by Parry, and contacts of box corners with half-spaces;
 //! - `contact`, `joint`: rows of contacts (soft normal, restitution, exact cone of friction) and of joints (servo, limit, dry
 //!   friction);
-//! - `mount`: a root on a spring;
+//! - `mount`: a root on a spring; a mounted root may also be led ([`World::lead_root`]);
 //! - `sweep`: projected Gauss–Seidel over all rows, walking around each tree.
 //!
 //! The same model and the same commands give bit-identical results. After the first steps no memory is allocated except by Parry.

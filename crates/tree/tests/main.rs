@@ -10,5 +10,6 @@ mod cone;
 mod contact;
 mod flight;
 mod joint;
+mod led;
 mod mount;
 mod pair;

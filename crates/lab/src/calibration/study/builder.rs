@@ -165,7 +165,7 @@ impl StudyBuilder {
             Some(_) => None,
             None => Some(&definition.morphology),
         };
-        definition.warnings = warnings_for(robot, &definition.recordings);
+        definition.warnings = warnings_for(robot, &definition.recordings, definition.base);
         Study::new(definition)
     }
 }

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use crate::calibration::recording::{digest, in_short, joints, plausibility};
 use crate::calibration::study::own_case::own_cases;
 use crate::calibration::study::{scene_file, scored_columns};
-use crate::calibration::{Definition, StartRule};
+use crate::calibration::{BaseRule, Definition, StartRule};
 use realgap_core::statistics::ends_of;
 use realgap_core::{Advice, Code, Error, Result, Warning};
 use realgap_identification::{Body, EQUAL_MOMENTS, KnownFlight, Refined, StartState, refine};
@@ -195,7 +195,11 @@ fn from_recordings(
         )?;
         let times_s = target.motion.times_s();
         let mut experiment = base.clone();
-        if recording.trajectory.is_of_joints() && base.assembly.world_from_mount.is_some() {
+        if definition.base == BaseRule::Recorded {
+            let led = experiment.lead_base(&recording.trajectory);
+            led.map_err(|e| e.field("base").at_file(&recording.path))?;
+            experiment.start = Start::Settled;
+        } else if recording.trajectory.is_of_joints() && base.assembly.world_from_mount.is_some() {
             // A robot that is held at its root needs no start state but that of its joints.
             experiment.start = Start::Settled;
         } else {

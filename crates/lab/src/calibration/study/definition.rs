@@ -32,6 +32,18 @@ pub enum StartRule {
     FromRecording,
 }
 
+/// What holds the root of the robot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum BaseRule {
+    /// As the robot's file says: held, or free.
+    #[default]
+    OfRobot,
+    /// It follows the recorded pose, whatever the robot's file says, as that of a robot on a stand that shakes or is carried. Nothing
+    /// hinders it, and only the joints are compared.
+    Recorded,
+}
+
 /// Over what the score of a point is the mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -83,6 +95,8 @@ pub struct Definition {
     pub start: StartRule,
     /// Which state of a recording runs start from, where they start from recordings.
     pub start_state: StartState,
+    /// What holds the root of the robot.
+    pub base: BaseRule,
     /// Whether recordings that end while moving are left out.
     pub only_at_rest: bool,
     /// The controller: sensors that the robot reads, and rules that it follows.
@@ -183,6 +197,7 @@ impl Definition {
             recordings_sha256: Vec::new(),
             start: StartRule::Settled,
             start_state: StartState::default(),
+            base: BaseRule::default(),
             only_at_rest: false,
             steering: None,
             scene: Vec::new(),
