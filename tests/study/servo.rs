@@ -122,7 +122,8 @@ fn identify_ranks_the_parameters_of_a_joint_log_and_names_what_determines_none()
 }
 
 #[test]
-fn identify_ranks_by_every_channel_that_the_study_scores_and_torques_tell_inertia_that_angles_do_not() {
+fn identify_ranks_by_every_channel_that_the_study_scores_and_torques_tell_inertia_that_angles_do_not()
+ {
     // A link about a vertical axis: without its torque, stiffness, damping and inertia are known by their ratios alone.
     let robot = r#"(name: "arm", bodies: [
         (name: "base", mass_kg: 1.0, shapes: [(form: Box(sides_m: (0.1, 0.1, 0.1)))]),
