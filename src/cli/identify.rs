@@ -82,8 +82,7 @@ impl Identify {
                 .at_file(&self.study)
                 .hint("use `realgap tune`, which varies what the simulator declares"));
         }
-        let mut recordings = study.recordings.iter();
-        if !study.recordings.is_empty() && recordings.all(|r| r.trajectory.is_of_joints()) {
+        if !study.recordings.is_empty() && study.is_of_joints() {
             return self.determine(study);
         }
         // Nothing is compared here, so the metric only has to accept the recordings: the metric of tossed bodies requires the least.

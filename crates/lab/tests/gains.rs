@@ -3,16 +3,15 @@
 
 use realgap_core::Code;
 use realgap_lab::calibration::{Overrides, Study};
-use realgap_simulation::Quantity;
 
-use crate::joint_log::{POSITIONS, SPRING, record, robot, study};
+use crate::joint_log::{SPRING, logged, robot, study};
 
 /// The doubt about the gains of a study with these values, of a robot with such a limit of torque; the log is of gains 8 and 0.4.
 fn doubt(max_torque: &str, set: &str, parameters: &str) -> Option<String> {
-    let folder = tempfile::tempdir().unwrap();
-    let text = robot(SPRING).replace("max_torque_nm: 3", max_torque);
-    let motion = (Quantity::Position, [1.0, 1.0]);
-    record(folder.path(), "log.csv", &text, motion, &[], POSITIONS);
+    let folder = logged(
+        &robot(SPRING).replace("max_torque_nm: 3", max_torque),
+        [1.0, 1.0],
+    );
     let more = format!("commands: Commands(), set: {{{set}}}, parameters: [{parameters}]");
     let study = Study::read(study(folder.path(), &more), &Overrides::default()).unwrap();
     let mut all = study.warnings().iter();
@@ -65,16 +64,7 @@ fn a_loop_faster_than_any_joint_and_one_that_lags_for_half_a_second_are_doubted_
 
 #[test]
 fn gains_that_are_negative_or_no_number_or_of_joints_that_do_not_exist_are_refused_by_name() {
-    let folder = tempfile::tempdir().unwrap();
-    let motion = (Quantity::Position, [1.0, 1.0]);
-    record(
-        folder.path(),
-        "log.csv",
-        &robot(SPRING),
-        motion,
-        &[],
-        POSITIONS,
-    );
+    let folder = logged(&robot(SPRING), [1.0, 1.0]);
     for (set, part) in [
         (r#""servo.pitch.stiffness_nm_rad": -4"#, "stiffness_nm_rad"),
         (r#""servo.pitch.stiffness_nm_rad": NaN"#, "stiffness_nm_rad"),

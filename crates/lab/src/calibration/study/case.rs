@@ -268,13 +268,24 @@ fn start_state_warnings(definition: &Definition, cases: &[Case]) -> Result<Vec<W
     Ok(warnings)
 }
 
+/// What is compared of a recording along whose poses the base is led.
+fn joints_alone(motion: &Trajectory) -> Result<Trajectory> {
+    let nowhere = vec![Vector3::zeros(); motion.len()];
+    Trajectory::new(motion.times_s().to_vec(), nowhere)?
+        .with_joints(motion.joints().to_vec())?
+        .with_signals(motion.signals().to_vec())
+}
+
 pub(super) fn target(
     definition: &Definition,
     (index, recording): (usize, &Recording),
     duration_s: f64,
     warnings: &mut Vec<Warning>,
 ) -> Result<Target> {
-    let motion = clip(&recording.trajectory, duration_s)?;
+    let mut motion = clip(&recording.trajectory, duration_s)?;
+    if definition.base == BaseRule::Recorded {
+        motion = joints_alone(&motion)?;
+    }
     let alignment = match motion.is_of_joints() {
         // A robot whose joints alone were recorded has no path.
         true => Alignment::default(),

@@ -226,6 +226,26 @@ impl Definition {
         }
     }
 
+    /// What contradicts a base that is led, with the name of its field.
+    fn base_fault(&self) -> Option<(&'static str, Error)> {
+        let refuse = |field, what: &str, hint: &str| Some((field, Error::invalid(what).hint(hint)));
+        if self.base == BaseRule::OfRobot {
+            None
+        } else if self.start == StartRule::Settled {
+            let what = "a base that is led starts where it was recorded";
+            refuse("start", what, "use `start: FromRecording`")
+        } else if self.start_state != StartState::FirstSample {
+            let what = "a base that is led has no start state to refine";
+            refuse("start_state", what, "leave `start_state` out")
+        } else if !self.metric.needs().joints {
+            let what =
+                "the pose of a base that is led is given, so only its joints can be compared";
+            refuse("metric", what, "use the metric `joints`")
+        } else {
+            None
+        }
+    }
+
     /// The first number that is not allowed, with the name of its field.
     pub(in crate::calibration) fn fault(&self) -> Option<(String, Error)> {
         let components = self.components.check().err();
@@ -233,6 +253,9 @@ impl Definition {
             .duration_s
             .and_then(|s| DURATION.refusal(s).map(|e| e.field("duration_s")));
         let noise = self.noise.and_then(|noise| noise.fault());
+        if let Some((field, error)) = self.base_fault() {
+            return Some((field.to_owned(), error));
+        }
         components
             .map(|error| ("components".to_owned(), error))
             .or_else(|| duration.map(|error| ("duration_s".to_owned(), error)))
@@ -280,6 +303,12 @@ impl Definition {
     /// The source of the recordings.
     pub fn source(&self) -> Source {
         Source::of(&self.recordings)
+    }
+
+    /// Whether only joints are compared, whatever the metric: nothing else was recorded, or the root is led along what was.
+    pub fn is_of_joints(&self) -> bool {
+        let mut recordings = self.recordings.iter();
+        self.base == BaseRule::Recorded || recordings.all(|r| r.trajectory.is_of_joints())
     }
 
     /// The error with the study's file, where the study has a file.

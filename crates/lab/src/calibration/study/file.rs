@@ -369,32 +369,6 @@ impl Definition {
                 .hint("use `start: FromRecording`");
             return Err(source.at("start", error));
         }
-        if file.base == BaseRule::Recorded {
-            let refuse = |what: &str, hint: &str, field: &str| {
-                Err(source.at(field, Error::invalid(what).hint(hint)))
-            };
-            if file.start == StartRule::Settled {
-                return refuse(
-                    "a base that is led starts where it was recorded",
-                    "use `start: FromRecording`",
-                    "start",
-                );
-            }
-            if start_state != StartState::FirstSample {
-                return refuse(
-                    "a base that is led has no start state to refine",
-                    "leave `start_state` out",
-                    "start_state",
-                );
-            }
-            if !metric.needs().joints {
-                return refuse(
-                    "the pose of a base that is led is given, so only its joints can be compared",
-                    "add `metric: \"joints\"` to the study",
-                    "metric",
-                );
-            }
-        }
         let truth = values(&file.truth, own).map_err(|e| source.at("truth", e))?;
         let mut definition = Self {
             path: Some(path.to_path_buf()),
