@@ -20,6 +20,7 @@ import json
 import math
 import os
 import pathlib
+import re
 import subprocess
 import zlib
 from dataclasses import dataclass, field
@@ -100,6 +101,8 @@ class World:
     # Values that are not searched, by name.
     fixed: dict = field(default_factory=dict)
     timestep_s: float = 1 / 480
+    # Options with which `realgap start` is asked which timestep the study of these recordings gets; empty: that of `fixed`.
+    start: tuple = ()
 
     def robot_ron(self):
         return self.robot if self.robot.startswith("(") else (ROBOTS / self.robot).read_text()
@@ -401,7 +404,7 @@ WORLDS = {world.name: world for world in [
           fixed={"timestep_s": 0.0025, "solver.engine": 1}, timestep_s=0.0025),
     World("arm7", arm7_parameters(), record_joints(ARM7_JOINTS, lambda rng, duration_s: chirps_rad(rng, duration_s, ARM7_DRIVEN)), arm7_ron(),
           JOINTS + ", commands: Commands(), score: Single", families=("least squares",), duration_s=4.8,
-          fixed={"timestep_s": 0.01, "solver.engine": 1}, timestep_s=0.01),
+          fixed={"solver.engine": 1}, timestep_s=0.0025, start=("--pd", "200,10")),
     walker("chain3"),
     walker("spider8"),
     walker("two_module"),
@@ -416,6 +419,14 @@ WORLDS = {world.name: world for world in [
 LAST = ("chain5", "tripod")
 
 
+def timestep_of_start_s(world, folder, program):
+    """The timestep that `realgap start` writes into the study of the recordings in FOLDER/rec."""
+    recordings = sorted((folder / "rec").glob("*.csv"))
+    run_program([program, "start", *recordings, folder / "robot.ron", *world.start, "-o", folder / "started.ron"])
+    found = re.search(r"^ *timestep_s: ([0-9.e-]+),", (folder / "started.ron").read_text(), re.MULTILINE)
+    return float(found.group(1))
+
+
 def make(world, seed, folder, program):
     """Writes FOLDER/robot.ron, study.ron, rec/, settings.json and truth.json, unless they are there; returns the truth. Studies of odd seeds
     state no noise."""
@@ -426,8 +437,12 @@ def make(world, seed, folder, program):
     rng = np.random.default_rng([seed, zlib.crc32(world.name.encode())])
     truth = {parameter.name: float(f"{parameter.draw(rng):.7g}") for parameter in world.parameters}
     (folder / "robot.ron").write_text(world.robot_ron())
-    (folder / "study.ron").write_text(world.study_ron(seed % 2 == 0))
+    study = world.study_ron(seed % 2 == 0)
     settings = world.record(world, truth, rng, folder, program)
+    if world.start:
+        settings["study_timestep_s"] = timestep_of_start_s(world, folder, program)
+        study = study.replace("set: {", f"timestep_s: {settings['study_timestep_s']}, set: {{", 1)
+    (folder / "study.ron").write_text(study)
     (folder / "settings.json").write_text(json.dumps(settings) + "\n")
     done.write_text(json.dumps(truth) + "\n")
     return truth

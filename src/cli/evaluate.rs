@@ -68,8 +68,7 @@ impl Evaluate {
             ..self.values.over(self.recordings.overrides()?)?
         };
         let definition = read_definition(&self.study, &overrides)?;
-        let mut recordings = definition.recordings.iter();
-        let is_of_joints = recordings.all(|recording| recording.trajectory.is_of_joints());
+        let is_of_joints = definition.is_of_joints();
         let has_orientations =
             |r: &Recording| r.trajectory.orientations_world_from_body().is_some();
         if !is_of_joints

@@ -7,7 +7,7 @@ use realgap::calibration::{
     BestFile, Definition, Determination, Overrides, RestingOdds, StartRule, Study, recording_id,
 };
 use realgap::claim::flights;
-use realgap::comparison::{Pose, by_name as metric_by_name};
+use realgap::comparison::{Joints, Pose};
 use realgap::file::write_ron;
 use realgap::identification::{
     FlightErrors, Identification, Interval, JointIdentification, LengthReading, identify,
@@ -43,8 +43,9 @@ const READINGS: &[Choice<LengthReading>] = &[
 /// friction and restitution should be given for them (--parameters best.ron).
 ///
 /// Recordings of joints alone do not fly. For them the command ranks the study's parameters: which of them the recordings
-/// determine, which trade with each other, what each recording tells, and which further motion would tell most. Errors are
-/// linearised around the robot's own values; nothing is fitted.
+/// determine, which trade with each other, what each recording tells, and which further motion would tell most. All channels that
+/// the study scores count (`channels`: torques, currents, speeds and inertial sensors beside angles). Errors are linearised around
+/// the robot's own values; nothing is fitted.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -73,20 +74,19 @@ impl Identify {
         output::check_all(&self.output)?;
         let overrides = Overrides {
             set: self.values.parameter_set()?,
-            // Nothing is compared here, so the metric only has to accept the recordings: the metric of tossed bodies requires the least.
-            metric: Some(&Pose),
             ..self.recordings.overrides()?
         };
-        let study = read_definition(&self.study, &overrides)?;
+        let mut study = read_definition(&self.study, &overrides)?;
         if study.own_simulator.is_some() {
             return Err(Error::invalid("nothing is identified without the robot's bodies, and the study names its own simulator")
                 .at_file(&self.study)
                 .hint("use `realgap tune`, which varies what the simulator declares"));
         }
-        let mut recordings = study.recordings.iter();
-        if !study.recordings.is_empty() && recordings.all(|r| r.trajectory.is_of_joints()) {
-            return self.determine(overrides);
+        if !study.recordings.is_empty() && study.is_of_joints() {
+            return self.determine(study);
         }
+        // Nothing is compared here, so the metric only has to accept the recordings: the metric of tossed bodies requires the least.
+        study.metric = &Pose;
         let experiment = study.experiment();
         let (recordings, seed) = (&study.recordings, study.seed);
         let of_study = |e: Error| match e.file() {
@@ -123,8 +123,9 @@ impl Identify {
         self.finish(&file, &answer, || words(&found, odds.as_ref()))
     }
 
-    /// Ranks the parameters of recordings of joints.
-    fn determine(&self, overrides: Overrides) -> Result<()> {
+    /// Ranks the parameters of recordings of joints, by all channels that the study scores; by the angles alone where it compares
+    /// anything else.
+    fn determine(&self, mut study: Definition) -> Result<()> {
         if let Some(output) = &self.output {
             return Err(Error::usage(
                 "recordings of joints determine parameters, but no values without a fit",
@@ -133,11 +134,10 @@ impl Identify {
             .found(output.display())
             .hint("leave it out; `realgap tune` fits values"));
         }
-        let overrides = Overrides {
-            metric: Some(metric_by_name("joints")?),
-            ..overrides
-        };
-        let study = Study::new(read_definition(&self.study, &overrides)?)?;
+        if !study.metric.needs().joints {
+            study.metric = &Joints;
+        }
+        let study = Study::new(study)?;
         let found = progress::during(0, "simulating", Default::default(), |run| {
             study.determination(run)
         })?;

@@ -108,6 +108,7 @@ codes! {
     GaitTooFast "gait-too-fast" "A gait is too fast for the simulation's timestep." "use a shorter timestep or a slower gait";
     GravityContradicted "gravity-contradicted" "Recorded free flight has another acceleration than gravity." "check units and times of the recordings; `realgap study identify` shows what the flight determines";
     Hole "hole" "A recording has a gap in time that is filled by interpolation." "record again, or crop the recording before the gap";
+    ImplausibleGains "implausible-gains" "Gains of a servo do not fit its robot or its recordings." "state gains in N m/rad and N m s/rad at the joint; where only a firmware's numbers are known, leave them out and let stiffness and damping be fitted";
     ImpossibleReadings "impossible-readings" "Impossible readings were counted as missing." "check the sensor's wiring and range; the readings are counted as missing";
     InSample "in-sample" "The values were fitted to the same recordings that judge them." "judge on other recordings: hold some out, or fit in folds";
     Incomplete "incomplete" "The work was interrupted, so the results are incomplete." "resume it, or run the command again";

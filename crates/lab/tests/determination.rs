@@ -2,22 +2,12 @@
 
 use realgap_lab::calibration::{Determination, Overrides, Study};
 use realgap_optimization::RunOptions;
-use realgap_simulation::Quantity;
 
-use crate::joint_log::{POSITIONS, SPRING, record, robot, study};
+use crate::joint_log::{SPRING, logged, robot, study};
 
 /// What a log tells about these parameters; `sizes` multiply the commands of the joints.
 fn told(sizes: [f64; 2], parameters: &str, jobs: usize) -> Determination {
-    let folder = tempfile::tempdir().unwrap();
-    let motion = (Quantity::Position, sizes);
-    record(
-        folder.path(),
-        "log.csv",
-        &robot(SPRING),
-        motion,
-        &[],
-        POSITIONS,
-    );
+    let folder = logged(&robot(SPRING), sizes);
     let more = format!("commands: Commands(), parameters: [{parameters}]");
     let study = Study::read(study(folder.path(), &more), &Overrides::default()).unwrap();
     let run = RunOptions {

@@ -131,6 +131,14 @@ pub(crate) fn record(
     std::fs::write(folder.join(file), text).unwrap();
 }
 
+/// A folder with the file of a robot and a log of it, whose commands are angles of these sizes.
+pub(crate) fn logged(robot: &str, sizes: [f64; 2]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let motion = (Quantity::Position, sizes);
+    record(folder.path(), "log.csv", robot, motion, &[], POSITIONS);
+    folder
+}
+
 pub(crate) fn study(folder: &Path, more: &str) -> PathBuf {
     let path = folder.join("study.ron");
     let text = format!(

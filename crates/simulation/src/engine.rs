@@ -129,6 +129,12 @@ pub trait World {
     /// Poses of the bodies of the scene.
     fn scene_poses(&self) -> Vec<Isometry3<f64>>;
 
+    /// Leads the robot's root, in an engine that can, so that it reaches a pose after the next step. An engine that cannot refuses
+    /// experiments with a [base](Experiment::base).
+    fn lead_base(&mut self, next: &Isometry3<f64>) {
+        let _ = next;
+    }
+
     /// Places a driven body of the scene at its start pose.
     fn place_driven(&mut self, index: usize, world_from_body: &Isometry3<f64>);
 
@@ -169,12 +175,12 @@ impl EngineChoice {
         self.0
     }
 
-    /// The engine that will simulate an experiment: the chosen one, or Rapier (the tree solver for a mount with a spring) together with the reason why the chosen engine
-    /// cannot.
+    /// The engine that will simulate an experiment: the chosen one, or Rapier (the tree solver for a mount with a spring and for a base
+    /// that is led) together with the reason why the chosen engine cannot.
     pub fn able(&self, experiment: &Experiment) -> (&'static dyn Engine, Option<String>) {
         match self.0.refusal(experiment) {
             None => (self.0, None),
-            // Rapier has every kind of joint, but neither a mount with a spring nor tyres.
+            // Rapier has every kind of joint, but no mount with a spring, no base that is led, and no tyres.
             Some(why) if RAPIER.refusal(experiment).is_some() => (&TREE, Some(why)),
             Some(why) => (&RAPIER, Some(why)),
         }

@@ -5,9 +5,10 @@ mod check;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use nalgebra::Vector3;
+use nalgebra::{Isometry3, Vector3};
 
 use super::adjustment::{Adjustment, HingeAdjustment, ModuleAdjustment};
+use super::base::LedBase;
 use super::command::CommandTrack;
 use super::control::Controller;
 use super::engine::{Engine, EngineChoice};
@@ -17,8 +18,9 @@ use super::mount::Mount;
 use super::scene::SceneBody;
 use super::simulator::SimulatorChoice;
 use super::vehicle::{Drive, Vehicle};
+use realgap_core::error::Result;
 use realgap_core::unit::GRAVITY_M_S2;
-use realgap_path::trajectory::State;
+use realgap_path::trajectory::{State, Trajectory};
 use realgap_robot::morphology::{Assembly, Role};
 
 /// The ground: a half-space.
@@ -320,6 +322,8 @@ pub struct Experiment {
     pub sampling: Sampling,
     /// The spring by which a held robot is held; `None`: it is held rigidly.
     pub mount: Option<Mount>,
+    /// The motion along which the robot's root is led, as if it were held by something that moves ([`Experiment::lead_base`]).
+    pub base: Option<Arc<LedBase>>,
     /// Numerical settings.
     pub solver: Solver,
     /// Contact model.
@@ -365,6 +369,7 @@ impl Experiment {
             duration_s: 10.0,
             sampling: Sampling::Rate(60.0),
             mount: None,
+            base: None,
             solver,
             contact: Contact::default(),
             adjustment: Adjustment::default(),
@@ -374,6 +379,21 @@ impl Experiment {
             recording_length_scale: 1.0,
             energy_from_s: None,
         }
+    }
+
+    /// Has the robot's root follow the poses of a recording of the tracked body, whether or not its file holds the root; nothing
+    /// hinders that motion. A robot whose tracked body is not its root is refused when the experiment is checked.
+    ///
+    /// # Errors
+    /// As [`LedBase::new`].
+    pub fn lead_base(&mut self, recorded: &Trajectory) -> Result<()> {
+        let base = LedBase::new(recorded)?;
+        let assembly = Arc::make_mut(&mut self.assembly);
+        assembly
+            .world_from_mount
+            .get_or_insert_with(Isometry3::identity);
+        self.base = Some(Arc::new(base));
+        Ok(())
     }
 
     /// The engine that will simulate this experiment: the chosen one, or Rapier if the chosen engine cannot.
@@ -401,8 +421,11 @@ impl Experiment {
             && solver.relaxations == 0
             && self.contact.friction_model == FrictionModel::Coulomb;
         let is_known = [EngineChoice::default(), second].contains(&solver.engine);
-        // Rapier cannot simulate a mount with a spring, so there is no second opinion about it.
-        let can = self.mount.is_none() && self.has_engine() && second.get().refusal(self).is_none();
+        // Rapier cannot simulate a mount with a spring or a base that is led, so there is no second opinion about them.
+        let can = self.mount.is_none()
+            && self.base.is_none()
+            && self.has_engine()
+            && second.get().refusal(self).is_none();
         (plain && is_known && can).then_some(second)
     }
 

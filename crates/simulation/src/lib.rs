@@ -9,6 +9,7 @@ pub mod parameter;
 
 mod adjustment;
 mod arena;
+mod base;
 mod camera;
 mod command;
 mod command_source;
@@ -43,6 +44,7 @@ mod vehicle;
 mod watch;
 
 pub use adjustment::{Adjustment, HingeAdjustment, ModuleAdjustment};
+pub use base::LedBase;
 pub use camera::Camera;
 pub use command::{Between, CommandTrack, Quantity};
 #[cfg(feature = "schema")]

@@ -14,7 +14,7 @@ use super::energy::{EnergyBalance, EnergyMeter};
 use super::engine::{Motion, Setup, World};
 use super::experiment::{Experiment, JointState, Start};
 use super::instrument::Instruments;
-use super::kinematics::{lowest_m, part_from_track, robot_from_parts};
+use super::kinematics::{lowest_m, part_from_track, robot_from_part_at_zero, robot_from_parts};
 use super::motor::{Effort, Supply, duty, effort, position_duty};
 use super::outcome::Outcome;
 use super::rolling;
@@ -183,6 +183,7 @@ pub(super) use progress::RunProgress;
 
 /// A run in progress: the engine's world, and the state of the servos.
 pub(super) struct Rollout<'a> {
+    experiment: &'a Experiment,
     assembly: &'a Assembly,
     world: Box<dyn World>,
     part_from_track: Isometry3<f64>,
@@ -250,6 +251,16 @@ fn placed(
 ) -> (Isometry3<f64>, Motion) {
     let perturbation = &experiment.perturbation;
     let turn = UnitQuaternion::from_scaled_axis(perturbation.turn_world_rad);
+    if let Some(base) = &experiment.base {
+        let world_from_robot = base.world_from_robot(experiment, 0.0);
+        let (linear_world_m_s, angular_world_rad_s) = base.start_velocity(experiment);
+        let motion = Motion {
+            about_world_m: world_from_robot.translation.vector,
+            linear_world_m_s,
+            angular_world_rad_s,
+        };
+        return (world_from_robot, motion);
+    }
     match (experiment.start, assembly.world_from_mount) {
         (_, Some(world_from_mount)) => (world_from_mount, Motion::REST),
         (Start::Settled, None) => {
@@ -333,6 +344,7 @@ impl<'a> Rollout<'a> {
             }
         }
         Ok(Self {
+            experiment,
             assembly,
             world,
             part_from_track: part_from_track(assembly),
@@ -370,6 +382,11 @@ impl<'a> Rollout<'a> {
         let t_s = 0.5 * (from_s + end_s);
         for (index, driven_path) in &mut self.driven_paths {
             self.world.lead_driven(*index, &driven_path.pose(end_s));
+        }
+        if let Some(base) = &self.experiment.base {
+            let world_from_robot = base.world_from_robot(self.experiment, end_s);
+            self.world
+                .lead_base(&(world_from_robot * robot_from_part_at_zero(self.assembly, 0)));
         }
         for (index, hinge) in self.assembly.hinges.iter().enumerate() {
             let angle_rad = self.world.hinge_angle_rad(index, self.angles_rad[index]);

@@ -165,6 +165,13 @@ impl TreeWorld {
                 joints: turns[part],
                 is_held: part == 0 && assembly.world_from_mount.is_some(),
             };
+            if moves.is_held && experiment.base.is_some() {
+                let arm_m = at.translation.vector - motion.about_world_m;
+                let turn = motion.angular_world_rad_s;
+                let linear = motion.linear_world_m_s + turn.cross(&arm_m);
+                world.start_led(part, to_vector(&linear), to_vector(&turn));
+                continue;
+            }
             let centre_world_m = at * Point3::from(masses[part].centre_m);
             let (linear, angular) = moves.at(&centre_world_m.coords);
             world.set_root(part, to_pose(&at), to_vector(&linear), to_vector(&angular));
@@ -345,6 +352,13 @@ impl World for TreeWorld {
             .collect()
     }
 
+    fn lead_base(&mut self, next: &Isometry3<f64>) {
+        let here = from_pose(&self.world.link(0).world_from_link);
+        let (linear, angular) = velocity_between(&here, next, self.timestep_s);
+        self.world
+            .lead_root(0, to_vector(&linear), to_vector(&angular));
+    }
+
     fn place_driven(&mut self, index: usize, world_from_body: &Isometry3<f64>) {
         if let SceneHandle::Fixtures(first, end) = self.scene[index] {
             for fixture in first..end {
@@ -359,14 +373,25 @@ impl World for TreeWorld {
             return;
         };
         let here = from_pose(&self.world.fixture(first));
-        let linear = (next.translation.vector - here.translation.vector) / self.timestep_s;
-        let angular = (next.rotation * here.rotation.inverse()).scaled_axis() / self.timestep_s;
+        let (linear, angular) = velocity_between(&here, next, self.timestep_s);
         for fixture in first..end {
             let pose = to_pose(&here);
             self.world
                 .lead(fixture, pose, to_vector(&linear), to_vector(&angular));
         }
     }
+}
+
+/// The velocity, of the origin and angular, that takes a body from one pose to another within a time.
+fn velocity_between(
+    here: &Isometry3<f64>,
+    next: &Isometry3<f64>,
+    time_s: f64,
+) -> (Vector3<f64>, Vector3<f64>) {
+    (
+        (next.translation.vector - here.translation.vector) / time_s,
+        (next.rotation * here.rotation.inverse()).scaled_axis() / time_s,
+    )
 }
 
 fn floor(experiment: &Experiment) -> Fixture {

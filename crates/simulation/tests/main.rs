@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 mod arena;
+mod base;
 mod bodies;
 mod change;
 #[path = "../../../tests/common/shared.rs"]

@@ -169,7 +169,11 @@ fn spread(tree: &Tree, bodies: &[Body], nodes: &mut [Node]) {
         let (above, below) = nodes.split_at_mut(index);
         let node = &mut below[0];
         if body.is_root() {
-            node.change = node.response.times(&node.impulse);
+            // Nothing changes the velocity of a mounted root but the one who leads it.
+            node.change = match body.freedom {
+                Freedom::Mounted => node.led - node.velocity,
+                _ => node.response.times(&node.impulse),
+            };
             continue;
         }
         node.change = above[body.parent].change + node.drift;

@@ -13,7 +13,7 @@ pub(crate) const NONE: usize = usize::MAX;
 pub(crate) enum Freedom {
     /// Root of a tree that moves freely: six degrees of freedom.
     Free,
-    /// Root of a tree that is mounted: no degrees of freedom.
+    /// Root of a tree that is mounted or led: no degrees of freedom.
     Mounted,
     /// Turns about its axis.
     Turning,

@@ -26,6 +26,8 @@ pub(crate) struct Node {
     /// Its product with the difference of the velocities of child and parent is the joint's speed.
     pub reader: Spatial,
     pub velocity: Spatial,
+    /// Velocity at which a mounted root is led during the coming step; zero where it is held still.
+    pub led: Spatial,
     /// Acceleration of the body due to velocity products alone, in a frame that translates with the root.
     pub swing: Spatial,
     /// Velocity at which velocity products are taken, relative to the root's translation.
@@ -111,7 +113,7 @@ pub(crate) fn update(forest: &Forest, nodes: &mut [Node]) {
 }
 
 /// The reference point of a free tree is its root's centre of mass, so that a freely moving body rotates about its centre of
-/// mass.
+/// mass; that of a mounted tree is its root's origin, with which it is led.
 fn place_root(body: &Body, node: &mut Node) {
     let centre_m = node.rotation * body.centre_body_m;
     if body.freedom == Freedom::Free {
@@ -120,7 +122,6 @@ fn place_root(body: &Body, node: &mut Node) {
     } else {
         node.reference_world_m = node.origin_world_m;
         node.arm_m = centre_m;
-        node.velocity = Spatial::ZERO;
     }
 }
 
@@ -153,7 +154,12 @@ fn place_child(body: &Body, parent: &Node, node: &mut Node) {
 pub(crate) fn advance(forest: &Forest, nodes: &mut [Node], time_s: f64) {
     for (body, node) in forest.bodies.iter().zip(nodes.iter_mut()) {
         match body.freedom {
-            Freedom::Mounted => {}
+            Freedom::Mounted if node.velocity == Spatial::ZERO => {}
+            Freedom::Mounted => {
+                let turn = Rot3::from_scaled_axis(node.velocity.angular() * time_s);
+                node.rotation = (turn * node.rotation).normalize();
+                node.origin_world_m += node.velocity.linear() * time_s;
+            }
             Freedom::Free => {
                 let centre_m = node.reference_world_m + node.velocity.linear() * time_s;
                 let turn = Rot3::from_scaled_axis(node.velocity.angular() * time_s);

@@ -12,7 +12,7 @@
 //! - `collision`, `touch`: collision detection by Parry, and contacts of box corners with half-spaces;
 //! - `contact`, `joint`: rows of contacts (soft normal, restitution, exact cone of friction) and of joints (servo, limit, dry
 //!   friction);
-//! - `mount`: a root on a spring;
+//! - `mount`: a root on a spring; a mounted root may also be led ([`World::lead_root`]);
 //! - `tyre`: friction that grows with the slip;
 //! - `sweep`: projected Gauss–Seidel over all rows, walking around each tree.
 //!

@@ -49,9 +49,9 @@ pub enum Attachment {
         /// Pose at the start.
         world_from_link: Pose,
     },
-    /// Fixed to the world: the root of a mounted tree.
+    /// Fixed to the world, or led by the caller: the root of a mounted tree.
     Mounted {
-        /// Constant pose.
+        /// Pose at the start, and for ever unless [`World::lead_root`](crate::World::lead_root) is called.
         world_from_link: Pose,
     },
     /// The root of a tree on a spring, which exerts no force but the weight at this pose.

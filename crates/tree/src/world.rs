@@ -225,7 +225,7 @@ impl World {
     }
 
     /// Sets pose and velocity of the root of a tree; the velocity is that of the link's centre of mass. The stored contact
-    /// impulses are discarded.
+    /// impulses are discarded. A mounted root has no velocity but that of [`World::lead_root`].
     ///
     /// `link` is the root or any link that is fixed to it.
     pub fn set_root(
@@ -247,6 +247,32 @@ impl World {
                 - node.rotation * (place.body_from_link * self.centres_link_m[link]);
             let velocity = velocity_world_m_s + angular_velocity_world_rad_s.cross(to_m);
             node.velocity = Spatial::new(angular_velocity_world_rad_s, velocity);
+        }
+        self.restart();
+    }
+
+    /// Has the mounted root of a tree move at this velocity, that of the link's origin, from the next step on. What hangs on the root
+    /// feels the motion; nothing hinders it. The root of a free tree is not led.
+    ///
+    /// `link` is the root or any link that is fixed to it.
+    pub fn lead_root(&mut self, link: usize, velocity_world_m_s: Vec3, turn_world_rad_s: Vec3) {
+        let place = self.forest.places[link];
+        let node = &mut self.nodes[place.body];
+        if self.forest.bodies[place.body].freedom == Freedom::Mounted {
+            // From the link's origin to that of the body that consists of all links fixed to it.
+            let to_m = node.rotation * -place.body_from_link.translation;
+            let velocity = velocity_world_m_s + turn_world_rad_s.cross(to_m);
+            node.led = Spatial::new(turn_world_rad_s, velocity);
+        }
+    }
+
+    /// As [`World::lead_root`], and the root moves at this velocity already, as everything that hangs on it does. Without this, the
+    /// first step takes a root that is led from rest to its velocity. The stored contact impulses are discarded.
+    pub fn start_led(&mut self, link: usize, velocity_world_m_s: Vec3, turn_world_rad_s: Vec3) {
+        self.lead_root(link, velocity_world_m_s, turn_world_rad_s);
+        let body = self.forest.places[link].body;
+        if self.forest.bodies[body].freedom == Freedom::Mounted {
+            self.nodes[body].velocity = self.nodes[body].led;
         }
         self.restart();
     }

@@ -10,6 +10,7 @@ mod cone;
 mod contact;
 mod flight;
 mod joint;
+mod led;
 mod mount;
 mod pair;
 mod tyre;

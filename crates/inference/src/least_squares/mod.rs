@@ -57,6 +57,8 @@ const FARTHEST: f64 = 12.0;
 const SHIFTS: (f64, f64) = (-0.25, 2.0);
 /// A larger excess says no more than this one.
 const MOST_EXCESS: f64 = 50.0;
+/// Halvings of the range in which a factor on excesses is looked for.
+const BISECTIONS: usize = 40;
 /// Weight of the median excess beside those of the draws that were run; a draw at the same place has 1.
 const NEARNESS: f64 = 0.1;
 /// Draws that are run agree with the approximation where the mean of the deviance above the promised one is below this for each
@@ -92,15 +94,9 @@ impl Agreement {
     /// The same with the excess deviance of some draws that were run.
     fn with_checks(self, excesses: &[f64], parameters: usize) -> Self {
         let weights: Vec<f64> = excesses.iter().map(|e| libm::exp(-0.5 * e)).collect();
-        let total: f64 = weights.iter().sum();
-        let squares: f64 = weights.iter().map(|w| w * w).sum();
         Self {
             checked: excesses.len(),
-            effective: if squares > 0.0 {
-                total * total / squares
-            } else {
-                0.0
-            },
+            effective: effective(&weights),
             excess: Some(mean(excesses) / parameters as f64),
             ..self
         }
@@ -379,6 +375,41 @@ impl LeastSquaresPosterior {
     }
 }
 
+/// The weights of draws with these excesses, as if the excess of all were multiplied by the largest factor up to 1 with which the draws
+/// count as at least so many (Kish 1965). Where runs at a few draws contradict the approximation strongly, the least of their excesses
+/// would else be the whole posterior, and its intervals points: so few runs tell where it lies, and not that it has no width (tempered
+/// weights, Koblents & Míguez 2015).
+fn tempered(excesses: &[f64], least_effective: usize) -> Vec<f64> {
+    let least = ends_of(excesses.iter().copied()).0;
+    let weights = |factor: f64| -> Vec<f64> {
+        let all = excesses.iter();
+        all.map(|excess| libm::exp(-0.5 * factor * (excess - least)))
+            .collect()
+    };
+    if effective(&weights(1.0)) >= least_effective as f64 {
+        return weights(1.0);
+    }
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (low + high);
+        match effective(&weights(middle)) >= least_effective as f64 {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    weights(low)
+}
+
+/// As how many draws of equal weight these count (Kish 1965).
+fn effective(weights: &[f64]) -> f64 {
+    let total: f64 = weights.iter().sum();
+    let squares: f64 = weights.iter().map(|w| w * w).sum();
+    match squares > 0.0 {
+        true => total * total / squares,
+        false => 0.0,
+    }
+}
+
 /// The draws resampled by weights: the excess of the runs near a draw, in standard deviations of the draws, tells its own.
 fn reweighted(
     draws: &[Draw],
@@ -408,11 +439,7 @@ fn reweighted(
         sum / total
     };
     let expected: Vec<f64> = draws.iter().map(near).collect();
-    let least = ends_of(expected.iter().copied()).0;
-    let weights = expected
-        .iter()
-        .map(|excess| libm::exp(-0.5 * (excess - least)));
-    let weights: Vec<f64> = weights.collect();
+    let weights = tempered(&expected, chosen.len().min(draws.len() / 2));
     let drawn = systematic(&weights, draws.len(), rng.random()).into_iter();
     drawn.map(|index| draws[index].clone()).collect()
 }

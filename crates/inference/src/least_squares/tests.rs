@@ -255,3 +255,21 @@ fn intervals_of_90_percent_contain_the_truth_in_88_to_92_percent() {
         assert!((88.0..=92.0).contains(&percent), "{dimensions}: {percent}");
     }
 }
+
+#[test]
+fn weights_that_would_leave_one_draw_are_tempered_and_others_are_as_they_were() {
+    let mild: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k)).collect();
+    let plain: Vec<f64> = mild.iter().map(|e| libm::exp(-0.5 * e)).collect();
+    assert_eq!(tempered(&mild, 24), plain);
+    let steep: Vec<f64> = (0..200).map(|k| 5.0 * f64::from(k)).collect();
+    let weights = tempered(&steep, 24);
+    assert!(
+        (24.0..24.1).contains(&effective(&weights)),
+        "{}",
+        effective(&weights)
+    );
+    // The better a draw, the more it counts, still.
+    assert!(weights.windows(2).all(|w| w[0] > w[1]));
+    // Draws that are alike cannot be told apart, whatever is asked for.
+    assert_eq!(tempered(&[3.0; 10], 24), vec![1.0; 10]);
+}

@@ -86,7 +86,7 @@ pub use study::basis::BasisRule;
 pub use study::builder::StudyBuilder;
 pub use study::case::{Case, Target};
 pub use study::command_file::{BetweenCommands, CommandColumn, Commands, Off, RecordedCommand};
-pub use study::definition::{Definition, ScoreRule, StartRule, StartUsed};
+pub use study::definition::{BaseRule, Definition, ScoreRule, StartRule, StartUsed};
 #[cfg(feature = "schema")]
 pub use study::file::StudyFile;
 pub use study::fleet::Member;

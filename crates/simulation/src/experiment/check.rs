@@ -28,6 +28,7 @@ impl Experiment {
         self.check_energy()?;
         self.check_friction()?;
         self.check_mount()?;
+        self.check_base()?;
         self.check_compliance()?;
         for body in &self.scene {
             body.check()?;
@@ -185,6 +186,53 @@ impl Experiment {
                 Error::invalid("the energy balance does not count the spring of a mount")
                     .field("mount.stiffness_n_m")
                     .allowed("no spring"),
+            );
+        }
+        Ok(())
+    }
+
+    /// Checks that a base that is led can be: it is the root, which the tree solver leads, and stands on no spring.
+    fn check_base(&self) -> Result<()> {
+        if self.base.is_none() {
+            return Ok(());
+        }
+        let refuse = |why: &str, found: &str, allowed: &str| {
+            let error = Error::invalid(why).field("base");
+            Err(error.found(found).allowed(allowed))
+        };
+        if self.assembly.track_part != 0 {
+            return refuse(
+                "the pose along which a base is led is that of the root",
+                "another body is tracked",
+                "a robot whose tracked body (`track`) is its root",
+            );
+        }
+        if self.mount.is_some() {
+            return refuse(
+                "a base that is led stands on no spring",
+                "a spring (`mount.stiffness_n_m`)",
+                "one of both: the recorded motion is that of the robot, on whatever it stands",
+            );
+        }
+        if self.assembly.is_compliant() {
+            return refuse(
+                "no engine simulates compliant hinges on a base that is led",
+                "`hinge.bearing_hz` above 0",
+                "0",
+            );
+        }
+        if self.vehicle.is_some() || self.controller.is_some() {
+            return refuse(
+                "the base of a robot that steers itself is not led",
+                "a vehicle or a controller",
+                "recorded commands or gaits",
+            );
+        }
+        if self.energy_from_s.is_some() {
+            return refuse(
+                "the energy balance does not count the work of what leads a base",
+                "an energy balance",
+                "a base that is not led",
             );
         }
         Ok(())

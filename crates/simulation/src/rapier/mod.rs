@@ -109,6 +109,9 @@ impl Engine for Rapier {
     }
 
     fn refusal(&self, experiment: &Experiment) -> Option<String> {
+        if experiment.base.is_some() {
+            return Some("it does not lead the root of a robot along a motion".to_owned());
+        }
         if experiment.mount.is_some() {
             return Some("it holds robots rigidly only (mount.stiffness_n_m)".to_owned());
         }

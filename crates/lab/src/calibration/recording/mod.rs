@@ -15,7 +15,7 @@ use std::hash::{DefaultHasher, Hasher as _};
 use std::path::{Path, PathBuf};
 
 use crate::calibration::recording::file_pattern::matching_files;
-use crate::calibration::{Definition, Horizon, Overrides};
+use crate::calibration::{BaseRule, Definition, Horizon, Overrides};
 use realgap_core::file::sha256;
 use realgap_core::unit::counted;
 use realgap_core::{Advice, Code, Error, Result, Warning};
@@ -198,6 +198,7 @@ fn is_beside(path: &Path) -> bool {
 pub(in crate::calibration) fn warnings_for(
     robot: Option<&Morphology>,
     recordings: &[Recording],
+    base: BaseRule,
 ) -> Vec<Warning> {
     let mut warnings: Vec<Warning> = recordings.iter().flat_map(|r| r.warnings.clone()).collect();
     warnings.extend(different_robots(recordings));
@@ -219,7 +220,9 @@ pub(in crate::calibration) fn warnings_for(
         warnings.extend(plausibility::lengths(robot, recordings));
         warnings.extend(plausibility::axes(robot, recordings));
         warnings.extend(plausibility::angles(robot, recordings));
-        warnings.extend(plausibility::held(robot, recordings));
+        if base == BaseRule::OfRobot {
+            warnings.extend(plausibility::held(robot, recordings));
+        }
     }
     warnings.extend(plausibility::duplicate_recordings(recordings));
     warnings.extend(stand_in(recordings));

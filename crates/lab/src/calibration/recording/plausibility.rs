@@ -134,7 +134,7 @@ pub(in crate::calibration) fn held(robot: &Morphology, recordings: &[Recording])
             return None;
         }
         let message = format!(
-            "{}: goes {} m from where it starts, and \"{}\" is held at its root: is this the robot that was recorded?",
+            "{}: goes {} m from where it starts, and \"{}\" is held at its root: is this the robot that was recorded? If what holds it moves, `base: Recorded` in the study leads the root along the recorded pose",
             recording.name,
             number(motion.extent_m()),
             robot.name()

@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use crate::calibration::recording::identity::samples_sha256;
 use crate::calibration::recording::warnings_for;
-use crate::calibration::{BasisRule, Definition, OwnSimulator, ScoreRule, Split, StartRule, Study};
+use crate::calibration::{
+    BaseRule, BasisRule, Definition, OwnSimulator, ScoreRule, Split, StartRule, Study,
+};
 use realgap_core::Result;
 use realgap_core::file::check_name;
 use realgap_identification::StartState;
@@ -122,6 +124,8 @@ impl StudyBuilder {
         split: Split;
         /// How repeats differ, for ensembles and gaps.
         noise: Noise;
+        /// What holds the root of the robot; by default, what its file says.
+        base: BaseRule;
     }
 
     /// Runs start from this state of each recording instead of at rest on the floor.
@@ -165,7 +169,7 @@ impl StudyBuilder {
             Some(_) => None,
             None => Some(&definition.morphology),
         };
-        definition.warnings = warnings_for(robot, &definition.recordings);
+        definition.warnings = warnings_for(robot, &definition.recordings, definition.base);
         Study::new(definition)
     }
 }

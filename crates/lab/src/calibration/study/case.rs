@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use crate::calibration::recording::{digest, in_short, joints, plausibility};
 use crate::calibration::study::own_case::own_cases;
 use crate::calibration::study::{scene_file, scored_columns};
-use crate::calibration::{Definition, StartRule};
+use crate::calibration::{BaseRule, Definition, StartRule};
 use realgap_core::statistics::ends_of;
 use realgap_core::{Advice, Code, Error, Result, Warning};
 use realgap_identification::{Body, EQUAL_MOMENTS, KnownFlight, Refined, StartState, refine};
@@ -195,7 +195,11 @@ fn from_recordings(
         )?;
         let times_s = target.motion.times_s();
         let mut experiment = base.clone();
-        if recording.trajectory.is_of_joints() && base.assembly.world_from_mount.is_some() {
+        if definition.base == BaseRule::Recorded {
+            let led = experiment.lead_base(&recording.trajectory);
+            led.map_err(|e| e.field("base").at_file(&recording.path))?;
+            experiment.start = Start::Settled;
+        } else if recording.trajectory.is_of_joints() && base.assembly.world_from_mount.is_some() {
             // A robot that is held at its root needs no start state but that of its joints.
             experiment.start = Start::Settled;
         } else {
@@ -264,13 +268,24 @@ fn start_state_warnings(definition: &Definition, cases: &[Case]) -> Result<Vec<W
     Ok(warnings)
 }
 
+/// What is compared of a recording along whose poses the base is led.
+fn joints_alone(motion: &Trajectory) -> Result<Trajectory> {
+    let nowhere = vec![Vector3::zeros(); motion.len()];
+    Trajectory::new(motion.times_s().to_vec(), nowhere)?
+        .with_joints(motion.joints().to_vec())?
+        .with_signals(motion.signals().to_vec())
+}
+
 pub(super) fn target(
     definition: &Definition,
     (index, recording): (usize, &Recording),
     duration_s: f64,
     warnings: &mut Vec<Warning>,
 ) -> Result<Target> {
-    let motion = clip(&recording.trajectory, duration_s)?;
+    let mut motion = clip(&recording.trajectory, duration_s)?;
+    if definition.base == BaseRule::Recorded {
+        motion = joints_alone(&motion)?;
+    }
     let alignment = match motion.is_of_joints() {
         // A robot whose joints alone were recorded has no path.
         true => Alignment::default(),

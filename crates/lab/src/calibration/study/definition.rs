@@ -32,6 +32,18 @@ pub enum StartRule {
     FromRecording,
 }
 
+/// What holds the root of the robot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum BaseRule {
+    /// As the robot's file says: held, or free.
+    #[default]
+    OfRobot,
+    /// It follows the recorded pose, whatever the robot's file says, as that of a robot on a stand that shakes or is carried. Nothing
+    /// hinders it, and only the joints are compared.
+    Recorded,
+}
+
 /// Over what the score of a point is the mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -83,6 +95,8 @@ pub struct Definition {
     pub start: StartRule,
     /// Which state of a recording runs start from, where they start from recordings.
     pub start_state: StartState,
+    /// What holds the root of the robot.
+    pub base: BaseRule,
     /// Whether recordings that end while moving are left out.
     pub only_at_rest: bool,
     /// The controller: sensors that the robot reads, and rules that it follows.
@@ -183,6 +197,7 @@ impl Definition {
             recordings_sha256: Vec::new(),
             start: StartRule::Settled,
             start_state: StartState::default(),
+            base: BaseRule::default(),
             only_at_rest: false,
             steering: None,
             scene: Vec::new(),
@@ -211,6 +226,26 @@ impl Definition {
         }
     }
 
+    /// What contradicts a base that is led, with the name of its field.
+    fn base_fault(&self) -> Option<(&'static str, Error)> {
+        let refuse = |field, what: &str, hint: &str| Some((field, Error::invalid(what).hint(hint)));
+        if self.base == BaseRule::OfRobot {
+            None
+        } else if self.start == StartRule::Settled {
+            let what = "a base that is led starts where it was recorded";
+            refuse("start", what, "use `start: FromRecording`")
+        } else if self.start_state != StartState::FirstSample {
+            let what = "a base that is led has no start state to refine";
+            refuse("start_state", what, "leave `start_state` out")
+        } else if !self.metric.needs().joints {
+            let what =
+                "the pose of a base that is led is given, so only its joints can be compared";
+            refuse("metric", what, "use the metric `joints`")
+        } else {
+            None
+        }
+    }
+
     /// The first number that is not allowed, with the name of its field.
     pub(in crate::calibration) fn fault(&self) -> Option<(String, Error)> {
         let components = self.components.check().err();
@@ -218,6 +253,9 @@ impl Definition {
             .duration_s
             .and_then(|s| DURATION.refusal(s).map(|e| e.field("duration_s")));
         let noise = self.noise.and_then(|noise| noise.fault());
+        if let Some((field, error)) = self.base_fault() {
+            return Some((field.to_owned(), error));
+        }
         components
             .map(|error| ("components".to_owned(), error))
             .or_else(|| duration.map(|error| ("duration_s".to_owned(), error)))
@@ -265,6 +303,12 @@ impl Definition {
     /// The source of the recordings.
     pub fn source(&self) -> Source {
         Source::of(&self.recordings)
+    }
+
+    /// Whether only joints are compared, whatever the metric: nothing else was recorded, or the root is led along what was.
+    pub fn is_of_joints(&self) -> bool {
+        let mut recordings = self.recordings.iter();
+        self.base == BaseRule::Recorded || recordings.all(|r| r.trajectory.is_of_joints())
     }
 
     /// The error with the study's file, where the study has a file.

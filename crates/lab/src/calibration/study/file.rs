@@ -13,8 +13,8 @@ use crate::calibration::study::scene_file::BodyFile;
 use crate::calibration::study::scored_columns;
 use crate::calibration::study::simulator_file::SimulatorFile;
 use crate::calibration::{
-    BasisRule, Commands, Definition, Horizon, Overrides, OwnSimulator, ScoreRule, ScoredColumns,
-    StartRule, recording,
+    BaseRule, BasisRule, Commands, Definition, Horizon, Overrides, OwnSimulator, ScoreRule,
+    ScoredColumns, StartRule, recording,
 };
 use realgap_core::file::{Source, name_of_file, parse_ron, sha256, unique_keys};
 use realgap_core::{Error, Result};
@@ -55,6 +55,10 @@ pub struct StudyFile {
     start: StartRule,
     /// How the first velocities are found, where runs start from a recording.
     start_state: Option<StartState>,
+    /// What holds the root of the robot; `Recorded` leads it along the recorded pose (`x_m` to `qz` beside the joints), with
+    /// `start: FromRecording` and the metric `joints`.
+    #[serde(default)]
+    base: BaseRule,
     /// Leave out recordings in which something still moves at the end.
     #[serde(default)]
     only_at_rest: bool,
@@ -279,7 +283,7 @@ impl Definition {
             Some(_) => None,
             None => Some(&definition.morphology),
         };
-        let mut warnings = recording::warnings_for(robot, &found.recordings);
+        let mut warnings = recording::warnings_for(robot, &found.recordings, definition.base);
         warnings.extend(moving);
         warnings.extend(in_sample(&found.recordings, &overrides.fitted_on));
         Ok(Self {
@@ -377,6 +381,7 @@ impl Definition {
             condition: file.condition,
             start: file.start,
             start_state,
+            base: file.base,
             only_at_rest: file.only_at_rest,
             commands: file.commands,
             left_out: file.left_out,
@@ -459,6 +464,7 @@ impl StudyFile {
             ("vehicle", self.vehicle.is_some()),
             ("robots", !self.robots.is_empty()),
             ("start_state", self.start_state.is_some()),
+            ("base", self.base != BaseRule::default()),
             ("scene", !self.scene.is_empty()),
             ("arena", self.arena.is_some()),
             ("controller", self.controller.is_some()),

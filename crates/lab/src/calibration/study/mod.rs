@@ -9,6 +9,7 @@ pub(super) mod definition;
 pub(super) mod file;
 pub(super) mod fingerprint;
 pub(super) mod fleet;
+pub(super) mod gain_check;
 pub(super) mod horizon;
 pub(super) mod overrides;
 pub(super) mod own_case;
@@ -119,6 +120,7 @@ impl Study {
         warnings.extend(definition.warnings.iter().cloned());
         check_owners(&definition).map_err(|e| definition.at_file(e))?;
         warnings.extend(folded_directions(&definition, &cases));
+        warnings.extend(gain_check::doubts(&definition, &cases));
         let of_first = definition.set_of(&definition.morphology);
         warnings.extend(of_first.without_effect(&cases[0].experiment));
         warnings.extend(definition.robot_warnings());
