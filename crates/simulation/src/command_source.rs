@@ -24,6 +24,7 @@ impl<'a> CommandSource<'a> {
             (Some(actuator), Some(track)) => {
                 let own = match actuator.servo.law {
                     ServoLaw::Direct => Quantity::Torque,
+                    law if law.follows_speeds() => Quantity::Velocity,
                     _ => Quantity::Position,
                 };
                 // The scale is that of the quantity that the actuator itself takes.

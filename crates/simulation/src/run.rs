@@ -210,14 +210,18 @@ pub(super) struct Rollout<'a> {
     warnings: Vec<Warning>,
 }
 
-/// Start angle of a joint for which none is stated, as its encoder reads it: the servo's first command, or 0 without a servo,
-/// limited to the joint's range.
+/// Start angle of a joint for which the experiment states none, as its encoder reads it: the servo's first command, or without a servo
+/// that follows angles what the robot's file states, else 0; limited to the joint's range.
 fn start_rad(experiment: &Experiment, index: usize, hinge: &Hinge) -> f64 {
     let change = experiment.hinge_adjustment(index);
     let commands = CommandSource::new(experiment, hinge);
     let asked_rad = match commands.quantity() {
-        Quantity::Position => commands.value(0.0) + change.offset_rad,
-        Quantity::Velocity | Quantity::Torque | Quantity::Current | Quantity::Duty => 0.0,
+        Quantity::Position if hinge.actuator.is_some() => commands.value(0.0) + change.offset_rad,
+        Quantity::Position
+        | Quantity::Velocity
+        | Quantity::Torque
+        | Quantity::Current
+        | Quantity::Duty => hinge.start_rad.unwrap_or(0.0),
     };
     match hinge.bearing.limits_rad {
         Some((low_rad, high_rad)) if !experiment.assembly.is_modular => {

@@ -241,6 +241,13 @@ fn of_servo(hinge: &Hinge, has_command: bool, drive: &Drive) -> Vec<Proposal> {
     };
     match law(hinge) {
         Some(ServoLaw::Velocity { gain_per_s }) => vec![around("gain_1_s", gain_per_s)],
+        Some(
+            law @ ServoLaw::Torque {
+                damping_nm_s_rad, ..
+            },
+        ) if law.follows_speeds() && has_command => {
+            vec![around("damping_nm_s_rad", damping_nm_s_rad)]
+        }
         Some(ServoLaw::Torque {
             stiffness_nm_rad,
             damping_nm_s_rad,
@@ -298,7 +305,9 @@ fn of_hinge(hinge: &Hinge, has_command: bool, drive: &Drive, summary: &Summary) 
         ));
     }
     all.push(up_to("dry_nm", bearing.dry_nm, 5.0, FRICTION * torque_nm));
-    if has_command && !matches!(law(hinge), Some(ServoLaw::Direct)) {
+    // A zero shifts angles, which neither torques nor speeds are.
+    let follows_angles = |law: ServoLaw| law != ServoLaw::Direct && !law.follows_speeds();
+    if has_command && law(hinge).is_none_or(follows_angles) {
         let most = match hinge.freedom == Freedom::Slide {
             true => 0.01,
             false => 0.1,

@@ -141,12 +141,13 @@ fn raise(structure: &mut Structure, assembly: &Assembly, notes: &mut Notes) {
     );
 }
 
-/// The joint coordinates nearest to 0 that the limits allow.
+/// The joint coordinates at the start: those that the file states, else the ones nearest to 0 that the limits allow.
 fn start(assembly: &Assembly) -> Vec<f64> {
     let hinges = assembly.hinges.iter();
     let nearest = hinges.map(|hinge| {
         let limits = hinge.bearing.limits_rad;
-        limits.map_or(0.0, |(low, high)| 0.0_f64.clamp(low, high))
+        let stated = hinge.start_rad.unwrap_or(0.0);
+        limits.map_or(stated, |(low, high)| stated.clamp(low, high))
     });
     nearest.collect()
 }
@@ -172,6 +173,9 @@ fn rename(structure: &mut Structure, notes: &mut Notes) {
     }
     for mark in &mut structure.marks {
         give(&bodies, &mut mark.body);
+    }
+    if let Some(track) = &mut structure.track {
+        give(&bodies, track);
     }
     for (a, b) in &mut structure.collision_exclude {
         give(&bodies, a);

@@ -148,6 +148,7 @@ impl AssemblyBuilder<'_> {
             actuator: None,
             bearing,
             is_stated: true,
+            start_rad: joint.start,
         })
     }
 
@@ -299,6 +300,7 @@ impl AssemblyBuilder<'_> {
         if let Some(mount) = &structure.mount {
             check_pose(mount, "mount")?;
         }
+        structure.world.check()?;
         let root = tree.order[0];
         let (track, robot_from_track, track_part) = match &structure.track {
             None => (root, self.robot_from_body[root], 0),
@@ -345,6 +347,7 @@ impl AssemblyBuilder<'_> {
             track_part,
             robot_from_track,
             body_length_m,
+            surroundings: structure.world.clone(),
         })
     }
 
