@@ -144,7 +144,7 @@ pub(super) fn draft(subject: &Subject, recordings: &[Recording], drive: &Drive) 
 "
         ),
         before: before(commands, is_any_commanded, &left_out, drive),
-        timestep_s: Some(timestep_s(motion)),
+        timestep_s: Some(timestep_s(motion, subject)),
         horizon: None,
         parameters: parameters.iter().map(Proposal::line).collect(),
         after: format!("    metric: \"joints\",\n    score: Single,\n{noise}"),
@@ -181,10 +181,11 @@ fn before(
     before
 }
 
-/// At least [`STEPS`] steps per sample.
-fn timestep_s(motion: &Trajectory) -> f64 {
+/// At least [`STEPS`] steps per sample, and steps that follow the stiffest joint of the robot.
+fn timestep_s(motion: &Trajectory, subject: &Subject) -> f64 {
     let sample_s = motion.duration_s() / (motion.times_s().len() - 1) as f64;
-    floored((sample_s / STEPS).min(LONGEST_STEP_S))
+    let stiff_s = subject.robot.assemble().surroundings.timestep_s;
+    floored((sample_s / STEPS).min(stiff_s.unwrap_or(LONGEST_STEP_S)).min(LONGEST_STEP_S))
 }
 
 /// The parameters to fit, with ranges around the values in the robot's file, or of what a servo of this size may have: those that

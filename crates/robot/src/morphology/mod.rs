@@ -130,6 +130,7 @@ mod pivot;
 mod plausibility;
 mod summary;
 mod sweep;
+mod stiffness;
 mod tree;
 
 use std::path::Path;
@@ -152,6 +153,7 @@ pub use module::{Drive, DriveAxis, Module, ModuleBox, Plate};
 pub use motor::{GearFriction, MOST_LOAD, Motor};
 pub use pivot::Pivot;
 pub use realgap_solid::{Facet, Shape, Surface};
+pub use stiffness::StiffestJoint;
 pub use summary::Summary;
 
 use crate::import::{Note, Options, import, is_foreign};

@@ -37,7 +37,7 @@ impl Robot<'_> {
                 notes.left_out(
                     None,
                     format!("{} postures (<keyframe>): {}", keys.len(), names.join(", ")),
-                    "choose one as the start: --keyframe NAME; joints start at 0 now",
+                    "joints start at 0 now; choose one of them as the start when importing the robot",
                 );
                 return Ok(());
             }
@@ -55,7 +55,7 @@ impl Robot<'_> {
         notes.assumed(
             None,
             format!("joints start in the posture of the keyframe {}{others}", names[index]),
-            "another one is chosen with --keyframe NAME; the height of a root that is free is not taken: it stands on the floor",
+            "another one may be chosen when importing the robot; the height of a root that is free is not taken: it stands on the floor",
         );
         Ok(())
     }

@@ -375,7 +375,7 @@ impl Pose {
     }
 
     /// The pose as a transformation.
-    pub(crate) fn isometry(&self) -> Isometry3<f64> {
+    pub fn isometry(&self) -> Isometry3<f64> {
         let turn = match (self.rpy_rad, self.quaternion) {
             (_, Some((w, x, y, z))) => UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)),
             (Some((roll, pitch, yaw)), None) => UnitQuaternion::from_euler_angles(roll, pitch, yaw),
