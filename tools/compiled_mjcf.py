@@ -121,8 +121,8 @@ def compiled(path):
     )
 
 
-def wheels():
-    for package, folders in COLLECTIONS.items():
+def wheels(collections=COLLECTIONS):
+    for package, folders in collections.items():
         found = importlib.util.find_spec(package)
         if found is None or found.origin is None:
             yield package, None

@@ -39,6 +39,9 @@ pub struct Import {
     /// Control law of servos for which a URDF states only limits
     #[arg(long, value_parser = choice(LAWS), default_value = "velocity", conflicts_with = "passive")]
     law: AssumedLaw,
+    /// Start in this keyframe of an MJCF; by default `home`, or the only one
+    #[arg(long, value_name = "NAME")]
+    keyframe: Option<String>,
     /// Largest number of convex hulls per mesh; hollow and bent meshes need several, and each costs time in every step
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=64))]
     hulls: u16,
@@ -111,6 +114,7 @@ impl Import {
             mounted: self.mounted,
             passive: self.passive,
             law: self.law,
+            keyframe: self.keyframe.clone(),
             hulls: self.hulls.into(),
             ..Options::default()
         };

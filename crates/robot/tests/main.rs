@@ -8,4 +8,5 @@ mod foreign;
 mod genome;
 mod limits;
 mod morphology;
+mod surroundings;
 mod urdf;

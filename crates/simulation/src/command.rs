@@ -25,6 +25,7 @@ impl Quantity {
         match law {
             ServoLaw::Direct => Self::Torque,
             ServoLaw::Throttle => Self::Duty,
+            law if law.follows_speeds() => Self::Velocity,
             ServoLaw::Velocity { .. } | ServoLaw::Torque { .. } | ServoLaw::Motor(_) => {
                 Self::Position
             }

@@ -9,6 +9,7 @@ use super::motor::Effort;
 use super::part_state::PartState;
 use super::rapier::RAPIER;
 use super::servo::Command;
+use super::stiffness::rapier_follows;
 use super::tree::TREE;
 use realgap_core::error::Result;
 use realgap_core::file::look_up;
@@ -152,14 +153,16 @@ impl EngineChoice {
         Self(engine)
     }
 
-    /// The engine for a robot whose file and user choose none: the tree solver for a robot with tyres, and for a robot of bodies with
-    /// more than [`JointFormulation::MOST_HINGES`] joints, else Rapier. Such a long robot has multibody joints in Rapier, whose cost grows with the cube of
+    /// The engine for a robot whose file and user choose none: the tree solver for a robot with tyres, and for a robot of bodies with more
+    /// than [`JointFormulation::MOST_HINGES`] joints or with a spring that Rapier would make softer, else Rapier. Such a long robot has multibody joints in Rapier, whose cost grows with the cube of
     /// the number of joints, and in the tree solver in proportion to it (docs/design.md).
     pub fn suited_to(assembly: &Assembly) -> Self {
         let is_long = !assembly.is_modular
             && assembly.hinges.len() > JointFormulation::MOST_HINGES
             && !assembly.is_compliant();
-        match is_long || assembly.has_tyres() {
+        let is_stiff =
+            !assembly.is_modular && !assembly.is_compliant() && !rapier_follows(assembly);
+        match is_long || is_stiff || assembly.has_tyres() {
             true => Self(&TREE),
             false => Self::default(),
         }

@@ -21,6 +21,7 @@ use super::vehicle::{Drive, Vehicle};
 use realgap_core::error::Result;
 use realgap_core::unit::GRAVITY_M_S2;
 use realgap_path::trajectory::{State, Trajectory};
+use realgap_robot::morphology::body::Surroundings;
 use realgap_robot::morphology::{Assembly, Role};
 
 /// The ground: a half-space.
@@ -48,6 +49,17 @@ impl Default for Floor {
 }
 
 impl Floor {
+    /// The floor that a robot's file states; what it does not state is the default.
+    fn around(world: &Surroundings) -> Self {
+        let usual = Self::default();
+        Self {
+            friction: world.floor_friction.unwrap_or(usual.friction),
+            height_m: world.floor_height_m.unwrap_or(usual.height_m),
+            slope_rad: world.floor_slope_rad.unwrap_or(usual.slope_rad),
+            ..usual
+        }
+    }
+
     /// The floor's upward unit normal in the world frame.
     pub fn normal_world(&self) -> Vector3<f64> {
         Vector3::new(self.slope_rad.sin(), 0.0, self.slope_rad.cos())
@@ -344,18 +356,24 @@ pub struct Experiment {
 }
 
 impl Experiment {
-    /// An experiment with all defaults: settled start, 10 s, 60 samples per second, and the engine that suits the robot
-    /// ([`EngineChoice::suited_to`]).
+    /// An experiment with all defaults: settled start, 10 s, 60 samples per second, the engine that suits the robot
+    /// ([`EngineChoice::suited_to`]), and the world that the robot's file states around it.
     pub fn new(assembly: Assembly) -> Self {
+        let around = &assembly.surroundings;
+        let usual = Solver::default();
         let solver = Solver {
             engine: EngineChoice::suited_to(&assembly),
-            ..Solver::default()
+            timestep_s: (around.timestep_s).map_or(usual.timestep_s, |most_s| most_s.min(usual.timestep_s)),
+            ..usual
         };
+        let floor = Floor::around(around);
+        let gravity_m_s2 = around.gravity_m_s2.unwrap_or(GRAVITY_M_S2);
+        let scene = around.bodies.iter().map(SceneBody::beside).collect();
         Self {
             records_joints: assembly.hinges.iter().any(|hinge| hinge.is_stated),
             assembly: Arc::new(assembly),
-            floor: Floor::default(),
-            gravity_m_s2: GRAVITY_M_S2,
+            floor,
+            gravity_m_s2,
             start: Start::Settled,
             start_joints: Vec::new(),
             instruments: Vec::new(),
@@ -365,7 +383,7 @@ impl Experiment {
             vehicle: None,
             drive: Drive::default(),
             controller: None,
-            scene: Vec::new(),
+            scene,
             duration_s: 10.0,
             sampling: Sampling::Rate(60.0),
             mount: None,

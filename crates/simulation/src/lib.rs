@@ -39,6 +39,7 @@ mod scene;
 mod servo;
 mod settle;
 mod simulator;
+mod stiffness;
 mod tree;
 mod vehicle;
 mod watch;

@@ -48,6 +48,7 @@ impl Experiment {
             solid.role == Role::Cube && (0..3).any(|i| centre_m[i] > half_m[i] * (1.0 + 1e-9))
         });
         warnings.extend(self.slow_joints());
+        warnings.extend(self.soft_springs());
         warnings.extend(outside.map(|solid| {
             let centre_m = solid.centre_of_mass_solid_m;
             Code::CentreOfMassOutside.warning(format!(

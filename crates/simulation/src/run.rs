@@ -212,14 +212,18 @@ pub(super) struct Rollout<'a> {
     warnings: Vec<Warning>,
 }
 
-/// Start angle of a joint for which none is stated, as its encoder reads it: the servo's first command, or 0 without a servo,
-/// limited to the joint's range.
+/// Start angle of a joint for which the experiment states none, as its encoder reads it: the servo's first command, or without a servo
+/// that follows angles what the robot's file states, else 0; limited to the joint's range.
 fn start_rad(experiment: &Experiment, index: usize, hinge: &Hinge) -> f64 {
     let change = experiment.hinge_adjustment(index);
     let commands = CommandSource::new(experiment, hinge);
     let asked_rad = match commands.quantity() {
-        Quantity::Position => commands.value(0.0) + change.offset_rad,
-        Quantity::Velocity | Quantity::Torque | Quantity::Current | Quantity::Duty => 0.0,
+        Quantity::Position if hinge.actuator.is_some() => commands.value(0.0) + change.offset_rad,
+        Quantity::Position
+        | Quantity::Velocity
+        | Quantity::Torque
+        | Quantity::Current
+        | Quantity::Duty => hinge.start_rad.unwrap_or(0.0),
     };
     match hinge.bearing.limits_rad {
         Some((low_rad, high_rad)) if !experiment.assembly.is_modular => {
@@ -491,22 +495,27 @@ impl<'a> Rollout<'a> {
 
     /// The reason why the present state counts as diverged; `None` if it is plausible.
     fn divergence_reason(&self, origin_world_m: &Vector3<f64>) -> Option<String> {
+        let name = |part: usize| {
+            let solid = self.assembly.parts[part].solids.first();
+            let body = solid.and_then(|solid| self.assembly.module_names.get(solid.module));
+            body.map_or_else(|| format!("part {part}"), |body| format!("part {part} (`{body}`)"))
+        };
         for part in 0..self.assembly.parts.len() {
             let (pose, linear, angular) = self.world.part(part);
             let distance_m = (pose.translation.vector - origin_world_m).norm();
             // NaN counts as beyond every limit.
             let beyond = |value: f64, limit: f64| value.is_nan() || value > limit;
             if beyond(distance_m, FARTHEST_M) {
-                return Some(format!("part {part} is {distance_m:.3e} m from the start"));
+                return Some(format!("{} is {distance_m:.3e} m from the start", name(part)));
             }
             if beyond(linear.norm(), FASTEST_M_S) {
-                return Some(format!("part {part} moves at {:.3e} m/s", linear.norm()));
+                return Some(format!("{} moves at {:.3e} m/s", name(part), linear.norm()));
             }
             if beyond(angular.norm(), FASTEST_RAD_S) {
-                return Some(format!("part {part} turns at {:.3e} rad/s", angular.norm()));
+                return Some(format!("{} turns at {:.3e} rad/s", name(part), angular.norm()));
             }
             if !pose.rotation.coords.iter().all(|v| v.is_finite()) {
-                return Some(format!("part {part} has no orientation any more"));
+                return Some(format!("{} has no orientation any more", name(part)));
             }
         }
         None

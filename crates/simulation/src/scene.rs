@@ -6,6 +6,7 @@ use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 
 use realgap_core::error::{Error, Result};
 use realgap_path::trajectory::{Interpolator, Trajectory};
+use realgap_robot::morphology::body::Beside;
 
 /// A box of a body of the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,6 +31,27 @@ pub struct SceneBody {
 }
 
 impl SceneBody {
+    /// A body that a robot's file states beside the robot.
+    pub(super) fn beside(body: &Beside) -> Self {
+        let world_from_body = body.pose.isometry();
+        let boxes = body.boxes.iter().map(|part| SceneBox {
+            sides_m: Vector3::new(part.sides_m.0, part.sides_m.1, part.sides_m.2),
+            body_from_box: part.pose.isometry(),
+        });
+        Self {
+            name: body.name.clone(),
+            boxes: boxes.collect(),
+            friction: body.friction,
+            motion: match body.mass_kg {
+                None => SceneMotion::Fixed { world_from_body },
+                Some(mass_kg) => SceneMotion::Free {
+                    world_from_body,
+                    mass_kg,
+                },
+            },
+        }
+    }
+
     /// Centre of mass and inertia about it of boxes of one density.
     pub(super) fn uniform(&self, mass_kg: f64) -> (Vector3<f64>, Matrix3<f64>) {
         let volume = |sides: &Vector3<f64>| sides.product();

@@ -129,9 +129,15 @@ pub(super) fn command(
             };
         }
         Quantity::Velocity => {
+            let damping_nm_s_rad = match servo.law {
+                ServoLaw::Torque {
+                    damping_nm_s_rad, ..
+                } if servo.law.follows_speeds() => damping_nm_s_rad,
+                _ => speed_damping_nm_s_rad(servo),
+            };
             return Command::Velocity {
                 target_rad_s: target.clamp(-servo.max_speed_rad_s, servo.max_speed_rad_s),
-                damping_nm_s_rad: speed_damping_nm_s_rad(servo),
+                damping_nm_s_rad,
                 max_torque_nm,
             };
         }

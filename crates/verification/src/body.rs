@@ -60,6 +60,7 @@ pub(super) fn robot(parts: Vec<Vec<Solid>>, hinges: Vec<Hinge>) -> Assembly {
         track_part: 0,
         robot_from_track: Isometry3::identity(),
         body_length_m: SIDE_M,
+        surroundings: Default::default(),
     }
 }
 
@@ -131,6 +132,7 @@ pub(super) fn arm(mass_kg: f64, axis: Vector3<f64>, servo: Servo, gait: Gait) ->
         }),
         bearing: Bearing::default(),
         is_stated: false,
+        start_rad: None,
     };
     robot(vec![vec![base], vec![arm]], vec![hinge])
 }
@@ -205,6 +207,7 @@ pub(super) fn stool(modules: Vec<Solid>, servo: Servo, gait: Gait) -> Assembly {
         }),
         bearing: Bearing::default(),
         is_stated: false,
+        start_rad: None,
     };
     robot(vec![modules, vec![plate]], vec![hinge])
 }

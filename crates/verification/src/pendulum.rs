@@ -37,6 +37,7 @@ fn hinge(number: usize) -> Hinge {
         }),
         bearing: Bearing::default(),
         is_stated: false,
+        start_rad: None,
     }
 }
 

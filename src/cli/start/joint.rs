@@ -144,7 +144,7 @@ pub(super) fn draft(subject: &Subject, recordings: &[Recording], drive: &Drive) 
 "
         ),
         before: before(commands, is_any_commanded, &left_out, drive),
-        timestep_s: Some(timestep_s(motion)),
+        timestep_s: Some(timestep_s(motion, subject)),
         horizon: None,
         parameters: parameters.iter().map(Proposal::line).collect(),
         after: format!("    metric: \"joints\",\n    score: Single,\n{noise}"),
@@ -181,10 +181,11 @@ fn before(
     before
 }
 
-/// At least [`STEPS`] steps per sample.
-fn timestep_s(motion: &Trajectory) -> f64 {
+/// At least [`STEPS`] steps per sample, and steps that follow the stiffest joint of the robot.
+fn timestep_s(motion: &Trajectory, subject: &Subject) -> f64 {
     let sample_s = motion.duration_s() / (motion.times_s().len() - 1) as f64;
-    floored((sample_s / STEPS).min(LONGEST_STEP_S))
+    let stiff_s = subject.robot.assemble().surroundings.timestep_s;
+    floored((sample_s / STEPS).min(stiff_s.unwrap_or(LONGEST_STEP_S)).min(LONGEST_STEP_S))
 }
 
 /// The parameters to fit, with ranges around the values in the robot's file, or of what a servo of this size may have: those that
@@ -241,6 +242,13 @@ fn of_servo(hinge: &Hinge, has_command: bool, drive: &Drive) -> Vec<Proposal> {
     };
     match law(hinge) {
         Some(ServoLaw::Velocity { gain_per_s }) => vec![around("gain_1_s", gain_per_s)],
+        Some(
+            law @ ServoLaw::Torque {
+                damping_nm_s_rad, ..
+            },
+        ) if law.follows_speeds() && has_command => {
+            vec![around("damping_nm_s_rad", damping_nm_s_rad)]
+        }
         Some(ServoLaw::Torque {
             stiffness_nm_rad,
             damping_nm_s_rad,
@@ -298,7 +306,9 @@ fn of_hinge(hinge: &Hinge, has_command: bool, drive: &Drive, summary: &Summary) 
         ));
     }
     all.push(up_to("dry_nm", bearing.dry_nm, 5.0, FRICTION * torque_nm));
-    if has_command && !matches!(law(hinge), Some(ServoLaw::Direct)) {
+    // A zero shifts angles, which neither torques nor speeds are.
+    let follows_angles = |law: ServoLaw| law != ServoLaw::Direct && !law.follows_speeds();
+    if has_command && law(hinge).is_none_or(follows_angles) {
         let most = match hinge.freedom == Freedom::Slide {
             true => 0.01,
             false => 0.1,

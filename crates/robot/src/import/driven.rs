@@ -48,7 +48,13 @@ pub(super) fn drive(structure: &mut Structure, options: &Options, notes: &mut No
         };
         let moves = moves(structure, name);
         match driver(structure, name) {
-            Some(driver) => driver.servo.law = law,
+            Some(driver) => {
+                // What scaled the torques of a motor does not scale the angles that its firmware takes.
+                if driver.servo.law == ServoLaw::Direct {
+                    driver.command = None;
+                }
+                driver.servo.law = law;
+            }
             None if moves => add(structure, name, law, strong_nm),
             None => {}
         }

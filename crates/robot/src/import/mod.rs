@@ -85,6 +85,8 @@ pub struct Options {
     /// Joints whose firmware turns commanded angles into torques, each with its gains: they replace the law of its servo, and a joint
     /// without a servo gets one.
     pub gains: BTreeMap<String, PositionGains>,
+    /// The keyframe of an MJCF in which joints start; `home`, or the only one, if none is asked for.
+    pub keyframe: Option<String>,
     /// Largest number of convex hulls into which a mesh is split; with 0 or 1 the mesh is replaced by its convex hull.
     pub hulls: usize,
 }

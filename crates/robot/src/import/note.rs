@@ -86,21 +86,39 @@ impl Notes {
         self.add(NoteKind::Doubt, line, what, remedy);
     }
 
-    /// All notes: what changes the motion first (doubts, then what is left out, changed and assumed), each kind sorted by line; the hulls
-    /// of meshes, of which a robot may have many, in one line at the end.
+    /// All notes: what changes the motion first (doubts, then what is left out or changed, then what is assumed, then what changes no
+    /// motion), each sorted by line; the hulls of meshes, of which a robot may have many, in one line at the end.
     pub fn sorted(self) -> Vec<Note> {
         let is_hull = |note: &Note| note.what.starts_with(HULL);
         let (hulls, mut notes): (Vec<Note>, Vec<Note>) = self.0.into_iter().partition(is_hull);
         notes.sort_by_key(|note| {
-            (
-                std::cmp::Reverse(note.kind == NoteKind::Doubt),
-                note.line,
-                note.kind,
-            )
+            let rank = match note.kind {
+                _ if is_still(note) => 3,
+                NoteKind::Doubt => 0,
+                NoteKind::LeftOut | NoteKind::Changed => 1,
+                NoteKind::Assumed => 2,
+            };
+            (rank, note.line, note.kind)
         });
         notes.extend(in_one_line(hulls));
         notes
     }
+}
+
+/// The beginnings of notes about what moves nothing: names, sensors, lights and cameras.
+const STILL: [&str; 7] = [
+    "the name ",
+    "<sensor>",
+    "<camera>",
+    "<light>",
+    "<custom>",
+    "<extension>",
+    "<statistic>",
+];
+
+/// Whether a note is about something that moves nothing.
+fn is_still(note: &Note) -> bool {
+    note.kind != NoteKind::Doubt && STILL.iter().any(|start| note.what.starts_with(start))
 }
 
 /// The beginning of every note about the hull of a mesh.

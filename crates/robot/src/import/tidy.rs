@@ -14,6 +14,9 @@ use crate::morphology::{Assembly, Module, Morphology, Solid};
 const DEEPEST_M: f64 = 1e-4;
 /// The import adds a doubt about a robot that is longer than this, metres.
 const LARGEST_M: f64 = 50.0;
+/// The usual timestep of an experiment, and the shortest one that is chosen for a robot, seconds.
+const USUAL_S: f64 = 1.0 / 480.0;
+const SHORTEST_S: f64 = 2.5e-4;
 
 /// A distance from the root that no part of the robot exceeds in any posture, metres: the sum of the distances between joints and
 /// of their travels, and the size of the robot.
@@ -77,6 +80,7 @@ pub(super) fn tidy(structure: &mut Structure, options: &Options, notes: &mut Not
             "if its meshes are in millimetres, they need scale=\"0.001 0.001 0.001\"",
         );
     }
+    choose_timestep(structure, &assembly, notes);
     raise(structure, &assembly, notes);
     let pairs = overlapping(&assembly);
     if !pairs.is_empty() {
@@ -102,6 +106,28 @@ pub(super) fn tidy(structure: &mut Structure, options: &Options, notes: &mut Not
         );
         structure.collision_exclude.extend(pairs);
     }
+}
+
+/// States a timestep that follows the fastest vibration of a joint on its spring or servo.
+fn choose_timestep(structure: &mut Structure, assembly: &Assembly, notes: &mut Notes) {
+    let Some(stiffest) = assembly.stiffest_joint() else {
+        return;
+    };
+    let timestep_s = stiffest.timestep_s.max(SHORTEST_S);
+    if timestep_s >= USUAL_S {
+        return;
+    }
+    structure.world.timestep_s = Some(timestep_s);
+    notes.assumed(
+        None,
+        format!(
+            "the timestep is {:.2} ms, because joint `{}` vibrates on its spring or servo with {:.0} Hz",
+            1e3 * timestep_s,
+            assembly.hinges[stiffest.hinge].name,
+            1.0 / (std::f64::consts::TAU * stiffest.timestep_s)
+        ),
+        "give the joint its damping or its armature if it does not vibrate in reality, or state `timestep_s`",
+    );
 }
 
 /// Lifts a held robot of which a moving part would start inside the floor, which would throw it out: files of arms and hands place
@@ -141,12 +167,13 @@ fn raise(structure: &mut Structure, assembly: &Assembly, notes: &mut Notes) {
     );
 }
 
-/// The joint coordinates nearest to 0 that the limits allow.
+/// The joint coordinates at the start: those that the file states, else the ones nearest to 0 that the limits allow.
 fn start(assembly: &Assembly) -> Vec<f64> {
     let hinges = assembly.hinges.iter();
     let nearest = hinges.map(|hinge| {
         let limits = hinge.bearing.limits_rad;
-        limits.map_or(0.0, |(low, high)| 0.0_f64.clamp(low, high))
+        let stated = hinge.start_rad.unwrap_or(0.0);
+        limits.map_or(stated, |(low, high)| stated.clamp(low, high))
     });
     nearest.collect()
 }
@@ -172,6 +199,9 @@ fn rename(structure: &mut Structure, notes: &mut Notes) {
     }
     for mark in &mut structure.marks {
         give(&bodies, &mut mark.body);
+    }
+    if let Some(track) = &mut structure.track {
+        give(&bodies, track);
     }
     for (a, b) in &mut structure.collision_exclude {
         give(&bodies, a);

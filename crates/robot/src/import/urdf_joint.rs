@@ -53,6 +53,7 @@ impl Robot<'_> {
             child: child_name.clone(),
             pose,
             kind,
+            start: None,
         };
         let moves = matches!(kind, "revolute" | "continuous" | "prismatic");
         if moves && axis.norm() < 1e-9 {
@@ -346,6 +347,7 @@ pub(super) fn chained(structure: &mut Structure, joint: &Joint, chain: Vec<(&str
                 Pose::default()
             },
             kind,
+            start: joint.start.filter(|_| is_last),
         });
     }
 }

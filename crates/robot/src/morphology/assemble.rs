@@ -4,6 +4,7 @@ use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
 
 use super::Morphology;
 use super::assembly::{Assembly, Bearing, Freedom, Hinge, Part, Role, Solid};
+use super::body::Surroundings;
 use super::layout::{Placement, plate_box};
 use super::module::{Drive, DriveAxis, Module};
 use super::tree::{Edge, is_attached};
@@ -43,6 +44,7 @@ pub(super) fn assemble(morphology: &Morphology) -> Assembly {
         track_part: builder.cube_part[track],
         robot_from_track: morphology.placements[track].pose_of(Vector3::zeros()),
         body_length_m: modules[track].sides_m.max(),
+        surroundings: Surroundings::default(),
     }
 }
 
@@ -117,6 +119,7 @@ impl AssemblyBuilder<'_> {
             actuator: Some(drive.actuator),
             bearing: Bearing::default(),
             is_stated: false,
+            start_rad: None,
         });
         child_part
     }
@@ -143,6 +146,7 @@ impl AssemblyBuilder<'_> {
             actuator: pivot.actuator,
             bearing: pivot.bearing,
             is_stated: true,
+            start_rad: None,
         });
     }
 

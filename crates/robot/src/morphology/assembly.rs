@@ -6,6 +6,7 @@
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
+use super::body::Surroundings;
 use super::absent::{is_unlimited, is_zero, limit, unlimited};
 use super::command_scale::CommandScale;
 use super::law::ServoLaw;
@@ -158,7 +159,7 @@ pub struct Gait {
 
 impl Gait {
     /// The gait of a servo that holds an angle.
-    pub(super) const fn hold(offset_rad: f64) -> Self {
+    pub(crate) const fn hold(offset_rad: f64) -> Self {
         Self {
             offset_rad,
             amplitude_rad: 0.0,
@@ -312,6 +313,8 @@ pub struct Hinge {
     pub bearing: Bearing,
     /// Whether the robot's file states this hinge by anchor and axis.
     pub is_stated: bool,
+    /// Coordinate at the start of a run, where the file states it.
+    pub start_rad: Option<f64>,
 }
 
 impl Hinge {
@@ -363,6 +366,8 @@ pub struct Assembly {
     pub robot_from_track: Isometry3<f64>,
     /// Longest edge of the tracked module, metres: the "body length" of the `pose` metric.
     pub body_length_m: f64,
+    /// The world that the robot's file states, with which an experiment begins.
+    pub surroundings: Surroundings,
 }
 
 impl Assembly {
@@ -380,6 +385,7 @@ impl Assembly {
             track_part: 0,
             robot_from_track: Isometry3::identity(),
             body_length_m: 1.0,
+            surroundings: Surroundings::default(),
         }
     }
 

@@ -15,9 +15,10 @@ pub enum ServoLaw {
         /// Gain, 1/s.
         gain_per_s: f64,
     },
-    /// Torque `stiffness · error − damping · joint velocity`, clamped to the torque limit.
+    /// Torque `stiffness · error − damping · joint velocity`, clamped to the torque limit. Without stiffness, the servo follows speeds:
+    /// torque `damping · (commanded − joint velocity)`.
     Torque {
-        /// Stiffness, N m/rad.
+        /// Stiffness, N m/rad; 0 for a servo of speeds.
         stiffness_nm_rad: f64,
         /// Damping, N m s/rad.
         damping_nm_s_rad: f64,
@@ -44,6 +45,11 @@ impl ServoLaw {
             // These laws have no gain: the command is the torque itself, or its share.
             Self::Direct | Self::Throttle => {}
         }
+    }
+
+    /// Whether the servo follows speeds alone.
+    pub fn follows_speeds(&self) -> bool {
+        matches!(self, Self::Torque { stiffness_nm_rad, .. } if *stiffness_nm_rad == 0.0)
     }
 
     /// The motor, if the law is a motor's.
@@ -74,7 +80,7 @@ enum LawFile {
         #[serde(rename = "gain_1_s", alias = "gain_per_s")]
         gain_per_s: f64,
     },
-    /// Torque `stiffness error - damping velocity`, within the torque.
+    /// Torque `stiffness error - damping velocity`, within the torque; without stiffness `damping (commanded - velocity)`.
     Torque {
         /// Stiffness, N m/rad.
         stiffness_nm_rad: f64,

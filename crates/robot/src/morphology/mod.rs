@@ -130,6 +130,7 @@ mod pivot;
 mod plausibility;
 mod summary;
 mod sweep;
+mod stiffness;
 mod tree;
 mod tyre;
 
@@ -153,6 +154,7 @@ pub use module::{Drive, DriveAxis, Module, ModuleBox, Plate};
 pub use motor::{GearFriction, MOST_LOAD, Motor};
 pub use pivot::Pivot;
 pub use realgap_solid::{Facet, Shape, Surface};
+pub use stiffness::StiffestJoint;
 pub use summary::Summary;
 pub use tyre::Tyre;
 

@@ -310,8 +310,12 @@ fn check_servo(servo: &Servo, at: &str) -> Checked<()> {
             stiffness_nm_rad,
             damping_nm_s_rad,
         } => {
-            Range::above(0.0, 1e6, "N m/rad")
-                .check(stiffness_nm_rad, &format!("{at}.law.stiffness_nm_rad"))?;
+            // Without stiffness, the servo follows speeds by its damping.
+            let is_of_speeds = stiffness_nm_rad == 0.0 && damping_nm_s_rad > 0.0;
+            if !is_of_speeds {
+                Range::above(0.0, 1e6, "N m/rad")
+                    .check(stiffness_nm_rad, &format!("{at}.law.stiffness_nm_rad"))?;
+            }
             Range::within(0.0, 1e6, "N m s/rad")
                 .check(damping_nm_s_rad, &format!("{at}.law.damping_nm_s_rad"))?;
         }

@@ -341,6 +341,8 @@ impl<'a> Comparison<'a> {
                 stiffness_nm_rad,
                 damping_nm_s_rad,
             } => {
+                // A servo of speeds scales commands by its damping.
+                let by = if stiffness_nm_rad > 0.0 { stiffness_nm_rad } else { damping_nm_s_rad };
                 self.differ("kp", joint, &[stiffness_nm_rad], &[k], 1e-12);
                 if d < 0.0 {
                     self.miss(
@@ -354,16 +356,16 @@ impl<'a> Comparison<'a> {
                 self.differ(
                     "gear and gain",
                     joint,
-                    &[scale.factor * stiffness_nm_rad],
+                    &[scale.factor * by],
                     &[a],
                     1e-12,
                 );
                 self.differ(
                     "offset",
                     joint,
-                    &[scale.offset * stiffness_nm_rad],
+                    &[scale.offset * by],
                     &[b],
-                    1e-3 * k,
+                    1e-3 * by,
                 );
             }
             ServoLaw::Direct => {

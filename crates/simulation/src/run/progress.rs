@@ -49,11 +49,14 @@ impl Rollout<'_> {
     pub(super) fn run(&mut self, experiment: &Experiment, hooks: &mut RunHooks<'_>) -> Result<Run> {
         let mut progress = match self.begin(experiment, &mut hooks.observer)? {
             Ok(progress) => progress,
-            Err(divergence) => return Ok(self.take_run(Outcome::Diverged(divergence))),
+            Err(divergence) => {
+                return Ok(self.take_run(Outcome::Diverged(divergence.with_stiff_joint(experiment))));
+            }
         };
         for step in 1..=progress.steps {
             hooks.report_progress(step - 1, progress.steps)?;
             if let Some(divergence) = self.advance(&mut progress, step, &mut hooks.observer) {
+                let divergence = divergence.with_stiff_joint(experiment);
                 return Ok(self.take_run(Outcome::Diverged(divergence)));
             }
         }

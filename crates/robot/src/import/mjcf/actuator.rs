@@ -396,6 +396,21 @@ impl Robot<'_> {
                 force,
             };
         }
+        // An actuator `velocity`: torque = damping · (command − speed).
+        if damping > 0.0 && gain == -bias[2] && gear != 0.0 {
+            if damping > STIFFEST {
+                notes.changed(None, format!("the gain {damping} of the speed servo at `{joint}` is reduced to {STIFFEST}"), "state that of the real servo");
+            }
+            return Effect {
+                law: ServoLaw::Torque {
+                    stiffness_nm_rad: 0.0,
+                    damping_nm_s_rad: damping.min(STIFFEST),
+                },
+                viscous: 0.0,
+                command: command(gain * gear / damping, bias[0] * gear / damping),
+                force,
+            };
+        }
         if damping > 0.0 && force.is_some() {
             notes.changed(None, format!("the damping of the actuator `{name}` is a damping of the joint `{joint}`: the force limit does not bound it"), "a servo of the law Torque bounds both");
         }

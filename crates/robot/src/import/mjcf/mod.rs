@@ -8,6 +8,7 @@ mod actuator;
 mod copies;
 mod defaults;
 mod element;
+mod keyframe;
 mod mass;
 mod matrix;
 mod mesh;
@@ -16,5 +17,6 @@ mod principal;
 mod remark;
 mod robot;
 mod settings;
+mod world;
 
 pub(super) use robot::read;

@@ -98,6 +98,12 @@ pub(super) struct Geom {
     pub group: f64,
     pub contype: u32,
     pub conaffinity: u32,
+    /// Sliding friction.
+    pub friction: f64,
+    /// Dimension of its contacts; with 1 they have no friction.
+    pub condim: u32,
+    /// Of two shapes the one with the higher priority decides.
+    pub priority: i32,
     pub mesh: Option<String>,
     pub fit_scale: f64,
     pub element: Element,
@@ -117,6 +123,8 @@ pub(super) struct Body {
     pub parent: usize,
     pub pose: Isometry3<f64>,
     pub gravity_compensation: f64,
+    /// Whether other programs move it.
+    pub is_mocap: bool,
     pub inertial: Option<(Element, Isometry3<f64>)>,
     pub joints: Vec<Joint>,
     pub geoms: Vec<Geom>,
@@ -205,6 +213,7 @@ impl Model {
                         parent: id,
                         pose,
                         gravity_compensation: child.number("gravcomp", 0.0)?,
+                        is_mocap: child.truth("mocap") == Some(true),
                         ..Body::default()
                     };
                     self.bodies.push(body);
@@ -367,6 +376,9 @@ fn geom(whole: Element, settings: &Settings, frame: &Isometry3<f64>) -> Result<G
         group: whole.number("group", 0.0)?,
         contype: bits("contype")?,
         conaffinity: bits("conaffinity")?,
+        friction: whole.list("friction")?.first().copied().unwrap_or(1.0),
+        condim: whole.number("condim", 3.0)? as u32,
+        priority: whole.number("priority", 0.0)? as i32,
         mesh,
         fit_scale: whole.number("fitscale", 1.0)?,
         element: whole,

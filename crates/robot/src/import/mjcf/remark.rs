@@ -21,6 +21,9 @@ const KNOWN: [&str; 11] = [
     "keyframe",
 ];
 
+/// Settings that `world.rs` reads.
+const WORLDLY: [&str; 4] = ["gravity", "density", "viscosity", "wind"];
+
 impl Robot<'_> {
     /// Adds one note for each kind of element that is ignored.
     pub(super) fn others(&self, notes: &mut Notes) {
@@ -40,7 +43,8 @@ impl Robot<'_> {
             let is_here = section.file.as_path() == self.source.path();
             let line = is_here.then_some(section.line);
             let tag = section.tag.as_str();
-            if tag == "option" && !(section.attributes.is_empty() && section.children.is_empty()) {
+            let is_of_solver = |name: &String| !WORLDLY.contains(&name.as_str());
+            if tag == "option" && section.attributes.keys().any(is_of_solver) {
                 notes.left_out(
                     line,
                     "the solver's settings (<option>)",
@@ -62,20 +66,6 @@ impl Robot<'_> {
                 line,
                 format!("<{tag}> ({count})"),
                 "add what you need of it to the RON file",
-            );
-        }
-        let keys = self
-            .model
-            .section("keyframe")
-            .filter(|key| key.tag == "key");
-        let keys: Vec<&str> = keys
-            .map(|key| key.get("name").unwrap_or("without a name"))
-            .collect();
-        if !keys.is_empty() {
-            notes.left_out(
-                None,
-                format!("{} postures (<keyframe>): {}", keys.len(), keys.join(", ")),
-                "state the angles of one as the start of a study",
             );
         }
         if !self.model.classes.is_empty() {

@@ -22,6 +22,8 @@ use realgap_core::file::Source;
 
 /// Name of the root body when the root is MuJoCo's world.
 const WORLD: &str = "world";
+/// The largest damping, dry friction and armature of a joint.
+const MOST: f64 = 1e9;
 
 /// Reads the model of a file, and of the files that it includes.
 pub(in crate::import) fn read(
@@ -82,6 +84,9 @@ pub(in crate::import) fn read(
     robot.bodies(notes);
     robot.masks();
     robot.actuators(notes)?;
+    robot.keyframe(options.keyframe.as_deref(), notes)?;
+    robot.surroundings(notes)?;
+    robot.track_a_moving_body(notes);
     robot.others(notes);
     Ok(robot.structure)
 }
@@ -113,7 +118,7 @@ fn names(model: &Model) -> Vec<String> {
 }
 
 /// The body on the world that contains each body, by index.
-fn tops(model: &Model) -> Vec<usize> {
+pub(super) fn tops(model: &Model) -> Vec<usize> {
     let mut tops = vec![0; model.bodies.len()];
     for id in 1..model.bodies.len() {
         let parent = model.bodies[id].parent;
@@ -170,7 +175,7 @@ pub(super) struct Robot<'a> {
     pub model: &'a Model,
     /// Computed when a value needs it: its cost grows with the cube of the number of joints.
     pub inertia: LazyCell<Inertia, Box<dyn FnOnce() -> Inertia + 'a>>,
-    masses: &'a [Mass],
+    pub masses: &'a [Mass],
     armatures: Vec<Vec<f64>>,
     reader: MassReader<'a>,
     pub free_root: Option<usize>,
@@ -185,14 +190,14 @@ impl Robot<'_> {
     fn bodies(&mut self, notes: &mut Notes) {
         let model = self.model;
         match self.free_root {
-            Some(root) => self.start(root, notes),
+            Some(root) => self.start(root),
             None => {
                 self.structure.mount = Some(Pose::default());
                 let world = self.body(0, notes);
                 self.structure.bodies.push(world);
             }
         }
-        let beside = self.beside(notes);
+        let beside = self.ids_beside();
         for id in (1..model.bodies.len()).filter(|id| !beside.contains(id)) {
             let body = self.body(id, notes);
             self.structure.bodies.push(body);
@@ -210,33 +215,8 @@ impl Robot<'_> {
         }
     }
 
-    /// The bodies that are not part of a robot that moves freely: those that neither are its root nor hang on it.
-    fn beside(&self, notes: &mut Notes) -> BTreeSet<usize> {
-        let Some(root) = self.free_root else {
-            return BTreeSet::new();
-        };
-        let tops = tops(self.model);
-        let beside: BTreeSet<usize> = (1..tops.len()).filter(|id| tops[*id] != root).collect();
-        let first: Vec<String> = (beside.iter().filter(|id| tops[**id] == **id).take(6))
-            .map(|id| format!("`{}`", self.names[*id]))
-            .collect();
-        if !beside.is_empty() {
-            notes.left_out(
-                None,
-                format!(
-                    "{} bodies beside the robot, whose root is `{}`, the heaviest body with a free joint: {}",
-                    beside.len(),
-                    self.names[root],
-                    first.join(", ")
-                ),
-                "state them as the scene of an experiment, or take out of the file what is not to be the robot",
-            );
-        }
-        beside
-    }
-
     /// Places a root that moves freely.
-    fn start(&mut self, root: usize, notes: &mut Notes) {
+    fn start(&mut self, root: usize) {
         let pose = self.model.bodies[root].pose;
         if self.reader.options.mounted {
             let place = Isometry3::from_parts(pose.translation, UnitQuaternion::identity());
@@ -256,16 +236,8 @@ impl Robot<'_> {
                 child: self.names[root].clone(),
                 pose: Pose::of(&Isometry3::from_parts(Translation3::identity(), turn)),
                 kind: JointKind::Fixed,
+start: None,
             });
-        }
-        let on_world = self.model.bodies[0].geoms.iter();
-        let statics = on_world.filter(|g| g.kind != GeomType::Plane).count();
-        if statics > 0 {
-            notes.left_out(
-                None,
-                format!("{statics} shapes of the world that are not part of the robot"),
-                "state them as the scene of an experiment",
-            );
         }
     }
 
@@ -285,14 +257,7 @@ impl Robot<'_> {
         }
         for geom in given.geoms.iter().filter(|geom| geom.touches()) {
             if geom.kind == GeomType::Plane && id == 0 {
-                let up = geom.pose.rotation * Vector3::z();
-                if up.z < 1.0 - 1e-9 || geom.pose.translation.z != 0.0 {
-                    notes.left_out(
-                        None,
-                        "a plane of the world that is not the floor at height 0",
-                        "set the parameters floor.height_m and floor.slope_rad",
-                    );
-                }
+                // It is the floor of the `world`.
                 continue;
             }
             let posed = self.reader.pieces(geom, &body.name, notes).into_iter();
@@ -315,6 +280,7 @@ impl Robot<'_> {
             child: name.clone(),
             pose: Pose::of(&given.pose),
             kind: JointKind::Fixed,
+start: None,
         };
         let mut kinds: Vec<(String, JointKind)> = Vec::new();
         for (index, joint) in given.joints.iter().enumerate() {
@@ -378,7 +344,22 @@ impl Robot<'_> {
         kinds: &mut Vec<(String, JointKind)>,
         notes: &mut Notes,
     ) {
-        let bearing = self.bearing(joint, place);
+        let mut bearing = self.bearing(joint, place);
+        for (what, value) in [
+            ("damping", &mut bearing.viscous),
+            ("dry friction", &mut bearing.dry),
+            ("armature", &mut bearing.armature),
+        ] {
+            if *value > MOST {
+                notes.changed(
+                    None,
+                    format!("the {what} {value} of joint `{name}` is reduced to {MOST}"),
+                    "a joint that is not to move is stated as fixed: leave it out of the file",
+                );
+                *value = MOST;
+            }
+        }
+        let bearing = bearing;
         let anchored = |mut kind: JointKind| {
             if let JointKind::Turn { anchor_m, .. } = &mut kind {
                 let p = joint.pos_m;

@@ -150,6 +150,7 @@ impl AssemblyBuilder<'_> {
             actuator: None,
             bearing,
             is_stated: true,
+            start_rad: joint.start,
         })
     }
 
@@ -301,6 +302,7 @@ impl AssemblyBuilder<'_> {
         if let Some(mount) = &structure.mount {
             check_pose(mount, "mount")?;
         }
+        structure.world.check()?;
         let root = tree.order[0];
         let (track, robot_from_track, track_part) = match &structure.track {
             None => (root, self.robot_from_body[root], 0),
@@ -347,6 +349,7 @@ impl AssemblyBuilder<'_> {
             track_part,
             robot_from_track,
             body_length_m,
+            surroundings: structure.world.clone(),
         })
     }
 

@@ -152,6 +152,9 @@ pub(super) fn check_joint(joint: &Joint, at: &str) -> Checked<()> {
             (names.into_iter().zip(units), "limits_m", MOST_M)
         }
     };
+    if let Some(start) = joint.start {
+        Range::within(-most, most, "").check(start, &format!("{}.start", at.trim_end_matches(".kind")))?;
+    }
     let length = super::vector(motion.axis).norm();
     if !length.is_finite() || length < 1e-9 {
         return Err(Flaw::new(

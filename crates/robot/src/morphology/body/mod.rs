@@ -27,6 +27,7 @@
 //! | `marks` | named frames; `track` names a frame or a body |
 //! | `never_touch` | pairs of bodies between which no contacts are computed; bodies connected by a joint are excluded always |
 //! | `mount` | pose at which the frame of the root is fixed in the world; without it the robot moves freely |
+//! | `world` | gravity, floor, boxes beside the robot and the longest timestep, with which an experiment begins |
 //!
 //! Bodies that are fixed to each other become one rigid part. A body without mass may connect two joints.
 
@@ -34,6 +35,7 @@ mod assemble;
 mod check;
 mod motion;
 mod piece;
+mod surroundings;
 mod tree;
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
@@ -47,6 +49,7 @@ use super::tyre::Tyre;
 use realgap_core::file::Source;
 
 pub(crate) use assemble::MAX_BODIES;
+pub use surroundings::{Beside, BesideBox, Surroundings};
 pub use realgap_solid::{
     MAX_CORNERS, UniformMass, convex_hull, simplified, solid_surface, uniform,
 };
@@ -89,6 +92,9 @@ pub struct Structure {
     /// The body or mark whose motion is recorded; the root by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub track: Option<String>,
+    /// The world around the robot, with which an experiment begins.
+    #[serde(default, skip_serializing_if = "Surroundings::is_none")]
+    pub world: Surroundings,
 }
 
 /// A rigid body.
@@ -225,6 +231,9 @@ pub struct Joint {
     pub pose: Pose,
     /// The kind of joint and its properties.
     pub kind: JointKind,
+    /// Coordinate at the start of a run, radians or metres; a joint whose servo follows angles starts at its first command.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start: Option<f64>,
 }
 
 /// The kind of a joint: the motion of the child relative to the parent.
@@ -370,7 +379,7 @@ impl Pose {
     }
 
     /// The pose as a transformation.
-    pub(crate) fn isometry(&self) -> Isometry3<f64> {
+    pub fn isometry(&self) -> Isometry3<f64> {
         let turn = match (self.rpy_rad, self.quaternion) {
             (_, Some((w, x, y, z))) => UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)),
             (Some((roll, pitch, yaw)), None) => UnitQuaternion::from_euler_angles(roll, pitch, yaw),

@@ -12,7 +12,7 @@ use super::super::reading::Reading;
 use super::super::registry::{format_of, read_bytes};
 use super::super::text::decode_text;
 use super::Evidence;
-use name::{Found, Quantity, Whose, columns, found, only_number};
+use name::{Column, Found, Quantity, Whose, columns, found, only_number};
 use realgap_core::error::{Advice, Error, Result};
 use realgap_core::unit::counted;
 use unit::{Unit, unit};
@@ -46,6 +46,41 @@ impl JointReading {
         Self::of_text(&text, known, joints, order).map_err(|e| e.at_file(path))
     }
 
+    /// Columns that are called as this program calls them, but for the signs in the joints' names that an import replaces.
+    fn of_plain_names(columns: &[Column<'_>], known: &Reading, joints: &[String]) -> Option<Self> {
+        let of_joint = |name: &str| {
+            let mut joints = joints.iter();
+            joints.any(|joint| name.strip_prefix(joint.as_str()).is_some_and(|rest| rest.starts_with('_')))
+        };
+        let is_angle = |name: &str| {
+            let mut joints = joints.iter();
+            joints.any(|joint| [format!("{joint}_rad"), format!("{joint}_deg")].contains(&name.to_owned()))
+        };
+        let renamed: Vec<(&str, String)> = columns
+            .iter()
+            .filter(|column| column.element.is_none())
+            .map(|column| (column.name, plain(column.name)))
+            .filter(|(theirs, ours)| theirs != ours && of_joint(ours))
+            .collect();
+        if !renamed.iter().any(|(_, ours)| is_angle(ours)) {
+            return None;
+        }
+        let shown: Vec<String> = (renamed.iter().take(3))
+            .map(|(theirs, ours)| format!("{ours} from `{theirs}`"))
+            .collect();
+        let mut made = Self {
+            reading: known.clone(),
+            evidence: vec![Evidence {
+                finding: format!("{} columns of joints: {}", renamed.len(), shown.join(", ")),
+                reason: "the robot's joints have these names but for signs that names here do not have".to_owned(),
+            }],
+        };
+        for (theirs, ours) in renamed {
+            made.reading.names.insert(theirs.to_owned(), ours);
+        }
+        Some(made)
+    }
+
     fn of_text(
         text: &str,
         known: &Reading,
@@ -61,6 +96,9 @@ impl JointReading {
         };
         if columns.iter().any(|column| own(column.name)) {
             return Ok(None);
+        }
+        if let Some(made) = Self::of_plain_names(&columns, known, joints) {
+            return Ok(Some(made));
         }
         let found: Vec<Found<'_, '_>> = columns
             .iter()
@@ -117,6 +155,14 @@ impl JointReading {
         }
         Ok(Some(made))
     }
+}
+
+/// A name as robots have it here: letters, digits, `_` and `-`. Files of other programs may have `left/hip` or `robot0:wrist`.
+fn plain(name: &str) -> String {
+    let is_usual = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    name.chars()
+        .map(|c| if is_usual(c) { c } else { '_' })
+        .collect()
 }
 
 /// The joint of every number.
