@@ -102,6 +102,8 @@ pub struct Definition {
     pub reading: Reading,
     /// Fixed parameter values.
     pub set: ParameterSet,
+    /// How many of the recordings the fixed values were fitted on; `None` where no fit is known.
+    pub seen_by_fit: Option<usize>,
     /// Posterior draws of some of the fixed values, one group per fit: every repeat under noise takes one draw of each group.
     pub draws: Vec<Vec<ParameterSet>>,
     /// The parameters that vary, with their ranges.
@@ -192,6 +194,7 @@ impl Definition {
             duration_s: None,
             reading: Reading::default(),
             set: ParameterSet::new(),
+            seen_by_fit: None,
             draws: Vec::new(),
             grid: Grid::default(),
             parameters: Vec::new(),

@@ -63,6 +63,7 @@ pub(super) fn content(report: &GapSummary, pictures: &Pictures) -> PageContent {
     PageContent {
         kind: if is_floor_alone { "noise floor" } else { "gap" },
         name: report.study.clone().unwrap_or("recordings".to_owned()),
+        claims: report.claims.clone(),
         answer,
         sections: vec![
             Section::new("metrics", "How far, in noise floors", metrics(report)),

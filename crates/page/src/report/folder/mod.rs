@@ -219,7 +219,8 @@ impl ResultsPage {
     #[cfg(test)]
     pub(in crate::report) fn answer(&self) -> String {
         let content = self.content(None);
-        let verdict = content.verdict.iter().map(|(_, claim)| claim.text.as_str());
+        let verdict = realgap_lab::claim::verdict(&content.claims).into_iter();
+        let verdict = verdict.map(|(_, claim)| claim.text.as_str());
         let all: Vec<&str> = verdict.chain([content.answer.as_str()]).collect();
         all.join(" ")
     }

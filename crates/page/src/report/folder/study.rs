@@ -1,6 +1,6 @@
 //! The page of a sweep or a tuning.
 
-use super::claim::{sentences, verdict};
+use super::claim::sentences;
 use super::content::PageContent;
 use super::fleet;
 use super::joint::joints;
@@ -86,7 +86,7 @@ pub(super) fn content(
     PageContent {
         kind: if is_tuned { "tuning" } else { "sweep" },
         name: report.study.clone().unwrap_or("results".to_owned()),
-        verdict: verdict(&report.claims),
+        claims: report.claims.clone(),
         answer: answer(report),
         sections,
         shown_fields: SHOWN_FIELDS,
