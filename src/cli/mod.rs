@@ -43,6 +43,7 @@ mod kit {
     pub use realgap::{Error, Result, Warning};
     pub use serde::Serialize;
 
+    pub use super::duration::parse_seconds;
     pub use super::folder::ResultsFolder;
     pub use super::kind::{read_morphology, read_study};
     pub use super::option::{Before, Choice, Jobs, Print, Recordings, Values, choice};
@@ -60,6 +61,7 @@ mod compare;
 mod completions;
 mod consent;
 mod develop;
+mod duration;
 mod ensemble;
 mod evaluate;
 mod example_file;

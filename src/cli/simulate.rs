@@ -33,7 +33,7 @@ pub struct Simulate {
     /// The robot, e.g. morphologies/tripod.ron
     morphology: PathBuf,
     /// Length of the run, seconds
-    #[arg(long, value_name = "S", default_value_t = 10.0)]
+    #[arg(long, value_name = "S", default_value_t = 10.0, value_parser = parse_seconds)]
     duration: f64,
     #[command(flatten)]
     solver: SolverOptions,

@@ -2,6 +2,8 @@
 
 mod check;
 
+pub use check::LONGEST_S;
+
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

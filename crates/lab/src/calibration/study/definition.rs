@@ -20,7 +20,7 @@ use realgap_path::comparison::{ChannelSet, Components, Metric, Pca};
 use realgap_path::trajectory::{Alignment, Reading, Recording, Source};
 use realgap_robot::morphology::Morphology;
 use realgap_simulation::parameter::{self, Parameter, ParameterSet};
-use realgap_simulation::{Experiment, Noise, SceneBody, Vehicle};
+use realgap_simulation::{Experiment, LONGEST_S, Noise, SceneBody, Vehicle};
 
 /// Where a simulated run starts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -164,7 +164,7 @@ impl Serialize for StartUsed {
 }
 
 /// Allowed lengths of a run.
-const DURATION: Range = Range::within(1e-3, 3600.0, "s");
+const DURATION: Range = Range::within(1e-3, LONGEST_S, "s");
 
 impl Definition {
     /// A definition with defaults for everything but the name and the robot; it has no recordings and no varied parameters yet.
