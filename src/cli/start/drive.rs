@@ -371,7 +371,7 @@ fn undriven(hinges: &[Hinge], recordings: &[Recording], has_wheels: bool) -> Err
         .at_file(&recordings[0].path)
         .found(found)
         .allowed(format!(
-            "columns {first}_command_rad (angles), {first}_command_rad_s (speeds) or {first}_command_nm (torques), one per driven joint: {}",
+            "columns {first}_command_rad (angles), {first}_command_rad_s (speeds) or {first}_command_nm (torques), one per driven joint: {}; of a robot on wheels also linear and angular (m/s, rad/s)",
             shortened(named)
         ))
         .hint(remedy)
