@@ -28,7 +28,8 @@ Examples:
   realgap simulate morphologies/tripod.ron --duration 20 -o run.csv
   realgap simulate morphologies/tripod.ron --set floor.friction=0.4 --energy
   realgap simulate morphologies/tripod.ron --arena arenas/cartons.ron
-  realgap simulate morphologies/tripod.ron --controller controllers/tripod_avoid.ron")]
+  realgap simulate morphologies/tripod.ron \\
+      --controller controllers/tripod_avoid.ron")]
 pub struct Simulate {
     /// The robot, e.g. morphologies/tripod.ron
     morphology: PathBuf,

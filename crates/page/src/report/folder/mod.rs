@@ -4,6 +4,7 @@
 //! of the folder into the same values. One renderer makes the page of both.
 
 pub(in crate::report) mod claim;
+mod comparison;
 pub(in crate::report) mod content;
 mod ensemble;
 mod fleet;
@@ -20,6 +21,7 @@ pub(in crate::report) mod tree;
 
 use std::path::Path;
 
+pub use comparison::compared_page;
 use content::PageContent;
 use ensemble::EnsembleSummary;
 use gap::GapSummary;
