@@ -116,9 +116,11 @@ fn pattern() -> &'static str {
 /// The look of a bar.
 fn style(pattern: &str) -> Option<ProgressStyle> {
     let style = ProgressStyle::with_template(pattern).ok()?;
-    Some(style.with_key("pace", |state: &ProgressState, out: &mut dyn Write| {
-        let _ = out.write_str(&pace(state.per_sec(), state.eta(), state.elapsed()));
-    }))
+    Some(
+        style.with_key("pace", |state: &ProgressState, out: &mut dyn Write| {
+            let _ = out.write_str(&pace(state.per_sec(), state.eta(), state.elapsed()));
+        }),
+    )
 }
 
 /// Steps a second and the time left; before the first step, which tells neither, the time so far.

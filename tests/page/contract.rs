@@ -101,9 +101,18 @@ fn cells(page: &str) -> Vec<(usize, bool)> {
 /// The answers to the question whether a result may be trusted, by words that only they use.
 const TRUSTS: [(&str, &str); 5] = [
     ("The answer holds on", "holds on others"),
-    ("The model fits the recordings", "fits, not yet tested on others"),
-    ("does not explain the recordings", "does not explain the recordings"),
-    ("The fit does not carry over", "does not explain the recordings"),
+    (
+        "The model fits the recordings",
+        "fits, not yet tested on others",
+    ),
+    (
+        "does not explain the recordings",
+        "does not explain the recordings",
+    ),
+    (
+        "The fit does not carry over",
+        "does not explain the recordings",
+    ),
     ("Whether to trust this cannot be told", "cannot be told"),
 ];
 
@@ -128,12 +137,21 @@ fn one_verdict(what: &str, out: &Path, answer: &Answer, page: &str) {
     let best = report.best.as_ref().unwrap();
     assert_eq!(gap.numbers["score"], best.score, "{what}");
     if let Some(error_m) = best.displacement_error_m {
-        assert!(gap.text.contains(&quantity(error_m, Unit::Metre)), "{what}: {gap}");
+        assert!(
+            gap.text.contains(&quantity(error_m, Unit::Metre)),
+            "{what}: {gap}"
+        );
     }
     let floors = report.fit.as_ref().and_then(|fit| fit.noise_floors);
     assert_eq!(gap.numbers.get("noise_floors").copied(), floors, "{what}");
     for place in [&text, page] {
-        for floors_said in place.split(" noise floors").collect::<Vec<_>>().split_last().unwrap().1 {
+        for floors_said in place
+            .split(" noise floors")
+            .collect::<Vec<_>>()
+            .split_last()
+            .unwrap()
+            .1
+        {
             let said = floors_said.rsplit([' ', '>']).next().unwrap();
             if let (Ok(_), Some(floors)) = (said.parse::<f64>(), floors) {
                 assert_eq!(said, number(floors), "{what}: {place}");
@@ -163,7 +181,11 @@ fn one_verdict(what: &str, out: &Path, answer: &Answer, page: &str) {
         let rejects = place.contains("NO PARAMETERS OF THIS MODEL");
         assert_eq!(rejects, !explains, "{what}: {trust}");
     }
-    assert_eq!(picture.contains("NOT EXPLAINED"), !explains, "{what}: {trust}");
+    assert_eq!(
+        picture.contains("NOT EXPLAINED"),
+        !explains,
+        "{what}: {trust}"
+    );
 }
 
 fn check(seed: u64, method: &str) {

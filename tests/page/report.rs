@@ -67,7 +67,10 @@ fn results_of_several_folders_stand_beside_each_other() {
     // The page of a folder is not touched by a comparison.
     assert!(!folder.path().join("comparison.html").exists());
     let mut missing = realgap();
-    missing.arg("report").arg(&before).arg(folder.path().join("none"));
+    missing
+        .arg("report")
+        .arg(&before)
+        .arg(folder.path().join("none"));
     missing.assert().failure();
 }
 

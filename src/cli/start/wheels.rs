@@ -47,7 +47,10 @@ pub(super) fn find(
         let side = if wheel.left_m > 0.0 { "left" } else { "right" };
         let (off, radius) = (wheel.left_m.abs(), wheel.radius_m.abs());
         let [off, radius] = [off, radius].map(|m| quantity(m, Unit::Metre));
-        format!("{} {off} to the {side} with a radius of {radius}", wheel.joint)
+        format!(
+            "{} {off} to the {side} with a radius of {radius}",
+            wheel.joint
+        )
     });
     let because = format!(
         "{}{}",

@@ -22,10 +22,7 @@ pub(crate) fn told(rows: &[MetricGap]) -> Option<&MetricGap> {
 }
 
 /// How far repeats, or the run without noise where there are none, are from `reality` by a metric.
-pub(crate) fn measured(
-    row: &MetricGap,
-    (reality, recordings): (&str, usize),
-) -> Option<Claim> {
+pub(crate) fn measured(row: &MetricGap, (reality, recordings): (&str, usize)) -> Option<Claim> {
     let (what, found) = match (row.repeats, row.ideal) {
         (Some(found), _) => ("Simulated repeats are", found),
         (None, Some(found)) => ("The simulation without noise is", found),
@@ -94,8 +91,13 @@ pub(crate) fn values(
     };
     let text = format!("Values are as given, not fitted here: {said}{from}.");
     let numbers = [("given", given.len() as f64)];
-    Claim::new(About::Parameters, Conclusion::Inconclusive, "as given", text)
-        .resting_on(recordings, &numbers)
+    Claim::new(
+        About::Parameters,
+        Conclusion::Inconclusive,
+        "as given",
+        text,
+    )
+    .resting_on(recordings, &numbers)
 }
 
 /// What a comparison of runs with recordings found, for the question whether to trust the runs.

@@ -226,7 +226,8 @@ impl Card {
             complete: self.prediction.repeats >= self.prediction.repeats_asked,
             against: Vec::new(),
             tested: None,
-            would_tell: "it is compared with no recording; build the robot and record it".to_owned(),
+            would_tell: "it is compared with no recording; build the robot and record it"
+                .to_owned(),
             seen_by_fit: None,
             recordings: 0,
         });

@@ -13,8 +13,8 @@ use realgap_core::range::Range;
 use realgap_core::{Error, Result};
 use realgap_robot::genome::{Development, Genome};
 use realgap_robot::morphology::Morphology;
-use realgap_simulation::{LONGEST_S, Noise};
 use realgap_simulation::parameter::{Assignment, ParameterSet};
+use realgap_simulation::{LONGEST_S, Noise};
 
 /// Most repeats of one robot.
 const REPEATS_AT_MOST: usize = 5000;

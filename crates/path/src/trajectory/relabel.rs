@@ -33,9 +33,13 @@ pub(super) fn relabelled(text: String, reading: &Reading) -> Result<String> {
     reading.lists.keys().try_for_each(known)?;
     let twist = match &reading.wheels {
         Some(wheels) => {
-            [&wheels.forward, &wheels.turn].into_iter().try_for_each(known)?;
+            [&wheels.forward, &wheels.turn]
+                .into_iter()
+                .try_for_each(known)?;
             let at = |name: &str| cells.iter().position(|cell| *cell == name);
-            at(&wheels.forward).zip(at(&wheels.turn)).map(|at| (wheels, at))
+            at(&wheels.forward)
+                .zip(at(&wheels.turn))
+                .map(|at| (wheels, at))
         }
         None => None,
     };

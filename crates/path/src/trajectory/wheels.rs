@@ -98,7 +98,9 @@ impl TwistColumns {
                 let words = words(name);
                 let is_known = |word: &String| word == axis || BESIDE.contains(&word.as_str());
                 let is_other_axis = words.iter().any(|word| word == other);
-                words.iter().any(|word| word == axis) && words.iter().all(is_known) && !is_other_axis
+                words.iter().any(|word| word == axis)
+                    && words.iter().all(is_known)
+                    && !is_other_axis
             };
             let mut found = columns.iter().filter(is_one);
             let first = found.next()?;
@@ -137,7 +139,8 @@ mod tests {
 
     #[test]
     fn commands_of_a_base_are_known_by_their_names_and_units() {
-        let of = |names: &[&str]| TwistColumns::among(names).map(|found| (found.forward, found.turn));
+        let of =
+            |names: &[&str]| TwistColumns::among(names).map(|found| (found.forward, found.turn));
         let one = |forward: &str, size: f64, turn: &str, angle: f64| {
             Some(((forward.to_owned(), size), (turn.to_owned(), angle)))
         };
@@ -146,12 +149,22 @@ mod tests {
             one("linear", 1.0, "angular", 1.0)
         );
         assert_eq!(
-            of(&["cmd_vel.linear.x", "cmd_vel.linear.z", "cmd_vel.angular.x", "cmd_vel.angular.z"]),
+            of(&[
+                "cmd_vel.linear.x",
+                "cmd_vel.linear.z",
+                "cmd_vel.angular.x",
+                "cmd_vel.angular.z"
+            ]),
             one("cmd_vel.linear.x", 1.0, "cmd_vel.angular.z", 1.0)
         );
         assert_eq!(
             of(&["cmd_linear_cm_s", "cmd_angular_deg_s"]),
-            one("cmd_linear_cm_s", 1e-2, "cmd_angular_deg_s", 1f64.to_radians())
+            one(
+                "cmd_linear_cm_s",
+                1e-2,
+                "cmd_angular_deg_s",
+                1f64.to_radians()
+            )
         );
         // A measured twist is no command.
         assert_eq!(of(&["odom.twist.linear.x", "odom.twist.angular.z"]), None);

@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use crate::claim::{evidence, verdict_lines};
 use super::{Estimate, FloorReport, GapAndRatio, StudyGap};
+use crate::claim::{evidence, verdict_lines};
 use realgap_core::table::{Side, TextTable};
 use realgap_core::unit::{DisplayUnit, Unit, counted, number, quantity};
 

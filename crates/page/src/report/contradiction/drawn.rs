@@ -9,8 +9,7 @@ use crate::results::study::data::{Point, Points, StudyData};
 use realgap_core::unit::Unit;
 use realgap_lab::calibration::{
     Audit, AuditRow, Best, BestPointUncertainty, EnginePreference, Fit, PointScore, PosteriorDraws,
-    Report, Scores, Tables, Uncertainty, UncertaintySource, Unvisited, Validation,
-    Verdict,
+    Report, Scores, Tables, Uncertainty, UncertaintySource, Unvisited, Validation, Verdict,
 };
 use realgap_lab::prediction::ensemble::{Ensemble, Forecast, Motion, Reality, Repeat};
 use realgap_lab::prediction::gap::{

@@ -13,8 +13,14 @@ const TRUSTS: [(&str, &str); 6] = [
     ("The answer holds on", "holds on others"),
     ("The values hold on", "holds on others"),
     ("fits the recordings", "fits, not yet tested on others"),
-    ("not explain the recordings", "does not explain the recordings"),
-    ("The fit does not carry over", "does not explain the recordings"),
+    (
+        "not explain the recordings",
+        "does not explain the recordings",
+    ),
+    (
+        "The fit does not carry over",
+        "does not explain the recordings",
+    ),
     ("Whether to trust this cannot be told", "cannot be told"),
 ];
 

@@ -94,7 +94,10 @@ fn verdicts(columns: &[Column]) -> String {
         first.into_iter().chain(said).collect::<Vec<_>>()
     });
     let head = ["results", "of"].into_iter().chain(labels.iter().copied());
-    titled(&head.collect::<Vec<_>>().join(" | "), rows.collect::<Vec<_>>())
+    titled(
+        &head.collect::<Vec<_>>().join(" | "),
+        rows.collect::<Vec<_>>(),
+    )
 }
 
 /// A row for each parameter, a column for each folder.
