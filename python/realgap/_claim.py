@@ -23,6 +23,7 @@ class Claim:
         "parameters",
         "gap",
         "trust",
+        "winner",
         "likeness",
         "distance",
         "over_time",

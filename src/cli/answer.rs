@@ -32,7 +32,7 @@ pub struct StudyOptions {
     #[arg(long, value_name = "RULE", value_parser = parse_score)]
     score: Option<ScoreRule>,
     /// Simulate and compare only the first S seconds of every run, so that small early errors do not dominate the rest
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = parse_seconds)]
     duration: Option<f64>,
     /// Seed in place of the study's own
     #[arg(long, value_name = "S")]

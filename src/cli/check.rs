@@ -67,6 +67,8 @@ pub struct Check {
 
 /// Texts from files are cut to this many characters.
 const SHOWN: usize = 1000;
+/// A sweep that takes longer on one core is not what anybody will run.
+const LONG_SWEEP_S: f64 = 86_400.0;
 
 /// The contents of a valid file: lines for people, and details for JSON.
 struct Contents {
@@ -398,11 +400,16 @@ fn study(path: &Path, consent: CommandConsent) -> Result<Contents> {
             let cost_s = one * study.sweep_runs() as f64;
             if let Some(runs) = runs {
                 let (points, all) = (counted(points, "point"), counted(runs, "simulation"));
-                lines.push(format!("  {given}, {points}, {all}"));
-                lines.push(format!(
-                    "  about {cost_s:.0} CPU s for a sweep ({one:.3} s per point and setting, estimated from a part of one simulation on this machine)"
-                ));
                 (simulations, cpu_s) = (Some(runs), Some(cost_s));
+                let estimated = "estimated from a part of one simulation on this machine";
+                lines.push(match cost_s > LONG_SWEEP_S {
+                    false => format!(
+                        "  {given}, {points}, {all}\n  about {cost_s:.0} CPU s for a sweep ({one:.3} s per point and setting, {estimated})"
+                    ),
+                    true => format!(
+                        "  {given}, and more points than a sweep simulates in a day of one core: use realgap tune\n  about {one:.3} CPU s per point and setting, {estimated}"
+                    ),
+                });
             } else {
                 lines.push(format!(
                     "  {given}, more points than a sweep can simulate: use realgap tune"

@@ -1,6 +1,7 @@
 //! `realgap evaluate`: how well one setting predicts recordings.
 
 use realgap::calibration::{Average, Evaluation, JointEvaluation, Overrides};
+use realgap::claim::verdict_lines;
 use realgap::comparison::{Joints, Pose};
 use realgap::identification::StartState;
 use realgap::prediction::Odds;
@@ -108,6 +109,7 @@ impl Evaluate {
                 odds.rows.clear();
             }
         }
+        let result = result.with_claims(odds.as_ref());
         let shown = |colour| {
             let odds = odds.as_ref().map(|odds| format!("\n{odds}"));
             words(&result, colour) + &odds.unwrap_or_default()
@@ -177,7 +179,8 @@ fn words_of_joints(result: &JointEvaluation, colour: bool) -> String {
         .map(|(name, mrad)| format!("{name} {mrad:.1}"))
         .collect();
     format!(
-        "{}: joints {}, {:.1} at the end (median); {:.2} CPU ms per simulated second{}\n  {}{channels}{rows}",
+        "{}{}: joints {}, {:.1} at the end (median); {:.2} CPU ms per simulated second{}\n  {}{channels}{rows}",
+        verdict_lines(&result.claims),
         counted(result.recordings, "recording"),
         of(&result.angle_mrad),
         result.end_mrad_median,
@@ -265,7 +268,8 @@ fn words(result: &Evaluation, colour: bool) -> String {
         ]);
     }
     let found = format!(
-        "{}, start: {}\n{}\n{} of {} end over 45 deg off; {:.2} CPU ms per simulated second\n{}",
+        "{}{}, start: {}\n{}\n{} of {} end over 45 deg off; {:.2} CPU ms per simulated second\n{}",
+        verdict_lines(&result.claims),
         counted(result.recordings, "recording"),
         result.start,
         table.render(colour).trim_end(),

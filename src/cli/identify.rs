@@ -51,7 +51,7 @@ const READINGS: &[Choice<LengthReading>] = &[
 Examples:
   realgap study identify sweeps/cube_toss_fit.ron -o body.ron
   realgap study identify sweeps/cube_toss_fit.ron --as gravity -o gravity.ron
-  realgap study identify sweeps/go2_fit.ron                       # joints: what a fit could tell")]
+  realgap study identify sweeps/go2_fit.ron    # joints: what a fit could tell")]
 pub struct Identify {
     /// The study: robot, floor height and stated gravity
     study: PathBuf,

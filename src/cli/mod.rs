@@ -43,6 +43,7 @@ mod kit {
     pub use realgap::{Error, Result, Warning};
     pub use serde::Serialize;
 
+    pub use super::duration::parse_seconds;
     pub use super::folder::ResultsFolder;
     pub use super::kind::{read_morphology, read_study};
     pub use super::option::{Before, Choice, Jobs, Print, Recordings, Values, choice};
@@ -60,6 +61,7 @@ mod compare;
 mod completions;
 mod consent;
 mod develop;
+mod duration;
 mod ensemble;
 mod evaluate;
 mod example_file;
@@ -124,7 +126,7 @@ use realgap::ErrorKind;
 /// Robots are RON files (morphologies/), or URDF and MJCF; studies are RON files, too (sweeps/); real runs are CSV files or one
 /// of many other formats (real_trajectories/).
 #[derive(Debug, Parser)]
-#[command(name = "realgap", version, max_term_width = 100, arg_required_else_help = true, after_help = NOTES)]
+#[command(name = "realgap", version, max_term_width = 80, arg_required_else_help = true, after_help = NOTES)]
 #[command(help_template = help())]
 struct Cli {
     #[command(subcommand)]
@@ -170,9 +172,9 @@ Examples:
 const CLUSTER: &str = "\
 Examples:
   realgap cluster plan sweeps/tripod_floor.ron --shards 9 -o plan
-  realgap cluster run plan --shard 0                        # on any machine
-  realgap cluster merge plan                                # after every round
-  realgap cluster submit slurm plan                         # or let Slurm do all of it";
+  realgap cluster run plan --shard 0           # on any machine
+  realgap cluster merge plan                   # after every round
+  realgap cluster submit slurm plan            # or let Slurm do all of it";
 
 /// The layout of a command's help: examples stand before usage and options.
 const LAYOUT: &str = "{about}{after-help}\n\n{usage-heading} {usage}\n\n{all-args}";
@@ -323,5 +325,34 @@ pub fn run(words: impl Iterator<Item = OsString>) -> u8 {
                 _ => 1,
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory as _;
+
+    use super::{Cli, WIDTH};
+
+    /// The lines of a command's help, and of all below it, that are too wide.
+    fn too_wide(command: &mut clap::Command, path: &str, found: &mut Vec<String>) {
+        let path = format!("{path} {}", command.get_name());
+        for help in [command.render_help(), command.render_long_help()] {
+            let lines = help.to_string();
+            let wide = lines.lines().filter(|line| line.chars().count() > WIDTH);
+            found.extend(wide.map(|line| format!("{path}: {line}")));
+        }
+        for below in command.get_subcommands_mut() {
+            too_wide(below, &path, found);
+        }
+    }
+
+    #[test]
+    fn no_help_page_is_wider_than_eighty_columns() {
+        let mut found = Vec::new();
+        let mut program = Cli::command();
+        program.build();
+        too_wide(&mut program, "", &mut found);
+        assert!(found.is_empty(), "{found:#?}");
     }
 }

@@ -28,7 +28,7 @@ pub struct Predict {
     #[command(flatten)]
     values: Values,
     /// Length of each run, seconds
-    #[arg(long, value_name = "S", default_value_t = 20.0)]
+    #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = parse_seconds)]
     duration: f64,
     /// How repeats differ: a file with the fields of a study's `noise` section [default: a noise preset for robots without
     /// measurements, see docs/results.md]

@@ -1,11 +1,12 @@
 //! A progress bar with rate and time left; quiet where standard error is not a terminal.
 
+use std::fmt::Write;
 use std::io::IsTerminal as _;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use realgap::Result;
 
 use super::terminal;
@@ -74,9 +75,9 @@ pub fn follow(bar: &ProgressBar) -> impl Fn(Progress) + Sync + '_ {
                 // A full bar would look as if the program had stopped, so a spinner stands where nothing can be counted.
                 let pattern = match is_counted {
                     true => pattern(),
-                    false => "{msg} {spinner} {elapsed}",
+                    false => "{msg} {spinner} {elapsed} so far",
                 };
-                if let Ok(style) = ProgressStyle::with_template(pattern) {
+                if let Some(style) = style(pattern) {
                     bar.set_style(style);
                 }
                 bar.set_message(what);
@@ -107,8 +108,26 @@ pub fn follow(bar: &ProgressBar) -> impl Fn(Progress) + Sync + '_ {
 fn pattern() -> &'static str {
     let coloured = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
     match coloured {
-        true => "{msg} {bar:36.cyan/dim} {pos}/{len}  {per_sec}, {eta} left",
-        false => "{msg} {bar:36} {pos}/{len}  {per_sec}, {eta} left",
+        true => "{msg} {bar:36.cyan/dim} {pos}/{len}  {pace}",
+        false => "{msg} {bar:36} {pos}/{len}  {pace}",
+    }
+}
+
+/// The look of a bar.
+fn style(pattern: &str) -> Option<ProgressStyle> {
+    let style = ProgressStyle::with_template(pattern).ok()?;
+    Some(
+        style.with_key("pace", |state: &ProgressState, out: &mut dyn Write| {
+            let _ = out.write_str(&pace(state.per_sec(), state.eta(), state.elapsed()));
+        }),
+    )
+}
+
+/// Steps a second and the time left; before the first step, which tells neither, the time so far.
+fn pace(per_s: f64, left: Duration, so_far: Duration) -> String {
+    match left.is_zero() {
+        true => format!("{} so far", time(so_far.as_secs_f64())),
+        false => format!("{per_s:.1}/s, {} left", time(left.as_secs_f64())),
     }
 }
 
@@ -128,7 +147,7 @@ pub fn bar(total: usize, what: &str) -> ProgressBar {
     // indicatif hides the bar by itself where standard error is not a terminal.
     let bar =
         ProgressBar::with_draw_target(Some(total as u64), ProgressDrawTarget::stderr_with_hz(8));
-    if let Ok(style) = ProgressStyle::with_template(pattern()) {
+    if let Some(style) = style(pattern()) {
         bar.set_style(style);
     }
     bar.set_message(what.to_owned());
@@ -171,4 +190,16 @@ fn tell_by_the_minute(bar: &ProgressBar) {
             std::thread::sleep(Duration::from_secs(1));
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_left_is_said_once_a_step_tells_it() {
+        let second = Duration::from_secs(1);
+        assert_eq!(pace(0.0, Duration::ZERO, second), "1 s so far");
+        assert_eq!(pace(2.0, 3 * second, second), "2.0/s, 3 s left");
+    }
 }

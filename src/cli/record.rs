@@ -23,7 +23,7 @@ pub struct Record {
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=10_000))]
     repeats: u64,
     /// Length of each, seconds
-    #[arg(long, value_name = "S", default_value_t = 20.0)]
+    #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = parse_seconds)]
     duration: f64,
     /// Samples per second
     #[arg(long, alias = "rate", value_name = "HZ", default_value_t = 30.0)]

@@ -48,7 +48,7 @@ pub struct ReplayCommand {
     #[arg(long)]
     as_recorded: bool,
     /// Length of a simulated run, seconds [default: that of the first recording, else 10]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = parse_seconds)]
     duration: Option<f64>,
     #[command(flatten)]
     values: Values,

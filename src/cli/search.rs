@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+use realgap::claim::verdict_lines;
 use realgap::optimization::{Ending, Progress, RunOptions};
 use realgap::plan::Work;
 use realgap::report::PageData;
@@ -248,7 +249,8 @@ fn words(summary: &SearchSummary, search: &search::Search, head: &str) -> String
         .map(|(reason, count)| format!("{count} {reason}"))
         .collect();
     let mut lines = vec![format!(
-        "{}: {} of {} by {}, {} each of {} s, {head}",
+        "{}{}: {} of {} by {}, {} each of {} s, {head}",
+        verdict_lines(&summary.claims),
         summary.search,
         summary.robots,
         counted(summary.robots_total, "robot"),

@@ -28,12 +28,13 @@ Examples:
   realgap simulate morphologies/tripod.ron --duration 20 -o run.csv
   realgap simulate morphologies/tripod.ron --set floor.friction=0.4 --energy
   realgap simulate morphologies/tripod.ron --arena arenas/cartons.ron
-  realgap simulate morphologies/tripod.ron --controller controllers/tripod_avoid.ron")]
+  realgap simulate morphologies/tripod.ron \\
+      --controller controllers/tripod_avoid.ron")]
 pub struct Simulate {
     /// The robot, e.g. morphologies/tripod.ron
     morphology: PathBuf,
     /// Length of the run, seconds
-    #[arg(long, value_name = "S", default_value_t = 10.0)]
+    #[arg(long, value_name = "S", default_value_t = 10.0, value_parser = parse_seconds)]
     duration: f64,
     #[command(flatten)]
     solver: SolverOptions,

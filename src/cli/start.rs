@@ -6,13 +6,14 @@ mod joint;
 mod noise;
 mod path;
 mod rehearsal;
+mod wheels;
 
 use realgap::calibration::{Overrides, UnusedColumns};
 use realgap::file::{Source, write_ron};
 use realgap::prediction::ensemble::rms_m;
 use realgap::robot::import::is_foreign;
 use realgap::trajectory::{
-    InferredReading, JointReading, Prepared, Reading, Recording, prepare, read_all,
+    Evidence, InferredReading, JointReading, Prepared, Reading, Recording, prepare, read_all,
 };
 
 use super::kit::*;
@@ -54,6 +55,10 @@ pub struct Start {
     /// '*_calf_joint=30,2' (repeatable)
     #[arg(long, value_name = "[JOINT=]KP,KD", allow_hyphen_values = true)]
     pd: Vec<Gains>,
+    /// Distance between the left and the right wheels, metres, for recorded commands of forward speed and turn rate (columns
+    /// `linear` and `angular`) [default: that of the robot's file]
+    #[arg(long, value_name = "METRES")]
+    track: Option<f64>,
     /// The recorded robot ran the gait of its own file; needed for wheels without recorded commands
     #[arg(long)]
     own_gait: bool,
@@ -105,6 +110,19 @@ impl Start {
             ..JointReading::default()
         });
         known = named.reading;
+        let mut evidence = named.evidence;
+        if known.wheels.is_none()
+            && let Some((found, reason)) = wheels::find(&subject, &known, self.track)?
+        {
+            evidence.push(Evidence {
+                finding: format!(
+                    "speeds of wheels from `{}` and `{}`",
+                    found.forward, found.turn
+                ),
+                reason,
+            });
+            known.wheels = Some(found);
+        }
         let mut guess = loop {
             let guess = InferredReading::infer(&subject.recordings, &known, Some(size_m))?;
             match guess.ambiguities.first() {
@@ -115,7 +133,7 @@ impl Start {
                 }
             }
         };
-        guess.evidence.splice(0..0, named.evidence);
+        guess.evidence.splice(0..0, evidence);
         let mut recordings = Vec::new();
         for path in &subject.recordings {
             recordings.extend(read_all(path, &guess.reading)?);

@@ -96,7 +96,7 @@ pub struct TimingOptions {
     #[arg(long, value_name = "RULE", value_parser = choice(RULES), default_value = "nearest")]
     associate: Rule,
     /// Match samples up to this many seconds apart [default: 0.01]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = parse_seconds)]
     max_difference: Option<f64>,
     /// What is done to matched samples before ape, rpe and rotation compare them (Umeyama 1991)
     #[arg(long, value_name = "ALIGNMENT", value_parser = choice(ALIGNMENTS), default_value = "none")]

@@ -10,6 +10,7 @@ mod foreign;
 mod hint;
 mod kept;
 mod new;
+mod own_data;
 mod start;
 mod start_drive;
 mod start_noise;

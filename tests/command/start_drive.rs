@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use common::{realgap, text};
 
 /// A cart on two wheels whose file states no motors.
-const CART: &str = r#"<robot name="cart">
+pub(crate) const CART: &str = r#"<robot name="cart">
   <link name="base"><inertial><mass value="1.2"/><inertia ixx="0.005" iyy="0.006" izz="0.008" ixy="0" ixz="0" iyz="0"/></inertial>
     <collision><origin xyz="0 0 0.02"/><geometry><box size="0.2 0.14 0.04"/></geometry></collision></link>
   <link name="lw"><inertial><mass value="0.05"/><inertia ixx="2e-5" iyy="3e-5" izz="2e-5" ixy="0" ixz="0" iyz="0"/></inertial>

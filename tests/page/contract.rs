@@ -10,9 +10,11 @@ use realgap::RunOptions;
 use realgap::calibration::{
     Answer, INTERVAL_LEVEL, Method, Overrides, POSSIBLE_LEVEL, Study, TuneOptions,
 };
+use realgap::claim::{self, Conclusion};
 use realgap::comparison::by_name;
 use realgap::optimization::optimizer_by_name;
 use realgap::results;
+use realgap::unit::{Unit, number, quantity};
 
 /// How the points of the generated studies are chosen, in turn.
 const METHODS: [&str; 6] = [
@@ -96,6 +98,96 @@ fn cells(page: &str) -> Vec<(usize, bool)> {
     all.filter_map(cell).collect()
 }
 
+/// The answers to the question whether a result may be trusted, by words that only they use.
+const TRUSTS: [(&str, &str); 5] = [
+    ("The answer holds on", "holds on others"),
+    (
+        "The model fits the recordings",
+        "fits, not yet tested on others",
+    ),
+    (
+        "does not explain the recordings",
+        "does not explain the recordings",
+    ),
+    (
+        "The fit does not carry over",
+        "does not explain the recordings",
+    ),
+    ("Whether to trust this cannot be told", "cannot be told"),
+];
+
+/// Terminal, page and `summary.json` begin with one verdict, whose numbers and words are those of everything below it.
+fn one_verdict(what: &str, out: &Path, answer: &Answer, page: &str) {
+    let report = &answer.report;
+    let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let text = report.to_string();
+    let claims = claim::verdict(&report.claims);
+    assert_eq!(claims.len(), 3, "{what}: {text}");
+    for (index, (label, claim)) in claims.iter().enumerate() {
+        let line = text.lines().nth(index).unwrap();
+        assert_eq!(line, format!("{label}: {claim}"), "{what}");
+        assert_eq!(summary["claims"][index]["text"], claim.text, "{what}");
+        let shown = claim.text.replace('>', "&gt;").replace('<', "&lt;");
+        assert!(page.contains(&shown), "{what}: {shown} is not on the page");
+    }
+    let [(_, gap), (_, parameters), (_, trust)] = claims.try_into().unwrap();
+
+    // The gap is that of the best point, and in noise floors that of the fit and of the picture.
+    let best = report.best.as_ref().unwrap();
+    assert_eq!(gap.numbers["score"], best.score, "{what}");
+    if let Some(error_m) = best.displacement_error_m {
+        assert!(
+            gap.text.contains(&quantity(error_m, Unit::Metre)),
+            "{what}: {gap}"
+        );
+    }
+    let floors = report.fit.as_ref().and_then(|fit| fit.noise_floors);
+    assert_eq!(gap.numbers.get("noise_floors").copied(), floors, "{what}");
+    for place in [&text, page] {
+        for floors_said in place
+            .split(" noise floors")
+            .collect::<Vec<_>>()
+            .split_last()
+            .unwrap()
+            .1
+        {
+            let said = floors_said.rsplit([' ', '>']).next().unwrap();
+            if let (Ok(_), Some(floors)) = (said.parse::<f64>(), floors) {
+                assert_eq!(said, number(floors), "{what}: {place}");
+            }
+        }
+    }
+
+    // Of every parameter the verdict says what its own sentence says.
+    for verdict in &report.verdicts {
+        let known = format!("{} is not determined", verdict.parameter);
+        let is_open = parameters.text.contains(&known);
+        assert_eq!(is_open, !verdict.identified, "{what}: {parameters}");
+    }
+
+    // One answer on trust in every place, and nothing that speaks against it.
+    let picture = std::fs::read_to_string(out.join("heatmap.svg")).unwrap();
+    let explains = report.fit.as_ref().is_none_or(|fit| fit.explains);
+    let fails = trust.conclusion == Conclusion::Rejected;
+    assert!(explains || fails || !report.complete, "{what}: {trust}");
+    for place in [&text, page] {
+        for (words, word) in TRUSTS {
+            assert!(
+                !place.contains(words) || trust.word == word,
+                "{what}: {words}, and the verdict is {trust}"
+            );
+        }
+        let rejects = place.contains("NO PARAMETERS OF THIS MODEL");
+        assert_eq!(rejects, !explains, "{what}: {trust}");
+    }
+    assert_eq!(
+        picture.contains("NOT EXPLAINED"),
+        !explains,
+        "{what}: {trust}"
+    );
+}
+
 fn check(seed: u64, method: &str) {
     let folder = tempfile::tempdir().unwrap();
     let study = generated(folder.path(), seed);
@@ -157,6 +249,8 @@ fn check(seed: u64, method: &str) {
         "{what}"
     );
     assert_eq!(ranked.len(), rows.len(), "{what}");
+
+    one_verdict(&what, &out, &answer, &page.html(None, "realgap"));
 
     // Every interval is a quantile of the draws, and holds the best, or the sentence says why it does not.
     let draws = answer.draws.as_ref().unwrap();

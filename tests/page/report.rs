@@ -44,6 +44,37 @@ fn report(folder: &Path) -> String {
 }
 
 #[test]
+fn results_of_several_folders_stand_beside_each_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let [before, after] = ["before", "after"].map(|name| folder.path().join(name));
+    swept(&before);
+    swept(&after);
+    let page = folder.path().join("both.html");
+    let mut report = realgap();
+    report.arg("report").args([&before, &after]).arg("-o");
+    report.arg(&page).assert().success();
+    let html = std::fs::read_to_string(&page).unwrap();
+    let summary: serde_json::Value =
+        serde_json::from_str(&common::read(&before, "summary.json")).unwrap();
+    let claims = summary["claims"].as_array().unwrap();
+    for claim in &claims[..3] {
+        let text = claim["text"].as_str().unwrap();
+        assert_eq!(html.matches(text).count(), 2, "{text}");
+    }
+    for words in ["/before", "/after", "floor.friction", "floor.restitution"] {
+        assert!(html.contains(words), "{words}: {html}");
+    }
+    // The page of a folder is not touched by a comparison.
+    assert!(!folder.path().join("comparison.html").exists());
+    let mut missing = realgap();
+    missing
+        .arg("report")
+        .arg(&before)
+        .arg(folder.path().join("none"));
+    missing.assert().failure();
+}
+
+#[test]
 fn a_sweeps_page_holds_its_answer_its_map_and_where_it_comes_from() {
     let folder = tempfile::tempdir().unwrap();
     swept(folder.path());

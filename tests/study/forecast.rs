@@ -276,7 +276,7 @@ fn bad_input_is_refused_with_the_allowed_values() {
     for (args, code, words) in [
         (vec!["--repeats", "0"], 2, "1..=5000"),
         (vec!["--success-m", "-1"], 2, "more than 0 m"),
-        (vec!["--duration", "0"], 2, "0.001 to 3600"),
+        (vec!["--duration", "0"], 2, "0.001 to 86400"),
         (vec!["--noise", &bad], 1, "noise.ron:2:"),
         (vec!["--noise", "nowhere.ron"], 1, "nowhere.ron"),
     ] {

@@ -2,6 +2,8 @@
 
 mod check;
 
+pub use check::LONGEST_S;
+
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -363,7 +365,8 @@ impl Experiment {
         let usual = Solver::default();
         let solver = Solver {
             engine: EngineChoice::suited_to(&assembly),
-            timestep_s: (around.timestep_s).map_or(usual.timestep_s, |most_s| most_s.min(usual.timestep_s)),
+            timestep_s: (around.timestep_s)
+                .map_or(usual.timestep_s, |most_s| most_s.min(usual.timestep_s)),
             ..usual
         };
         let floor = Floor::around(around);

@@ -58,8 +58,8 @@ pub use distribution::Distribution;
 pub use energy::EnergyBalance;
 pub use engine::{ENGINES, Engine, EngineChoice, Load, Motion, Setup, World, engine_by_name};
 pub use experiment::{
-    Contact, Experiment, Floor, FrictionModel, JointFormulation, JointState, Perturbation,
-    Sampling, Solver, Start,
+    Contact, Experiment, Floor, FrictionModel, JointFormulation, JointState, LONGEST_S,
+    Perturbation, Sampling, Solver, Start,
 };
 pub use film::{Film, film, film_with, part_from_solid, part_name};
 pub use foreign::{Foreign, ForeignStart};

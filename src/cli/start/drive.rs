@@ -234,6 +234,8 @@ fn import_again(
         let law = match hinge.actuator?.servo.law {
             _ if !is_assumed(hinge) || gains.contains_key(&hinge.name) => return None,
             ServoLaw::Direct => "exerts the commanded torque",
+            // No import assumes this law.
+            ServoLaw::Throttle => return None,
             ServoLaw::Torque { .. } => "is a spring with damping",
             ServoLaw::Velocity { .. } => "turns to its command",
             ServoLaw::Motor(_) => "is a motor with a position loop",
@@ -371,7 +373,7 @@ fn undriven(hinges: &[Hinge], recordings: &[Recording], has_wheels: bool) -> Err
         .at_file(&recordings[0].path)
         .found(found)
         .allowed(format!(
-            "columns {first}_command_rad (angles), {first}_command_rad_s (speeds) or {first}_command_nm (torques), one per driven joint: {}",
+            "columns {first}_command_rad (angles), {first}_command_rad_s (speeds) or {first}_command_nm (torques), one per driven joint: {}; of a robot on wheels also linear and angular (m/s, rad/s)",
             shortened(named)
         ))
         .hint(remedy)

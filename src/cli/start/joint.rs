@@ -185,7 +185,11 @@ fn before(
 fn timestep_s(motion: &Trajectory, subject: &Subject) -> f64 {
     let sample_s = motion.duration_s() / (motion.times_s().len() - 1) as f64;
     let stiff_s = subject.robot.assemble().surroundings.timestep_s;
-    floored((sample_s / STEPS).min(stiff_s.unwrap_or(LONGEST_STEP_S)).min(LONGEST_STEP_S))
+    floored(
+        (sample_s / STEPS)
+            .min(stiff_s.unwrap_or(LONGEST_STEP_S))
+            .min(LONGEST_STEP_S),
+    )
 }
 
 /// The parameters to fit, with ranges around the values in the robot's file, or of what a servo of this size may have: those that
@@ -203,7 +207,7 @@ fn proposals(
         all.extend(of_hinge(hinge, has_command(hinge), drive, summary));
     }
     let has_delay = |hinge: &&&Hinge| {
-        has_command(hinge) && !matches!(law(hinge), Some(ServoLaw::Direct) | None)
+        has_command(hinge) && !matches!(law(hinge), Some(ServoLaw::Direct | ServoLaw::Throttle) | None)
     };
     if !drive.known_gains.is_empty() {
         // Stated gains are numbers of the firmware; how much torque they are depends on torque constants, which are seldom exact.
@@ -263,7 +267,7 @@ fn of_servo(hinge: &Hinge, has_command: bool, drive: &Drive) -> Vec<Proposal> {
             around("torque_constant_nm_a", motor.torque_constant_nm_a),
             around("armature_kg_m2", motor.armature_kg_m2.max(1e-6)),
         ],
-        Some(ServoLaw::Torque { .. } | ServoLaw::Direct) | None => Vec::new(),
+        Some(ServoLaw::Torque { .. } | ServoLaw::Direct | ServoLaw::Throttle) | None => Vec::new(),
     }
 }
 
@@ -282,7 +286,10 @@ fn of_hinge(hinge: &Hinge, has_command: bool, drive: &Drive, summary: &Summary) 
         proposal(&format!("hinge.{name}.{parameter}"), (0.0, most), value)
     };
     let mut all = Vec::new();
-    let feels_inertia = matches!(law(hinge), Some(ServoLaw::Torque { .. } | ServoLaw::Direct));
+    let feels_inertia = matches!(
+        law(hinge),
+        Some(ServoLaw::Torque { .. } | ServoLaw::Direct | ServoLaw::Throttle)
+    );
     if feels_inertia {
         all.push(up_to(
             "armature_kg_m2",

@@ -79,6 +79,16 @@ pub(super) fn shorten(text: &str) -> String {
 /// assert_eq!(nearest_name("rsm", ["pca", "rms"]), Some("rms"));
 /// assert_eq!(nearest_name("colour", ["side_m", "mass_kg"]), None);
 /// ```
+///
+/// A name may lack what stands before its last point, and the unit at its end.
+///
+/// ```
+/// use realgap_core::file::nearest_name;
+///
+/// let known = ["floor.friction", "servo.stiffness_n_m_rad"];
+/// assert_eq!(nearest_name("friction", known), Some("floor.friction"));
+/// assert_eq!(nearest_name("servo.stiffness", known), Some("servo.stiffness_n_m_rad"));
+/// ```
 pub fn nearest_name<'a>(
     found: &str,
     allowed: impl IntoIterator<Item = &'a str>,
@@ -91,11 +101,32 @@ pub fn nearest_name<'a>(
     let limit = (found.chars().count() + 1) / 3;
     allowed
         .into_iter()
-        .map(|name| (edit_distance(found, name), name))
+        .map(|name| (distance(found, name), name))
         .filter(|&(distance, _)| distance <= limit)
         .min_by_key(|&(distance, _)| distance)
         .map(|(_, name)| name)
 }
+
+/// How far a written name is from a known one, as a whole or as a part of it.
+fn distance(found: &str, name: &str) -> usize {
+    let whole = edit_distance(found, name);
+    let last = name.rsplit('.').next().unwrap_or(name);
+    // A part is worse than a whole name as near.
+    let of_part = match found.contains('.') {
+        true => usize::MAX,
+        false => edit_distance(found, last).saturating_add(usize::from(last != name)),
+    };
+    let is_start = |name: &str| {
+        let rest = name.strip_prefix(found);
+        rest.is_some_and(|rest| rest.starts_with('_'))
+    };
+    let is_without_unit = found.len() >= LEAST_START && (is_start(name) || is_start(last));
+    let of_start = if is_without_unit { 1 } else { usize::MAX };
+    whole.min(of_part).min(of_start)
+}
+
+/// A shorter text is the start of too many names.
+const LEAST_START: usize = 4;
 
 /// Edit distance: the number of letters left out, added, replaced or exchanged with their neighbour (optimal string alignment); upper and
 /// lower case count as equal.

@@ -42,7 +42,7 @@ mod recording;
 mod study;
 
 pub use answer::Answer;
-pub use answer::report::{Best, BestPointUncertainty, Correlation, PoseErrors, Report, VERDICT};
+pub use answer::report::{Best, BestPointUncertainty, Correlation, PoseErrors, Report};
 pub use answer::score::{PointScore, Scores};
 pub use answer::uncertainty::{Uncertainty, UncertaintySource};
 pub(crate) use answer::values::by_name;

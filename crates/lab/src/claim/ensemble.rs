@@ -65,24 +65,8 @@ pub(crate) fn recorded(
     source: Source,
 ) -> Option<Claim> {
     let last = regions.last()?;
-    let failed = regions
-        .iter()
-        .filter(|claim| claim.conclusion == Conclusion::Rejected);
-    let mut against: Vec<String> = failed
-        .map(|claim| {
-            format!(
-                "the {}",
-                claim
-                    .word
-                    .replacen("NO: region", &format!("region of {} is", claim.name), 1)
-            )
-        })
-        .collect();
+    let against = contradictions(regions, alike, source);
     let test = alike.map(|test| format!("energy test by rms: p = {}", number(test.p_value)));
-    let reality = called(source);
-    if alike.is_some_and(|test| test.p_value < SIGNIFICANT) {
-        against.push(format!("repeats do NOT have the distribution of {reality}"));
-    }
     let runs = counted(last.count, "recording");
     let evidence = test.map_or_else(String::new, |test| format!(" ({test})"));
     let (says, word, text) = if against.is_empty() {
@@ -101,4 +85,30 @@ pub(crate) fn recorded(
         Claim::new(About::Ensemble, says, word, text)
             .resting_on(last.count, &[("p_value", p_value)]),
     )
+}
+
+/// What contradicts an ensemble, as parts of a sentence: regions that hold too few or too many recordings, and the energy test.
+pub(crate) fn contradictions(
+    regions: &[Claim],
+    alike: Option<&EnergyTest>,
+    source: Source,
+) -> Vec<String> {
+    let failed = regions
+        .iter()
+        .filter(|claim| claim.conclusion == Conclusion::Rejected);
+    let mut against: Vec<String> = failed
+        .map(|claim| {
+            format!(
+                "the {}",
+                claim
+                    .word
+                    .replacen("NO: region", &format!("region of {} is", claim.name), 1)
+            )
+        })
+        .collect();
+    let reality = called(source);
+    if alike.is_some_and(|test| test.p_value < SIGNIFICANT) {
+        against.push(format!("repeats do NOT have the distribution of {reality}"));
+    }
+    against
 }

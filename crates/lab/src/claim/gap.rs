@@ -92,6 +92,7 @@ pub(crate) fn over_time(confidence: &Confidence) -> Claim {
     );
     let or_none = |time_s: Option<f64>| time_s.unwrap_or(f64::NAN);
     let says = match (confidence.below_half_s, confidence.surely_below_half_s) {
+        _ if high < confidence.level => Conclusion::Rejected,
         (_, Some(_)) => Conclusion::Rejected,
         (Some(_), None) => Conclusion::Inconclusive,
         (None, None) => Conclusion::Supported,
@@ -109,6 +110,41 @@ pub(crate) fn over_time(confidence: &Confidence) -> Claim {
     Claim::new(About::OverTime, says, drop, text)
         .resting_on(recordings, &numbers)
         .at_level(confidence.level)
+}
+
+/// What the claims about distribution and regions say against a simulation, and what for it, as parts of sentences.
+pub(crate) fn tests(
+    alike: Option<&Claim>,
+    over_time: Option<&Claim>,
+    reality: &str,
+) -> (Vec<String>, Vec<String>) {
+    let p = |claim: &Claim| claim.numbers.get("p_value").copied().unwrap_or(f64::NAN);
+    let of_distribution = alike.map(|claim| {
+        let p = number(p(claim));
+        let said = match claim.conclusion {
+            Conclusion::Rejected => {
+                format!("its repeats do not have the distribution of {reality} (p = {p})")
+            }
+            _ => format!("no difference is found between its repeats and {reality} (p = {p})"),
+        };
+        (claim.conclusion, said)
+    });
+    let of_regions = over_time.map(|claim| {
+        let said = match claim.conclusion {
+            Conclusion::Rejected => "recordings leave the region of its repeats too often",
+            _ => "recordings stay in the region of its repeats",
+        };
+        (claim.conclusion, format!("{said} ({})", claim.word))
+    });
+    let (mut against, mut passed) = (Vec::new(), Vec::new());
+    for (conclusion, said) in [of_distribution, of_regions].into_iter().flatten() {
+        match conclusion {
+            Conclusion::Rejected => against.push(said),
+            Conclusion::Supported => passed.push(said),
+            Conclusion::Inconclusive => (),
+        }
+    }
+    (against, passed)
 }
 
 /// Most sets of recordings that are named one by one.

@@ -161,7 +161,7 @@ pub(crate) fn trust(ground: &Ground<'_>) -> Claim {
 }
 
 /// The claim of an answer of which nothing tells whether it may be trusted, with what would tell.
-fn cannot(why: &str) -> (Conclusion, &'static str, String) {
+pub(super) fn cannot(why: &str) -> (Conclusion, &'static str, String) {
     (
         Conclusion::Inconclusive,
         "cannot be told",

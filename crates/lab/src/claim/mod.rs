@@ -10,24 +10,30 @@ mod fit;
 mod flight;
 mod forecast;
 mod gap;
+mod given;
 mod headline;
 mod least_squares;
 mod parameter;
 mod residual;
+mod search;
+mod verdict;
 
 use std::collections::BTreeMap;
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-pub(crate) use ensemble::{recorded, region};
+pub(crate) use ensemble::{contradictions, recorded, region};
 pub(crate) use fit::{engines, model, nearest, set};
 pub use flight::flights;
 pub(crate) use forecast::{reach, success};
-pub(crate) use gap::{called, distance, floor, likeness, over_time};
+pub(crate) use gap::{called, distance, floor, likeness, over_time, tests};
+pub(crate) use given::{Comparison, FEW, beside, measured, told, trust_of, values};
 pub(crate) use headline::{Ground, gap, trust};
 pub(crate) use least_squares::least_squares;
 pub(crate) use parameter::{Found, NAMED, parameter, summary};
+pub use search::{BestOfSearch, search};
+pub use verdict::{VERDICT, evidence, verdict, verdict_lines};
 
 /// Significance level: below this p-value two samples are said to have different distributions.
 pub(crate) const SIGNIFICANT: f64 = 0.05;
@@ -37,11 +43,12 @@ pub(crate) const SIGNIFICANT: f64 = 0.05;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum About {
-    /// How far the simulation is from reality, in a unit that people use: the first part of the verdict. The second one is about the
-    /// parameters.
+    /// How far the simulation is from reality, in a unit that people use: the first part of the verdict.
     Gap,
-    /// Whether the answer may be trusted: the third part of the verdict.
+    /// Whether the answer may be trusted: the last part of the verdict.
     Trust,
+    /// The best robot of a search.
+    Winner,
     /// Whether any parameters of the model explain the recordings.
     Model,
     /// Where the simulation is nearest to reality.

@@ -222,7 +222,16 @@ impl Card {
     fn with_claims(mut self) -> Self {
         let reach = claim::reach(&self.prediction);
         let success = self.success.as_ref().map(claim::success);
-        self.claims = reach.into_iter().chain(success).collect();
+        let trust = claim::trust_of(&claim::Comparison {
+            complete: self.prediction.repeats >= self.prediction.repeats_asked,
+            against: Vec::new(),
+            tested: None,
+            would_tell: "it is compared with no recording; build the robot and record it"
+                .to_owned(),
+            seen_by_fit: None,
+            recordings: 0,
+        });
+        self.claims = reach.into_iter().chain(success).chain([trust]).collect();
         self
     }
 
@@ -268,8 +277,9 @@ impl Card {
 }
 
 impl fmt::Display for Card {
-    /// Writes a line for each statement of the card.
+    /// Writes the verdict, then a line for each statement of the card.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&claim::verdict_lines(&self.claims))?;
         let metres = |m: f64| quantity(m, Unit::Metre);
         let prediction = &self.prediction;
         write!(

@@ -92,6 +92,9 @@ pub struct EnsembleReport {
     pub claims: Vec<Claim>,
     /// What the reader should know.
     pub warnings: Vec<Warning>,
+    /// How many of the recordings the values were fitted on; `None` where no fit is known.
+    #[serde(skip)]
+    pub seen_by_fit: Option<usize>,
 }
 
 impl EnsembleReport {
@@ -253,6 +256,7 @@ impl EnsembleReport {
             cases,
             claims: Vec::new(),
             warnings,
+            seen_by_fit: definition.seen_by_fit,
         };
         Ok(report.with_claims())
     }
@@ -266,8 +270,31 @@ impl EnsembleReport {
         let regions: Vec<Claim> = regions.map(Coverage::claim).collect();
         let alike = self.reality.as_ref().and_then(|reality| reality.alike);
         let recorded = claim::recorded(&regions, alike.as_ref(), self.source);
-        self.claims = reach.into_iter().chain(recorded).chain(regions).collect();
+        let runs = self.reality.iter().flat_map(|reality| &reality.runs);
+        let distances_m: Vec<f64> = runs.map(|run| run.distance_m).collect();
+        let gap = claim::beside(&distances_m, claim::called(self.source));
+        let against = claim::contradictions(&regions, alike.as_ref(), self.source);
+        let trust = claim::trust_of(&self.comparison(distances_m.len(), against));
+        let verdict = gap.into_iter().chain(reach).chain([trust]);
+        self.claims = verdict.chain(recorded).chain(regions).collect();
         self
+    }
+
+    /// What recordings say on whether to trust the repeats.
+    fn comparison(&self, recordings: usize, against: Vec<String>) -> claim::Comparison {
+        let passed = "nothing contradicts its regions and their confidences";
+        claim::Comparison {
+            complete: self.complete,
+            against,
+            tested: (recordings >= claim::FEW).then(|| passed.to_owned()),
+            would_tell: match recordings {
+                0 => "it is compared with no recording; record runs",
+                _ => "there are too few recordings; record the same run again, at least five times",
+            }
+            .to_owned(),
+            seen_by_fit: self.seen_by_fit,
+            recordings,
+        }
     }
 
     /// Number of repeats that were simulated, of all starts together.
@@ -321,8 +348,9 @@ impl EnsembleCase {
 }
 
 impl fmt::Display for EnsembleReport {
-    /// Writes each start where there are few, then all recordings against the ensembles.
+    /// Writes the verdict, each start where there are few, then all recordings against the ensembles.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&claim::verdict_lines(&self.claims))?;
         if self.cases.len() <= CASES_PRINTED {
             for (index, case) in self.cases.iter().enumerate() {
                 if index > 0 {

@@ -13,8 +13,8 @@ use realgap_core::range::Range;
 use realgap_core::{Error, Result};
 use realgap_robot::genome::{Development, Genome};
 use realgap_robot::morphology::Morphology;
-use realgap_simulation::Noise;
 use realgap_simulation::parameter::{Assignment, ParameterSet};
+use realgap_simulation::{LONGEST_S, Noise};
 
 /// Most repeats of one robot.
 const REPEATS_AT_MOST: usize = 5000;
@@ -197,7 +197,7 @@ impl SearchBuilder {
         let (finals, failures) = (&self.finals, &self.failures);
         let repeats = Range::within(1.0, REPEATS_AT_MOST as f64, "");
         let body_lengths = Range::within(0.0, 1e6, "");
-        Range::within(0.01, 3600.0, "s").check(self.duration_s, "duration_s")?;
+        Range::within(0.01, LONGEST_S, "s").check(self.duration_s, "duration_s")?;
         repeats.check(self.repeats as f64, "repeats")?;
         Range::within(1.0, 60.0, "").check(finals.count as f64, "finalists.count")?;
         repeats.check(finals.repeats as f64, "finalists.repeats")?;

@@ -15,6 +15,7 @@ use realgap_optimization::{
     default_optimizer, space_filling,
 };
 use realgap_robot::genome::{Gene, Genome, Locus};
+use realgap_simulation::LONGEST_S;
 
 /// How the gait of every body is tuned before the body is judged.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -50,7 +51,7 @@ impl GaitTuning {
     /// The first that cannot be used.
     pub fn check(&self) -> Result<()> {
         Range::within(1.0, 100_000.0, "").check(self.runs as f64, "runs")?;
-        Range::within(0.01, 3600.0, "s").check(self.duration_s, "duration_s")?;
+        Range::within(0.01, LONGEST_S, "s").check(self.duration_s, "duration_s")?;
         Range::within(0.0, 0.9 * self.duration_s, "s").check(self.from_s, "from_s")?;
         Range::within(0.0, 1e6, "").check(self.least, "least")
     }

@@ -18,7 +18,7 @@ pub use folder::page_data::{
     NextCommand, PAGE_FILE, PageData, RecordedPath, ReplayData, SHOWN_RECORDINGS,
 };
 pub use folder::tree::ReportTree;
-pub use folder::{ResultsPage, folder_page};
+pub use folder::{ResultsPage, compared_page, folder_page};
 pub use replay::look::{ShownSolid, shown_body, shown_parts};
 pub use replay::motion::ShownScene;
 pub use replay::page::{Replay, SIMULATION};

@@ -43,6 +43,7 @@ mod table;
 mod text;
 mod time_order;
 mod tum;
+mod wheels;
 
 pub use align::Alignment;
 pub use axes::Axes;
@@ -75,3 +76,4 @@ pub use span::Span;
 pub use state::{JointTrack, Signal, State, Trajectory};
 pub use text::{MAX_COLUMNS, MAX_FILE_BYTES, MAX_ROWS};
 pub use tum::Tum;
+pub use wheels::{TwistColumns, Wheel, WheelCommands};

@@ -12,9 +12,10 @@ use serde::{Deserialize, Serialize};
 use super::axes::Axes;
 use super::column::{Columns, Measure, Role};
 use super::levelling;
+use super::wheels::WheelCommands;
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{Source, parse_ron};
-use realgap_core::unit::{AngleUnit, LengthUnit, TimeUnit};
+use realgap_core::unit::{AngleUnit, LengthUnit, TimeUnit, counted};
 
 realgap_core::string_enum! {
     /// Order of the four numbers of a quaternion, in the order of their columns.
@@ -194,6 +195,9 @@ pub struct Reading {
     /// Columns that hold lists of numbers, with one column name per number: `{"action": ["pan_command_rad", "lift_command_rad"]}`.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub lists: BTreeMap<String, Vec<String>>,
+    /// Commanded forward speed and turn rate, and the wheels whose commanded speeds follow from them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wheels: Option<WheelCommands>,
     /// Unit of lengths (and of velocities, per second) whose columns do not state a unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub length: Option<LengthUnit>,
@@ -311,6 +315,9 @@ impl Reading {
             let error = error.found(ticks).allowed("1 to 1e9 counts per turn");
             return Some(("ticks", error));
         }
+        if let Some(error) = self.wheels.as_ref().and_then(WheelCommands::fault) {
+            return Some(("wheels", error));
+        }
         let is_scale = |scale: &f64| (1e-12..=1e12).contains(scale);
         if let Some(scale) = self.scale.filter(|scale| !is_scale(scale)) {
             let error = Error::invalid("the scale of lengths is out of range");
@@ -336,6 +343,7 @@ impl Reading {
             columns: self.columns.or(&other.columns),
             names: merged(self.names, &other.names),
             lists: merged(self.lists, &other.lists),
+            wheels: self.wheels.or_else(|| other.wheels.clone()),
             length: self.length.or(other.length),
             scale: self.scale.or(other.scale),
             time: self.time.or(other.time),
@@ -417,6 +425,14 @@ impl fmt::Display for Reading {
         parts.extend(names.map(|(theirs, ours)| format!("`{theirs}` as {ours}")));
         if self.names.len() > MOST_NAMES {
             parts.push(format!("{} more names", self.names.len() - MOST_NAMES));
+        }
+        if let Some(wheels) = &self.wheels {
+            parts.push(format!(
+                "speeds of {} from `{}` and `{}`",
+                counted(wheels.wheels.len(), "wheel"),
+                wheels.forward,
+                wheels.turn
+            ));
         }
         let lists = self.lists.iter();
         parts.extend(lists.map(|(column, ours)| format!("`{column}` as {}", ours.join(", "))));

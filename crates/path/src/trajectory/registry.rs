@@ -35,7 +35,7 @@ fn extension_of(path: &Path) -> Option<String> {
 }
 
 /// The format of a file: among the formats with its extension, the one that recognises the bytes, else the first.
-fn format_in(path: &Path, bytes: &[u8]) -> Result<&'static dyn Format> {
+pub(super) fn format_in(path: &Path, bytes: &[u8]) -> Result<&'static dyn Format> {
     let named = format_of(path)?;
     let extension = extension_of(path).unwrap_or_default();
     let mut all = FORMATS.iter().copied();

@@ -13,7 +13,7 @@ use realgap_core::unit::counted;
 /// # Errors
 /// A missing column, or a list whose length differs from the number of its column names.
 pub(super) fn relabelled(text: String, reading: &Reading) -> Result<String> {
-    if reading.names.is_empty() && reading.lists.is_empty() {
+    if reading.names.is_empty() && reading.lists.is_empty() && reading.wheels.is_none() {
         return Ok(text);
     }
     let mut lines = text.lines().enumerate();
@@ -31,6 +31,18 @@ pub(super) fn relabelled(text: String, reading: &Reading) -> Result<String> {
     };
     reading.names.keys().try_for_each(known)?;
     reading.lists.keys().try_for_each(known)?;
+    let twist = match &reading.wheels {
+        Some(wheels) => {
+            [&wheels.forward, &wheels.turn]
+                .into_iter()
+                .try_for_each(known)?;
+            let at = |name: &str| cells.iter().position(|cell| *cell == name);
+            at(&wheels.forward)
+                .zip(at(&wheels.turn))
+                .map(|at| (wheels, at))
+        }
+        None => None,
+    };
     let mut out = String::with_capacity(text.len());
     for (index, line) in text.lines().enumerate() {
         if index > 0 {
@@ -70,6 +82,22 @@ pub(super) fn relabelled(text: String, reading: &Reading) -> Result<String> {
                 }
                 None => out.push_str(cell),
             }
+        }
+        if let Some((wheels, (forward, turn))) = twist {
+            let row = split(line, separator.character());
+            let number = |at: usize| separator.number(row.get(at)?.trim_matches('"'));
+            let names = wheels.names();
+            let cells: Vec<String> = match number(forward).zip(number(turn)) {
+                _ if index == header_index => names.collect(),
+                Some((forward, turn)) => wheels
+                    .speeds_rad_s(forward, turn)
+                    .map(|speed| speed.to_string())
+                    .collect(),
+                // A row of units, or a lost sample.
+                None => names.map(|_| String::new()).collect(),
+            };
+            out.push(separator.character());
+            push_all(&mut out, &cells, separator);
         }
     }
     out.push('\n');
@@ -118,6 +146,20 @@ mod tests {
 
     fn reading(text: &str) -> Reading {
         Reading::parse(&Source::new("reading.ron", text)).unwrap()
+    }
+
+    #[test]
+    fn wheels_get_the_speeds_that_follow_from_forward_speed_and_turn_rate() {
+        let reading = reading(
+            r#"(wheels: Some((forward: "v", forward_m_s: 1.0, turn: "w", turn_rad_s: 1.0, wheels: [
+                (joint: "l", left_m: 0.1, radius_m: 0.05), (joint: "r", left_m: -0.1, radius_m: 0.05)])))"#,
+        );
+        assert_eq!(
+            relabelled("t_s,v,w\n0,0.2,0.5\n".to_owned(), &reading).unwrap(),
+            "t_s,v,w,l_command_rad_s,r_command_rad_s\n0,0.2,0.5,3,5\n"
+        );
+        let error = relabelled("t_s,v\n0,0.2\n".to_owned(), &reading).unwrap_err();
+        assert!(error.to_string().contains("unknown column"), "{error}");
     }
 
     #[test]

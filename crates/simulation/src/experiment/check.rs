@@ -8,6 +8,9 @@ use realgap_robot::morphology::{Hinge, Role};
 /// from the reduced mass of both parts, so the bearing of a much lighter part could not support anything else.
 const LEAST_BESIDE: f64 = 0.01;
 
+/// The longest run, seconds: a day.
+pub const LONGEST_S: f64 = 86_400.0;
+
 impl Experiment {
     /// Checks the ranges that no single field can check for itself.
     ///
@@ -34,7 +37,7 @@ impl Experiment {
             body.check()?;
             body.check_clear(self)?;
         }
-        range("duration_s", self.duration_s, 1e-3..=3600.0, "s")?;
+        range("duration_s", self.duration_s, 1e-3..=LONGEST_S, "s")?;
         range("timestep_s", self.solver.timestep_s, 1e-6..=0.1, "s")?;
         range(
             "solver.substeps",

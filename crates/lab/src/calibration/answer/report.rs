@@ -214,20 +214,10 @@ impl Evidence<'_> {
     }
 }
 
-/// The parts of the verdict, with what they are called.
-pub const VERDICT: [(&str, About); 3] = [
-    ("gap", About::Gap),
-    ("parameters", About::Parameters),
-    ("trust", About::Trust),
-];
-
 impl fmt::Display for Report {
     /// Writes the verdict in three lines, a line for the study, and one for each further statement of the report.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (label, about) in VERDICT {
-            let mut claims = self.claims.iter().filter(|claim| claim.about == about);
-            claims.try_for_each(|claim| writeln!(f, "{label}: {claim}"))?;
-        }
+        f.write_str(&claim::verdict_lines(&self.claims))?;
         write!(
             f,
             "{}: {} of {}, {}",

@@ -5,9 +5,11 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::calibration::evaluation::channels::ChannelSummary;
-use crate::calibration::evaluation::{all_diverged, by_recording, provenance};
+use crate::calibration::evaluation::{Given, all_diverged, by_recording, provenance};
 use crate::calibration::{Average, StartUsed, Study, by_name};
+use crate::claim::{self, Claim};
 use realgap_core::statistics::{mean, mean_of};
+use realgap_core::unit::Unit;
 use realgap_core::{Code, Result, Warning};
 use realgap_optimization::RunOptions;
 use realgap_path::comparison::{ChannelError, JointError, joint_error_rad, joint_errors};
@@ -63,6 +65,8 @@ pub struct JointEvaluation {
     pub parameters: BTreeMap<String, f64>,
     /// Versions, settings and input hashes.
     pub provenance: BTreeMap<String, String>,
+    /// Every claim about reality, the most important first.
+    pub claims: Vec<Claim>,
     /// What the reader should know.
     pub warnings: Vec<Warning>,
     /// One row a recording, in order; empty unless asked for.
@@ -101,6 +105,19 @@ impl Study {
             )));
         }
         let fixed = definition.set.clone().with_all(set);
+        let parameters = by_name(&fixed);
+        let reality = claim::called(definition.source());
+        let gap = claim::gap(
+            (1e-3 * angle_mrad.mean, None, None),
+            ("joints", Unit::Radian),
+            None,
+            (reality, rows.len()),
+        );
+        let given = Given {
+            values: &parameters,
+            seen_by_fit: definition.seen_by_fit,
+            recordings: rows.len(),
+        };
         let cpu_s: f64 = rows.iter().map(|row| row.cpu_s).sum();
         let simulated_s: f64 = rows.iter().map(|row| row.simulated_s).sum();
         Ok(JointEvaluation {
@@ -112,7 +129,8 @@ impl Study {
             channels: ChannelSummary::all(rows.iter().flat_map(|row| &row.channel_errors)),
             cpu_ms_per_s: 1e3 * cpu_s / simulated_s,
             start: definition.start_used(),
-            parameters: by_name(&fixed),
+            claims: given.verdict(gap, None),
+            parameters,
             provenance: provenance(self),
             warnings,
             rows,

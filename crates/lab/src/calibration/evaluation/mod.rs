@@ -16,14 +16,19 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::calibration::evaluation::resting::face_at_end;
-use crate::calibration::{Definition, FaceOdds, StartUsed, Study, by_name, few_recordings};
+use crate::calibration::{
+    Definition, FaceOdds, PoseErrors, StartUsed, Study, by_name, few_recordings,
+};
+use crate::claim::{self, Claim};
+use crate::prediction::Odds;
 use realgap_core::file::sha256;
 use realgap_core::statistics::{mean, median, standard_deviation};
+use realgap_core::unit::{Unit, counted};
 use realgap_core::{Code, Error, Result, Warning};
 use realgap_identification::is_at_rest;
 use realgap_optimization::RunOptions;
 use realgap_path::comparison::pose_errors;
-use realgap_path::trajectory::Trajectory;
+use realgap_path::trajectory::{Source, Trajectory};
 use realgap_simulation::Experiment;
 use realgap_simulation::parameter::ParameterSet;
 
@@ -104,11 +109,75 @@ pub struct Evaluation {
     pub parameters: BTreeMap<String, f64>,
     /// Versions, settings and input hashes.
     pub provenance: BTreeMap<String, String>,
+    /// Every claim about reality, the most important first.
+    pub claims: Vec<Claim>,
     /// What the reader should know.
     pub warnings: Vec<Warning>,
     /// One row a recording, in order; empty unless asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub rows: Vec<RecordingErrors>,
+    /// Where the recordings come from.
+    #[serde(skip)]
+    pub source: Source,
+    /// How many of the recordings the values were fitted on; `None` where no fit is known.
+    #[serde(skip)]
+    pub seen_by_fit: Option<usize>,
+}
+
+impl Evaluation {
+    /// The evaluation with the claims that follow from its numbers, and from the odds of the same recordings where these are known.
+    #[must_use]
+    pub fn with_claims(mut self, odds: Option<&Odds>) -> Self {
+        let errors = PoseErrors {
+            position_percent: self.position_percent.mean,
+            rotation_deg: self.rotation_deg.mean,
+        };
+        let gap = claim::gap(
+            (f64::NAN, None, Some(&errors)),
+            ("pose", Unit::One),
+            None,
+            (claim::called(self.source), self.recordings),
+        );
+        let given = Given {
+            values: &self.parameters,
+            seen_by_fit: self.seen_by_fit,
+            recordings: self.recordings,
+        };
+        self.claims = given.verdict(gap, odds);
+        self
+    }
+}
+
+/// Given values that were compared with recordings.
+pub(in crate::calibration) struct Given<'a> {
+    pub values: &'a BTreeMap<String, f64>,
+    pub seen_by_fit: Option<usize>,
+    pub recordings: usize,
+}
+
+impl Given<'_> {
+    /// The verdict with this gap. Only odds test whether a right model would differ from the recordings as much.
+    pub(in crate::calibration) fn verdict(self, gap: Claim, odds: Option<&Odds>) -> Vec<Claim> {
+        let odds = odds.filter(|odds| odds.recordings >= claim::FEW);
+        let coverage = odds.iter().flat_map(|odds| &odds.end_coverage);
+        let regions = coverage.map(|one| claim::region(one.level, &one.observed, None));
+        let against = claim::contradictions(&regions.collect::<Vec<_>>(), None, Source::Real);
+        let trust = claim::trust_of(&claim::Comparison {
+            complete: true,
+            against,
+            tested: odds.map(|odds| {
+                format!(
+                    "the regions of its odds hold the ends of {} as often as they state",
+                    counted(odds.recordings, "recording")
+                )
+            }),
+            would_tell: "single runs do not show how far a right model would be from the recordings; repeat them under `noise`, or fit the study, which judges what remains".to_owned(),
+            seen_by_fit: self.seen_by_fit,
+            recordings: self.recordings,
+        });
+        let values = claim::values(self.values, self.seen_by_fit, self.recordings);
+        vec![gap, values, trust]
+    }
 }
 
 impl Study {
@@ -218,7 +287,7 @@ fn summarise(study: &Study, set: &ParameterSet, rows: Vec<RecordingErrors>) -> R
     let ends = ends.filter_map(|row| Some((row.real_face_down?, row.simulated_face_down)));
     let cpu_s: f64 = rows.iter().map(|row| row.cpu_s).sum();
     let simulated_s: f64 = rows.iter().map(|row| row.simulated_s).sum();
-    Ok(Evaluation {
+    let found = Evaluation {
         recordings: rows.len(),
         position_percent: average(|row| row.position_percent)?,
         rotation_deg: average(|row| row.rotation_deg)?,
@@ -232,9 +301,13 @@ fn summarise(study: &Study, set: &ParameterSet, rows: Vec<RecordingErrors>) -> R
         start: definition.start_used(),
         parameters: by_name(&fixed),
         provenance: provenance(study),
+        claims: Vec::new(),
         warnings,
         rows,
-    })
+        source: definition.source(),
+        seen_by_fit: definition.seen_by_fit,
+    };
+    Ok(found.with_claims(None))
 }
 
 /// The study's fingerprint with the hashes of hundreds of recordings folded into one.

@@ -21,21 +21,27 @@ pub(in crate::calibration) fn samples_sha256(recording: &Recording) -> String {
     sha256(samples.replacen(", signals: []", "", 1).as_bytes())
 }
 
-/// A warning where some recordings are among those on which the values were fitted.
-pub(in crate::calibration) fn in_sample(
+/// How many of these recordings are among those on which the values were fitted; `None` where no fit is known.
+pub(in crate::calibration) fn seen_by_fit(
     recordings: &[Recording],
     fitted_on: &[String],
-) -> Option<Warning> {
+) -> Option<usize> {
     if fitted_on.is_empty() {
         return None;
     }
     let known = |recording: &&Recording| fitted_on.contains(&recording_id(recording));
-    let count = recordings.iter().filter(known).count();
-    (count > 0).then(|| {
-        Code::InSample.warning(format!(
-            "in-sample: the values were fitted on {count} of these {} recordings, so that agreement with them flatters; hold some out of the fit, \
-                 or compare with others",
-            recordings.len()
-        ))
-    })
+    Some(recordings.iter().filter(known).count())
+}
+
+/// A warning where some recordings are among those on which the values were fitted.
+pub(in crate::calibration) fn in_sample(
+    recordings: &[Recording],
+    seen_by_fit: Option<usize>,
+) -> Option<Warning> {
+    let count = seen_by_fit.filter(|count| *count > 0)?;
+    Some(Code::InSample.warning(format!(
+        "in-sample: the values were fitted on {count} of these {} recordings, so that agreement with them flatters; hold some out of the fit, \
+             or compare with others",
+        recordings.len()
+    )))
 }

@@ -20,7 +20,7 @@ use realgap_path::comparison::{ChannelSet, Components, Metric, Pca};
 use realgap_path::trajectory::{Alignment, Reading, Recording, Source};
 use realgap_robot::morphology::Morphology;
 use realgap_simulation::parameter::{self, Parameter, ParameterSet};
-use realgap_simulation::{Experiment, Noise, SceneBody, Vehicle};
+use realgap_simulation::{Experiment, LONGEST_S, Noise, SceneBody, Vehicle};
 
 /// Where a simulated run starts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -116,6 +116,8 @@ pub struct Definition {
     pub reading: Reading,
     /// Fixed parameter values.
     pub set: ParameterSet,
+    /// How many of the recordings the fixed values were fitted on; `None` where no fit is known.
+    pub seen_by_fit: Option<usize>,
     /// Posterior draws of some of the fixed values, one group per fit: every repeat under noise takes one draw of each group.
     pub draws: Vec<Vec<ParameterSet>>,
     /// The parameters that vary, with their ranges.
@@ -176,7 +178,7 @@ impl Serialize for StartUsed {
 }
 
 /// Allowed lengths of a run.
-const DURATION: Range = Range::within(1e-3, 3600.0, "s");
+const DURATION: Range = Range::within(1e-3, LONGEST_S, "s");
 
 impl Definition {
     /// A definition with defaults for everything but the name and the robot; it has no recordings and no varied parameters yet.
@@ -207,6 +209,7 @@ impl Definition {
             duration_s: None,
             reading: Reading::default(),
             set: ParameterSet::new(),
+            seen_by_fit: None,
             draws: Vec::new(),
             grid: Grid::default(),
             parameters: Vec::new(),

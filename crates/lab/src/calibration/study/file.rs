@@ -7,7 +7,7 @@ use std::sync::Arc;
 use serde::Deserialize;
 
 use crate::calibration::answer::values::assignments;
-use crate::calibration::recording::identity::in_sample;
+use crate::calibration::recording::identity::{in_sample, seen_by_fit};
 use crate::calibration::study::robot_file::{RobotFile, members, morphology_source};
 use crate::calibration::study::scene_file::BodyFile;
 use crate::calibration::study::scored_columns;
@@ -259,6 +259,9 @@ impl Definition {
             whole.recordings.extend(own.recordings);
             whole.recordings_sha256.extend(own.recordings_sha256);
             whole.warnings.extend(own.warnings);
+            if let Some(seen) = own.seen_by_fit {
+                *whole.seen_by_fit.get_or_insert(0) += seen;
+            }
             whole.robots[index].recordings = from..whole.recordings.len();
         }
         Ok(whole)
@@ -285,9 +288,11 @@ impl Definition {
         };
         let mut warnings = recording::warnings_for(robot, &found.recordings, definition.base);
         warnings.extend(moving);
-        warnings.extend(in_sample(&found.recordings, &overrides.fitted_on));
+        let seen_by_fit = seen_by_fit(&found.recordings, &overrides.fitted_on);
+        warnings.extend(in_sample(&found.recordings, seen_by_fit));
         Ok(Self {
             warnings,
+            seen_by_fit,
             channels,
             recordings: found.recordings,
             recordings_sha256: found.sha256,
@@ -389,6 +394,7 @@ impl Definition {
             duration_s: overrides.duration_s.or(file.duration_s),
             reading: overrides.reading.clone().or(&file.reading),
             set,
+            seen_by_fit: None,
             draws: overrides.draws.clone(),
             grid,
             parameters,

@@ -24,7 +24,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use crate::calibration::recording::identity::in_sample;
+use crate::calibration::recording::identity::{in_sample, seen_by_fit};
 use crate::calibration::study::case::cases;
 use crate::calibration::study::fleet::check_owners;
 use crate::calibration::{BasisRule, Case, Definition, Overrides, ScoreRule};
@@ -105,7 +105,8 @@ impl Study {
         let mut definition = self.definition.clone();
         definition.draws = draws;
         definition.set = definition.set.with_all(set);
-        let known = in_sample(&definition.recordings, fitted_on);
+        definition.seen_by_fit = seen_by_fit(&definition.recordings, fitted_on);
+        let known = in_sample(&definition.recordings, definition.seen_by_fit);
         definition.warnings.extend(known);
         Self::new(definition)
     }

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::{Estimate, FloorReport, GapAndRatio, StudyGap};
+use crate::claim::{evidence, verdict_lines};
 use realgap_core::table::{Side, TextTable};
 use realgap_core::unit::{DisplayUnit, Unit, counted, number, quantity};
 
@@ -47,7 +48,7 @@ impl fmt::Display for FloorReport {
 }
 
 impl fmt::Display for StudyGap {
-    /// Writes noise floor, gap and ratio by metric, then displacement and confidence.
+    /// Writes the verdict, noise floor, gap and ratio by metric, then displacement and confidence.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut table = TextTable::new([
             ("metric", Side::Left),
@@ -82,6 +83,7 @@ impl fmt::Display for StudyGap {
             push("without noise", &row.ideal, [None, None].map(said));
             push("repeats", &row.repeats, alike.map(said));
         }
+        f.write_str(&verdict_lines(&self.claims))?;
         write!(
             f,
             "{}: {} of {}, {} under noise each (95 % intervals over recordings)\n{}",
@@ -94,14 +96,13 @@ impl fmt::Display for StudyGap {
         if let Some(fitness) = &self.displacement {
             write!(
                 f,
-                "\n  displacement: real {}, repeats {}; drawn alike? p = {} (Mann-Whitney), {} (Kolmogorov-Smirnov)",
+                "\n  displacement: real {}, repeats {}; same distribution? p = {} (Mann-Whitney), {} (Kolmogorov-Smirnov)",
                 quantity(fitness.real_mean_m, Unit::Metre),
                 quantity(fitness.simulated_mean_m, Unit::Metre),
                 number(fitness.mann_whitney.p_value),
                 number(fitness.kolmogorov_smirnov.p_value)
             )?;
         }
-        let mut claims = self.claims.iter();
-        claims.try_for_each(|claim| write!(f, "\n  {claim}"))
+        evidence(&self.claims).try_for_each(|claim| write!(f, "\n  {claim}"))
     }
 }

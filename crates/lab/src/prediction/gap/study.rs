@@ -75,6 +75,9 @@ pub struct StudyGap {
     pub version: &'static str,
     /// What the reader should know.
     pub warnings: Vec<Warning>,
+    /// How many of the recordings the values were fitted on; `None` where no fit is known.
+    #[serde(skip)]
+    pub seen_by_fit: Option<usize>,
 }
 
 /// The metric of the claim whether repeats and recordings have the same distribution.
@@ -137,10 +140,35 @@ impl StudyGap {
         let rows = || self.metrics.iter();
         let tested = rows().find(|row| row.metric == LIKENESS).or(rows().next());
         let alike = tested.and_then(|row| Some(claim::likeness(row.metric, &row.alike?, seen)));
-        let distance = rows().next().and_then(|row| claim::distance(row, seen));
+        let told = claim::told(&self.metrics);
+        let distance = told.and_then(|row| claim::distance(row, seen));
         let over_time = self.confidence.as_ref().map(claim::over_time);
-        self.claims = [alike, distance, over_time].into_iter().flatten().collect();
+        let reality = (claim::called(self.source), self.recordings);
+        let gap = told.and_then(|row| claim::measured(row, reality));
+        let values = claim::values(&self.parameters, self.seen_by_fit, self.recordings);
+        let trust = claim::trust_of(&self.comparison(alike.as_ref(), over_time.as_ref()));
+        let verdict = gap.into_iter().chain([values, trust]);
+        let evidence = [alike, distance, over_time].into_iter().flatten();
+        self.claims = verdict.chain(evidence).collect();
         self
+    }
+
+    /// What the claims about distribution and regions say on whether to trust the simulation.
+    fn comparison(&self, alike: Option<&Claim>, over_time: Option<&Claim>) -> claim::Comparison {
+        let (against, passed) = claim::tests(alike, over_time, claim::called(self.source));
+        let is_enough = self.recordings >= claim::FEW && !passed.is_empty();
+        let would_tell = match self.repeats {
+            0 => "nothing says how repeats of a run differ; state `noise` in the study",
+            _ => "there are too few recordings; record the same run again, at least five times",
+        };
+        claim::Comparison {
+            complete: self.complete,
+            against,
+            tested: is_enough.then(|| passed.join(", and ")),
+            would_tell: would_tell.to_owned(),
+            seen_by_fit: self.seen_by_fit,
+            recordings: self.recordings,
+        }
     }
 
     /// Everything that decides the runs.
@@ -277,6 +305,7 @@ fn study_gap(
         engine: study.cases()[0].experiment.engine_version(),
         version: env!("CARGO_PKG_VERSION"),
         warnings,
+        seen_by_fit: definition.seen_by_fit,
     };
     Ok(found.with_claims())
 }

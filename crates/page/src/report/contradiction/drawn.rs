@@ -9,7 +9,7 @@ use crate::results::study::data::{Point, Points, StudyData};
 use realgap_core::unit::Unit;
 use realgap_lab::calibration::{
     Audit, AuditRow, Best, BestPointUncertainty, EnginePreference, Fit, PointScore, PosteriorDraws,
-    Report, Scores, Tables, Uncertainty, UncertaintySource, Unvisited, Verdict,
+    Report, Scores, Tables, Uncertainty, UncertaintySource, Unvisited, Validation, Verdict,
 };
 use realgap_lab::prediction::ensemble::{Ensemble, Forecast, Motion, Reality, Repeat};
 use realgap_lab::prediction::gap::{
@@ -170,6 +170,15 @@ impl Swept {
         });
         (report.fit, report.verdicts, report.audit) = (fit, verdicts, Some(audit));
         report.engines = engines(draw);
+        report.complete = draw.is(0.9);
+        report.validation = draw.is(0.4).then(|| Validation {
+            split: "drawn".to_owned(),
+            fit_score: 0.1,
+            held_out_score: 0.1 * draw.within(0.8, 1.6),
+            difference_standard_error: 0.01,
+            held_out_recordings: 1 + draw.below(5),
+            folds: Vec::new(),
+        });
         let names = ranges.iter().map(|range| range.parameter.name.to_owned());
         report.best = Some(Best {
             parameters: names.zip(near).collect(),
@@ -392,6 +401,7 @@ impl Repeated {
         };
         let ideal = path("without noise".to_owned(), 0.5, 0.0);
         let ensemble = repeated(&repeats, &ideal);
+        let seen_by_fit = [None, Some(0), Some(1)][draw.below(3)];
         let card = Card::new(
             "robot",
             &ensemble,
@@ -399,8 +409,16 @@ impl Repeated {
         )
         .unwrap();
         Self {
-            gap: gap(real.clone(), repeats, ideal, source),
-            ensemble: report(ensemble, &real, source),
+            gap: StudyGap {
+                seen_by_fit,
+                ..gap(real.clone(), repeats, ideal, source)
+            }
+            .with_claims(),
+            ensemble: EnsembleReport {
+                seen_by_fit,
+                ..report(ensemble, &real, source)
+            }
+            .with_claims(),
             card,
         }
     }
@@ -449,7 +467,7 @@ fn report(ensemble: Ensemble, real: &[Sample], source: Source) -> EnsembleReport
         model: None,
         in_further_runs: None,
     };
-    let report = EnsembleReport {
+    EnsembleReport {
         study: "drawn".to_owned(),
         morphology: "robot".to_owned(),
         complete: true,
@@ -462,8 +480,8 @@ fn report(ensemble: Ensemble, real: &[Sample], source: Source) -> EnsembleReport
         cases: vec![case],
         claims: Vec::new(),
         warnings: Vec::new(),
-    };
-    report.with_claims()
+        seen_by_fit: None,
+    }
 }
 
 fn gap(real: Vec<Sample>, repeats: Vec<Sample>, ideal: Sample, source: Source) -> StudyGap {
@@ -480,7 +498,7 @@ fn gap(real: Vec<Sample>, repeats: Vec<Sample>, ideal: Sample, source: Source) -
         seed: 1,
     };
     let found = distances(&real, &cases, &scoring).unwrap();
-    let gap = StudyGap {
+    StudyGap {
         study: "drawn".to_owned(),
         morphology: "robot".to_owned(),
         parameters: BTreeMap::new(),
@@ -499,6 +517,6 @@ fn gap(real: Vec<Sample>, repeats: Vec<Sample>, ideal: Sample, source: Source) -
         engine: "none",
         version: "0",
         warnings: found.warnings,
-    };
-    gap.with_claims()
+        seen_by_fit: None,
+    }
 }

@@ -3,6 +3,7 @@
 
 mod drawn;
 mod rendered;
+mod verdict;
 
 use crate::report::ResultsPage;
 use crate::report::document::picture::Pictures;
@@ -12,7 +13,7 @@ use drawn::{Draw, Repeated, Swept};
 use realgap_core::statistics::ends_of;
 use realgap_core::unit::quantity;
 use realgap_lab::calibration::POSSIBLE_LEVEL;
-use realgap_lab::claim::Claim;
+use realgap_lab::claim::{About, Claim, Conclusion};
 use realgap_lab::prediction::ensemble::Reality;
 use realgap_lab::prediction::gap::StudyGap;
 use rendered::{RenderedTexts, plain, polarity, spans, whole_line};
@@ -173,6 +174,12 @@ fn a_sweep_says_one_thing_in_every_place() {
                 format!("{place} does not say {score}")
             });
         }
+        verdict::verdict(&mut found, &told, &json(report));
+        let trust = verdict::of(&report.claims, About::Trust).unwrap();
+        let fails = trust.conclusion == Conclusion::Rejected;
+        found.hold(&told, !is_rejected || fails || !report.complete, || {
+            format!("no parameters explain, and the verdict is {trust}")
+        });
         told.only_claims(&mut found.contradictions);
     }
     found.close();
@@ -244,7 +251,13 @@ fn repeats_of_a_study_say_one_thing_in_every_place() {
                 format!("{success}: {text}")
             });
         }
-        for told in [&of_gap, &of_ensemble, &of_card] {
+        let all = [
+            (&of_gap, json(&drawn.gap)),
+            (&of_ensemble, json(&drawn.ensemble)),
+            (&of_card, json(&drawn.card)),
+        ];
+        for (told, json) in all {
+            verdict::verdict(&mut found, told, &json);
             told.only_claims(&mut found.contradictions);
         }
     }
@@ -285,6 +298,19 @@ fn likeness(
             || text.to_owned(),
         );
     }
+    let claimed = verdict::of(&of_gap.claims, About::Gap).unwrap();
+    let row = gap.metrics.iter().find(|row| row.metric == claimed.name);
+    let row = row.and_then(|row| row.repeats).unwrap();
+    let numbers = (claimed.numbers["gap"], claimed.numbers["noise_floors"]);
+    let shown = (row.gap.value, row.ratio.unwrap().value);
+    found.hold(of_gap, numbers == shown, || {
+        format!("{claimed}, and the table {shown:?}")
+    });
+    let trust = verdict::of(&of_gap.claims, About::Trust).unwrap();
+    let fails = trust.conclusion == Conclusion::Rejected;
+    found.hold(of_gap, p >= 0.05 || fails, || {
+        format!("p = {p}, and the verdict is {trust}")
+    });
     let contradicts = of_ensemble.answer.contains("CONTRADICTED");
     found.hold(of_gap, p >= 0.05 || contradicts, || {
         format!("p = {p}, and the ensemble says: {}", of_ensemble.answer)
@@ -297,6 +323,11 @@ fn likeness(
             format!("not {said}: {text}")
         });
     }
+}
+
+/// What a report is in a file.
+fn json(report: &impl serde::Serialize) -> serde_json::Value {
+    serde_json::to_value(report).unwrap()
 }
 
 /// The texts of a report in all of its places.

@@ -1,16 +1,6 @@
 //! The sentences of a report about reality. They are made in the crate `realgap-lab`; pages add none of their own.
 
-use realgap_lab::calibration::VERDICT;
 use realgap_lab::claim::{About, Claim};
-
-/// The parts of the verdict that a report states.
-pub(in crate::report) fn verdict(claims: &[Claim]) -> Vec<(&'static str, Claim)> {
-    let of = |about| claims.iter().filter(move |claim| claim.about == about);
-    let parts = VERDICT
-        .iter()
-        .flat_map(|(label, about)| of(*about).map(|c| (*label, c.clone())));
-    parts.collect()
-}
 
 /// The sentences about these things, in this order, after each other.
 pub(in crate::report) fn sentences(claims: &[Claim], about: &[About]) -> String {

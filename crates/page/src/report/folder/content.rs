@@ -5,7 +5,7 @@ use crate::report::document::page::{
     BAR, BLOCK, CHART, CLOCK, Page, REPLAY, SCENE, STYLE, THREE, fill, html, script_json,
 };
 use crate::report::document::section::{Section, body, contents};
-use realgap_lab::claim::{Claim, Conclusion};
+use realgap_lab::claim::{self, Claim, Conclusion};
 
 const REPORT: &str = include_str!("../document/asset/report.js");
 
@@ -16,9 +16,9 @@ pub(in crate::report) struct PageContent {
     pub kind: &'static str,
     /// Name of the study, the robot or the recordings.
     pub name: String,
-    /// The verdict: its parts with what they are called and what the evidence says of them.
-    pub verdict: Vec<(&'static str, Claim)>,
-    /// The answer in two sentences.
+    /// The claims of the results: those of the verdict stand first on the page.
+    pub claims: Vec<Claim>,
+    /// What the verdict rests on, in a few sentences.
     pub answer: String,
     /// What the study is for.
     pub description: String,
@@ -45,7 +45,7 @@ impl PageContent {
         let values = [
             ("kind", self.kind.to_owned()),
             ("name", html(&self.name)),
-            ("verdict", verdict(&self.verdict)),
+            ("verdict", verdict(&self.claims)),
             ("answer", html(&self.answer)),
             ("description", html(&self.description)),
             ("contents", contents(&self.sections)),
@@ -64,11 +64,12 @@ impl PageContent {
 }
 
 /// The verdict as a list of terms; empty where there is none.
-fn verdict(parts: &[(&'static str, Claim)]) -> String {
+fn verdict(claims: &[Claim]) -> String {
+    let parts = claim::verdict(claims);
     if parts.is_empty() {
         return String::new();
     }
-    let part = |(label, claim): &(&str, Claim)| {
+    let part = |(label, claim): &(&str, &Claim)| {
         let class = match claim.conclusion {
             Conclusion::Supported => "holds",
             Conclusion::Rejected => "fails",

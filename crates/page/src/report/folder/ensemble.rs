@@ -69,7 +69,8 @@ pub(super) fn content(report: &EnsembleSummary, pictures: &Pictures) -> PageCont
     PageContent {
         kind: "ensemble",
         name: report.study.clone().unwrap_or("ensemble".to_owned()),
-        answer: sentences(&report.claims, &[About::Ensemble, About::Reach]),
+        claims: report.claims.clone(),
+        answer: sentences(&report.claims, &[About::Ensemble]),
         sections: vec![
             Section::new("behaviours", "What it does, and how likely", does),
             Section::new("motion", "Where it will be", motion),

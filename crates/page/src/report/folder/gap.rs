@@ -63,11 +63,12 @@ pub(super) fn content(report: &GapSummary, pictures: &Pictures) -> PageContent {
     PageContent {
         kind: if is_floor_alone { "noise floor" } else { "gap" },
         name: report.study.clone().unwrap_or("recordings".to_owned()),
+        claims: report.claims.clone(),
         answer,
         sections: vec![
+            Section::new("over-time", "Over time", over_time(report)),
             Section::new("metrics", "How far, in noise floors", metrics(report)),
             Section::new("sets", "Sets of repeats", sets(report)),
-            Section::new("over-time", "Over time", over_time(report)),
             Section::new("displacement", "How far it goes", displacement(report)),
             pictures.section("pictures", "More pictures", |stem| {
                 !["rmse", "confidence"].contains(&stem)

@@ -1,5 +1,7 @@
 //! Joints over time: recorded, simulated at the best point, and below them what is left between the two.
 
+use std::collections::BTreeSet;
+
 use crate::plot::{Inline, InlineChart, JointPanel, legend};
 use crate::report::document::page::html;
 use crate::report::document::section::figures;
@@ -16,9 +18,13 @@ pub(super) fn joints(samples: &[JointSample]) -> String {
         joint.charts().iter().map(legend).collect()
     });
     let table = residual_table(samples);
+    let recordings: BTreeSet<&str> = samples.iter().map(|s| s.recording.as_str()).collect();
+    let which = match recordings.len() {
+        1 => html(&recording),
+        many => format!("{}, the first of {many} in joints.csv", html(&recording)),
+    };
     format!(
-        "{table}<p class=\"note\">Recording {}. A residual that repeats shows what the model lacks: a step is an offset, a lag is a delay, a bulge under load is a compliance.</p>{keys}{}",
-        html(&recording),
+        "<p class=\"note\">Recording {which}. A residual that repeats shows what the model lacks: a step is an offset, a lag is a delay, a bulge under load is a compliance.</p>{keys}{}{table}",
         figures(&all)
     )
 }

@@ -4,6 +4,7 @@
 //! of the folder into the same values. One renderer makes the page of both.
 
 pub(in crate::report) mod claim;
+mod comparison;
 pub(in crate::report) mod content;
 mod ensemble;
 mod fleet;
@@ -20,6 +21,7 @@ pub(in crate::report) mod tree;
 
 use std::path::Path;
 
+pub use comparison::compared_page;
 use content::PageContent;
 use ensemble::EnsembleSummary;
 use gap::GapSummary;
@@ -219,7 +221,8 @@ impl ResultsPage {
     #[cfg(test)]
     pub(in crate::report) fn answer(&self) -> String {
         let content = self.content(None);
-        let verdict = content.verdict.iter().map(|(_, claim)| claim.text.as_str());
+        let verdict = realgap_lab::claim::verdict(&content.claims).into_iter();
+        let verdict = verdict.map(|(_, claim)| claim.text.as_str());
         let all: Vec<&str> = verdict.chain([content.answer.as_str()]).collect();
         all.join(" ")
     }

@@ -2,14 +2,13 @@
 
 use serde::Deserialize;
 
-use super::claim::sentences;
 use super::content::PageContent;
 use super::ensemble::{Case, ForecastSummary, behaviour_table, charts, distances, noise};
 use crate::report::document::page::html;
 use crate::report::document::picture::Pictures;
 use crate::report::document::section::Section;
 use crate::report::document::value::*;
-use realgap_lab::claim::{About, Claim};
+use realgap_lab::claim::Claim;
 use realgap_lab::prediction::{ModelError, Range};
 
 /// What a page shows of a prediction card.
@@ -38,7 +37,7 @@ pub(super) fn content(report: &PredictionSummary, pictures: &Pictures) -> PageCo
     PageContent {
         kind: "prediction",
         name: report.robot.clone().unwrap_or("prediction".to_owned()),
-        answer: sentences(&report.claims, &[About::Reach, About::Success]),
+        claims: report.claims.clone(),
         sections: vec![
             Section::new("behaviours", "What it does, and how likely", does),
             Section::new("motion", "Where it will be", charts("", summary)),

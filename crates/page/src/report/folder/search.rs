@@ -5,7 +5,6 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use super::claim::sentences;
 use super::content::PageContent;
 use super::ensemble::ForecastSummary;
 use super::tree::read_json;
@@ -20,13 +19,11 @@ use crate::results::{BestRobot, History, SearchSummary, fitness_chart};
 use realgap_core::error::Result;
 use realgap_core::statistics::Proportion;
 use realgap_core::unit::Unit;
-use realgap_lab::claim::{About, Claim};
 
 /// What a page shows of the card of a finalist.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct FinalistCard {
-    claims: Vec<Claim>,
     reruns: Vec<Rerun>,
     prediction: ForecastSummary,
     success: Option<Success>,
@@ -92,7 +89,7 @@ pub(super) fn content(found: &SearchContent, pictures: &Pictures) -> PageContent
     PageContent {
         kind: "search",
         name: report.search.clone(),
-        answer: answer(found),
+        claims: report.claims.clone(),
         sections: vec![
             picture("gallery", "The best robots", "gallery"),
             Section::new("finalists", "Finalists, evaluated again", finalists(report)),
@@ -112,38 +109,6 @@ pub(super) fn content(found: &SearchContent, pictures: &Pictures) -> PageContent
         shown_fields: "best baseline failures archive search parameters parameter_share",
         ..PageContent::default()
     }
-}
-
-fn answer(found: &SearchContent) -> String {
-    let report = &found.summary;
-    let (unit, best) = (report.unit.as_str(), &report.best);
-    let survivors = best.iter().filter(|robot| robot.survives).count();
-    let Some(first) = best.first() else {
-        return "Not determined: no robot was evaluated again. What was found so far is in the history below.".to_owned();
-    };
-    // The summary has the share alone; the card has its interval, too.
-    let card = found.cards.get(&first.file);
-    let odds = card.map_or_else(String::new, |card| {
-        sentences(&card.claims, &[About::Success])
-    });
-    let holds = match first.survives {
-        true => "walks the same under other numerics",
-        false => "does NOT walk the same under other numerics",
-    };
-    let base = report.baseline.as_ref().and_then(|base| base.fitness);
-    let beats = base.zip(first.fitness).map(|(base, own)| {
-        let outcome = if own > base { "beaten" } else { "not beaten" };
-        let score = measured(Some(base), unit);
-        format!(" The robot that the search started from scores {score}; it was {outcome}.")
-    });
-    let beats = beats.unwrap_or_default();
-    format!(
-        "The best robot, {}, scores {} on fresh seeds ({}) and {holds}. {odds} {survivors} of {} finalists survive.{beats}",
-        first.file,
-        measured(first.fitness, unit),
-        report.objective,
-        best.len(),
-    )
 }
 
 /// The parameters that repeats get, where their values come from, and how much of the prediction's width they are.

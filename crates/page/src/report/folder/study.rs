@@ -1,6 +1,6 @@
 //! The page of a sweep or a tuning.
 
-use super::claim::{sentences, verdict};
+use super::claim::sentences;
 use super::content::PageContent;
 use super::fleet;
 use super::joint::joints;
@@ -67,10 +67,20 @@ pub(super) fn content(
     let reproduced_title = "How many robots do what was recorded with the shared answer?";
     let audit_title = "Numerical audit: what no recording can resolve";
     let (verdicts, came) = (verdicts(report, found), convergence(report, found));
+    let joints = Section::new("joints", "Joints over time", joints);
+    let map_title = match is_of_joints {
+        true => "Scores of the points",
+        false => "Scores, and the path of each point",
+    };
+    let map = Section::new("map", map_title, map);
+    let [first, last] = match is_of_joints {
+        true => [joints, map],
+        false => [map, joints],
+    };
     let sections = vec![
-        Section::new("map", "Scores, and the path of each point", map),
+        first,
         Section::new("over-time", "The chosen point over time", over_time),
-        Section::new("joints", "Joints over time", joints),
+        last,
         Section::new("verdicts", verdicts_title, verdicts),
         pictures.section("corner", corner_title, is_corner),
         Section::new("convergence", convergence_title, came),
@@ -86,7 +96,7 @@ pub(super) fn content(
     PageContent {
         kind: if is_tuned { "tuning" } else { "sweep" },
         name: report.study.clone().unwrap_or("results".to_owned()),
-        verdict: verdict(&report.claims),
+        claims: report.claims.clone(),
         answer: answer(report),
         sections,
         shown_fields: SHOWN_FIELDS,

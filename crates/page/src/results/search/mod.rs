@@ -66,7 +66,9 @@ pub fn write_search(
         let history = History::of(&history);
         let archive = archive.as_ref();
         picture::draw(draft, search, results, &history, archive, finalists)?;
-        let mut summary = SearchSummary::new(search, results, best, (baseline, share))?;
+        let of_best = cards.first().map_or(&[][..], |(_, card)| &card.claims[..]);
+        let summary = SearchSummary::new(search, results, best, (baseline, share))?;
+        let mut summary = summary.with_claims(of_best);
         summary.posterior_page = search
             .posterior_from()
             .and_then(|from| page_from(folder, Path::new(from)));

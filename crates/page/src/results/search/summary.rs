@@ -6,7 +6,9 @@ use serde::de::IgnoredAny;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use realgap_core::error::Result;
+use realgap_core::unit::Unit;
 use realgap_core::warning::{Code, Warning};
+use realgap_lab::claim::{self, About, BestOfSearch, Claim};
 use realgap_lab::prediction::Rerun;
 use realgap_lab::search::{
     Baseline, Finalist, KnownParameter, ParameterShare, Search, SearchResults,
@@ -95,6 +97,9 @@ pub struct SearchSummary {
     pub parameter_share: Option<ParameterShare>,
     /// The best robots, looked at again; empty where the search was interrupted.
     pub best: Vec<BestRobot>,
+    /// Every claim about the best robot, the most important first.
+    #[serde(default)]
+    pub claims: Vec<Claim>,
     /// Engines with their versions: that which judges the finalists, and that which explores.
     pub engine: String,
     /// Version of this crate.
@@ -154,7 +159,7 @@ impl SearchSummary {
         }
         let fitness = results.robots.iter().filter_map(|r| r.fitness());
         let archive = strategy.archive(&results.history())?;
-        Ok(Self {
+        let summary = Self {
             search: search.name().to_owned(),
             strategy: strategy.name().to_owned(),
             objective: search.objective().label(),
@@ -174,9 +179,31 @@ impl SearchSummary {
             parameter_share: share,
             posterior_page: None,
             best,
+            claims: Vec::new(),
             engine: search.engines(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-        })
+        };
+        Ok(summary)
+    }
+
+    /// The summary with the claims that follow from its numbers, and with those about how far the best robot gets.
+    #[must_use]
+    pub(super) fn with_claims(mut self, of_best: &[Claim]) -> Self {
+        let survivors = self.best.iter().filter(|robot| robot.survives).count();
+        let first = self.best.first().map(|robot| BestOfSearch {
+            robot: &robot.file,
+            fitness: robot.fitness,
+            unit: Unit::by_label(&self.unit).unwrap_or(Unit::One),
+            objective: &self.objective,
+            survives: robot.survives,
+            survivors: (survivors, self.best.len()),
+            baseline: self.baseline.as_ref().and_then(|base| base.fitness),
+        });
+        let odds = of_best.iter().filter(|claim| claim.about == About::Success);
+        let mut claims = claim::search(first, self.complete);
+        claims.extend(odds.cloned());
+        self.claims = claims;
+        self
     }
 }
 

@@ -12,7 +12,7 @@ use crate::markup::html;
 use crate::plot::layout::scale::Tick;
 
 /// What the name of the upright axis takes, with the gaps beside it and the numbers.
-const LABEL: f64 = 22.0;
+const LABEL: f64 = 26.0;
 
 /// What a page adds to a chart.
 #[derive(Debug, Clone, Copy, Default)]
@@ -58,9 +58,9 @@ fn label(tick: &Tick) -> String {
     tick.label.replace('−', "-")
 }
 
-/// The greatest width of a number in 12 units, whatever font the reader has.
+/// The greatest width of a number in 15.5 units, the size of texts on a narrow screen, whatever font the reader has.
 fn set_width(text: &str) -> f64 {
-    let wide = |c: char| if ".,-−".contains(c) { 4.5 } else { 7.7 };
+    let wide = |c: char| if ".,-−".contains(c) { 5.8 } else { 9.9 };
     text.chars().map(wide).sum()
 }
 
@@ -71,7 +71,7 @@ fn widest(ticks: &[Tick]) -> f64 {
 
 /// The name of an axis in this much room. Of a name that is too long the middle is cut, so that the unit at its end stays.
 fn short(name: &str, room: f64) -> String {
-    const LETTER: f64 = 7.6;
+    const LETTER: f64 = 9.0;
     let most = (room / LETTER) as usize;
     if name.chars().count() <= most {
         return name.to_owned();
@@ -91,7 +91,7 @@ fn axis_names([x, y]: [&str; 2], below: (f64, f64, f64), beside: (f64, f64)) -> 
     let (centre, tall) = beside;
     format!(
         "<text class=\"axis\" x=\"{middle:.1}\" y=\"{baseline:.1}\" text-anchor=\"middle\">{}</text>\
-         <text class=\"axis\" transform=\"translate(11 {centre:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
+         <text class=\"axis\" transform=\"translate(14 {centre:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
         html(&short(x, wide)),
         html(&short(y, tall)),
     )
@@ -117,6 +117,6 @@ mod tests {
         assert_eq!(short("time (s)", 100.0), "time (s)");
         let name = "RMS distance from the recordings (m)";
         let cut = short(name, 200.0);
-        assert!(cut.ends_with("… (m)") && cut.chars().count() <= 26, "{cut}");
+        assert!(cut.ends_with("… (m)") && cut.chars().count() <= 22, "{cut}");
     }
 }

@@ -85,7 +85,7 @@ realgap.redraw = (svg, { lines, bands = [], map = false, fromZero = false }) => 
     if (y[0] !== 0) y[0] -= room;
   }
   // Numbers decide how much room they need, and of a map the room which numbers there are.
-  const widest = range => Math.max(0, ...ticks(range).map(([, text]) => [...text].reduce((sum, c) => sum + (".-".includes(c) ? 4.5 : 7.7), 0)));
+  const widest = range => Math.max(0, ...ticks(range).map(([, text]) => [...text].reduce((sum, c) => sum + (".-".includes(c) ? 5.8 : 9.9), 0)));
   const [seenX, seenY] = [x, y];
   let left = 52, right = wide - 12;
   for (let round = 0; round < 3; round++) {
@@ -93,7 +93,7 @@ realgap.redraw = (svg, { lines, bands = [], map = false, fromZero = false }) => 
       const scale = 1.08 * Math.max((seenX[1] - seenX[0]) / (right - left), (seenY[1] - seenY[0]) / (bottom - top));
       [x, y] = [[seenX, right - left], [seenY, bottom - top]].map(([[a, b], length]) => [(a + b - scale * length) / 2, (a + b + scale * length) / 2]);
     }
-    left = Math.round(Math.max(left, 22 + widest(y)));
+    left = Math.round(Math.max(left, 26 + widest(y)));
     right = Math.round(Math.min(right, wide - 1 - widest(x) / 2));
   }
   svg.dataset.box = [left, top, right, bottom].join(" ");

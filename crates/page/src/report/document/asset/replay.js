@@ -22,13 +22,29 @@ realgap.replay = makeClock => {
   $("ghosts-label").hidden = tracks.length < 2;
 
   const at = (track, t) => { const place = realgap.place(track.t, t); return track.at.map(c => realgap.mix(c, place)); };
+  // A robot that is held in place differs from its recording by how its parts are turned.
+  const isHeld = tracks.every(track => track.at.every(c => c.every(v => Math.abs(v - c[0]) < 1e-9)));
+  const turned = (track, t) => Math.max(0, ...track.parts.map(part => {
+    const own = tracks[0].parts.find(other => other.index === part.index);
+    if (!own) return 0;
+    const q = [[track, part], [tracks[0], own]].map(([of, one]) => {
+      const place = realgap.place(of.t, t), v = one.columns.slice(3).map(c => realgap.mix(c, place));
+      const size = Math.hypot(...v);
+      return v.map(x => x / size);
+    });
+    // The difference keeps small angles, which the cosine loses.
+    const off = sign => Math.hypot(...q[0].map((x, k) => x - sign * q[1][k]));
+    return 4 * Math.asin(Math.min(1, Math.min(off(1), off(-1)) / 2));
+  }));
+  const said = off => isHeld ? radians(off) : realgap.metres(off);
+  const radians = rad => rad < 0.1 ? (1000 * rad).toFixed(1) + " mrad" : rad.toFixed(3) + " rad";
   clock.follow(time => {
     const here = at(tracks[0], time);
     let text = time.toFixed(2) + " s of " + end.toFixed(2) + " s";
     const distances = tracks.slice(1).filter(track => time <= track.t[track.t.length - 1] + 1e-6)
-      .map(track => { const p = at(track, time); return Math.hypot(p[0] - here[0], p[1] - here[1], p[2] - here[2]); });
+      .map(track => { if (isHeld) return turned(track, time); const p = at(track, time); return Math.hypot(p[0] - here[0], p[1] - here[1], p[2] - here[2]); });
     if (distances.length) text += "\n" + (distances.length > 1
-      ? realgap.metres(Math.min(...distances)) + " to " + realgap.metres(Math.max(...distances)) : realgap.metres(distances[0])) + " from recorded";
+      ? said(Math.min(...distances)) + " to " + said(Math.max(...distances)) : said(distances[0])) + (isHeld ? " at most from recorded" : " from recorded");
     $("clock").textContent = text;
   });
 

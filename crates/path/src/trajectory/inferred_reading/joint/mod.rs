@@ -50,11 +50,16 @@ impl JointReading {
     fn of_plain_names(columns: &[Column<'_>], known: &Reading, joints: &[String]) -> Option<Self> {
         let of_joint = |name: &str| {
             let mut joints = joints.iter();
-            joints.any(|joint| name.strip_prefix(joint.as_str()).is_some_and(|rest| rest.starts_with('_')))
+            joints.any(|joint| {
+                name.strip_prefix(joint.as_str())
+                    .is_some_and(|rest| rest.starts_with('_'))
+            })
         };
         let is_angle = |name: &str| {
             let mut joints = joints.iter();
-            joints.any(|joint| [format!("{joint}_rad"), format!("{joint}_deg")].contains(&name.to_owned()))
+            joints.any(|joint| {
+                [format!("{joint}_rad"), format!("{joint}_deg")].contains(&name.to_owned())
+            })
         };
         let renamed: Vec<(&str, String)> = columns
             .iter()
@@ -72,7 +77,9 @@ impl JointReading {
             reading: known.clone(),
             evidence: vec![Evidence {
                 finding: format!("{} columns of joints: {}", renamed.len(), shown.join(", ")),
-                reason: "the robot's joints have these names but for signs that names here do not have".to_owned(),
+                reason:
+                    "the robot's joints have these names but for signs that names here do not have"
+                        .to_owned(),
             }],
         };
         for (theirs, ours) in renamed {
@@ -106,7 +113,7 @@ impl JointReading {
             .collect();
         let has_angle = found.iter().any(|one| one.quantity == Quantity::Angle);
         if !has_angle {
-            return Ok(None);
+            return Ok(commands_alone(&found, known, joints));
         }
         let order = order_of(&found, joints, order)?;
         let (unit, because) = unit(&found, known)?;
@@ -163,6 +170,60 @@ fn plain(name: &str) -> String {
     name.chars()
         .map(|c| if is_usual(c) { c } else { '_' })
         .collect()
+}
+
+/// Of the moves of a command from row to row, the share that is none where the command is a speed. A commanded angle that stays as
+/// it is stops the wheel.
+const STEADY: f64 = 0.5;
+
+/// The reading of a log that holds commands of wheels and no angle of any joint: commanded speeds by their names, or because they
+/// stay as they are while the robot moves. `None` where this cannot be told.
+fn commands_alone(
+    found: &[Found<'_, '_>],
+    known: &Reading,
+    joints: &[String],
+) -> Option<JointReading> {
+    let is_steady = |one: &Found<'_, '_>| {
+        let values = &one.column.values;
+        let pairs = values.windows(2).filter(|pair| pair[0] != 0.0);
+        let stays = pairs.filter(|pair| pair[0] == pair[1]).count();
+        stays as f64 > STEADY * values.len() as f64
+    };
+    let is_named = |one: &Found<'_, '_>| one.quantity == Quantity::CommandedSpeed;
+    let commands: Vec<&Found<'_, '_>> = found
+        .iter()
+        .filter(|one| is_named(one) || one.quantity == Quantity::Command)
+        .collect();
+    let is_of_speeds = commands.iter().any(|one| is_named(one) || is_steady(one));
+    if !is_of_speeds || known.angle.is_some() {
+        return None;
+    }
+    let mut made = JointReading {
+        reading: known.clone(),
+        evidence: Vec::new(),
+    };
+    let mut said = Vec::new();
+    for one in &commands {
+        let Whose::Named(joint) = one.joint else {
+            return None;
+        };
+        let name = format!("{}_command_rad_s", joints[joint]);
+        if one.column.name != name {
+            made.reading.names.insert(one.column.name.to_owned(), name);
+            said.push(format!("{} from `{}`", joints[joint], one.column.label()));
+        }
+    }
+    if said.is_empty() {
+        return None;
+    }
+    made.evidence.push(Evidence {
+        finding: format!("commanded speeds of joints, rad/s: {}", said.join(", ")),
+        reason: match commands.iter().all(|one| is_named(one)) {
+            true => "the names of the columns".to_owned(),
+            false => "they stay as they are while the robot moves; a commanded angle that stays would stop the wheel".to_owned(),
+        },
+    });
+    Some(made)
 }
 
 /// The joint of every number.

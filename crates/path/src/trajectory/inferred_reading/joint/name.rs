@@ -193,6 +193,11 @@ fn without_joint(column: &str, joint: &str) -> Option<String> {
 
 /// The quantity that these words of a column's name state; `None` for another quantity.
 fn quantity(words: &[String]) -> Option<Quantity> {
+    // `rad_s` is the unit of a speed.
+    let (words, is_per_second) = match words {
+        [before @ .., unit, second] if unit == "rad" && second == "s" => (before, true),
+        _ => (words, false),
+    };
     let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
     let is_known = |word: &String| {
         let lists: [&[&str]; 7] = [
@@ -210,7 +215,7 @@ fn quantity(words: &[String]) -> Option<Quantity> {
         let is_command = has(&COMMANDS) && !has(&SPEEDS) && !has(&TORQUES);
         return is_command.then_some(Quantity::CommandedCurrent);
     }
-    match (has(&COMMANDS), has(&SPEEDS), has(&TORQUES)) {
+    match (has(&COMMANDS), is_per_second || has(&SPEEDS), has(&TORQUES)) {
         (true, true, false) => Some(Quantity::CommandedSpeed),
         (true, false, true) => Some(Quantity::CommandedTorque),
         (true, false, false) => Some(Quantity::Command),
