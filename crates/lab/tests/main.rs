@@ -33,3 +33,4 @@ mod surface;
 mod timestep;
 mod toss;
 mod walkers;
+mod wheel_log;

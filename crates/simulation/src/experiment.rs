@@ -442,11 +442,9 @@ impl Experiment {
             && solver.relaxations == 0
             && self.contact.friction_model == FrictionModel::Coulomb;
         let is_known = [EngineChoice::default(), second].contains(&solver.engine);
-        // Rapier cannot simulate a mount with a spring or a base that is led, so there is no second opinion about them.
-        let can = self.mount.is_none()
-            && self.base.is_none()
-            && self.has_engine()
-            && second.get().refusal(self).is_none();
+        // There is no second opinion about what one of both engines cannot simulate.
+        let mut both = [EngineChoice::default(), second].into_iter();
+        let can = self.has_engine() && both.all(|engine| engine.get().refusal(self).is_none());
         (plain && is_known && can).then_some(second)
     }
 

@@ -22,48 +22,8 @@ const LONG_M: f64 = 0.2;
 
 /// A car of 1.2 kg that drives by all wheels, at 1 m/s, with a throttle and a steering that are held.
 pub fn car(throttle: f64, steering: f64) -> Experiment {
-    let place = |name: &str| {
-        let x = if name.starts_with('f') { LONG_M } else { 0.0 };
-        let y = if name.ends_with('l') { 0.05 } else { -0.05 };
-        format!("pose: (at_m: ({x}, {y}, {RADIUS_M}))")
-    };
-    let mut bodies = String::new();
-    let mut joints = String::new();
-    let mut actuators = String::new();
-    for name in WHEELS {
-        bodies += &format!(
-            "(name: \"{name}_wheel\", mass_kg: 0.05, shapes: [(form: Sphere(radius_m: {RADIUS_M}), tyre: (slip_stiffness_1_rad: 8))]),"
-        );
-        actuators += &format!(
-            "(joint: \"{name}\", servo: (law: Throttle, max_torque_nm: {STALL_NM}, max_speed_rad_s: {TOP_RAD_S}), command: (dead_zone: 0.1)),"
-        );
-        let turn = "kind: Turn(axis: (0, 1, 0))";
-        if name.starts_with('f') {
-            bodies += &format!(
-                "(name: \"{name}_carrier\", mass_kg: 0.01, inertia_kg_m2: (xx: 1e-5, yy: 1e-5, zz: 1e-5)),"
-            );
-            joints += &format!(
-                "(name: \"steer_{name}\", parent: \"chassis\", child: \"{name}_carrier\", {}, kind: Turn(axis: (0, 0, 1))),",
-                place(name)
-            );
-            joints += &format!(
-                "(name: \"{name}\", parent: \"{name}_carrier\", child: \"{name}_wheel\", {turn}),"
-            );
-            actuators += &format!(
-                "(joint: \"steer_{name}\", servo: (law: Torque(stiffness_nm_rad: 20, damping_nm_s_rad: 0.05), max_torque_nm: 5), command: (factor: 0.4)),"
-            );
-        } else {
-            joints += &format!(
-                "(name: \"{name}\", parent: \"chassis\", child: \"{name}_wheel\", {}, {turn}),",
-                place(name)
-            );
-        }
-    }
-    let text = format!(
-        "(name: \"car\", bodies: [(name: \"chassis\", mass_kg: 0.98, centre_of_mass_m: ({}, 0, {RADIUS_M}), inertia_kg_m2: (xx: 2e-3, yy: 6e-3, zz: 7e-3)), {bodies}], joints: [{joints}], actuators: [{actuators}])",
-        LONG_M / 2.0
-    );
-    let robot = Morphology::parse(&Source::new("car.ron", text)).unwrap_or_else(|e| panic!("{e}"));
+    let text = include_str!("../../../tests/common/small_car.ron");
+    let robot = Morphology::parse(&Source::new("car.ron", text)).unwrap();
     // A written robot is read back to an equal value.
     let again = Morphology::parse(&Source::new("again.ron", robot.to_ron().unwrap()));
     assert_eq!(again.unwrap(), robot);
@@ -129,8 +89,8 @@ fn a_throttle_accelerates_by_its_torque_which_falls_with_the_speed() {
     let right = top_m_s - (top_m_s - 1.0) * (-rate_1_s * 0.95_f64).exp();
     let found = last_speed_m_s(&car(0.3, 0.0));
     println!("throttle 0.3: {found:.4} for {right:.4} m/s");
-    // Driving needs slip: 2 % of the speed here.
-    assert!((found / right - 1.0).abs() < 0.02, "{found} {right}");
+    // Driving needs slip: up to 3 % of the speed here.
+    assert!((found / right - 1.0).abs() < 0.01, "{found} {right}");
     let switched_off = car(0.3, 0.0).with(|e| {
         for name in WHEELS {
             let track = CommandTrack::new(vec![0.0], vec![0.3], Some(0.0)).unwrap();

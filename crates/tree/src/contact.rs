@@ -175,14 +175,16 @@ impl Point {
         };
         point.impulse[0] = point.impulse[0].max(0.0);
         point.a.jacobian = basis.map(|axis| Spatial::at(arm_a, axis));
-        let mut swing = node.swing_at(arm_a, &nodes[forest.bodies[touch.a].root]);
+        let root = &nodes[forest.bodies[touch.a].root];
+        let mut swing = node.swing_at(arm_a, touch.round_m, root);
         let mut approach = point.led[0] - point.a.jacobian[0].dot(&node.velocity);
         let mut pull = -basis[0].dot(step.gravity_world_m_s2);
         if touch.b != NONE {
             let other = &nodes[touch.b];
             point.whole_k += forest.bodies[touch.b].tree_inverse_mass;
             point.arm_b = touch.point_world_m - other.reference_world_m;
-            swing -= other.swing_at(point.arm_b, &nodes[forest.bodies[touch.b].root]);
+            let root = &nodes[forest.bodies[touch.b].root];
+            swing -= other.swing_at(point.arm_b, Vec3::ZERO, root);
             approach += other.velocity.velocity_at(point.arm_b).dot(basis[0]);
             if forest.bodies[forest.bodies[touch.b].root].freedom != Freedom::Mounted {
                 pull = 0.0;

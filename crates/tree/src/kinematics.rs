@@ -67,11 +67,12 @@ impl Node {
         self.reference_world_m + self.arm_m
     }
 
-    /// Acceleration of a point at this arm due to velocity products, with all joint speeds constant.
-    pub(crate) fn swing_at(&self, arm_m: Vec3, root: &Self) -> Vec3 {
+    /// Acceleration of a point at this arm due to velocity products, with all joint speeds constant. The last part `round_m` of the arm
+    /// does not turn with the body: the lowest point of a ball stays below its centre.
+    pub(crate) fn swing_at(&self, arm_m: Vec3, round_m: Vec3, root: &Self) -> Vec3 {
         let w = self.velocity.angular();
         let v = self.velocity.linear() - root.velocity.linear();
-        self.swing.velocity_at(arm_m) + w.cross(v + w.cross(arm_m))
+        self.swing.velocity_at(arm_m) + w.cross(v + w.cross(arm_m - round_m))
     }
 
     pub fn world_from_body(&self) -> Pose {

@@ -25,6 +25,9 @@ pub(crate) struct Touch {
     pub distance_m: f64,
     pub friction: f64,
     pub restitution: f64,
+    /// Vector from the centre of a ball to its lowest point, which is another point of the ball at every time; zero where a point
+    /// of the body stays in contact.
+    pub round_m: Vec3,
     /// The law of a tyre, and the vector from the middle of its shape to the contact point.
     pub tyre: Option<(Tyre, Vec3)>,
     /// Velocity of the fixture at the contact point.
@@ -116,6 +119,7 @@ impl Pair {
             distance_m,
             friction: self.friction,
             restitution: self.restitution,
+            round_m: Vec3::ZERO,
             tyre: None,
             led_world_m_s: Vec3::ZERO,
             impulse_world_n_s: Vec3::ZERO,
@@ -163,6 +167,7 @@ impl Pair {
                     pair: index,
                     corner,
                 },
+                round_m: normal * -below,
                 ..self.touch(point_m, normal, distance_m)
             });
         }

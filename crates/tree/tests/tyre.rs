@@ -139,6 +139,21 @@ fn a_law_that_rises_to_coulombs_limit_slides_as_any_other_body() {
 }
 
 #[test]
+fn a_fast_ball_rolls_on_the_floor_and_not_in_it() {
+    let mut world = world(vec![ball(0.5, 0.5, None, free(0.0, 0.0))], vec![floor()]);
+    let speed_m_s = 3.0;
+    let spin = Vec3::Y * (speed_m_s / RADIUS_M);
+    world.set_root(0, at(0.0, 0.0, RADIUS_M), Vec3::X * speed_m_s, spin);
+    run(&mut world, 1.0);
+    let ball = world.link(0);
+    let sunk_m = RADIUS_M - ball.centre_world_m.z;
+    println!("a ball that rolls at 3 m/s is {sunk_m:.2e} m inside the floor");
+    // At rest the floor gives g / omega^2 = 2.8e-6 m.
+    assert!(sunk_m.abs() < 5e-6, "{sunk_m}");
+    assert!((ball.velocity_world_m_s.x / speed_m_s - 1.0).abs() < 1e-6);
+}
+
+#[test]
 fn a_tyre_at_rest_holds_on_a_slope() {
     // The slope acts through gravity, so that the floor stays level.
     let mut model = model(

@@ -207,7 +207,11 @@ fn proposals(
         all.extend(of_hinge(hinge, has_command(hinge), drive, summary));
     }
     let has_delay = |hinge: &&&Hinge| {
-        has_command(hinge) && !matches!(law(hinge), Some(ServoLaw::Direct | ServoLaw::Throttle) | None)
+        has_command(hinge)
+            && !matches!(
+                law(hinge),
+                Some(ServoLaw::Direct | ServoLaw::Throttle) | None
+            )
     };
     if !drive.known_gains.is_empty() {
         // Stated gains are numbers of the firmware; how much torque they are depends on torque constants, which are seldom exact.
