@@ -28,7 +28,7 @@ fn times() -> Vec<f64> {
 /// The place and the orientation of a stand that is shaken and tilted.
 fn stand(t: f64) -> (Vector3<f64>, UnitQuaternion<f64>) {
     let place = Vector3::new(
-        0.5 + 0.03 * (11.0 * t).sin(),
+        0.5 + 0.1 * (11.0 * t).sin(),
         -0.2,
         1.0 + 0.02 * (7.0 * t).cos(),
     );
