@@ -31,7 +31,7 @@ fn register_values_that_would_hold_a_servo_at_its_limit_are_doubted_and_the_true
     for part in [
         "`pitch`",
         "4096",
-        "limit of 3 N m",
+        "limit of 3.00 N m",
         "% of the samples",
         "registers",
     ] {
@@ -47,7 +47,7 @@ fn register_values_that_would_hold_a_servo_at_its_limit_are_doubted_and_the_true
 fn a_loop_faster_than_any_joint_and_one_that_lags_for_half_a_second_are_doubted_where_no_limit_says_so()
  {
     let fast = r#""servo.elbow.stiffness_nm_rad": 4096"#;
-    let said = doubt("max_torque_nm: 1e5", fast, ZERO).unwrap();
+    let said = doubt("max_torque_nm: 10000", fast, ZERO).unwrap();
     // 1.4e-3 kg m² about the elbow: the lower link's own inertia and its mass 0.1 m away.
     let hz = (4096.0_f64 / 1.4e-3).sqrt() / std::f64::consts::TAU;
     assert!(
@@ -56,10 +56,10 @@ fn a_loop_faster_than_any_joint_and_one_that_lags_for_half_a_second_are_doubted_
     );
     assert!(said.contains("armature_kg_m2"), "{said}");
     let with_rotor = r#""servo.elbow.stiffness_nm_rad": 4096, "hinge.elbow.armature_kg_m2": 0.02"#;
-    assert_eq!(doubt("max_torque_nm: 1e5", with_rotor, ZERO), None);
+    assert_eq!(doubt("max_torque_nm: 10000", with_rotor, ZERO), None);
     let late = r#""servo.pitch.stiffness_nm_rad": 32, "servo.pitch.damping_nm_s_rad": 32"#;
-    let said = doubt("max_torque_nm: 1e5", late, ZERO).unwrap();
-    assert!(said.contains("1 s behind"), "{said}");
+    let said = doubt("max_torque_nm: 10000", late, ZERO).unwrap();
+    assert!(said.contains("1.00 s behind"), "{said}");
 }
 
 #[test]

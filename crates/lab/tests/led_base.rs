@@ -28,7 +28,7 @@ fn times() -> Vec<f64> {
 /// The place and the orientation of a stand that is shaken and tilted.
 fn stand(t: f64) -> (Vector3<f64>, UnitQuaternion<f64>) {
     let place = Vector3::new(
-        0.5 + 0.03 * (11.0 * t).sin(),
+        0.5 + 0.1 * (11.0 * t).sin(),
         -0.2,
         1.0 + 0.02 * (7.0 * t).cos(),
     );
@@ -117,7 +117,6 @@ fn joints_on_a_stand_that_moves_are_explained_where_the_base_is_led_and_fitted_w
     let held = error_mrad(folder.path(), "");
     assert!(led < 0.5, "{led}");
     assert!(held > 5.0, "{held}");
-    // Doubling what was recorded of the stand is another run.
     let path = study(folder.path(), "base: Recorded");
     let read = || Study::read(&path, &Overrides::default()).unwrap();
     let answer = read().tune(
@@ -130,11 +129,10 @@ fn joints_on_a_stand_that_moves_are_explained_where_the_base_is_led_and_fitted_w
     );
     let fit = answer.unwrap().report.tuning.unwrap().least_squares;
     for (estimate, truth) in fit.iter().zip([0.01, 10.0]) {
-        assert!(
-            estimate.is_told && (estimate.low..=estimate.high).contains(&truth),
-            "{truth}: {estimate:?}"
-        );
+        let off = (estimate.value / truth - 1.0).abs();
+        assert!(estimate.is_told && off < 0.1, "{truth}: {estimate:?}");
     }
+    // Doubling what was recorded of the stand is another run.
     recorded(folder.path(), 2.0, true);
     let doubled = error_mrad(folder.path(), "base: Recorded");
     assert!(doubled > 5.0, "{doubled}");

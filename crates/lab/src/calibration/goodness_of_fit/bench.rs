@@ -6,6 +6,7 @@ use std::collections::BTreeSet;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+use crate::calibration::BaseRule;
 use crate::calibration::answer::score::Scores;
 use crate::calibration::goodness_of_fit::channel::{Series, axes_of, series_of};
 use crate::calibration::goodness_of_fit::imitation::{MeasurementNoise, random, with_recordings};
@@ -205,10 +206,23 @@ impl<'a> Bench<'a> {
         for (position, (case, truth)) in self.cases.iter().zip(truth).enumerate() {
             let target = &self.study.cases()[*case].targets[0];
             let rng = random(definition.seed, number, position, self.cases.len());
-            let copy = noise.record(truth, &target.motion, scale, rng)?;
+            let mut copy = noise.record(truth, &target.motion, scale, rng)?;
+            if definition.base == BaseRule::Recorded {
+                copy = on_base(copy, &definition.recordings[target.recording].trajectory)?;
+            }
             trajectories[target.recording] = Some(copy);
         }
         with_recordings(self.study, trajectories)
+    }
+}
+
+/// An imitation of the joints of a recording, with the recorded poses along which the base was led.
+fn on_base(joints: Trajectory, recorded: &Trajectory) -> Result<Trajectory> {
+    let count = joints.len();
+    let placed = joints.with_positions(recorded.positions_world_m()[..count].to_vec())?;
+    match recorded.orientations_world_from_body() {
+        Some(turns) => placed.with_orientations(turns[..count].to_vec()),
+        None => Ok(placed),
     }
 }
 
