@@ -160,7 +160,7 @@ fn axes(plot: &LinePlot, places: &Places) -> String {
         let half = 0.5 * set_width(&text);
         if x - half > free_from {
             free_from = x + half + 4.0;
-            let baseline = bottom + 18.0;
+            let baseline = bottom + 22.0;
             let _infallible = write!(
                 svg,
                 "<text x=\"{x:.1}\" y=\"{baseline:.1}\" text-anchor=\"middle\">{text}</text>"
