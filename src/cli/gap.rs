@@ -17,8 +17,7 @@ use super::timing::{TimeOption, TimeParser};
 /// Use it to judge a simulation with given values against repeats of real runs. The noise floor is the distance
 /// between repeats of the same real run; the gap is the distance between simulation and reality; the gap ratio is the
 /// gap divided by the noise floor. At a ratio of 1, the simulation is as far from the recordings as the recordings
-/// are from each other. An energy test tells whether simulated and real runs are drawn alike, i.e. from one
-/// distribution. Where the study has noise, repeats under this noise give the probability, over time, that a real run
+/// are from each other. An energy test tells whether simulated and real runs have the same distribution. Where the study has noise, repeats under this noise give the probability, over time, that a real run
 /// lies inside the predicted region. The folder gets gap.json, confidence.png, rmse.png and .svg; docs/results.md
 /// explains them.
 ///

@@ -199,7 +199,7 @@ mod tests {
     #[test]
     fn the_time_left_is_said_once_a_step_tells_it() {
         let second = Duration::from_secs(1);
-        assert_eq!(pace(0.0, Duration::ZERO, second), "1 s so far");
-        assert_eq!(pace(2.0, 3 * second, second), "2.0/s, 3 s left");
+        assert_eq!(pace(0.0, Duration::ZERO, second), "1.0 s so far");
+        assert_eq!(pace(2.0, 3 * second, second), "2.0/s, 3.0 s left");
     }
 }

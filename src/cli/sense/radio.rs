@@ -104,6 +104,9 @@ pub struct Fit {
 /// one, the share of strengths in the 90 % interval, and the errors of the baselines: the other models of the same
 /// fit, the mean strength, and the mean of the nearest readings of a log (--fingerprints).
 #[derive(Debug, Args)]
+#[command(
+    override_usage = "realgap sense radio evaluate [OPTIONS] --arena <FILE>\n           --parameters <FILE> <LOG>"
+)]
 #[command(after_help = "\
 Examples:
   realgap sense radio evaluate poses.csv --session 2 --arena arenas/flat.ron \\
@@ -144,6 +147,9 @@ pub struct Evaluate {
 ///
 /// Use it to see where in an arena the anchor can be received.
 #[derive(Debug, Args)]
+#[command(
+    override_usage = "realgap sense radio map [OPTIONS] --arena <FILE> --parameters <FILE>\n           --anchor <NAME> --plot <FILE>"
+)]
 #[command(after_help = "\
 Examples:
   realgap sense radio map --arena arenas/flat.ron --parameters radio.ron \\

@@ -152,11 +152,11 @@ mod tests {
     fn wheels_get_the_speeds_that_follow_from_forward_speed_and_turn_rate() {
         let reading = reading(
             r#"(wheels: Some((forward: "v", forward_m_s: 1.0, turn: "w", turn_rad_s: 1.0, wheels: [
-                (joint: "l", left_m: 0.1, radius_m: 0.05), (joint: "r", left_m: -0.1, radius_m: 0.05)])))"#,
+                (joint: "l", left_m: 0.25, radius_m: 0.5), (joint: "r", left_m: -0.25, radius_m: 0.5)])))"#,
         );
         assert_eq!(
-            relabelled("t_s,v,w\n0,0.2,0.5\n".to_owned(), &reading).unwrap(),
-            "t_s,v,w,l_command_rad_s,r_command_rad_s\n0,0.2,0.5,3,5\n"
+            relabelled("t_s,v,w\n0,1,2\n".to_owned(), &reading).unwrap(),
+            "t_s,v,w,l_command_rad_s,r_command_rad_s\n0,1,2,1,3\n"
         );
         let error = relabelled("t_s,v\n0,0.2\n".to_owned(), &reading).unwrap_err();
         assert!(error.to_string().contains("unknown column"), "{error}");

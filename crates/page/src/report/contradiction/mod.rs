@@ -180,7 +180,10 @@ fn a_sweep_says_one_thing_in_every_place() {
         found.hold(&told, !is_rejected || fails || !report.complete, || {
             format!("no parameters explain, and the verdict is {trust}")
         });
-        told.only_claims(&mut found.contradictions);
+        // The page of an unfinished run says so, which is no claim about reality.
+        if report.complete {
+            told.only_claims(&mut found.contradictions);
+        }
     }
     found.close();
 }

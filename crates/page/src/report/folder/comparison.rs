@@ -3,13 +3,13 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use super::content::PageContent;
+use super::content::{PageContent, verdict};
 use super::summary::VerdictRow;
 use super::{Findings, ResultsPage};
-use crate::report::document::section::Section;
+use crate::report::document::page::html;
+use crate::report::document::section::{Section, figures};
 use crate::report::document::value::*;
 use realgap_core::error::{Error, Result};
-use realgap_lab::claim::{self, Claim, VERDICT};
 
 /// One of the folders.
 struct Column {
@@ -52,7 +52,7 @@ pub fn compared_page(folders: &[PathBuf], command: &str) -> Result<String> {
     let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
     let made = format!(
         "<p class=\"note\">This page was made by: <code>{}</code></p>",
-        crate::markup::html(command)
+        html(command)
     );
     let page = PageContent {
         kind: "comparison",
@@ -76,49 +76,43 @@ fn shown_name(folder: &Path) -> String {
     parts.into_iter().rev().collect::<Vec<_>>().join("/")
 }
 
-/// A row for each folder, a column for each part of the verdict that any of them has.
+/// The verdict of each folder, beside each other where there is room.
 fn verdicts(columns: &[Column]) -> String {
-    let all: Vec<(PageContent, &Column)> = columns.iter().map(|c| (c.content(), c)).collect();
-    let claims: Vec<Vec<(&str, &Claim)>> = (all.iter())
-        .map(|(content, _)| claim::verdict(&content.claims))
-        .collect();
-    let labels: Vec<&str> = (VERDICT.iter().map(|(label, _)| *label))
-        .filter(|label| claims.iter().flatten().any(|(own, _)| own == label))
-        .collect();
-    let rows = all.iter().zip(&claims).map(|((content, column), own)| {
-        let said = labels.iter().map(|label| {
-            let claim = own.iter().find(|(of, _)| of == label);
-            shown(claim.map(|(_, claim)| claim.text.as_str()))
-        });
-        let first = [column.name.clone(), content.kind.to_owned()];
-        first.into_iter().chain(said).collect::<Vec<_>>()
+    let all = columns.iter().map(|column| {
+        let content = column.content();
+        format!(
+            "<figure><h3>{} ({})</h3>{}</figure>",
+            html(&column.name),
+            content.kind,
+            verdict(&content.claims)
+        )
     });
-    let head = ["results", "of"].into_iter().chain(labels.iter().copied());
+    figures(&all.collect::<Vec<_>>())
+}
+
+/// The rows of each parameter, one for each folder that has it.
+fn parameters(columns: &[Column]) -> String {
+    let all = columns.iter().flat_map(Column::parameters);
+    let names: BTreeSet<&str> = all.map(|row| row.parameter.as_str()).collect();
+    let rows = names.iter().flat_map(|name| {
+        columns.iter().filter_map(move |column| {
+            let mut own = column.parameters().iter();
+            let row = own.find(|row| row.parameter == *name)?;
+            Some(vec![(*name).to_owned(), value(row), column.name.clone()])
+        })
+    });
     titled(
-        &head.collect::<Vec<_>>().join(" | "),
+        "parameter | value (90 % interval) | results",
         rows.collect::<Vec<_>>(),
     )
 }
 
-/// A row for each parameter, a column for each folder.
-fn parameters(columns: &[Column]) -> String {
-    let all = columns.iter().flat_map(Column::parameters);
-    let names: BTreeSet<&str> = all.map(|row| row.parameter.as_str()).collect();
-    let rows = names.iter().map(|name| {
-        let cells = columns.iter().map(|column| {
-            let mut own = column.parameters().iter();
-            shown(own.find(|row| row.parameter == *name).map(value))
-        });
-        let first = std::iter::once((*name).to_owned());
-        first.chain(cells).collect::<Vec<_>>()
-    });
-    let names = columns.iter().map(|column| column.name.as_str());
-    let head: Vec<&str> = std::iter::once("parameter").chain(names).collect();
-    titled(&head.join(" | "), rows.collect::<Vec<_>>())
-}
-
-/// `0.180 (0.172 to 0.195)`.
+/// `0.180 (0.172 to 0.195)`, or that it is not determined.
 fn value(row: &VerdictRow) -> String {
+    if row.identified == Some(false) {
+        let best = measured(row.best, &row.unit);
+        return format!("not determined (best {best})");
+    }
     let parts = match row.intervals.as_slice() {
         [] => row.interval.as_slice(),
         many => many,
@@ -127,6 +121,6 @@ fn value(row: &VerdictRow) -> String {
     let best = measured(row.best, &row.unit);
     match parts.reduce(|all, part| format!("{all} or {part}")) {
         Some(interval) => format!("{best} ({interval})"),
-        None => format!("{best} (not determined)"),
+        None => best,
     }
 }

@@ -64,7 +64,7 @@ impl PageContent {
 }
 
 /// The verdict as a list of terms; empty where there is none.
-fn verdict(claims: &[Claim]) -> String {
+pub(super) fn verdict(claims: &[Claim]) -> String {
     let parts = claim::verdict(claims);
     if parts.is_empty() {
         return String::new();

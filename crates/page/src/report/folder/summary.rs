@@ -36,6 +36,7 @@ pub(in crate::report) struct VerdictRow {
     pub(in crate::report) parameter: String,
     pub(in crate::report) unit: String,
     pub(in crate::report) best: Option<f64>,
+    pub(in crate::report) identified: Option<bool>,
     pub(in crate::report) interval: Option<[f64; 2]>,
     pub(in crate::report) intervals: Vec<[f64; 2]>,
     pub(in crate::report) text: String,

@@ -11,12 +11,12 @@ use realgap_core::statistics::ends_of;
 
 /// Size of a chart in its own units; the page scales it.
 const WIDTH: f64 = 440.0;
-const HEIGHT: f64 = 250.0;
+const HEIGHT: f64 = 258.0;
 /// Least room at the sides; wider numbers get more.
 const LEFT: f64 = 52.0;
 const RIGHT: f64 = 12.0;
 const TOP: f64 = 12.0;
-const BOTTOM: f64 = 44.0;
+const BOTTOM: f64 = 52.0;
 
 /// Classes of the colours of series, by their number.
 const CLASSES: [&str; 6] = ["sim", "b1", "b2", "b3", "b4", "b5"];
@@ -160,7 +160,7 @@ fn axes(plot: &LinePlot, places: &Places) -> String {
         let half = 0.5 * set_width(&text);
         if x - half > free_from {
             free_from = x + half + 4.0;
-            let baseline = bottom + 18.0;
+            let baseline = bottom + 22.0;
             let _infallible = write!(
                 svg,
                 "<text x=\"{x:.1}\" y=\"{baseline:.1}\" text-anchor=\"middle\">{text}</text>"

@@ -106,7 +106,7 @@ realgap.redraw = (svg, { lines, bands = [], map = false, fromZero = false }) => 
   const write = (attributes, text) => { realgap.svg("text", attributes, svg).textContent = text; };
   for (const [v, text] of ticks(x)) {
     realgap.svg("line", { class: "grid", x1: px(v), x2: px(v), y1: top, y2: bottom }, svg);
-    write({ x: px(v), y: bottom + 18, "text-anchor": "middle" }, text);
+    write({ x: px(v), y: bottom + 22, "text-anchor": "middle" }, text);
   }
   for (const [v, text] of ticks(y)) {
     realgap.svg("line", { class: "grid", x1: left, x2: right, y1: py(v), y2: py(v) }, svg);
