@@ -5,6 +5,7 @@
 //! read. The contract with MuJoCo is stated in docs/validation/compiled.md.
 
 mod actuator;
+mod amendment;
 mod copies;
 mod defaults;
 mod element;
@@ -17,4 +18,5 @@ mod remark;
 mod robot;
 mod settings;
 
+pub(super) use amendment::amend;
 pub(super) use robot::read;
