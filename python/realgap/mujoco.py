@@ -389,7 +389,7 @@ class MujocoModel:
             idle = [parameter for parameter in idle if self._is_idle(parameter, part, values, usual)]
         if idle:
             names = ", ".join(parameter.name for parameter in idle)
-            raise ValueError(f"{names}: another value changes no channel of this run (--no-probe skips this test)")
+            raise ValueError(f"{names}: another value changes no channel of this run (no_probe skips this test)")
 
     def _is_idle(
         self,
@@ -714,7 +714,7 @@ def main(words: Optional[Sequence[str]] = None) -> None:
     parser.add_argument("--keyframe", metavar="NAME", help="the keyframe in which runs start")
     parser.add_argument("--settle", type=float, default=0.0, metavar="S", help="seconds with the first command before a run")
     parser.add_argument("--hold", action="store_true", help="hold the base: free joints are taken out")
-    parser.add_argument("--no-probe", action="store_true", help="do not test whether each parameter changes anything")
+    parser.add_argument("--no-probe", action="store_true", help="no_probe of a study: do not test whether each parameter changes anything")
     parser.add_argument("--list", action="store_true", help="list the fields of the model and end")
     given = parser.parse_args(words)
     model = MujocoModel(
