@@ -114,7 +114,10 @@ fn what_no_file_says_is_named_with_the_reason_and_changes_nothing() {
     };
     assert!(why(fates[0]).contains("engine"), "{fates:?}");
     assert!(why(fates[1]).contains("encoders"), "{fates:?}");
-    assert!(why(fates[2]).contains("actuators have no field"), "{fates:?}");
+    assert!(
+        why(fates[2]).contains("actuators have no field"),
+        "{fates:?}"
+    );
     assert_eq!(*fates[3], Fate::Unchanged);
     assert!(why(fates[4]).contains("no geom"), "{fates:?}");
 }

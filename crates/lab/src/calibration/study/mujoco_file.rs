@@ -9,6 +9,8 @@ use realgap_core::{Error, Result};
 use realgap_guest::CommandLine;
 use realgap_simulation::parameter::FOREIGN;
 
+/// How options of the Python program begin.
+const OPTION: &str = "--";
 /// Largest file of a model that is searched for the files that it includes, bytes.
 const MOST_BYTES: u64 = 16_000_000;
 
@@ -46,7 +48,7 @@ impl MujocoFile<'_> {
             .map(str::to_owned)
             .to_vec();
         let mut add = |option: &str, value: Option<String>| {
-            words.extend(value.map(|value| format!("{option}={value}")));
+            words.extend(value.map(|value| format!("{OPTION}{option}={value}")));
         };
         let own = |name: &&str| -> Option<String> {
             let name = name
@@ -58,14 +60,14 @@ impl MujocoFile<'_> {
         let names: BTreeSet<String> = varied.iter().filter_map(own).collect();
         names
             .into_iter()
-            .for_each(|name| add("--parameter", Some(name)));
-        add("--track", self.track.map(str::to_owned));
-        add("--pd", self.pd.map(|(kp, kd)| format!("{kp},{kd}")));
-        add("--keyframe", self.keyframe.map(str::to_owned));
-        add("--settle", self.settle_s.map(|seconds| seconds.to_string()));
-        let flags = [("--hold", self.hold), ("--no-probe", self.no_probe)];
+            .for_each(|name| add("parameter", Some(name)));
+        add("track", self.track.map(str::to_owned));
+        add("pd", self.pd.map(|(kp, kd)| format!("{kp},{kd}")));
+        add("keyframe", self.keyframe.map(str::to_owned));
+        add("settle", self.settle_s.map(|seconds| seconds.to_string()));
+        let flags = [("hold", self.hold), ("no-probe", self.no_probe)];
         let flags = flags.iter().filter(|(_, is_set)| *is_set);
-        words.extend(flags.map(|(flag, _)| (*flag).to_owned()));
+        words.extend(flags.map(|(flag, _)| format!("{OPTION}{flag}")));
         let mut files = included(folder, self.model)?;
         files.extend(self.files.iter().cloned());
         CommandLine::new(words, folder, &files)

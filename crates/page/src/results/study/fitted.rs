@@ -221,7 +221,6 @@ impl FittedStudy {
     fn columns(&self) -> Result<Vec<&str>> {
         let Some(first) = self.draws.first() else {
             return Err(Error::invalid("the study has no posterior draws")
-                .field("--ranges")
                 .hint("run the sweep or tuning to its end, with enough points for intervals"));
         };
         Ok(first.iter().map(|value| value.parameter.name).collect())
