@@ -384,7 +384,8 @@ fn study(path: &Path, consent: CommandConsent) -> Result<Contents> {
     };
     let (mut recordings, mut simulations, mut cpu_s) = (None, None, None);
     let mut warnings = Vec::new();
-    match Definition::read(path, &overrides) {
+    let names_none = study.recording_globs.is_empty();
+    match study.find_recordings(path, &overrides) {
         Ok(whole) => {
             let given = whole.recordings.len();
             let study = realgap::calibration::Study::new(whole)?;
@@ -425,7 +426,7 @@ fn study(path: &Path, consent: CommandConsent) -> Result<Contents> {
                 warnings.extend(known_limits(&middle, &tuned));
             }
         }
-        Err(error) if study.recording_globs.is_empty() => {
+        Err(error) if names_none => {
             lines.push(format!(
                 "  {}; {}",
                 counted(points, "point"),

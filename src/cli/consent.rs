@@ -1,11 +1,15 @@
 //! Consent to the command that a study runs: an option, or an answer on the terminal.
 
 use std::io::{BufRead as _, IsTerminal as _};
+use std::sync::{Mutex, PoisonError};
 
 use realgap::calibration::{CommandConsent, Overrides};
 use realgap::{Advice, Error, Result};
 
 use super::terminal;
+
+/// The commands to which the user has said yes: some read a study several times.
+static CONSENTED: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
 /// Option of commands that read studies.
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -31,10 +35,20 @@ pub fn reading<T>(read: impl Fn(&Overrides) -> Result<T>, overrides: &Overrides)
         Err(error) if error.advice().contains(&Advice::AllowCommand) => error,
         result => return result,
     };
+    let command = refused.found_text().unwrap_or_default().to_owned();
+    let given = || {
+        read(&Overrides {
+            command: CommandConsent::Given,
+            ..overrides.clone()
+        })
+    };
+    let mut consented = CONSENTED.lock().unwrap_or_else(PoisonError::into_inner);
+    if consented.contains(&command) {
+        return given();
+    }
     if !std::io::stdin().is_terminal() || !std::io::stderr().is_terminal() {
         return Err(refused);
     }
-    let command = refused.found_text().unwrap_or_default();
     terminal::note(format!(
         "This study runs the command {command}. Run it (yes, no)?"
     ));
@@ -42,10 +56,10 @@ pub fn reading<T>(read: impl Fn(&Overrides) -> Result<T>, overrides: &Overrides)
     let read_line = std::io::stdin().lock().read_line(&mut line);
     read_line.map_err(|e| Error::io("read the answer", "standard input", &e))?;
     match line.trim() {
-        "yes" | "y" => read(&Overrides {
-            command: CommandConsent::Given,
-            ..overrides.clone()
-        }),
+        "yes" | "y" => {
+            consented.push(command);
+            given()
+        }
         _ => Err(refused),
     }
 }

@@ -7,7 +7,7 @@ use super::kit::*;
 use super::option::Format;
 
 /// Largest file of a robot, bytes.
-const MOST_BYTES: u64 = 16_000_000;
+pub(super) const MOST_BYTES: u64 = 16_000_000;
 /// The first words of a file that this command wrote.
 const HEAD: &str = "// Imported by realgap from ";
 
@@ -69,7 +69,7 @@ const LAWS: &[Choice<AssumedLaw>] = &[
     ),
 ];
 
-fn package(text: &str) -> std::result::Result<(String, PathBuf), String> {
+pub(super) fn package(text: &str) -> std::result::Result<(String, PathBuf), String> {
     match text.split_once('=') {
         Some((name, folder)) if !name.is_empty() => Ok((name.to_owned(), folder.into())),
         _ => Err("not NAME=DIR".to_owned()),

@@ -54,6 +54,7 @@ mod kit {
 
 mod advice;
 mod answer;
+mod apply;
 mod check;
 #[cfg(all(test, any(feature = "papers", feature = "schema")))]
 mod committed;
@@ -195,6 +196,7 @@ commands! {
     Ensemble(ensemble::Ensemble),
     Search(search::Search),
     Report(report::ReportCommand),
+    Apply(apply::Apply),
     Verify(verify::Verify),
     #[command(subcommand, after_help = ROBOT)]
     Robot(RobotCommand),

@@ -10,7 +10,7 @@ use realgap::{Error, Result};
 /// Set by `--force`.
 static FORCE: AtomicBool = AtomicBool::new(false);
 /// Texts near the beginning of files that this program wrote.
-const MARKS: [&str; 8] = [
+const MARKS: [&str; 9] = [
     "Written by realgap",
     // In a PNG.
     "Software\0realgap",
@@ -19,6 +19,8 @@ const MARKS: [&str; 8] = [
     "\"generator\":\"realgap",
     "(realgap study identify)",
     "\"schema_version\"",
+    // In the comments of a robot's file.
+    "<!-- realgap: ",
     // In a JSON Schema.
     "\"title\": \"realgap ",
 ];

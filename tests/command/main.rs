@@ -1,6 +1,7 @@
 //! Output and files of every command.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
+mod apply;
 mod cli;
 #[path = "../common/mod.rs"]
 mod common;

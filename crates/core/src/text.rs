@@ -114,6 +114,24 @@ pub fn cell(text: &str) -> Cow<'_, str> {
     }
 }
 
+/// Whether a name has a form in which `*` stands for any letters, also none.
+pub fn fits(form: &str, name: &str) -> bool {
+    let mut parts = form.split('*');
+    let Some(mut rest) = name.strip_prefix(parts.next().unwrap_or_default()) else {
+        return false;
+    };
+    let Some(last) = parts.next_back() else {
+        return rest.is_empty();
+    };
+    for part in parts {
+        match rest.find(part) {
+            Some(at) => rest = &rest[at + part.len()..],
+            None => return false,
+        }
+    }
+    rest.ends_with(last)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -150,6 +168,24 @@ mod tests {
         }
         for number in ["-1", "+1.5", "-0.000001", "-1e300", "-inf", "NaN", "1", ""] {
             assert_eq!(cell(number), number);
+        }
+    }
+
+    #[test]
+    fn a_star_stands_for_any_letters() {
+        for (form, name, is) in [
+            ("", "", true),
+            ("elbow", "elbow", true),
+            ("elbow", "elbow_flex", false),
+            ("shoulder_*", "shoulder_pan", true),
+            ("*_flex", "wrist_flex", true),
+            ("*_flex", "wrist_roll", false),
+            ("a*b*c", "axxbyyc", true),
+            ("a*b*c", "axxc", false),
+            ("*", "anything", true),
+            ("ab*ba", "aba", false),
+        ] {
+            assert_eq!(fits(form, name), is, "{form} {name}");
         }
     }
 }

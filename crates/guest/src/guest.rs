@@ -251,6 +251,12 @@ impl Simulator for Guest {
         experiment.foreign.setting = number;
     }
 
+    fn refine(&self, experiment: &mut Experiment, factor: f64) -> bool {
+        let number = self.hello.refined(factor);
+        experiment.foreign.setting = number.unwrap_or_default() as u64;
+        number.is_some()
+    }
+
     fn settings(&self, usual: usize) -> usize {
         let differs = self.habits.get().is_some_and(|habits| habits.is_random);
         match differs {

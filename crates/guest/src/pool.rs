@@ -69,6 +69,14 @@ impl Pool {
     }
 }
 
+impl Drop for Pool {
+    fn drop(&mut self) {
+        let workers = self.idle.get_mut().unwrap_or_else(PoisonError::into_inner);
+        workers.iter_mut().for_each(Worker::say_farewell);
+        workers.clear();
+    }
+}
+
 impl Port for Pool {
     fn identity(&self) -> String {
         self.command.identity()

@@ -100,6 +100,31 @@ impl Hello {
     }
 }
 
+/// How exactly a shortened timestep has to be the asked share of the usual one.
+const SAME_SHARE: f64 = 1e-6;
+
+impl Hello {
+    /// The setting that differs from the first one in a single number, which is shorter by this factor: a timestep.
+    pub(crate) fn refined(&self, factor: f64) -> Option<usize> {
+        let (first, others) = self.settings.split_first()?;
+        let is_shorter = |setting: &serde_json::Map<String, serde_json::Value>| {
+            let mut differing = first
+                .iter()
+                .filter(|(key, value)| setting.get(*key) != Some(value));
+            let (Some((key, value)), None) = (differing.next(), differing.next()) else {
+                return false;
+            };
+            let usual = value.as_f64();
+            let own = setting.get(key).and_then(serde_json::Value::as_f64);
+            let is_share = |(usual, own): (f64, f64)| {
+                usual > 0.0 && (own / usual - factor).abs() < SAME_SHARE * factor
+            };
+            setting.len() == first.len() && usual.zip(own).is_some_and(is_share)
+        };
+        Some(1 + others.iter().position(is_shorter)?)
+    }
+}
+
 impl ParameterDeclaration {
     fn check(&self) -> Result<()> {
         let wrong = |why: &str| {

@@ -40,6 +40,8 @@ pub(crate) struct Worker {
     errors: Arc<Mutex<String>>,
     /// What the simulator printed besides its answers.
     printed: String,
+    /// When it is ended, where its input has ended already.
+    leaves_by: Option<Instant>,
     limits: [Duration; 2],
 }
 
@@ -58,12 +60,16 @@ impl Worker {
             .stdout(Stdio::piped())
             .stderr(Stdio::piped());
         join_group(&mut process, guard.as_ref());
-        let mut process = process.spawn().map_err(|error| {
-            Failure::new(
-                Fault::Ended,
-                format!("`{command}` cannot be started: {error}"),
-            )
-        })?;
+        let mut process = match process.spawn() {
+            Ok(process) => process,
+            Err(error) => {
+                if let Some(guard) = guard {
+                    dismiss(guard);
+                }
+                let why = format!("`{command}` cannot be started: {error}");
+                return Err(Failure::new(Fault::Ended, why));
+            }
+        };
         let (sender, lines) = sync_channel(READ_AHEAD);
         if let Some(output) = process.stdout.take() {
             thread::spawn(move || send_lines(output, &sender));
@@ -80,6 +86,7 @@ impl Worker {
             lines,
             errors,
             printed: String::new(),
+            leaves_by: None,
             limits: [command.start_limit, command.answer_limit],
         })
     }
@@ -94,7 +101,9 @@ impl Worker {
             match self.lines.recv_timeout(left) {
                 Ok(line) => match addressee(&line) {
                     Some(Addressee::Question(asked)) if asked == question => {
-                        self.input = finished(writing, self.input.take());
+                        if let Some(writing) = writing {
+                            self.input = self.finished(writing, end)?;
+                        }
                         return Ok(line);
                     }
                     // A second answer to an earlier question.
@@ -127,6 +136,25 @@ impl Worker {
         }
         self.input = Some(input);
         Ok(None)
+    }
+
+    /// The input after a line was written, which a simulator that answers has read, or reads until `end`.
+    fn finished(&self, writing: Writing, end: Instant) -> Answered<Option<ChildStdin>> {
+        while !writing.is_finished() {
+            if Instant::now() >= end {
+                let why = "answered without reading the whole question".to_owned();
+                return Err(self.failure(Fault::Hung, why));
+            }
+            thread::sleep(Duration::from_millis(1));
+        }
+        Ok(writing.join().ok().flatten())
+    }
+
+    /// Ends the input, so that a simulator that reads it to the end takes its leave. Those of a pool do so at the same time.
+    pub fn say_farewell(&mut self) {
+        drop(self.input.take());
+        self.leaves_by
+            .get_or_insert_with(|| Instant::now() + FAREWELL);
     }
 
     /// Keeps a line that is no answer.
@@ -166,16 +194,14 @@ impl Worker {
 
 impl Drop for Worker {
     fn drop(&mut self) {
-        // A simulator that reads its input to the end may take its leave.
-        drop(self.input.take());
-        let end = Instant::now() + FAREWELL;
+        self.say_farewell();
+        let end = self.leaves_by.unwrap_or_else(Instant::now);
         while matches!(self.process.try_wait(), Ok(None)) && Instant::now() < end {
             thread::sleep(Duration::from_millis(2));
         }
         let _already_ended = self.process.kill();
-        if let Some(guard) = &mut self.guard {
-            end_group(guard);
-            let _reaped = guard.wait();
+        if let Some(guard) = self.guard.take() {
+            dismiss(guard);
         }
         let _reaped = self.process.wait();
     }
@@ -184,11 +210,10 @@ impl Drop for Worker {
 /// A line that is being written.
 type Writing = thread::JoinHandle<Option<ChildStdin>>;
 
-fn finished(writing: Option<Writing>, input: Option<ChildStdin>) -> Option<ChildStdin> {
-    match writing {
-        Some(writing) => writing.join().ok().flatten(),
-        None => input,
-    }
+/// Ends a guard with its group.
+fn dismiss(mut guard: Child) {
+    end_group(&guard);
+    let _reaped = guard.wait();
 }
 
 fn write_line(input: &mut ChildStdin, line: &str) -> std::io::Result<()> {

@@ -1,6 +1,7 @@
 //! Tests of the crate: robots of modules and of bodies, genomes, and the import of URDF and MJCF.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
+mod amendment;
 #[path = "../../../tests/common/shared.rs"]
 mod common;
 mod compiled;

@@ -31,6 +31,12 @@ pub trait Simulator: fmt::Debug + Send + Sync {
     /// Gives an experiment the equally valid numerical settings with this number; 0 stands for its own.
     fn vary(&self, experiment: &mut Experiment, number: u64);
 
+    /// Shortens the timestep of an experiment with the usual settings by a factor; false where the simulator has no such setting.
+    fn refine(&self, experiment: &mut Experiment, factor: f64) -> bool {
+        experiment.solver.timestep_s *= factor;
+        true
+    }
+
     /// Number of equally valid settings over which a score is the mean, where there are `usual` ones for the engines.
     fn settings(&self, usual: usize) -> usize;
 

@@ -1,6 +1,7 @@
 //! Tests of the crate: from an experiment to a run.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
+mod amendment;
 mod arena;
 mod base;
 mod bodies;

@@ -318,15 +318,16 @@ impl LeastSquaresPosterior {
         Ok(self)
     }
 
-    /// Adds what the start states leave open: each item is the errors at the best point with other starts, drawn from their noise.
+    /// Adds what equally valid runs leave open, e.g. those from other starts: each item is the errors at the best point in another
+    /// such run, drawn from what is not known of it. Calls add up.
     #[must_use]
-    pub fn with_starts(mut self, others: &[Vec<f64>]) -> Self {
+    pub fn with_variants(mut self, others: &[Vec<f64>]) -> Self {
         let best = &mut self.modes[0].0;
         let others = others.iter();
         let others = others.filter(|errors| errors.len() == best.laplace.errors().len());
-        best.starts = others
-            .map(|errors| best.across_ridges(best.laplace.shift(errors)))
-            .collect();
+        let shifts = others.map(|errors| best.across_ridges(best.laplace.shift(errors)));
+        let shifts: Vec<_> = shifts.collect();
+        best.variants.push(shifts);
         self
     }
 
@@ -334,16 +335,18 @@ impl LeastSquaresPosterior {
     pub fn posterior(&self, grid: &Grid, seed: u64) -> PosteriorDraws {
         let mut rng = Once::WithinCell.generator(seed);
         let best = &self.modes[0].0;
-        let (shift, starts) = (&best.shift, &best.starts);
+        let (shift, variants) = (&best.shift, &best.variants);
         let draws = self.draws.iter().map(|draw| {
             let mut factor = |(from, to): (f64, f64)| from + rng.random::<f64>() * (to - from);
             let remaining = &self.modes[draw.mode].0.remaining;
             let mut moves = shift * factor(SHIFTS) + remaining.map(|step| step * factor(REMAINING));
             // The drawn shifts are a sample of a normal distribution around 0, and so are their random sums.
-            let share = 1.0 / (starts.len().max(1) as f64).sqrt();
-            for start in starts {
-                let normal: f64 = StandardNormal.sample(&mut rng);
-                moves += start * (normal * share);
+            for shifts in variants {
+                let share = 1.0 / (shifts.len().max(1) as f64).sqrt();
+                for shift in shifts {
+                    let normal: f64 = StandardNormal.sample(&mut rng);
+                    moves += shift * (normal * share);
+                }
             }
             let moved = draw.point.iter().zip(moves.iter());
             let moved: UnitPoint = moved.map(|(at, by)| (at + by).clamp(0.0, 1.0)).collect();

@@ -40,8 +40,8 @@ pub(super) struct Mode {
     ridges: Vec<Ridge>,
     /// How far the numerics move the mode in the limit of short timesteps.
     pub shift: DVector<f64>,
-    /// How far other start states move the mode, one row each.
-    pub starts: Vec<DVector<f64>>,
+    /// How far equally valid runs move the mode, e.g. those from other starts: one list for each kind.
+    pub variants: Vec<Vec<DVector<f64>>>,
     /// The step that the descent would go on with: what the budget left open.
     pub remaining: DVector<f64>,
 }
@@ -163,7 +163,7 @@ impl Mode {
         }
         let mut mode = Self {
             shift: DVector::zeros(dimensions),
-            starts: Vec::new(),
+            variants: Vec::new(),
             remaining: DVector::zeros(dimensions),
             laplace,
             ridges,

@@ -3,7 +3,9 @@
 use std::f64::consts::TAU;
 
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
-use crate::trajectory::{COMMAND, Interpolator, MeasuredQuantity, Trajectory, sensor_noise};
+use crate::trajectory::{
+    COMMAND, COMMAND_SIGNALS, Interpolator, MeasuredQuantity, Trajectory, sensor_noise,
+};
 use realgap_core::constant_methods;
 use realgap_core::error::{Error, Result};
 use realgap_core::statistics::autocorrelation_time;
@@ -18,6 +20,8 @@ pub enum ChannelQuantity {
     Speed,
     /// What another sensor measured.
     Measured(MeasuredQuantity),
+    /// A column with a name of its own, which only a study's own simulator can know.
+    Signal,
 }
 
 impl ChannelQuantity {
@@ -27,6 +31,7 @@ impl ChannelQuantity {
             Self::Angle => "angle",
             Self::Speed => "speed",
             Self::Measured(quantity) => quantity.word(),
+            Self::Signal => "signal",
         }
     }
 
@@ -36,6 +41,7 @@ impl ChannelQuantity {
             Self::Angle => "rad",
             Self::Speed => "rad/s",
             Self::Measured(quantity) => quantity.unit(),
+            Self::Signal => "",
         }
     }
 }
@@ -67,7 +73,9 @@ fn values<'a>(motion: &'a Trajectory, column: &str, of: ChannelQuantity) -> Opti
             let joint = motion.joint(column.strip_suffix("_rad_s")?)?;
             joint.speeds_rad_s.as_deref()
         }
-        ChannelQuantity::Measured(_) => Some(&motion.signal(column)?.values),
+        ChannelQuantity::Measured(_) | ChannelQuantity::Signal => {
+            Some(&motion.signal(column)?.values)
+        }
     }
 }
 
@@ -87,6 +95,19 @@ impl Channel {
             Some((signal.name.clone(), ChannelQuantity::Measured(quantity)))
         });
         joints.chain(signals).collect()
+    }
+
+    /// The columns of a recording with names of their own, which are no commands.
+    pub fn signals_of(motion: &Trajectory) -> Vec<(String, ChannelQuantity)> {
+        let names = motion.signals().iter().map(|signal| &signal.name);
+        let is_command = |name: &str| {
+            let mut endings = COMMAND_SIGNALS.iter().chain([&COMMAND]);
+            endings.any(|ending| name.ends_with(ending))
+        };
+        let own = names.filter(|name| MeasuredQuantity::of_column(name).is_none());
+        own.filter(|name| !is_command(name))
+            .map(|name| (name.clone(), ChannelQuantity::Signal))
+            .collect()
     }
 
     /// The channel of a column with stated noise, or with the noise that these recordings show (the median over them).

@@ -248,7 +248,9 @@ fn check_needs(name: &str, needs: Needs, pair: &Pair<'_>, context: &Context<'_>)
     {
         return refuse("the body length of the robot", "it must be more than 0 m");
     }
-    if needs.joints && (pair.real.joints().is_empty() || pair.simulated.joints().is_empty()) {
+    let lacks_joints = pair.real.joints().is_empty() || pair.simulated.joints().is_empty();
+    // A study that names channels may name others than joints.
+    if needs.joints && context.channels.is_none() && lacks_joints {
         return refuse("joints", "give both trajectories columns NAME_rad");
     }
     if needs.orientation {

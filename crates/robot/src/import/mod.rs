@@ -21,6 +21,7 @@
 //! # Ok::<(), realgap_core::Error>(())
 //! ```
 
+pub mod amendment;
 mod assumption;
 mod driven;
 mod element;
@@ -202,17 +203,19 @@ fn without_comments(text: &str) -> String {
             break;
         };
         bare.push_str(&rest[..start]);
-        bare.extend(
-            rest[start..end]
-                .chars()
-                .map(|c| if c == '\n' { c } else { ' ' }),
-        );
+        bare.push_str(&blank(&rest[start..end]));
         rest = &rest[end..];
     }
     bare + rest
 }
 
-/// The text as strict XML: errors that other readers of URDF accept are repaired without moving any element to another line.
+/// As many blanks as a text has bytes, in the same lines.
+fn blank(text: &str) -> String {
+    let blank = |byte| if byte == b'\n' { '\n' } else { ' ' };
+    text.bytes().map(blank).collect()
+}
+
+/// The text as strict XML: errors that other readers of URDF accept are repaired without moving any byte of an element to another place.
 fn readable(source: &Source, notes: &mut Notes) -> Result<String> {
     let mut text = without_comments(source.text());
     measure_xml(&text, ROBOT).map_err(|error| error.at_file(source.path()))?;
@@ -220,7 +223,8 @@ fn readable(source: &Source, notes: &mut Notes) -> Result<String> {
         && let Some(length) = text[at..].find(['>', '['])
         && text[at + length..].starts_with('>')
     {
-        text.replace_range(at..=at + length, "");
+        let instead = blank(&text[at..=at + length]);
+        text.replace_range(at..=at + length, &instead);
         notes.left_out(None, "the document type", "remove <!DOCTYPE ...>");
     }
     if let Some(at) = text.find("<?xml").filter(|at| *at > 0)

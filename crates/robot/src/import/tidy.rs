@@ -237,22 +237,27 @@ fn rename(structure: &mut Structure, notes: &mut Notes) {
     }
 }
 
+/// A name of letters, digits, `_` and `-`, which stands for another name.
+pub(super) fn clean(name: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    let clean: String = name
+        .chars()
+        .take(Module::MAX_NAME - 4)
+        .map(|c| if plain(c) { c } else { '_' })
+        .collect();
+    match clean.strip_prefix('-') {
+        Some(rest) => format!("_{rest}"),
+        None if clean.is_empty() => "_".to_owned(),
+        None => clean,
+    }
+}
+
 /// Turns names into unique names of letters, digits, `_` and `-`; returns old and new of those that changed.
 fn usable<'a>(names: impl Iterator<Item = &'a mut String>) -> Vec<(String, String)> {
     let mut taken = BTreeSet::new();
     let mut changed = Vec::new();
     for name in names {
-        let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-        let clean: String = name
-            .chars()
-            .take(Module::MAX_NAME - 4)
-            .map(|c| if plain(c) { c } else { '_' })
-            .collect();
-        let clean = match clean.strip_prefix('-') {
-            Some(rest) => format!("_{rest}"),
-            None if clean.is_empty() => "_".to_owned(),
-            None => clean,
-        };
+        let clean = clean(name);
         let mut new = clean.clone();
         let mut number = 1;
         while !taken.insert(new.clone()) {

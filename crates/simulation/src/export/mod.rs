@@ -18,6 +18,7 @@
 //!
 //! Both formats use the same body frames: axes of the robot frame at zero servo angles.
 
+mod amendment;
 mod format;
 mod mjcf;
 mod registry;
@@ -26,6 +27,7 @@ mod stand;
 mod urdf;
 mod xml;
 
+pub use amendment::{Calibrated, Fate, calibrate};
 pub use format::{Exported, Format};
 pub use registry::{FORMATS, format_named};
 pub use robot::Robot;

@@ -2,6 +2,7 @@
 //! `servo.NAME.quantity`, and those of tyres as `tyre.NAME.quantity`, where `*` in the name stands for any letters.
 
 use crate::{Experiment, HingeAdjustment};
+use realgap_core::text::fits;
 use realgap_robot::morphology::Hinge;
 
 /// Placeholder for the name of a module or joint in lists.
@@ -13,23 +14,7 @@ pub(super) const OF_WHEELS: &str = "tyre";
 
 /// Whether a name matches this pattern; an empty pattern matches every name.
 pub(super) fn matches(form: &str, name: &str) -> bool {
-    if form.is_empty() {
-        return true;
-    }
-    let mut parts = form.split('*');
-    let Some(mut rest) = name.strip_prefix(parts.next().unwrap_or_default()) else {
-        return false;
-    };
-    let Some(last) = parts.next_back() else {
-        return rest.is_empty();
-    };
-    for part in parts {
-        match rest.find(part) {
-            Some(at) => rest = &rest[at + part.len()..],
-            None => return false,
-        }
-    }
-    rest.ends_with(last)
+    form.is_empty() || fits(form, name)
 }
 
 /// The common value of the selected hinges; `None` if the values differ or no hinge has one.
@@ -65,29 +50,6 @@ pub(super) fn adjust(
     for (hinge, change) in hinges.iter().zip(changes) {
         if matches(subject, &hinge.name) {
             to(change);
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::matches;
-
-    #[test]
-    fn a_star_stands_for_any_letters() {
-        for (form, name, is) in [
-            ("", "elbow", true),
-            ("elbow", "elbow", true),
-            ("elbow", "elbow_flex", false),
-            ("shoulder_*", "shoulder_pan", true),
-            ("*_flex", "wrist_flex", true),
-            ("*_flex", "wrist_roll", false),
-            ("a*b*c", "axxbyyc", true),
-            ("a*b*c", "axxc", false),
-            ("*", "anything", true),
-            ("ab*ba", "aba", false),
-        ] {
-            assert_eq!(matches(form, name), is, "{form} {name}");
         }
     }
 }

@@ -87,17 +87,25 @@ impl LeastSquaresFit {
         };
         let best = grid.values_at(posterior.best());
         if ending == Ending::Complete && study.is_audited() {
-            // A simulator of somebody else has no timestep that could be changed from here.
-            if study.cases()[0].experiment.simulator.is_built_in() {
+            let simulator = study.simulator();
+            let mut usual = study.cases()[0].experiment.clone();
+            let has_shorter = [0.5, 0.25].into_iter();
+            let has_shorter = has_shorter.map(|factor| simulator.refine(&mut usual, factor));
+            if has_shorter.fold(true, |all, one| all && one) {
                 let step = run.step("fitting with finer timesteps", RUNS_OF_NUMERICS);
                 posterior = posterior.with_numerics(&mut |point, factor| {
-                    let finer = |e: &mut Experiment| e.solver.timestep_s *= factor;
+                    let finer = |e: &mut Experiment| {
+                        let _is_finer = simulator.refine(e, factor);
+                    };
                     let trial = study.simulate_changed(&grid.values_at(point), finer, true)?;
                     step.count();
                     Ok(study.errors_of(&trial).map(|(errors, _)| errors))
                 })?;
+            } else {
+                let others = study.errors_of_other_settings(&best, run)?;
+                posterior = posterior.with_variants(&others);
             }
-            posterior = posterior.with_starts(&study.errors_of_other_starts(&best, run)?);
+            posterior = posterior.with_variants(&study.errors_of_other_starts(&best, run)?);
         }
         let mut scores = scores.with_more(study, &checks)?;
         let chosen = scores.points.iter().position(|point| point.values == best);

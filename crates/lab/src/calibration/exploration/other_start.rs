@@ -50,6 +50,30 @@ impl Study {
     }
 }
 
+impl Study {
+    /// Single errors at these values with each of the other settings that somebody else's simulator calls equally valid.
+    ///
+    /// # Errors
+    /// Settings that cannot be simulated.
+    pub(in crate::calibration) fn errors_of_other_settings(
+        &self,
+        values: &[f64],
+        run: &RunOptions<'_>,
+    ) -> Result<Vec<Vec<f64>>> {
+        let simulator = self.simulator();
+        let count = simulator.settings(1) as u64;
+        let step = run.step("fitting with other settings", count as usize);
+        let errors = (1..count).map(|number| {
+            let other = |experiment: &mut Experiment| simulator.vary(experiment, number);
+            let trial = self.simulate_changed(values, other, true)?;
+            step.count();
+            Ok(self.errors_of(&trial).map(|(errors, _)| errors))
+        });
+        let errors: Result<Vec<Option<Vec<f64>>>> = errors.collect();
+        Ok(errors?.into_iter().flatten().collect())
+    }
+}
+
 /// Moves the start of each recorded joint by its noise.
 fn disturb(experiment: &mut Experiment, real: &Trajectory, seed: u64, number: u64) {
     let times_s = real.times_s();

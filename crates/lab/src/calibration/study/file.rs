@@ -239,8 +239,16 @@ impl Definition {
     /// # Errors
     /// As [`Definition::read`].
     pub fn parse(source: &Source, overrides: &Overrides) -> Result<Self> {
-        let path = source.path();
         let definition = Self::parse_without_recordings(source, overrides)?;
+        definition.find_recordings(source.path(), overrides)
+    }
+
+    /// A definition that was read without recordings from a file, with them; a simulator that was asked is not asked again.
+    ///
+    /// # Errors
+    /// As [`Definition::read`], of the recordings.
+    pub fn find_recordings(self, path: &Path, overrides: &Overrides) -> Result<Self> {
+        let definition = self;
         if definition.robots.is_empty() {
             return definition.with_found(path, overrides);
         }
@@ -277,7 +285,8 @@ impl Definition {
             None
         };
         // Windows of a recording are too short to show the noise of a sensor.
-        let channels = scored_columns::channels(&definition.scored, &found.recordings)
+        let has_own = definition.own_simulator.is_some();
+        let channels = scored_columns::channels(&definition.scored, &found.recordings, has_own)
             .map_err(|e| e.at_file(path))?;
         if let Some(horizon) = definition.horizon {
             found.cut_into(horizon)?;
@@ -494,8 +503,12 @@ impl StudyFile {
             .hint("leave it out; the simulator declares what may be set (docs/simulator.md)");
             return Err(source.at(field, error));
         }
+        let ranges = self.parameters.iter().map(|range| range.name.as_str());
+        let stated = self.set.keys().map(String::as_str);
+        let over = overrides.set.iter().map(|value| value.parameter.name);
+        let varied: Vec<&str> = ranges.chain(stated).chain(over).collect();
         let own = named
-            .command(folder)
+            .command(folder, &varied)
             .and_then(|command| OwnSimulator::of_command(command, overrides.command));
         own.map(Some).map_err(|e| match e.kind() {
             realgap_core::ErrorKind::Usage => e.at_file(source.path()),

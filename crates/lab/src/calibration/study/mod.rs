@@ -11,6 +11,7 @@ pub(super) mod fingerprint;
 pub(super) mod fleet;
 pub(super) mod gain_check;
 pub(super) mod horizon;
+pub(super) mod mujoco_file;
 pub(super) mod overrides;
 pub(super) mod own_case;
 pub(super) mod robot_file;

@@ -26,20 +26,25 @@ pub struct ScoredColumns {
 const COLUMNS: &str =
     "name a recorded column: `reading: (names: {\"theirs\": \"NAME_torque_nm\"})` renames one";
 
-/// The channels that these entries name in these recordings.
+/// The channels that these entries name in these recordings; columns with names of their own are among them where the study has its
+/// own simulator.
 ///
 /// # Errors
 /// An entry that matches no column, or the errors of [`Channel::new`].
 pub(in crate::calibration) fn channels(
     entries: &[ScoredColumns],
     recordings: &[Recording],
+    has_own_simulator: bool,
 ) -> Result<ChannelSet> {
     let motions: Vec<&Trajectory> = recordings.iter().map(|r| &r.trajectory).collect();
     let mut columns: Vec<(String, ChannelQuantity)> = Vec::new();
-    for found in motions
+    let known = motions
         .iter()
-        .flat_map(|motion| Channel::columns_of(motion))
-    {
+        .flat_map(|motion| Channel::columns_of(motion));
+    // Only a simulator of somebody else may have channels of any name.
+    let signals = motions.iter().filter(|_| has_own_simulator);
+    let signals = signals.flat_map(|motion| Channel::signals_of(motion));
+    for found in known.chain(signals) {
         if !columns.contains(&found) {
             columns.push(found);
         }

@@ -8,6 +8,7 @@ use std::time::Duration;
 use serde::Deserialize;
 
 use crate::calibration::study::file::outside;
+use crate::calibration::study::mujoco_file::MujocoFile;
 use realgap_core::range::Range;
 use realgap_core::{Error, Result};
 use realgap_guest::{CommandLine, Guest, ParameterDeclaration, Pool, Unasked};
@@ -36,6 +37,33 @@ pub(in crate::calibration) enum SimulatorFile {
         /// Longest time of one run, seconds; else 60.
         answer_limit_s: Option<f64>,
     },
+    /// A model of MuJoCo, which the Python package runs (`pip install mujoco`): the parameters of the study are its own fields, e.g.
+    /// `joint.elbow.damping`.
+    Mujoco(String),
+    /// A model of MuJoCo with more to say about it.
+    MujocoModel {
+        /// The model, relative to this file.
+        model: String,
+        /// The body or site whose pose is compared; else the first body with a free joint.
+        track: Option<String>,
+        /// Gains of the controller that turns commanded angles into torques of motors: (N m/rad, N m s/rad).
+        pd: Option<(f64, f64)>,
+        /// The keyframe in which runs start that do not start from recordings.
+        keyframe: Option<String>,
+        /// Time with the first command before each run, seconds.
+        settle_s: Option<f64>,
+        /// Whether the base is held: free joints are taken out of the model.
+        #[serde(default)]
+        hold: bool,
+        /// Further files that decide what it does, e.g. meshes; included files are found. A changed one is noticed.
+        #[serde(default)]
+        files: Vec<String>,
+        /// The Python that has realgap and mujoco; else `python3`.
+        python: Option<String>,
+        /// Whether parameters are not tested for changing anything before the study.
+        #[serde(default)]
+        no_probe: bool,
+    },
 }
 
 /// Whether the command that a study names may be run.
@@ -54,13 +82,44 @@ pub enum CommandConsent {
 const LIMIT: Range = Range::within(0.01, 86_400.0, "s");
 
 impl SimulatorFile {
-    /// The command that the file names.
+    /// The command that the file names; `varied` are the names of the parameters that the study varies or sets.
     ///
     /// # Errors
     /// No words, limits out of range, files that cannot be read.
-    pub fn command(&self, folder: &Path) -> Result<CommandLine> {
+    pub fn command(&self, folder: &Path, varied: &[&str]) -> Result<CommandLine> {
         match self {
             Self::Command(words) => CommandLine::new(words.clone(), folder, &[]),
+            Self::Mujoco(model) => {
+                let file = MujocoFile {
+                    model,
+                    ..MujocoFile::default()
+                };
+                file.command(folder, varied)
+            }
+            Self::MujocoModel {
+                model,
+                track,
+                pd,
+                keyframe,
+                settle_s,
+                hold,
+                files,
+                python,
+                no_probe,
+            } => {
+                let file = MujocoFile {
+                    model,
+                    track: track.as_deref(),
+                    pd: *pd,
+                    keyframe: keyframe.as_deref(),
+                    settle_s: *settle_s,
+                    hold: *hold,
+                    files,
+                    python: python.as_deref(),
+                    no_probe: *no_probe,
+                };
+                file.command(folder, varied)
+            }
             Self::Program {
                 command,
                 files,

@@ -32,6 +32,8 @@ pub(super) struct Element {
     pub file: Rc<PathBuf>,
     /// Its line in that file, from 1.
     pub line: usize,
+    /// Its first byte in that file.
+    pub at: usize,
     /// Index of the model that states the element: 0, or that of an attached model, which has settings, defaults and assets of its own.
     pub origin: usize,
 }
@@ -192,6 +194,7 @@ impl FileReader {
             children: Vec::new(),
             file: Rc::clone(file),
             line: lines.partition_point(|end| *end < node.range().start) + 1,
+            at: node.range().start,
             origin: self.origin,
         };
         if depth > MOST_DEPTH {

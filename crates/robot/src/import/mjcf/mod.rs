@@ -5,6 +5,7 @@
 //! read. The contract with MuJoCo is stated in docs/validation/compiled.md.
 
 mod actuator;
+mod amendment;
 mod copies;
 mod defaults;
 mod element;
@@ -19,4 +20,5 @@ mod robot;
 mod settings;
 mod world;
 
+pub(super) use amendment::amend;
 pub(super) use robot::read;

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
@@ -46,6 +47,22 @@ impl Origin {
     }
 }
 
+/// The place of an element: its file, and its first byte there.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(super) struct Place {
+    pub file: Rc<PathBuf>,
+    pub at: usize,
+}
+
+impl Place {
+    pub fn of(element: &Element) -> Self {
+        Self {
+            file: Rc::clone(&element.file),
+            at: element.at,
+        }
+    }
+}
+
 /// The kind of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum JointType {
@@ -58,6 +75,7 @@ pub(super) enum JointType {
 /// A joint of a body, in the body's frame, in metres and radians.
 pub(super) struct Joint {
     pub name: Option<String>,
+    pub place: Place,
     pub kind: JointType,
     pub pos_m: Vector3<f64>,
     pub axis: Vector3<f64>,
@@ -120,6 +138,7 @@ impl Geom {
 #[derive(Default)]
 pub(super) struct Body {
     pub name: Option<String>,
+    pub place: Place,
     pub parent: usize,
     pub pose: Isometry3<f64>,
     pub gravity_compensation: f64,
@@ -210,6 +229,7 @@ impl Model {
                     let pose = frame * origin.settings.pose(child)?;
                     let body = Body {
                         name: child.get("name").map(str::to_owned),
+                        place: Place::of(child),
                         parent: id,
                         pose,
                         gravity_compensation: child.number("gravcomp", 0.0)?,
@@ -298,6 +318,7 @@ fn joint(given: &Element, settings: &Settings, frame: &Isometry3<f64>) -> Result
             .get("name")
             .filter(|name| !name.is_empty())
             .map(str::to_owned),
+        place: Place::of(given),
         kind,
         pos_m: (frame * nalgebra::Point3::from(given.vector("pos")?)).coords,
         axis: frame.rotation * axis,

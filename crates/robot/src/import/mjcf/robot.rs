@@ -13,7 +13,7 @@ use super::super::{MOST_SHAPES, Options, refuse_count};
 use super::actuator::Actuator;
 use super::mass::{Mass, MassReader};
 use super::matrix::Inertia;
-use super::model::{Geom, GeomType, Joint as GivenJoint, JointType, Model};
+use super::model::{Body as GivenBody, Geom, GeomType, Joint as GivenJoint, JointType, Model};
 use crate::morphology::body::{
     Body, Frame, Joint, JointKind, MAX_BODIES, Piece, Pose, Structure, Tensor,
 };
@@ -91,6 +91,15 @@ pub(in crate::import) fn read(
     Ok(robot.structure)
 }
 
+/// The name in this robot of one of the joints of a body, whose own name is `body`.
+pub(super) fn joint_name(given: &GivenBody, index: usize, body: &str) -> String {
+    let stated = given.joints[index].name.clone();
+    stated.unwrap_or_else(|| match given.joints.len() {
+        1 => format!("{body}_joint"),
+        _ => format!("{body}_joint{index}"),
+    })
+}
+
 /// Refuses a model with more bodies or shapes than are read.
 fn limit_size(model: &Model) -> Result<()> {
     let shapes = model.bodies.iter().map(|body| body.geoms.len()).sum();
@@ -99,7 +108,7 @@ fn limit_size(model: &Model) -> Result<()> {
 }
 
 /// A unique name for every body.
-fn names(model: &Model) -> Vec<String> {
+pub(super) fn names(model: &Model) -> Vec<String> {
     let mut taken = BTreeSet::new();
     let bodies = model.bodies.iter().enumerate();
     bodies
@@ -284,13 +293,7 @@ impl Robot<'_> {
         };
         let mut kinds: Vec<(String, JointKind)> = Vec::new();
         for (index, joint) in given.joints.iter().enumerate() {
-            let own = joint
-                .name
-                .clone()
-                .unwrap_or_else(|| match given.joints.len() {
-                    1 => format!("{name}_joint"),
-                    _ => format!("{name}_joint{index}"),
-                });
+            let own = joint_name(given, index, &name);
             self.freedoms(joint, &own, (id, index), &mut kinds, notes);
         }
         if kinds.is_empty() {

@@ -1,0 +1,739 @@
+"""MuJoCo as the simulator of a study: any model that MuJoCo loads, unchanged (`pip install mujoco`).
+
+A study names it as its command, with the parameters that it varies:
+
+    simulator: Command(["python3", "-m", "realgap.mujoco", "scene.xml",
+                        "--parameter", "joint.*_hip.damping", "--parameter", "body.trunk.mass"]),
+
+`python3 -m realgap.mujoco scene.xml --list` lists the fields of a model. Fields are called by their place in the model,
+`joint.NAME.damping`, `geom.NAME.friction`, `geom.NAME.solref[1]`, `body.NAME.mass`, `actuator.NAME.kp`, `option.timestep`; `*` in
+a name ties all that it fits. `command.delay`, and with `--pd` `pd.kp` and `pd.kd`, belong to the controller, and
+`joint.NAME.zero` to an encoder: what it reads at coordinate 0.
+
+Recorded commands `NAME_command_rad` (also `_rad_s`, `_nm`) go to the actuator NAME or to that of the joint NAME; a motor that gets
+angles needs `--pd KP,KD`. Runs start from the recorded values where the study says so, else from the keyframe of `--keyframe`.
+Answers are the pose of the tracked body or site (`x_m` ... `qz`), of every joint `NAME_rad`, `NAME_rad_s` and `NAME_nm` (slides:
+`NAME_m`, `NAME_m_s`, `NAME_n`), and every named sensor.
+"""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import fnmatch
+import hashlib
+import importlib
+import math
+import re
+import sys
+from dataclasses import replace
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
+
+from ._simulator import Channels, Question, serve
+
+# Fields that are not listed have ranges up to this value.
+_LARGE = 1e6
+# Largest value of a field that the model leaves at 0.
+_UNKNOWN = 100.0
+# A parameter that changes no channel by more than this share of the channel's size changes nothing.
+_NOTHING = 1e-12
+
+
+class Field(NamedTuple):
+    """A number of a model: its name, unit, allowed range, and how it is read and set."""
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    get: Callable[[], float]
+    set: Callable[[float], None]
+    # Whether constants of the model have to be computed again (`mj_setConst`).
+    is_inertial: bool = False
+
+
+class Parameter(NamedTuple):
+    """A declared parameter: one field, or several that are tied."""
+
+    name: str
+    fields: List[Field]
+
+    @property
+    def default(self) -> float:
+        values = sorted(field.get() for field in self.fields)
+        return values[len(values) // 2]
+
+
+class MujocoModel:
+    """A model that MuJoCo has loaded, as a simulator of a study: a function from a `Question` to channels.
+
+    `parameters` are names of fields, `*` ties all that fit; without them every field of the model is one. `track` is a body or
+    site, by default the body of the first free joint. `pd` are gains of a controller for motors that get angles.
+    """
+
+    def __init__(
+        self,
+        path: str,
+        parameters: Sequence[str] = (),
+        *,
+        track: Optional[str] = None,
+        pd: Optional[Tuple[float, float]] = None,
+        keyframe: Optional[str] = None,
+        settle_s: float = 0.0,
+        hold: bool = False,
+        probe: bool = True,
+    ) -> None:
+        self._mj: Any = _mujoco()
+        self.model: Any = self._load(path, hold)
+        self.data: Any = self._mj.MjData(self.model)
+        self._gains = list(pd) if pd is not None else None
+        self._delay = [0.0]
+        self._settle_s = settle_s
+        self._keyframe = self._key(keyframe)
+        self._track = self._tracked(track)
+        self._joints = self._moving_joints()
+        self._qpos = [place for _, place, _, _ in self._joints]
+        self._dofs = [speed for _, _, speed, _ in self._joints]
+        # What each encoder reads at coordinate 0.
+        self._zeros = [0.0 for _ in self._joints]
+        self._sensors = self._named_sensors()
+        self.fields = {field.name: field for field in self._fields()}
+        named = list(parameters)
+        self.parameters = [self._parameter(name) for name in named or self.fields]
+        self._defaults = [[field.get() for field in p.fields] for p in self.parameters]
+        self._probes = probe and bool(named)
+
+    def _load(self, path: str, hold: bool) -> Any:
+        if not hold:
+            return self._mj.MjModel.from_xml_path(path)
+        import numpy as np
+
+        whole = self._mj.MjModel.from_xml_path(path)
+        free = int(self._mj.mjtJoint.mjJNT_FREE)
+        is_free = [int(kind) == free for kind in whole.jnt_type]
+        places = [int(at) for at, gone in zip(whole.jnt_qposadr, is_free) if gone]
+        speeds = [int(at) for at, gone in zip(whole.jnt_dofadr, is_free) if gone]
+        spec = self._mj.MjSpec.from_file(path)
+        for joint in [joint for joint in spec.joints if int(joint.type) == free]:
+            # A body on the world touches its own children, which a free one does not.
+            for child in joint.parent.bodies:
+                spec.add_exclude(bodyname1=joint.parent.name, bodyname2=child.name)
+            spec.delete(joint)
+        # Keyframes state the coordinates of all joints.
+        for key in spec.keys:
+            if len(key.qpos) == whole.nq:
+                key.qpos = np.delete(key.qpos, [at + k for at in places for k in range(7)])
+            if len(key.qvel) == whole.nv:
+                key.qvel = np.delete(key.qvel, [at + k for at in speeds for k in range(6)])
+        return spec.compile()
+
+    # What the model is
+
+    def identity(self) -> str:
+        """What decides the answers: the compiled model, and how it is driven."""
+        import numpy as np
+
+        size = self._mj.mj_sizeModel(self.model)
+        compiled = np.empty(size, np.uint8)
+        self._mj.mj_saveModel(self.model, None, compiled)
+        names = [parameter.name for parameter in self.parameters]
+        how = (names, self._gains, self._keyframe, self._settle_s, self._track)
+        digest = hashlib.sha256(compiled.tobytes() + repr(how).encode()).hexdigest()
+        return f"{self.version()} {digest}"
+
+    def version(self) -> str:
+        """The version of MuJoCo."""
+        return str(self._mj.__version__)
+
+    def declares(self) -> Dict[str, Dict[str, Any]]:
+        """The parameters as `realgap.serve` declares them."""
+        declared: Dict[str, Dict[str, Any]] = {}
+        for parameter in self.parameters:
+            first, default = parameter.fields[0], parameter.default
+            # A field without a natural end: far beyond what the model says.
+            most = 100.0 * abs(default) or _UNKNOWN
+            declared[parameter.name] = {
+                "from": min(max(first.low, -most), default),
+                "to": max(min(first.high, most), default),
+                "default": default,
+                "unit": first.unit,
+            }
+        return declared
+
+    def settings(self) -> List[Dict[str, float]]:
+        """Timesteps that may be exchanged: the model's own, a half and a quarter of it, in whose limit least squares extrapolate;
+        none where the timestep is a parameter."""
+        if any(p.name == "option.timestep" for p in self.parameters if self._probes):
+            return []
+        own = float(self.model.opt.timestep)
+        return [{"timestep": own}, {"timestep": 0.5 * own}, {"timestep": 0.25 * own}]
+
+    def _name(self, kind: str, index: int) -> str:
+        kinds = self._mj.mjtObj
+        return self._mj.mj_id2name(self.model, getattr(kinds, f"mjOBJ_{kind.upper()}"), index) or ""
+
+    def _id(self, kind: str, name: str) -> int:
+        kinds = self._mj.mjtObj
+        return int(self._mj.mj_name2id(self.model, getattr(kinds, f"mjOBJ_{kind.upper()}"), name))
+
+    def _names(self, kind: str, count: int) -> List[str]:
+        return [self._name(kind, index) for index in range(count)]
+
+    def _is(self, joint: int, *kinds: str) -> bool:
+        """Whether a joint is of one of these kinds."""
+        own = int(self.model.jnt_type[joint])
+        return any(own == int(getattr(self._mj.mjtJoint, f"mjJNT_{kind}")) for kind in kinds)
+
+    def _key(self, name: Optional[str]) -> Optional[int]:
+        if name is None:
+            return None
+        known = self._names("key", self.model.nkey)
+        if name not in known:
+            raise SystemExit(_unknown("keyframe", name, known))
+        return known.index(name)
+
+    def _tracked(self, name: Optional[str]) -> Optional[Tuple[str, int]]:
+        if name is not None:
+            for kind in ("body", "site"):
+                if self._id(kind, name) >= 0:
+                    return kind, self._id(kind, name)
+            known = self._names("body", self.model.nbody) + self._names("site", self.model.nsite)
+            raise SystemExit(_unknown("body or site", name, known))
+        for joint in range(self.model.njnt):
+            if self._is(joint, "FREE"):
+                return "body", int(self.model.jnt_bodyid[joint])
+        return None
+
+    def _moving_joints(self) -> List[Tuple[str, int, int, bool]]:
+        """Name, place of the coordinate, place of the speed, and whether it turns, of every joint with one degree of freedom."""
+        found: List[Tuple[str, int, int, bool]] = []
+        for joint in range(self.model.njnt):
+            if self._is(joint, "HINGE", "SLIDE"):
+                name = self._name("joint", joint) or f"joint{joint}"
+                places = int(self.model.jnt_qposadr[joint]), int(self.model.jnt_dofadr[joint])
+                found.append((name, *places, self._is(joint, "HINGE")))
+        return found
+
+    def _named_sensors(self) -> List[Tuple[str, int, int]]:
+        names = self._names("sensor", self.model.nsensor)
+        at, size = self.model.sensor_adr, self.model.sensor_dim
+        return [(name, int(at[i]), int(size[i])) for i, name in enumerate(names) if name]
+
+    # Fields
+
+    def _fields(self) -> List[Field]:
+        return [
+            *self._joint_fields(),
+            *self._geom_fields(),
+            *self._body_fields(),
+            *self._actuator_fields(),
+            *self._option_fields(),
+            *self._controller_fields(),
+        ]
+
+    def _joint_fields(self) -> List[Field]:
+        model = self.model
+        found: List[Field] = []
+        for joint in range(model.njnt):
+            name = self._name("joint", joint)
+            if not name:
+                continue
+            turns = self._is(joint, "HINGE", "BALL")
+            dofs = [dof for dof in range(model.nv) if model.dof_jntid[dof] == joint]
+            unit = ("N m s/rad", "kg m2", "N m", "N m/rad") if turns else ("N s/m", "kg", "N", "N/m")
+
+            def field(quantity: str, unit: str, row: Any, places: Sequence[int], inertial: bool = False) -> Field:
+                return _field(f"joint.{name}.{quantity}", unit, (0.0, _LARGE), row, places, inertial)
+
+            found += [
+                field("damping", unit[0], model.dof_damping, dofs),
+                field("armature", unit[1], model.dof_armature, dofs, True),
+                field("frictionloss", unit[2], model.dof_frictionloss, dofs),
+                field("stiffness", unit[3], model.jnt_stiffness, [joint]),
+            ]
+            if self._is(joint, "HINGE", "SLIDE"):
+                place = int(model.jnt_qposadr[joint])
+                own = f"joint.{name}.springref"
+                angle = "rad" if turns else "m"
+                found.append(_field(own, angle, (-1e3, 1e3), model.qpos_spring, [place]))
+        return found
+
+    def _geom_fields(self) -> List[Field]:
+        model = self.model
+        lists = (
+            ("friction", model.geom_friction, (0.0, 1e3)),
+            ("solref", model.geom_solref, (-_LARGE, _LARGE)),
+            ("solimp", model.geom_solimp, (0.0, 1e3)),
+        )
+        found: List[Field] = []
+        for geom, name in enumerate(self._names("geom", model.ngeom)):
+            if not name:
+                continue
+            for quantity, rows, ends in lists:
+                for index in range(rows.shape[1]):
+                    own = f"geom.{name}.{quantity}" + (f"[{index}]" if index else "")
+                    found.append(_field(own, "", ends, rows[geom], [index]))
+            found.append(_field(f"geom.{name}.margin", "m", (0.0, 10.0), model.geom_margin, [geom]))
+            found.append(_field(f"geom.{name}.gap", "m", (0.0, 10.0), model.geom_gap, [geom]))
+        return found
+
+    def _body_fields(self) -> List[Field]:
+        model = self.model
+        found: List[Field] = []
+        for body, name in enumerate(self._names("body", model.nbody)):
+            if not name or body == 0:
+                continue
+            if model.body_mass[body] > 0.0:
+                found.append(self._mass(name, body))
+            own = f"body.{name}.gravcomp"
+            found.append(_field(own, "", (-10.0, 10.0), model.body_gravcomp, [body]))
+        return found
+
+    def _mass(self, name: str, body: int) -> Field:
+        model = self.model
+        mass_kg, inertia = float(model.body_mass[body]), model.body_inertia[body].copy()
+
+        def put(value: float) -> None:
+            # The inertia follows the mass, as that of the same shape of another density.
+            model.body_mass[body] = value
+            model.body_inertia[body] = inertia * (value / mass_kg)
+
+        get = lambda: float(model.body_mass[body])  # noqa: E731
+        return Field(f"body.{name}.mass", "kg", 1e-6, _LARGE, get, put, True)
+
+    def _actuator_fields(self) -> List[Field]:
+        model = self.model
+        found: List[Field] = []
+        for act, name in enumerate(self._names("actuator", model.nu)):
+            if not name:
+                continue
+            gain, bias = model.actuator_gainprm[act], model.actuator_biasprm[act]
+            is_fixed = int(model.actuator_gaintype[act]) == int(self._mj.mjtGain.mjGAIN_FIXED)
+            is_affine = int(model.actuator_biastype[act]) == int(self._mj.mjtBias.mjBIAS_AFFINE)
+            for index in range(model.actuator_gear.shape[1]):
+                own = f"actuator.{name}.gear" + (f"[{index}]" if index else "")
+                gear = model.actuator_gear[act]
+                found.append(_field(own, "", (-_LARGE, _LARGE), gear, [index], True))
+            if is_fixed and is_affine and bias[1] != 0.0:
+                found.append(_gain(f"actuator.{name}.kp", gain, bias, 1))
+                found.append(_field(f"actuator.{name}.kv", "", (-_LARGE, _LARGE), bias, [2], sign=-1.0))
+            elif is_fixed and is_affine and bias[2] != 0.0:
+                found.append(_gain(f"actuator.{name}.kv", gain, bias, 2))
+            if model.actuator_forcelimited[act]:
+                ends = model.actuator_forcerange[act]
+                own = f"actuator.{name}.forcerange"
+                found.append(Field(own, "N m", 0.0, _LARGE, *_symmetric(ends)))
+        return found
+
+    def _option_fields(self) -> List[Field]:
+        option = self.model.opt
+        found: List[Field] = []
+        for quantity, unit, ends in (
+            ("timestep", "s", (1e-6, 1.0)),
+            ("density", "kg/m3", (0.0, _LARGE)),
+            ("viscosity", "", (0.0, _LARGE)),
+            ("impratio", "", (1e-3, _LARGE)),
+        ):
+            get = lambda q=quantity: float(getattr(option, q))  # noqa: E731
+            put = lambda value, q=quantity: setattr(option, q, value)  # noqa: E731
+            found.append(Field(f"option.{quantity}", unit, *ends, get, put))
+        for quantity, unit in (("gravity", "m/s2"), ("wind", "m/s")):
+            for index in range(3):
+                own = f"option.{quantity}[{index}]"
+                row = getattr(option, quantity)
+                found.append(_field(own, unit, (-1e3, 1e3), row, [index]))
+        return found
+
+    def _controller_fields(self) -> List[Field]:
+        found = [_field("command.delay", "s", (0.0, 1.0), self._delay, [0])]
+        for index, (name, _, _, turns) in enumerate(self._joints):
+            own = f"joint.{name}.zero"
+            found.append(_field(own, "rad" if turns else "m", (-10.0, 10.0), self._zeros, [index]))
+        if self._gains is not None:
+            found.append(_field("pd.kp", "N m/rad", (0.0, _LARGE), self._gains, [0]))
+            found.append(_field("pd.kd", "N m s/rad", (0.0, _LARGE), self._gains, [1]))
+        return found
+
+    def _parameter(self, name: str) -> Parameter:
+        # Brackets are indices here, and not classes of letters.
+        form = re.compile(fnmatch.translate(name.replace("[", "[[]")))
+        fields = [self.fields[name]] if name in self.fields else []
+        fields = fields or [field for own, field in self.fields.items() if form.match(own)]
+        if not fields:
+            raise SystemExit(_unknown("field", name, list(self.fields)))
+        units = sorted({field.unit for field in fields})
+        if len(units) > 1:
+            raise SystemExit(f"`{name}` ties fields of different units: {', '.join(units)}")
+        values = {field.get() for field in fields}
+        if len(values) > 1:
+            low, high = min(values), max(values)
+            print(f"`{name}` ties {len(fields)} fields that the model gives values from {low} to {high}", file=sys.stderr)
+        return Parameter(name, fields)
+
+    # Runs
+
+    def __call__(self, question: Question) -> Channels:
+        """One run; the first one also looks for parameters that change nothing."""
+        values = {p.name: question.parameters.get(p.name) for p in self.parameters}
+        if self._probes and question.id == 1:
+            self._probe(question, values)
+        return self._run(question, values)
+
+    def _probe(self, question: Question, values: Dict[str, Optional[float]]) -> None:
+        """Raises where a parameter changes nothing; most show within the first tenth of a run, which costs a tenth."""
+        idle = self.parameters
+        count = len(question.times_s)
+        for shown in (max(2, count // 10), count):
+            part = replace(question, times_s=question.times_s[:shown])
+            usual = self._run(part, values) if idle else {}
+            idle = [parameter for parameter in idle if self._is_idle(parameter, part, values, usual)]
+        if idle:
+            names = ", ".join(parameter.name for parameter in idle)
+            raise ValueError(f"{names}: another value changes no channel of this run (no_probe skips this test)")
+
+    def _is_idle(
+        self,
+        parameter: Parameter,
+        question: Question,
+        values: Dict[str, Optional[float]],
+        usual: Channels,
+    ) -> bool:
+        at = values[parameter.name]
+        at = parameter.default if at is None else at
+        step = 0.1 * abs(at) or 0.01
+        other = at + step if at + step <= parameter.fields[0].high else at - step
+        try:
+            moved = self._run(question, {**values, parameter.name: other})
+        except ArithmeticError:
+            return False
+        for name, before in usual.items():
+            size = max(map(abs, before), default=0.0)
+            if any(abs(a - b) > _NOTHING * size for a, b in zip(before, moved[name])):
+                return False
+        return True
+
+    def _apply(self, values: Dict[str, Optional[float]], timestep: Optional[float]) -> None:
+        is_inertial = False
+        if timestep is not None:
+            self.model.opt.timestep = timestep
+        for parameter, defaults in zip(self.parameters, self._defaults):
+            value = values[parameter.name]
+            is_default = value is None or value == sorted(defaults)[len(defaults) // 2]
+            if parameter.name == "option.timestep" and timestep is not None and is_default:
+                continue
+            for field, own in zip(parameter.fields, defaults):
+                # A tie of different values keeps them until a value is chosen.
+                field.set(own if is_default or value is None else value)
+                is_inertial |= field.is_inertial
+        if is_inertial:
+            self._mj.mj_setConst(self.model, self.data)
+
+    def _run(self, question: Question, values: Dict[str, Optional[float]]) -> Dict[str, List[float]]:
+        import numpy as np
+
+        mj, model, data = self._mj, self.model, self.data
+        self._apply(values, question.setting.get("timestep"))
+        self._place(question)
+        dt = float(model.opt.timestep)
+        settling = round(self._settle_s / dt)
+        steps = max(1, math.ceil(question.times_s[-1] / dt - 1e-9))
+        drive = self._drive(question, dt, settling, steps)
+        # The integrator of fourth order has no halves between which its state can be read.
+        has_halves = int(model.opt.integrator) != int(mj.mjtIntegrator.mjINT_RK4)
+        names = self._channel_names()
+        rows = np.empty((steps + 1, len(names)))
+        for step in range(-settling, steps + 1):
+            if has_halves:
+                mj.mj_step1(model, data)
+                drive(step)
+            else:
+                drive(step)
+                mj.mj_forward(model, data)
+            if step >= 0:
+                self._read_motion(rows[step])
+            mj.mj_step2(model, data) if has_halves else mj.mj_step(model, data)
+            if step >= 0:
+                # Forces and sensors are still those of the state before the step.
+                self._read_forces(rows[step])
+        bad = (mj.mjtWarning.mjWARN_BADQPOS, mj.mjtWarning.mjWARN_BADQVEL, mj.mjtWarning.mjWARN_BADQACC)
+        if not np.isfinite(rows).all() or any(data.warning[int(kind)].number for kind in bad):
+            raise ArithmeticError("the simulation became unstable")
+        times, asked = np.arange(steps + 1) * dt, np.asarray(question.times_s)
+        return {name: np.interp(asked, times, rows[:, k]).tolist() for k, name in enumerate(names)}
+
+    def _place(self, question: Question) -> None:
+        """The state at the start: the keyframe, and over it what the recording states."""
+        import numpy as np
+
+        mj, model, data = self._mj, self.model, self.data
+        if self._keyframe is None:
+            mj.mj_resetData(model, data)
+        else:
+            mj.mj_resetDataKeyframe(model, data, self._keyframe)
+        start = question.start
+        for (name, place, speed, turns), zero in zip(self._joints, self._zeros):
+            units = ("rad", "rad_s") if turns else ("m", "m_s")
+            data.qpos[place] = start.get(f"{name}_{units[0]}", data.qpos[place] + zero) - zero
+            data.qvel[speed] = start.get(f"{name}_{units[1]}", data.qvel[speed])
+        root = self._free_root()
+        if root is None:
+            return
+        place, speed = root
+        mj.mj_kinematics(model, data)
+        position, turn = self._pose()
+        wanted = np.array([start.get(f"{axis}_m", position[k]) for k, axis in enumerate("xyz")])
+        stated = [start.get(f"q{axis}") for axis in "wxyz"]
+        if None not in stated:
+            # The root turns with the tracked body.
+            change, inverse = np.empty(4), np.empty(4)
+            mj.mju_negQuat(inverse, turn)
+            mj.mju_mulQuat(change, np.array(stated), inverse)
+            turned, own = np.empty(4), data.qpos[place + 3 : place + 7].copy()
+            mj.mju_mulQuat(turned, change, own)
+            data.qpos[place + 3 : place + 7] = turned
+            mj.mj_kinematics(model, data)
+            position, _ = self._pose()
+        data.qpos[place : place + 3] += wanted - position
+        for k, axis in enumerate("xyz"):
+            data.qvel[speed + k] = start.get(f"v{axis}_m_s", data.qvel[speed + k])
+            data.qvel[speed + 3 + k] = start.get(f"w{axis}_rad_s", data.qvel[speed + 3 + k])
+
+    def _free_root(self) -> Optional[Tuple[int, int]]:
+        """Places of the coordinates and speeds of the free joint that carries what is tracked."""
+        if self._track is None:
+            return None
+        kind, index = self._track
+        body = int(self.model.site_bodyid[index]) if kind == "site" else index
+        first = int(self.model.body_rootid[body])
+        joint = int(self.model.body_jntadr[first])
+        if joint < 0 or not self._is(joint, "FREE"):
+            return None
+        return int(self.model.jnt_qposadr[joint]), int(self.model.jnt_dofadr[joint])
+
+    def _pose(self) -> Tuple[Any, Any]:
+        """Position and orientation of what is tracked, in the world."""
+        import numpy as np
+
+        kind, index = self._track or ("body", 0)
+        if kind == "body":
+            return self.data.xpos[index].copy(), self.data.xquat[index].copy()
+        turn = np.empty(4)
+        self._mj.mju_mat2Quat(turn, self.data.site_xmat[index])
+        return self.data.site_xpos[index].copy(), turn
+
+    # Commands
+
+    def _drive(self, question: Question, dt: float, settling: int, steps: int) -> Callable[[int], None]:
+        """A function that sets the controls of a step, counted from the start; what is not commanded stays as it starts."""
+        import numpy as np
+
+        model, data = self.model, self.data
+        commands = {name: values for name, values in question.commands.items() if not name.endswith("_on")}
+        if not commands:
+            return lambda step: None
+        stamps = np.asarray(question.command_times_s)
+        asked = np.arange(-settling, steps + 1) * dt - self._delay[0]
+        # A command holds until the next; before the first one it is the first.
+        held = np.clip(np.searchsorted(stamps, asked + 1e-12, side="right") - 1, 0, None)
+        direct: List[Tuple[int, Any]] = []
+        loops: Dict[int, Dict[str, Any]] = {}
+        for channel, values in commands.items():
+            name, _, unit = channel.partition("_command_")
+            act = self._actuator(name)
+            numbers = np.asarray(values)[held]
+            if unit == "rad":
+                numbers = numbers - self._zero_of(act)
+            gear, gain = float(model.actuator_gear[act, 0]), float(model.actuator_gainprm[act, 0])
+            bias = model.actuator_biasprm[act]
+            if unit == "rad" and bias[1] != 0.0:
+                direct.append((act, numbers * gear))
+            elif unit == "rad_s" and bias[1] == 0.0 and bias[2] != 0.0:
+                direct.append((act, numbers * gear))
+            elif self._gains is not None and unit in ("rad", "rad_s", "nm"):
+                loops.setdefault(act, {})[unit] = numbers
+            elif unit == "nm":
+                direct.append((act, numbers / (gear * gain)))
+            else:
+                raise ValueError(
+                    f"the actuator of {name} is a motor, and {channel} is none of its torques: state the gains of its"
+                    " controller, --pd KP,KD"
+                )
+        direct_at = [self._control(act) for act, _ in direct]
+        direct_table = np.array([numbers for _, numbers in direct]).T
+        loop_at, loop_step = self._loops(loops, len(asked))
+
+        def drive(step: int) -> None:
+            row = step + settling
+            if direct_at:
+                data.ctrl[direct_at] = direct_table[row]
+            if loop_at:
+                data.ctrl[loop_at] = loop_step(row)
+
+        return drive
+
+    def _loops(self, loops: Dict[int, Dict[str, Any]], count: int) -> Tuple[List[int], Callable[[int], Any]]:
+        """The controllers of motors: torque = kp (angle - q) + kd (speed - v) + torque; their controls, and what they are."""
+        import numpy as np
+
+        model, data = self.model, self.data
+        kp, kd = self._gains or (0.0, 0.0)
+        acts = list(loops)
+        joints = [int(model.actuator_trnid[act, 0]) for act in acts]
+        place, speed = model.jnt_qposadr[joints], model.jnt_dofadr[joints]
+        per_nm = 1.0 / (model.actuator_gear[acts, 0] * model.actuator_gainprm[acts, 0])
+        # What does not depend on the state, and the stiffness of those that get angles.
+        fixed = np.zeros((count, len(acts)))
+        stiffness = np.array([kp if "rad" in loops[act] else 0.0 for act in acts])
+        for k, act in enumerate(acts):
+            for unit, gain in (("rad", kp), ("rad_s", kd), ("nm", 1.0)):
+                if unit in loops[act]:
+                    fixed[:, k] += gain * loops[act][unit]
+
+        def control(row: int) -> Any:
+            return (fixed[row] - stiffness * data.qpos[place] - kd * data.qvel[speed]) * per_nm
+
+        return [self._control(act) for act in acts], control
+
+    def _zero_of(self, act: int) -> float:
+        place = int(self.model.jnt_qposadr[int(self.model.actuator_trnid[act, 0])])
+        return self._zeros[self._qpos.index(place)] if place in self._qpos else 0.0
+
+    def _control(self, act: int) -> int:
+        places = getattr(self.model, "actuator_ctrladr", None)
+        return act if places is None else int(places[act])
+
+    def _actuator(self, name: str) -> int:
+        """The actuator of this name, or that of the joint of this name."""
+        model = self.model
+        act = self._id("actuator", name)
+        if act >= 0:
+            return act
+        joint = self._id("joint", name)
+        of_joints = (int(self._mj.mjtTrn.mjTRN_JOINT), int(self._mj.mjtTrn.mjTRN_JOINTINPARENT))
+        for act in range(model.nu):
+            if joint >= 0 and int(model.actuator_trntype[act]) in of_joints and model.actuator_trnid[act, 0] == joint:
+                return act
+        known = [n for n in self._names("actuator", model.nu) if n] + [n for n, *_ in self._joints]
+        raise ValueError(_unknown("actuator or joint with an actuator", name, known))
+
+    # Channels
+
+    def _channel_names(self) -> List[str]:
+        names = ["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"] if self._track else []
+        for units in (("rad", "m"), ("rad_s", "m_s"), ("nm", "n")):
+            names += [f"{name}_{units[0] if turns else units[1]}" for name, _, _, turns in self._joints]
+        for name, _, size in self._sensors:
+            names += [name] if size == 1 else [f"{name}_{k}" for k in range(size)]
+        return names
+
+    def _read_motion(self, row: Any) -> None:
+        at = 0
+        if self._track:
+            row[0:3], row[3:7] = self._pose()
+            at = 7
+        count = len(self._joints)
+        row[at : at + count] = self.data.qpos[self._qpos]
+        row[at : at + count] += self._zeros
+        row[at + count : at + 2 * count] = self.data.qvel[self._dofs]
+
+    def _read_forces(self, row: Any) -> None:
+        at, count = (7 if self._track else 0), len(self._joints)
+        row[at + 2 * count : at + 3 * count] = self.data.qfrc_actuator[self._dofs]
+        at += 3 * count
+        for _, place, size in self._sensors:
+            row[at : at + size] = self.data.sensordata[place : place + size]
+            at += size
+
+
+def _mujoco() -> Any:
+    try:
+        return importlib.import_module("mujoco")
+    except ImportError as error:
+        raise SystemExit(f"MuJoCo is not installed: pip install mujoco ({error})") from error
+
+
+def _unknown(what: str, name: str, known: Sequence[str]) -> str:
+    near = difflib.get_close_matches(name, known, n=5, cutoff=0.5) or [one for one in known if one][:8]
+    return f"the model has no {what} `{name}`; it has {', '.join(near) or 'none'}"
+
+
+def _field(
+    name: str,
+    unit: str,
+    ends: Tuple[float, float],
+    row: Any,
+    places: Sequence[int],
+    inertial: bool = False,
+    sign: float = 1.0,
+) -> Field:
+    """A field that is one element of an array, or several that are equal."""
+
+    def put(value: float) -> None:
+        for place in places:
+            row[place] = sign * value
+
+    return Field(name, unit, *ends, lambda: float(sign * row[places[0]]) + 0.0, put, inertial)
+
+
+def _gain(name: str, gain: Any, bias: Any, place: int) -> Field:
+    """A gain that stands in the force of the command and, with the opposite sign, in that of the state."""
+
+    def put(value: float) -> None:
+        gain[0], bias[place] = value, -value
+
+    return Field(name, "", 0.0, _LARGE, lambda: float(gain[0]), put)
+
+
+def _symmetric(ends: Any) -> Tuple[Callable[[], float], Callable[[float], None]]:
+    """The larger of two limits; both are set."""
+
+    def put(value: float) -> None:
+        ends[0], ends[1] = -value, value
+
+    return lambda: float(max(abs(ends[0]), abs(ends[1]))), put
+
+
+def _two(text: str) -> Tuple[float, float]:
+    kp, kd = (float(word) for word in text.split(","))
+    return kp, kd
+
+
+def main(words: Optional[Sequence[str]] = None) -> None:
+    """The program of `Command(["python3", "-m", "realgap.mujoco", "scene.xml", ...])`."""
+    parser = argparse.ArgumentParser(prog="python -m realgap.mujoco", description="MuJoCo as the simulator of a study.")
+    parser.add_argument("model", help="the model, a file that MuJoCo loads")
+    parser.add_argument(
+        "--parameter",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="a field that studies may vary, * ties all that it fits (repeatable; without it every field)",
+    )
+    parser.add_argument("--track", metavar="NAME", help="the body or site whose pose is compared (default: the first free body)")
+    parser.add_argument("--pd", type=_two, metavar="KP,KD", help="gains of the controller that turns commanded angles into torques")
+    parser.add_argument("--keyframe", metavar="NAME", help="the keyframe in which runs start")
+    parser.add_argument("--settle", type=float, default=0.0, metavar="S", help="seconds with the first command before a run")
+    parser.add_argument("--hold", action="store_true", help="hold the base: free joints are taken out")
+    parser.add_argument("--no-probe", action="store_true", help="no_probe of a study: do not test whether each parameter changes anything")
+    parser.add_argument("--list", action="store_true", help="list the fields of the model and end")
+    given = parser.parse_args(words)
+    model = MujocoModel(
+        given.model,
+        given.parameter,
+        track=given.track,
+        pd=given.pd,
+        keyframe=given.keyframe,
+        settle_s=given.settle,
+        hold=given.hold,
+        probe=not given.no_probe,
+    )
+    if given.list:
+        for name, field in model.fields.items():
+            print(f"{name} = {field.get():.6g} {field.unit}".rstrip())
+        return
+    version = f"MuJoCo {model.version()}"
+    serve(model, model.declares(), settings=model.settings(), name="mujoco", version=version)
+
+
+if __name__ == "__main__":
+    main()
