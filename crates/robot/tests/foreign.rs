@@ -485,7 +485,10 @@ fn the_heaviest_body_with_a_free_joint_is_the_robot_and_what_stands_beside_it_is
     assert!(assembly.world_from_mount.is_none());
     assert_eq!(assembly.module_names, ["rover", "arm"]);
     // A ball is no box, and nothing can touch the target.
-    for said in ["1 bodies beside the robot, whose root is `rover`, the heaviest body with a free joint: `puck`", "`target`"] {
+    for said in [
+        "1 bodies beside the robot, whose root is `rover`, the heaviest body with a free joint: `puck`",
+        "`target`",
+    ] {
         assert!(has_note(&notes, NoteKind::LeftOut, said), "{notes:?}");
     }
 }

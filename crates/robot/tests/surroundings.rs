@@ -19,7 +19,9 @@ fn import(text: &str) -> (Assembly, Vec<Note>) {
 }
 
 fn says(notes: &[Note], kind: NoteKind, part: &str) -> bool {
-    notes.iter().any(|note| note.kind == kind && note.what.contains(part))
+    notes
+        .iter()
+        .any(|note| note.kind == kind && note.what.contains(part))
 }
 
 fn world(inside: &str) -> String {
@@ -40,8 +42,14 @@ fn gravity_slope_height_and_friction_of_the_file_are_those_of_experiments() {
     assert_eq!(around.floor_friction, Some(0.05));
     assert!((around.floor_slope_rad.unwrap() - 20_f64.to_radians()).abs() < 1e-12);
     assert!((around.floor_height_m.unwrap() - 0.1).abs() < 1e-12);
-    assert!(says(&notes, NoteKind::Assumed, "gravity of 1.62 m/s²"), "{notes:?}");
-    assert!(says(&notes, NoteKind::Assumed, "slopes by 20.00 degrees"), "{notes:?}");
+    assert!(
+        says(&notes, NoteKind::Assumed, "gravity of 1.62 m/s²"),
+        "{notes:?}"
+    );
+    assert!(
+        says(&notes, NoteKind::Assumed, "slopes by 20.00 degrees"),
+        "{notes:?}"
+    );
 }
 
 #[test]
@@ -52,7 +60,10 @@ fn the_friction_of_a_shape_with_priority_and_of_the_lowest_shape_counts() {
         <geom type="sphere" size=".03" pos="0 0 -.1" friction="0.2" priority="1"/></body></worldbody>"#,
     ));
     assert_eq!(robot.surroundings.floor_friction, Some(0.2));
-    assert!(says(&notes, NoteKind::Assumed, "shapes have 0.2 to 1 there"), "{notes:?}");
+    assert!(
+        says(&notes, NoteKind::Assumed, "shapes have 0.2 to 1 there"),
+        "{notes:?}"
+    );
 }
 
 #[test]
@@ -61,8 +72,14 @@ fn a_floor_that_leans_sideways_and_gravity_that_does_not_point_down_are_said() {
         r#"<option gravity="1 0 -9"/><worldbody><geom type="plane" size="5 5 1" euler="20 0 0"/>{CUBE}</worldbody>"#
     )));
     assert_eq!(robot.surroundings, Surroundings::default());
-    assert!(says(&notes, NoteKind::LeftOut, "the floor leans"), "{notes:?}");
-    assert!(says(&notes, NoteKind::LeftOut, "gravity (1, 0, -9)"), "{notes:?}");
+    assert!(
+        says(&notes, NoteKind::LeftOut, "the floor leans"),
+        "{notes:?}"
+    );
+    assert!(
+        says(&notes, NoteKind::LeftOut, "gravity (1, 0, -9)"),
+        "{notes:?}"
+    );
 }
 
 #[test]
@@ -80,7 +97,10 @@ fn fixed_and_free_boxes_beside_the_robot_stand_where_they_stood_from_it() {
     assert_eq!(bodies[0].boxes[0].pose.at_m, (3.0, 3.0, 0.5));
     assert_eq!(found[0].0, (-2.0, -3.0, 0.0));
     assert_eq!(found[1], ((0.0, 1.0, 0.1), Some(0.5)));
-    assert!(says(&notes, NoteKind::LeftOut, "(mocap) stand still: `target`"), "{notes:?}");
+    assert!(
+        says(&notes, NoteKind::LeftOut, "(mocap) stand still: `target`"),
+        "{notes:?}"
+    );
 }
 
 #[test]
@@ -91,7 +111,10 @@ fn of_a_held_robot_the_end_of_its_longest_chain_is_tracked_and_not_the_world() {
         <body name="hand" pos=".2 0 0"><joint name="h" axis="0 1 0"/><geom size=".02" mass="0.1"/></body></body></body></worldbody>"#,
     ));
     assert_eq!(robot.track_part, 2);
-    assert!(says(&notes, NoteKind::Assumed, "motion of `hand` is recorded"), "{notes:?}");
+    assert!(
+        says(&notes, NoteKind::Assumed, "motion of `hand` is recorded"),
+        "{notes:?}"
+    );
 }
 
 const LEG: &str = r#"<worldbody><body name="hip"><geom size=".05" mass="1"/>
@@ -109,7 +132,10 @@ fn joints_start_in_the_keyframe_home_or_in_the_one_that_is_asked_for() {
     };
     let (hold, ankle, notes) = start(&Options::default());
     assert_eq!((hold, ankle), (0.6, Some(0.25)));
-    assert!(says(&notes, NoteKind::Assumed, "keyframe home; others are low"), "{notes:?}");
+    assert!(
+        says(&notes, NoteKind::Assumed, "keyframe home; others are low"),
+        "{notes:?}"
+    );
     let low = Options {
         keyframe: Some("low".to_owned()),
         ..Options::default()
@@ -156,12 +182,18 @@ fn a_servo_of_speeds_follows_them_by_its_damping_and_damping_without_end_is_boun
     let actuator = robot.hinges[0].actuator.unwrap();
     assert!(actuator.servo.law.follows_speeds());
     // kv gear² = 12, and a command of 1 is half a radian per second at the joint.
-    let ServoLaw::Torque { damping_nm_s_rad, .. } = actuator.servo.law else {
+    let ServoLaw::Torque {
+        damping_nm_s_rad, ..
+    } = actuator.servo.law
+    else {
         panic!("{:?}", actuator.servo.law);
     };
     assert_eq!((damping_nm_s_rad, actuator.command.factor), (12.0, 0.5));
     assert_eq!(robot.hinges[0].bearing.viscous_nm_s_rad, 1e9);
-    assert!(says(&notes, NoteKind::Changed, "damping 100000000000"), "{notes:?}");
+    assert!(
+        says(&notes, NoteKind::Changed, "damping 100000000000"),
+        "{notes:?}"
+    );
 }
 
 #[test]
@@ -179,7 +211,10 @@ fn the_timestep_follows_a_stiff_servo_of_a_light_finger_and_says_so() {
     let inertia = 0.002 * (0.02_f64.powi(2) + 0.4 * 0.008_f64.powi(2));
     let expected_s = inertia.sqrt();
     assert!((stiff.surroundings.timestep_s.unwrap() - expected_s).abs() < 1e-6);
-    assert!(says(&notes, NoteKind::Assumed, "joint `bend` vibrates"), "{notes:?}");
+    assert!(
+        says(&notes, NoteKind::Assumed, "joint `bend` vibrates"),
+        "{notes:?}"
+    );
     // With its damping, it does not vibrate.
     assert_eq!(finger(1.0, 0.01).0.surroundings.timestep_s, None);
 }

@@ -359,7 +359,8 @@ impl Experiment {
         let usual = Solver::default();
         let solver = Solver {
             engine: EngineChoice::suited_to(&assembly),
-            timestep_s: (around.timestep_s).map_or(usual.timestep_s, |most_s| most_s.min(usual.timestep_s)),
+            timestep_s: (around.timestep_s)
+                .map_or(usual.timestep_s, |most_s| most_s.min(usual.timestep_s)),
             ..usual
         };
         let floor = Floor::around(around);

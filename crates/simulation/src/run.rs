@@ -479,7 +479,10 @@ impl<'a> Rollout<'a> {
         let name = |part: usize| {
             let solid = self.assembly.parts[part].solids.first();
             let body = solid.and_then(|solid| self.assembly.module_names.get(solid.module));
-            body.map_or_else(|| format!("part {part}"), |body| format!("part {part} (`{body}`)"))
+            body.map_or_else(
+                || format!("part {part}"),
+                |body| format!("part {part} (`{body}`)"),
+            )
         };
         for part in 0..self.assembly.parts.len() {
             let (pose, linear, angular) = self.world.part(part);
@@ -487,13 +490,20 @@ impl<'a> Rollout<'a> {
             // NaN counts as beyond every limit.
             let beyond = |value: f64, limit: f64| value.is_nan() || value > limit;
             if beyond(distance_m, FARTHEST_M) {
-                return Some(format!("{} is {distance_m:.3e} m from the start", name(part)));
+                return Some(format!(
+                    "{} is {distance_m:.3e} m from the start",
+                    name(part)
+                ));
             }
             if beyond(linear.norm(), FASTEST_M_S) {
                 return Some(format!("{} moves at {:.3e} m/s", name(part), linear.norm()));
             }
             if beyond(angular.norm(), FASTEST_RAD_S) {
-                return Some(format!("{} turns at {:.3e} rad/s", name(part), angular.norm()));
+                return Some(format!(
+                    "{} turns at {:.3e} rad/s",
+                    name(part),
+                    angular.norm()
+                ));
             }
             if !pose.rotation.coords.iter().all(|v| v.is_finite()) {
                 return Some(format!("{} has no orientation any more", name(part)));

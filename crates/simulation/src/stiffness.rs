@@ -114,7 +114,8 @@ mod tests {
     }
 
     #[test]
-    fn a_stiff_spring_of_a_light_finger_is_left_to_the_tree_solver_and_rapier_says_that_it_softens_it() {
+    fn a_stiff_spring_of_a_light_finger_is_left_to_the_tree_solver_and_rapier_says_that_it_softens_it()
+     {
         let soft = Experiment::new(finger(1e-3));
         assert!(soft.solver.engine == EngineChoice::default());
         let mut stiff = Experiment::new(finger(1.0));
@@ -130,7 +131,9 @@ mod tests {
         stiff.duration_s = 0.5;
         let motion = run(&stiff).unwrap().outcome.completed().unwrap();
         let angles = &motion.joint("bend").unwrap().angles_rad;
-        let most = angles.iter().fold(0.0_f64, |most, angle| most.max(angle.abs()));
+        let most = angles
+            .iter()
+            .fold(0.0_f64, |most, angle| most.max(angle.abs()));
         assert!((0.2..0.31).contains(&most), "{most}");
     }
 }

@@ -185,7 +185,11 @@ fn before(
 fn timestep_s(motion: &Trajectory, subject: &Subject) -> f64 {
     let sample_s = motion.duration_s() / (motion.times_s().len() - 1) as f64;
     let stiff_s = subject.robot.assemble().surroundings.timestep_s;
-    floored((sample_s / STEPS).min(stiff_s.unwrap_or(LONGEST_STEP_S)).min(LONGEST_STEP_S))
+    floored(
+        (sample_s / STEPS)
+            .min(stiff_s.unwrap_or(LONGEST_STEP_S))
+            .min(LONGEST_STEP_S),
+    )
 }
 
 /// The parameters to fit, with ranges around the values in the robot's file, or of what a servo of this size may have: those that

@@ -6,8 +6,8 @@
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::body::Surroundings;
 use super::absent::{is_unlimited, is_zero, limit, unlimited};
+use super::body::Surroundings;
 use super::command_scale::CommandScale;
 use super::law::ServoLaw;
 use realgap_solid::Shape;

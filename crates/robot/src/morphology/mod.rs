@@ -128,9 +128,9 @@ mod module_file;
 mod motor;
 mod pivot;
 mod plausibility;
+mod stiffness;
 mod summary;
 mod sweep;
-mod stiffness;
 mod tree;
 
 use std::path::Path;

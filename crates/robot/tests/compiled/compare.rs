@@ -342,7 +342,11 @@ impl<'a> Comparison<'a> {
                 damping_nm_s_rad,
             } => {
                 // A servo of speeds scales commands by its damping.
-                let by = if stiffness_nm_rad > 0.0 { stiffness_nm_rad } else { damping_nm_s_rad };
+                let by = if stiffness_nm_rad > 0.0 {
+                    stiffness_nm_rad
+                } else {
+                    damping_nm_s_rad
+                };
                 self.differ("kp", joint, &[stiffness_nm_rad], &[k], 1e-12);
                 if d < 0.0 {
                     self.miss(
@@ -353,20 +357,8 @@ impl<'a> Comparison<'a> {
                 } else {
                     self.differ("kv", joint, &[damping_nm_s_rad], &[d], 1e-12);
                 }
-                self.differ(
-                    "gear and gain",
-                    joint,
-                    &[scale.factor * by],
-                    &[a],
-                    1e-12,
-                );
-                self.differ(
-                    "offset",
-                    joint,
-                    &[scale.offset * by],
-                    &[b],
-                    1e-3 * by,
-                );
+                self.differ("gear and gain", joint, &[scale.factor * by], &[a], 1e-12);
+                self.differ("offset", joint, &[scale.offset * by], &[b], 1e-3 * by);
             }
             ServoLaw::Direct => {
                 self.differ("kp", joint, &[0.0], &[k], 1e-12);

@@ -50,7 +50,9 @@ impl Rollout<'_> {
         let mut progress = match self.begin(experiment, &mut hooks.observer)? {
             Ok(progress) => progress,
             Err(divergence) => {
-                return Ok(self.take_run(Outcome::Diverged(divergence.with_stiff_joint(experiment))));
+                return Ok(
+                    self.take_run(Outcome::Diverged(divergence.with_stiff_joint(experiment)))
+                );
             }
         };
         for step in 1..=progress.steps {

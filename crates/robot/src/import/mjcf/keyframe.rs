@@ -23,13 +23,21 @@ impl Robot<'_> {
             .map(|key| key.get("name").unwrap_or("without a name"))
             .collect();
         let wanted = asked.unwrap_or(USUAL);
-        let index = match (names.iter().position(|name| *name == wanted), asked, keys.len()) {
+        let index = match (
+            names.iter().position(|name| *name == wanted),
+            asked,
+            keys.len(),
+        ) {
             (Some(index), ..) => index,
             (None, Some(asked), _) => {
                 return Err(Error::invalid("the file has no keyframe of this name")
                     .at_file(self.source.path())
                     .found(asked)
-                    .allowed(if names.is_empty() { "none: it has no keyframes".to_owned() } else { names.join(", ") }));
+                    .allowed(if names.is_empty() {
+                        "none: it has no keyframes".to_owned()
+                    } else {
+                        names.join(", ")
+                    }));
             }
             (None, None, 1) => 0,
             (None, None, 0) => return Ok(()),
@@ -50,7 +58,15 @@ impl Robot<'_> {
         self.holds(key, &key.list("ctrl")?)?;
         let others = match names.len() {
             1 => String::new(),
-            _ => format!("; others are {}", names.iter().filter(|name| **name != names[index]).copied().collect::<Vec<_>>().join(", ")),
+            _ => format!(
+                "; others are {}",
+                names
+                    .iter()
+                    .filter(|name| **name != names[index])
+                    .copied()
+                    .collect::<Vec<_>>()
+                    .join(", ")
+            ),
         };
         notes.assumed(
             None,
@@ -80,7 +96,10 @@ impl Robot<'_> {
                 if count > 1 {
                     continue;
                 }
-                let own = joint.name.as_deref().and_then(|name| self.joint_names.get(name));
+                let own = joint
+                    .name
+                    .as_deref()
+                    .and_then(|name| self.joint_names.get(name));
                 let fallback = match body.joints.len() {
                     1 => format!("{}_joint", self.names[id]),
                     _ => format!("{}_joint{index}", self.names[id]),
@@ -107,13 +126,18 @@ impl Robot<'_> {
         }
         for driver in &mut self.structure.actuators {
             let drive = self.drives.iter().position(|drive| {
-                let own = drive.joint.as_ref().and_then(|joint| self.joint_names.get(joint));
+                let own = drive
+                    .joint
+                    .as_ref()
+                    .and_then(|joint| self.joint_names.get(joint));
                 own.is_some_and(|(name, _)| *name == driver.joint)
             });
             let command = drive.and_then(|index| commands.get(index));
             let scale = driver.command.unwrap_or_default();
             let mut joints = self.structure.joints.iter();
-            let start = joints.find(|joint| joint.name == driver.joint).and_then(|joint| joint.start);
+            let start = joints
+                .find(|joint| joint.name == driver.joint)
+                .and_then(|joint| joint.start);
             let held = match (driver.servo.law, command) {
                 (_, Some(command)) => Some(scale.apply(*command)),
                 (ServoLaw::Direct, None) => None,

@@ -236,7 +236,7 @@ impl Robot<'_> {
                 child: self.names[root].clone(),
                 pose: Pose::of(&Isometry3::from_parts(Translation3::identity(), turn)),
                 kind: JointKind::Fixed,
-start: None,
+                start: None,
             });
         }
     }
@@ -279,7 +279,7 @@ start: None,
             child: name.clone(),
             pose: Pose::of(&given.pose),
             kind: JointKind::Fixed,
-start: None,
+            start: None,
         };
         let mut kinds: Vec<(String, JointKind)> = Vec::new();
         for (index, joint) in given.joints.iter().enumerate() {

@@ -134,8 +134,7 @@ impl Robot<'_> {
         let planes: Vec<&Geom> = on_world
             .filter(|geom| geom.kind == GeomType::Plane && geom.touches())
             .collect();
-        let mut floors: Vec<Plane<'_>> =
-            planes.iter().filter_map(|geom| Plane::of(geom)).collect();
+        let mut floors: Vec<Plane<'_>> = planes.iter().filter_map(|geom| Plane::of(geom)).collect();
         floors.sort_by(|a, b| b.height_m.total_cmp(&a.height_m));
         let others = planes.len() - floors.len().min(1);
         if others > 0 {
@@ -240,9 +239,8 @@ impl Robot<'_> {
         }
         let (mut taken, mut lost, mut rounded) = (Vec::new(), Vec::new(), Vec::new());
         for (top, ids) in groups {
-            let solid = |geom: &&Geom| {
-                geom.touches() && !(top == 0 && geom.kind == GeomType::Plane)
-            };
+            let solid =
+                |geom: &&Geom| geom.touches() && !(top == 0 && geom.kind == GeomType::Plane);
             let count: usize = (ids.iter())
                 .map(|id| self.model.bodies[*id].geoms.iter().filter(solid).count())
                 .sum();
@@ -298,7 +296,11 @@ impl Robot<'_> {
             });
         }
         let listed = |names: &[String]| {
-            let more = if names.len() > NAMED { ", and others" } else { "" };
+            let more = if names.len() > NAMED {
+                ", and others"
+            } else {
+                ""
+            };
             format!("{}{more}", names[..names.len().min(NAMED)].join(", "))
         };
         if !taken.is_empty() {
@@ -316,7 +318,10 @@ impl Robot<'_> {
         if !rounded.is_empty() {
             notes.left_out(
                 None,
-                format!("shapes beside the robot that are no boxes: {}", listed(&rounded)),
+                format!(
+                    "shapes beside the robot that are no boxes: {}",
+                    listed(&rounded)
+                ),
                 "state boxes in `world` in their place",
             );
         }
@@ -344,7 +349,10 @@ impl Robot<'_> {
         if !moved.is_empty() {
             notes.left_out(
                 None,
-                format!("bodies that MuJoCo moves from outside (mocap) stand still: {}", moved.join(", ")),
+                format!(
+                    "bodies that MuJoCo moves from outside (mocap) stand still: {}",
+                    moved.join(", ")
+                ),
                 "a body of the `scene` of a study follows a recorded track (motion: Recorded)",
             );
         }

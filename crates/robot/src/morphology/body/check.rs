@@ -150,7 +150,8 @@ pub(super) fn check_joint(joint: &Joint, at: &str) -> Checked<()> {
         }
     };
     if let Some(start) = joint.start {
-        Range::within(-most, most, "").check(start, &format!("{}.start", at.trim_end_matches(".kind")))?;
+        Range::within(-most, most, "")
+            .check(start, &format!("{}.start", at.trim_end_matches(".kind")))?;
     }
     let length = super::vector(motion.axis).norm();
     if !length.is_finite() || length < 1e-9 {

@@ -48,10 +48,10 @@ use super::module::Module;
 use realgap_core::file::Source;
 
 pub(crate) use assemble::MAX_BODIES;
-pub use surroundings::{Beside, BesideBox, Surroundings};
 pub use realgap_solid::{
     MAX_CORNERS, UniformMass, convex_hull, simplified, solid_surface, uniform,
 };
+pub use surroundings::{Beside, BesideBox, Surroundings};
 
 /// Three numbers along x, y and z.
 pub type Triple = (f64, f64, f64);

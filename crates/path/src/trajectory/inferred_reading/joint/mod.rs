@@ -50,11 +50,16 @@ impl JointReading {
     fn of_plain_names(columns: &[Column<'_>], known: &Reading, joints: &[String]) -> Option<Self> {
         let of_joint = |name: &str| {
             let mut joints = joints.iter();
-            joints.any(|joint| name.strip_prefix(joint.as_str()).is_some_and(|rest| rest.starts_with('_')))
+            joints.any(|joint| {
+                name.strip_prefix(joint.as_str())
+                    .is_some_and(|rest| rest.starts_with('_'))
+            })
         };
         let is_angle = |name: &str| {
             let mut joints = joints.iter();
-            joints.any(|joint| [format!("{joint}_rad"), format!("{joint}_deg")].contains(&name.to_owned()))
+            joints.any(|joint| {
+                [format!("{joint}_rad"), format!("{joint}_deg")].contains(&name.to_owned())
+            })
         };
         let renamed: Vec<(&str, String)> = columns
             .iter()
@@ -72,7 +77,9 @@ impl JointReading {
             reading: known.clone(),
             evidence: vec![Evidence {
                 finding: format!("{} columns of joints: {}", renamed.len(), shown.join(", ")),
-                reason: "the robot's joints have these names but for signs that names here do not have".to_owned(),
+                reason:
+                    "the robot's joints have these names but for signs that names here do not have"
+                        .to_owned(),
             }],
         };
         for (theirs, ours) in renamed {
