@@ -364,13 +364,15 @@ impl Robot<'_> {
             return;
         }
         let bodies = &self.model.bodies;
+        let beside = self.ids_beside();
         let mut count = vec![0_usize; bodies.len()];
         let mut best: Option<(usize, usize)> = None;
         for id in 1..bodies.len() {
             count[id] = count[bodies[id].parent] + bodies[id].joints.len();
             let is_free = bodies[id].joints.iter().any(|j| j.kind == JointType::Free);
             let is_longer = best.is_none_or(|(most, _)| count[id] > most);
-            if count[id] > 0 && !is_free && self.masses[id].mass_kg > 0.0 && is_longer {
+            let is_moved = count[id] > 0 && !is_free && !beside.contains(&id);
+            if is_moved && self.masses[id].mass_kg > 0.0 && is_longer {
                 best = Some((count[id], id));
             }
         }
