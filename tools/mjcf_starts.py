@@ -5,8 +5,9 @@
 Of every collection that is installed, up to `--each` robots are taken, evenly spaced in their sorted order: those whose joints turn or
 slide, whose root is held or has a free joint (which is removed: the robot hangs, and objects lie), and whose actuators drive joints. In MuJoCo, the
 joints follow chirps within their ranges: servos of the file by `ctrl`, motors by a firmware with gains (`--pd`). Six values of two
-joints are hidden: armature and dry friction, and the stiffness of a servo or the viscous friction beside a motor. Dry friction is
-hard, contacts are off, angles have a noise of 0.2 mrad.
+joints are hidden: armature and dry friction, and the stiffness of a servo or the viscous friction beside a motor; what is added to
+those of the file is 5 to 20 % of the torque that the motion needs. Dry friction is hard, contacts are off, angles have a noise of
+0.2 mrad.
 
 `realgap start` gets the log and the file as it is. Of the study that it writes, the six hidden parameters are kept with their ranges,
 and `realgap tune` says 90 % intervals for them. Needs mujoco and numpy; not a part of the tests.
@@ -31,13 +32,14 @@ except ImportError as missing:
 from compiled_mjcf import AFFINE, COLLECTIONS, DRIVES_JOINT, HINGE, SLIDE, wheels
 from compiled_motion import joint_name
 
-TIMESTEP_S, SAMPLE_S, DURATION_S = 5e-4, 0.01, 6.0
+TIMESTEP_S, SAMPLE_S, DURATION_S = 1e-4, 0.01, 6.0
 NOISE = 2e-4
 # A joint that goes farther, in radians or metres, is a root that falls.
 FARTHEST = 20
 MOST_JOINTS = 40
-# The firmware of motors: natural frequency (rad/s) and damping ratio of each joint alone.
-FIRMWARE_RAD_S, RATIO = 2 * np.pi * 5, 0.7
+# The firmware of motors: natural frequency (rad/s) and damping ratio of each joint alone, and the error at which it asks for the whole
+# torque of a motor, radians (metres for slides) per amplitude.
+FIRMWARE_RAD_S, RATIO, FULL = 2 * np.pi * 5, 0.7, 0.5
 FIXED, NO_BIAS = int(mujoco.mjtGain.mjGAIN_FIXED), int(mujoco.mjtBias.mjBIAS_NONE)
 NO_DYNAMICS = int(mujoco.mjtDyn.mjDYN_NONE)
 START_S, TUNE_S = 300, 600
@@ -82,7 +84,10 @@ def hung(path):
     model.opt.timestep = TIMESTEP_S
     model.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     model.opt.density = model.opt.viscosity = 0
-    model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+    off = mujoco.mjtDisableBit
+    # Some files switch off what this experiment is about.
+    model.opt.disableflags &= ~(int(off.mjDSBL_CONSTRAINT) | int(off.mjDSBL_FRICTIONLOSS) | int(off.mjDSBL_LIMIT))
+    model.opt.disableflags |= int(off.mjDSBL_CONTACT)
     for reference, impedance in (("jnt_solref", "jnt_solimp"), ("dof_solref", "dof_solimp")):
         getattr(model, reference)[:] = [2 * TIMESTEP_S, 1]
         getattr(model, impedance)[:] = [0.9999, 0.9999, 0.001, 0.5, 2]
@@ -105,13 +110,23 @@ class Drive:
             self.kind = "servo"
         elif is_affine and bias[2] < 0:
             self.kind = "speed"
-        self.kp = float(f"{inertia * FIRMWARE_RAD_S**2:.3g}")
-        self.kd = float(f"{2 * RATIO * inertia * FIRMWARE_RAD_S:.3g}")
         most = 0.3 if model.jnt_type[self.joint] == HINGE else 0.02
         if model.jnt_limited[self.joint]:
             low, high = model.jnt_range[self.joint]
             most = min(most, 0.8 * (high - home), 0.8 * (home - low))
         self.most = max(most, 0.0)
+        # The largest torque at the joint.
+        ends = [np.inf]
+        if model.actuator_ctrllimited[a] and self.kind == "motor":
+            ends.append(np.abs(model.actuator_ctrlrange[a] * model.actuator_gainprm[a, 0] * self.gear).min())
+        if model.actuator_forcelimited[a]:
+            ends.append(np.abs(model.actuator_forcerange[a] * self.gear).min())
+        if model.jnt_actfrclimited[self.joint]:
+            ends.append(np.abs(model.jnt_actfrcrange[self.joint]).min())
+        self.torque = float(min(ends))
+        stiffness = min(inertia * FIRMWARE_RAD_S**2, self.torque / (FULL * max(self.most, 1e-3)))
+        self.kp = float(f"{stiffness:.3g}")
+        self.kd = float(f"{2 * RATIO * np.sqrt(inertia * stiffness):.3g}")
 
     def target(self, t, phase):
         # From 0.2 to 1.4 Hz.
@@ -139,10 +154,18 @@ class Drive:
     def column(self):
         return self.name + ("_command_rad_s" if self.kind == "speed" else "_command_rad")
 
-    def ctrl(self, command, data):
+    def load_firmware(self, model):
+        """Makes a servo of a motor: its gains, and the limit of its torque in place of that of its command."""
         if self.kind != "motor":
-            return command
-        return (self.kp * (command - data.qpos[self.q]) - self.kd * data.qvel[self.dof]) / self.gear
+            return
+        a = self.a
+        model.actuator_gainprm[a, :3] = [self.kp / self.gear, 0, 0]
+        model.actuator_biastype[a] = AFFINE
+        model.actuator_biasprm[a, :3] = [0, -self.kp / self.gear**2, -self.kd / self.gear**2]
+        model.actuator_ctrllimited[a] = 0
+        if np.isfinite(self.torque):
+            model.actuator_forcelimited[a] = 1
+            model.actuator_forcerange[a] = np.array([-1, 1]) * self.torque / abs(self.gear)
 
 
 def homes(model, home):
@@ -158,26 +181,49 @@ def homes(model, home):
     return out
 
 
-def hide(model, drives, draw):
-    """Hides values of two joints, and returns those of the parameters."""
-    moving = [d for d in drives if d.most > 0.01 * (1 if model.jnt_type[d.joint] == HINGE else 0.1)]
+def moved(model, drives, phases, start):
+    """Samples of the time, the coordinates and the commands, and the torques and speeds that the motion needs."""
+    data = mujoco.MjData(model)
+    data.qpos[:] = start
+    samples, squares = [], np.zeros((2, model.nv))
+    # The first second, in which the joints find their places, is not recorded.
+    for sample in range(round((DURATION_S + 1) / SAMPLE_S) + 1):
+        t = sample * SAMPLE_S
+        commands = [d.command(model, max(t - 1, 0.0), p) for d, p in zip(drives, phases)]
+        if t > 1 - SAMPLE_S / 2:
+            samples.append((t - 1, data.qpos.copy(), commands))
+            squares += [data.qfrc_actuator**2, data.qvel**2]
+        for d, command in zip(drives, commands):
+            data.ctrl[d.a] = command
+        mujoco.mj_step(model, data, round(SAMPLE_S / TIMESTEP_S))
+        if not np.isfinite(data.qpos).all():
+            raise Refused("MuJoCo itself diverges")
+    return samples, np.sqrt(squares / len(samples))
+
+
+def hide(model, drives, needed, draw):
+    """Hides values of two joints, each a share of what their motion needs, and returns those of the parameters."""
+    torques, speeds = needed
+    moving = [d for d in drives if d.most > 0.01 * (1 if model.jnt_type[d.joint] == HINGE else 0.1) and speeds[d.dof] > 0]
     truth = {}
-    for d in draw.permutation(len(moving))[:2]:
-        d = moving[d]
+    for k in draw.permutation(len(moving))[:2]:
+        d = moving[k]
         dof = d.dof
-        stiffness = d.kp
+
+        def more(scale):
+            return float(scale) * draw.uniform(0.05, 0.2)
+
         if d.kind == "servo":
             factor = draw.uniform(0.7, 1.4)
             model.actuator_gainprm[d.a, 0] *= factor
             model.actuator_biasprm[d.a, :2] *= factor
-            stiffness = -float(model.actuator_biasprm[d.a, 1]) * d.gear**2
-            truth[f"servo.{d.name}.stiffness_nm_rad"] = stiffness
+            truth[f"servo.{d.name}.stiffness_nm_rad"] = -float(model.actuator_biasprm[d.a, 1]) * d.gear**2
         elif d.kind == "motor":
-            model.dof_damping[dof] = model.dof_damping[dof] * draw.uniform(0.5, 2) + 0.2 * d.kd * draw.uniform(0.5, 1.5)
+            model.dof_damping[dof] = model.dof_damping[dof] * draw.uniform(0.5, 2) + more(torques[dof] / speeds[dof])
             truth[f"hinge.{d.name}.viscous_nm_s_rad"] = float(model.dof_damping[dof])
-        model.dof_armature[dof] = model.dof_armature[dof] * draw.uniform(1, 2) + 0.2 * d.inertia * draw.uniform(0.5, 1.5)
+        model.dof_armature[dof] = model.dof_armature[dof] * draw.uniform(1, 2) + more(d.inertia)
         truth[f"hinge.{d.name}.armature_kg_m2"] = float(model.dof_armature[dof])
-        model.dof_frictionloss[dof] = 0.05 * stiffness * d.most * draw.uniform(0.5, 1.5)
+        model.dof_frictionloss[dof] = model.dof_frictionloss[dof] * draw.uniform(0.5, 2) + more(torques[dof])
         truth[f"hinge.{d.name}.dry_nm"] = float(model.dof_frictionloss[dof])
     return truth
 
@@ -199,34 +245,22 @@ def log(path, folder):
             raise Refused("two actuators of one joint")
         seen.add(joint)
         drives.append(Drive(model, a, float(start[model.jnt_qposadr[joint]]), float(whole[model.jnt_dofadr[joint], model.jnt_dofadr[joint]])))
-    truth = hide(model, drives, draw)
+    phases = draw.uniform(0, 2 * np.pi, len(drives))
+    for d in drives:
+        d.load_firmware(model)
+    _, needed = moved(model, drives, phases, start)
+    truth = hide(model, drives, needed, draw)
     if not truth:
         raise Refused("no joint has room to move")
-    phases = draw.uniform(0, 2 * np.pi, len(drives))
-    data = mujoco.MjData(model)
-    data.qpos[:] = start
+    samples, _ = moved(model, drives, phases, start)
     # Objects beside the robot have no encoders.
     root = [int(model.body_rootid[model.jnt_bodyid[j]]) for j in range(model.njnt)]
     driven = {root[d.joint] for d in drives}
     logged = [j for j in range(model.njnt) if root[j] in driven]
-    names = [joint_name(model, j) for j in logged]
-    rows, every = [], round(SAMPLE_S / TIMESTEP_S)
-    commands = [0.0] * len(drives)
-    # The first second, in which the joints find their places, is not recorded.
-    for step in range(round((DURATION_S + 1) / TIMESTEP_S) + 1):
-        t = step * TIMESTEP_S
-        if step % every == 0:
-            commands = [d.command(model, max(t - 1, 0.0), p) for d, p in zip(drives, phases)]
-            if t >= 1:
-                angles = data.qpos + draw.normal(0, NOISE, model.nq)
-                rows.append([t - 1, *(angles[model.jnt_qposadr[j]] for j in logged), *commands])
-        for d, command in zip(drives, commands):
-            data.ctrl[d.a] = d.ctrl(command, data)
-        mujoco.mj_step(model, data)
-        if not np.isfinite(data.qpos).all() or np.abs(data.qvel[model.jnt_dofadr[logged]]).max() > 1e3:
-            raise Refused("MuJoCo itself diverges")
-        if np.abs(data.qpos[model.jnt_qposadr[logged]] - start[model.jnt_qposadr[logged]]).max() > FARTHEST:
-            raise Refused("a root of slides that nothing drives falls")
+    names, places = [joint_name(model, j) for j in logged], model.jnt_qposadr[logged]
+    if max(np.abs(qpos[places] - start[places]).max() for _, qpos, _ in samples) > FARTHEST:
+        raise Refused("a root of slides that nothing drives falls")
+    rows = [[t, *(qpos[places] + draw.normal(0, NOISE, len(places))), *commands] for t, qpos, commands in samples]
     head = ["t_s", *[f"{name}_rad" for name in names], *[d.column() for d in drives]]
     file = folder / "log.csv"
     file.write_text("\n".join([",".join(head), *[",".join(f"{v:.9g}" for v in row) for row in rows]]) + "\n")

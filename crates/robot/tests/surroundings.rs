@@ -112,7 +112,11 @@ fn of_a_held_robot_the_end_of_its_longest_chain_is_tracked_and_not_the_world() {
     ));
     assert_eq!(robot.track_part, 2);
     assert!(
-        says(&notes, NoteKind::Assumed, "motion of `hand` is recorded"),
+        says(
+            &notes,
+            NoteKind::Assumed,
+            "centre of mass of `hand` is recorded"
+        ),
         "{notes:?}"
     );
 }

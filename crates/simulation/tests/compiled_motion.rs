@@ -10,6 +10,7 @@ use std::process::Command;
 
 use realgap_core::file::Source;
 use realgap_robot::import::{Imported, Options, import};
+use realgap_robot::morphology::body::Surroundings;
 use realgap_robot::morphology::{Morphology, ServoLaw};
 use realgap_simulation::{CommandTrack, Experiment, JointState, engine_by_name, run};
 use serde_json::Value;
@@ -57,10 +58,16 @@ fn ours(imported: &Imported, case: &Value, commands: Option<&Value>) -> Vec<(Str
         .iter_mut()
         .for_each(|body| body.shapes.clear());
     if commands.is_none() {
-        structure
-            .actuators
-            .retain(|driver| driver.servo.law == ServoLaw::Direct);
+        structure.actuators.retain(|driver| {
+            driver.servo.law == ServoLaw::Direct || driver.servo.law.follows_speeds()
+        });
     }
+    // MuJoCo starts without the commands of a keyframe, and with the same gravity for all.
+    structure
+        .actuators
+        .iter_mut()
+        .for_each(|driver| driver.gait = None);
+    structure.world = Surroundings::default();
     let robot = Morphology::of_bodies(structure).unwrap_or_else(|e| panic!("{e}"));
     let mut experiment = Experiment::new(robot.assemble());
     experiment.solver.engine = engine_by_name("tree").unwrap();

@@ -7,7 +7,7 @@ use nalgebra::{Isometry3, Translation3, Vector3};
 use super::super::note::Notes;
 use super::model::{Geom, GeomType, JointType};
 use super::robot::{Robot, tops};
-use crate::morphology::body::{Beside, BesideBox, Pose};
+use crate::morphology::body::{Beside, BesideBox, Frame, Pose};
 use realgap_core::error::Result;
 
 /// MuJoCo's gravity where a file states none, m/s².
@@ -364,24 +364,37 @@ impl Robot<'_> {
             return;
         }
         let bodies = &self.model.bodies;
+        let beside = self.ids_beside();
         let mut count = vec![0_usize; bodies.len()];
         let mut best: Option<(usize, usize)> = None;
         for id in 1..bodies.len() {
             count[id] = count[bodies[id].parent] + bodies[id].joints.len();
             let is_free = bodies[id].joints.iter().any(|j| j.kind == JointType::Free);
             let is_longer = best.is_none_or(|(most, _)| count[id] > most);
-            if count[id] > 0 && !is_free && self.masses[id].mass_kg > 0.0 && is_longer {
+            let is_moved = count[id] > 0 && !is_free && !beside.contains(&id);
+            if is_moved && self.masses[id].mass_kg > 0.0 && is_longer {
                 best = Some((count[id], id));
             }
         }
         let Some((_, tip)) = best else {
             return;
         };
-        self.structure.track = Some(self.names[tip].clone());
+        // The origin of the body may lie on the axis of its joint, where it would not move.
+        let centre_m = self.masses[tip].centre_m;
+        let mark = format!("{}_centre", usual(&self.names[tip]));
+        self.structure.marks.push(Frame {
+            name: mark.clone(),
+            body: self.names[tip].clone(),
+            pose: Pose {
+                at_m: (centre_m.x, centre_m.y, centre_m.z),
+                ..Pose::default()
+            },
+        });
+        self.structure.track = Some(mark);
         notes.assumed(
             None,
             format!(
-                "the root is held, and the motion of `{}` is recorded, the first body at the end of the longest chain of joints",
+                "the root is held, and the motion of the centre of mass of `{}` is recorded, the first body at the end of the longest chain of joints",
                 self.names[tip]
             ),
             "name another body or mark in `track`",
@@ -389,13 +402,17 @@ impl Robot<'_> {
     }
 }
 
+/// A name in the signs that names have here.
+fn usual(name: &str) -> String {
+    let is_usual = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    (name.chars().take(40))
+        .map(|c| if is_usual(c) { c } else { '_' })
+        .collect()
+}
+
 /// A name that a body beside the robot may have.
 fn plain(name: &str, number: usize) -> String {
-    let is_usual = |c: char| c.is_ascii_alphanumeric() || c == '_';
-    let kept: String = (name.chars().take(40))
-        .map(|c| if is_usual(c) { c } else { '_' })
-        .collect();
-    format!("{kept}_{number}")
+    format!("{}_{number}", usual(name))
 }
 
 /// How far a shape reaches below its centre, metres; meshes count as points.
