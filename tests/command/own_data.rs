@@ -69,6 +69,9 @@ fn swept(study: &Path) -> (String, f64) {
     (first.join("\n"), score)
 }
 
+/// The text of a row's commands, from the speeds of both wheels.
+type Commanded = dyn Fn([f64; 2]) -> String;
+
 #[test]
 fn a_robot_on_wheels_follows_commands_of_its_wheels_or_of_speed_and_turn_rate() {
     let folder = tempfile::tempdir().unwrap();
@@ -80,7 +83,7 @@ fn a_robot_on_wheels_follows_commands_of_its_wheels_or_of_speed_and_turn_rate() 
             format!(",{},{w}", scale * v)
         }
     };
-    let cases: [(&str, &dyn Fn([f64; 2]) -> String, &[&str]); 5] = [
+    let cases: [(&str, &Commanded, &[&str]); 5] = [
         (",left_cmd,right_cmd", &wheels, &[]),
         (",left_cmd_rad_s,right_cmd_rad_s", &wheels, &[]),
         (",linear,angular", &twist(1.0), &["--track", "0.2"]),

@@ -88,10 +88,9 @@ impl LeastSquaresFit {
         let best = grid.values_at(posterior.best());
         if ending == Ending::Complete && study.is_audited() {
             let simulator = study.simulator();
-            let mut usual = study.cases()[0].experiment.clone();
-            let has_shorter = [0.5, 0.25].into_iter();
-            let has_shorter = has_shorter.map(|factor| simulator.refine(&mut usual, factor));
-            if has_shorter.fold(true, |all, one| all && one) {
+            let usual = &study.cases()[0].experiment;
+            let mut factors = [0.5, 0.25].into_iter();
+            if factors.all(|factor| simulator.refine(&mut usual.clone(), factor)) {
                 let step = run.step("fitting with finer timesteps", RUNS_OF_NUMERICS);
                 posterior = posterior.with_numerics(&mut |point, factor| {
                     let finer = |e: &mut Experiment| {

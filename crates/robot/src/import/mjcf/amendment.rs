@@ -143,11 +143,8 @@ impl Amender<'_> {
                 "it is stated in the included file {file}: apply the results to that file"
             ));
         }
-        match self.copies.get(&place.at) {
-            Some(2..) => {
-                return Err("one element of the file makes several copies of it".to_owned());
-            }
-            _ => {}
+        if self.copies.get(&place.at).is_some_and(|copies| *copies > 1) {
+            return Err("one element of the file makes several copies of it".to_owned());
         }
         let missing = || "its element was not found in the file".to_owned();
         editor.element(place.at).ok_or_else(missing)
@@ -497,8 +494,8 @@ fn option(editor: &mut Editor<'_, '_>, attribute: &str, (index, value): (usize, 
         .map(|(_, text)| words(text).map(str::to_owned).collect())
         .unwrap_or_default();
     let all = || root.children().filter(|node| node.has_tag_name("option"));
-    let stating = all().filter(|node| node.has_attribute(attribute)).last();
-    if let Some(node) = stating.or_else(|| all().last()) {
+    let stating = all().rfind(|node| node.has_attribute(attribute));
+    if let Some(node) = stating.or_else(|| all().next_back()) {
         return editor.set_number(node, attribute, (index, value), &usual);
     }
     let mut numbers = usual;
