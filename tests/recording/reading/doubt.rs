@@ -52,7 +52,7 @@ fn a_study_that_cannot_last_so_long_says_which_unit_would_mend_it() {
     let folder = tempfile::tempdir().unwrap();
     let slow: Vec<[f64; 4]> = walk()
         .iter()
-        .map(|[t, x, y, a]| [1e3 * t, *x, *y, *a])
+        .map(|[t, x, y, a]| [1e6 * t, *x, *y, *a])
         .collect();
     file(folder.path(), "run.csv", &own_form(&slow));
     let body = format!(
@@ -64,7 +64,7 @@ fn a_study_that_cannot_last_so_long_says_which_unit_would_mend_it() {
     let out = realgap().arg("check").arg(&path).assert().code(1);
     let error = text(&out.get_output().stderr);
     assert!(
-        error.contains("found:   20000 s") && error.contains("--time-unit ms"),
+        error.contains("found:   20000000 s") && error.contains("--time-unit us"),
         "{error}"
     );
 }

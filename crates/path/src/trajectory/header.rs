@@ -212,7 +212,7 @@ impl<'c, 'a> Header<'c, 'a> {
             &mut layout.factors,
             self.reading.ticks,
         );
-        layout.signals = joint_column::find_signals(&names, &mut self.used);
+        layout.signals = joint_column::find_signals(&names, &self.reading.unitless, &mut self.used);
     }
 
     /// The column with exactly this name, which is then marked as used.

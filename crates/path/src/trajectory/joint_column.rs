@@ -101,8 +101,8 @@ pub(super) fn find(
     joints
 }
 
-/// Finds the signals among the columns without a role, and marks their columns as used.
-pub(super) fn find_signals(names: &[&str], used: &mut [bool]) -> Vec<usize> {
+/// Finds the signals among the columns without a role, with those that are kept without a unit, and marks their columns as used.
+pub(super) fn find_signals(names: &[&str], unitless: &[String], used: &mut [bool]) -> Vec<usize> {
     let is_command = |name: &str| COMMAND_SIGNALS.iter().any(|ending| name.ends_with(ending));
     // A command without a unit beside the angle of its joint is kept, so that it can be refused.
     let has_no_unit = |name: &str| {
@@ -119,7 +119,9 @@ pub(super) fn find_signals(names: &[&str], used: &mut [bool]) -> Vec<usize> {
         })
     };
     let is_signal = |name: &str| {
-        is_command(name) || has_no_unit(name) || MeasuredQuantity::of_column(name).is_some()
+        let is_kept = unitless.iter().any(|kept| kept == name);
+        let is_known = is_command(name) || MeasuredQuantity::of_column(name).is_some();
+        is_kept || is_known || has_no_unit(name)
     };
     let found: Vec<usize> = (0..names.len())
         .filter(|index| !used[*index] && is_signal(names[*index]))

@@ -198,6 +198,10 @@ pub struct Reading {
     /// Commanded forward speed and turn rate, and the wheels whose commanded speeds follow from them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wheels: Option<WheelCommands>,
+    /// Columns without a unit that are kept as they are, because they command joints (`throttle`) or switch them (`enabled`). A study
+    /// adds those that its `commands` name.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub unitless: Vec<String>,
     /// Unit of lengths (and of velocities, per second) whose columns do not state a unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub length: Option<LengthUnit>,
@@ -344,6 +348,10 @@ impl Reading {
             names: merged(self.names, &other.names),
             lists: merged(self.lists, &other.lists),
             wheels: self.wheels.or_else(|| other.wheels.clone()),
+            unitless: match self.unitless.is_empty() {
+                true => other.unitless.clone(),
+                false => self.unitless,
+            },
             length: self.length.or(other.length),
             scale: self.scale.or(other.scale),
             time: self.time.or(other.time),
@@ -425,6 +433,9 @@ impl fmt::Display for Reading {
         parts.extend(names.map(|(theirs, ours)| format!("`{theirs}` as {ours}")));
         if self.names.len() > MOST_NAMES {
             parts.push(format!("{} more names", self.names.len() - MOST_NAMES));
+        }
+        if !self.unitless.is_empty() {
+            parts.push(format!("{} without a unit", self.unitless.join(", ")));
         }
         if let Some(wheels) = &self.wheels {
             parts.push(format!(

@@ -1,8 +1,8 @@
 //! The joints of recordings, and of the robot that is simulated in their place.
 
-use crate::calibration::Commands;
 use crate::calibration::recording::file_pattern::name_matches;
 use crate::calibration::study::command_file::ON;
+use crate::calibration::{CommandColumn, Commands};
 use realgap_core::{Code, Error, Result, Warning};
 use realgap_path::trajectory::{
     MeasuredQuantity, Recording, Trajectory, UNITLESS_COMMANDS, may_be_attitude,
@@ -68,7 +68,10 @@ impl<'a> Unmatched<'a> {
         let taken = commands.map_or_else(Vec::new, |c| c.columns_of(hinges, motion));
         let is_taken = |name: &str| {
             let switches = || commands.is_some() && name.strip_suffix(ON).is_some_and(is_hinge);
-            taken.iter().any(|command| command.column == name) || switches()
+            let commands_it = |command: &CommandColumn| {
+                command.column == name || command.on.as_deref() == Some(name)
+            };
+            taken.iter().any(commands_it) || switches()
         };
         let joints = motion.joints().iter().map(|joint| joint.name.as_str());
         let signals = motion.signals().iter().map(|signal| signal.name.as_str());

@@ -139,6 +139,17 @@ pub struct Off {
 }
 
 impl Commands {
+    /// The columns without a unit that command joints, and those that switch them.
+    pub(in crate::calibration) fn unitless(&self) -> Vec<String> {
+        let is_known = |name: &str| ENDINGS.iter().any(|(ending, _)| name.ends_with(ending));
+        let columns = self.columns.iter();
+        let named = columns.flat_map(|one| [Some(one.column.clone()), one.on.clone()]);
+        let mut all: Vec<String> = named.flatten().filter(|name| !is_known(name)).collect();
+        all.sort();
+        all.dedup();
+        all
+    }
+
     /// The columns of a recording that command hinges of a robot.
     pub fn columns_of(&self, hinges: &[Hinge], motion: &Trajectory) -> Vec<CommandColumn> {
         if !self.columns.is_empty() {

@@ -383,6 +383,9 @@ impl Definition {
                 .hint("use `start: FromRecording`");
             return Err(source.at("start", error));
         }
+        let mut reading = file.reading.clone();
+        let unitless = file.commands.iter().flat_map(Commands::unitless);
+        reading.unitless.extend(unitless);
         let truth = values(&file.truth, own).map_err(|e| source.at("truth", e))?;
         let mut definition = Self {
             path: Some(path.to_path_buf()),
@@ -401,7 +404,7 @@ impl Definition {
             left_out: file.left_out,
             horizon: file.horizon.filter(|_| !overrides.whole_runs),
             duration_s: overrides.duration_s.or(file.duration_s),
-            reading: overrides.reading.clone().or(&file.reading),
+            reading: overrides.reading.clone().or(&reading),
             set,
             seen_by_fit: None,
             draws: overrides.draws.clone(),
