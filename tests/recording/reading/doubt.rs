@@ -64,7 +64,7 @@ fn a_study_that_cannot_last_so_long_says_which_unit_would_mend_it() {
     let out = realgap().arg("check").arg(&path).assert().code(1);
     let error = text(&out.get_output().stderr);
     assert!(
-        error.contains("found:   20000000 s") && error.contains("--time-unit us"),
+        error.contains("found:   20000000 s") && error.contains("columns: (t: \"t_s in us\")"),
         "{error}"
     );
 }
