@@ -92,7 +92,7 @@ def responder(
     # An object with a function `identity` says itself what decides its answers.
     identity = getattr(simulate, "identity", None)
     try:
-        text = identity() if callable(identity) else inspect.getsource(simulate)
+        text = str(identity()) if callable(identity) else inspect.getsource(simulate)
     except (OSError, TypeError):
         text = repr(type(simulate))
     digest = hashlib.sha256(text.encode()).hexdigest()

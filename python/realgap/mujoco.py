@@ -334,9 +334,7 @@ class MujocoModel:
             ("viscosity", "", (0.0, _LARGE)),
             ("impratio", "", (1e-3, _LARGE)),
         ):
-            get = lambda q=quantity: float(getattr(option, q))  # noqa: E731
-            put = lambda value, q=quantity: setattr(option, q, value)  # noqa: E731
-            found.append(Field(f"option.{quantity}", unit, *ends, get, put))
+            found.append(_option(option, quantity, unit, ends))
         for quantity, unit in (("gravity", "m/s2"), ("wind", "m/s")):
             for index in range(3):
                 own = f"option.{quantity}[{index}]"
@@ -473,7 +471,9 @@ class MujocoModel:
         start = question.start
         for (name, place, speed, turns), zero in zip(self._joints, self._zeros):
             units = ("rad", "rad_s") if turns else ("m", "m_s")
-            data.qpos[place] = start.get(f"{name}_{units[0]}", data.qpos[place] + zero) - zero
+            recorded = start.get(f"{name}_{units[0]}")
+            if recorded is not None:
+                data.qpos[place] = recorded - zero
             data.qvel[speed] = start.get(f"{name}_{units[1]}", data.qvel[speed])
         root = self._free_root()
         if root is None:
@@ -673,6 +673,18 @@ def _field(
             row[place] = sign * value
 
     return Field(name, unit, *ends, lambda: float(sign * row[places[0]]) + 0.0, put, inertial)
+
+
+def _option(option: Any, quantity: str, unit: str, ends: Tuple[float, float]) -> Field:
+    """A field of MuJoCo's options that is one number."""
+
+    def get() -> float:
+        return float(getattr(option, quantity))
+
+    def put(value: float) -> None:
+        setattr(option, quantity, value)
+
+    return Field(f"option.{quantity}", unit, *ends, get, put)
 
 
 def _gain(name: str, gain: Any, bias: Any, place: int) -> Field:

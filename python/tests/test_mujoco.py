@@ -116,6 +116,7 @@ def test_a_study_names_a_model_and_recovers_a_damping_and_a_mass(arm: str, tmp_p
         simulator: MujocoModel(model: "arm.xml", python: {python}),
         recordings: ["run.csv"],
         start: FromRecording,
+        metric: "joints",
         parameters: [
             (name: "joint.*.damping", from: 0.01, to: 0.06, points: 6),
             (name: "body.lower.mass", from: 0.05, to: 0.2, points: 7),

@@ -127,9 +127,12 @@ fn columns_without_units_drive_a_car_and_its_windows_tell_the_friction_of_the_fl
     for wrong in [0.2, 1.0] {
         assert!(error_lengths(folder.path(), wrong) > 3.0 * right, "{wrong}");
     }
-    // Twice the throttle is another run.
-    recorded(folder.path(), 2.0);
+    // A larger throttle is another run, and one above the full drive is none.
+    recorded(folder.path(), 1.4);
     assert!(error_lengths(folder.path(), FRICTION) > 3.0 * right);
+    recorded(folder.path(), 2.0);
+    let refused = study(folder.path(), &columns("enabled")).unwrap_err();
+    assert!(refused.to_string().contains("-1 to 1"), "{refused}");
 }
 
 #[test]
@@ -137,7 +140,11 @@ fn switches_and_columns_that_cannot_be_meant_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     recorded(folder.path(), 1.0);
     let refused = |columns: &str| study(folder.path(), columns).unwrap_err().to_string();
-    assert!(refused(&columns("enable")).contains("enabled"));
+    let said = refused(&columns("enable"));
+    assert!(
+        said.contains("unknown recorded column") && said.contains("name a column"),
+        "{said}"
+    );
     let without_scale = CAR.replace(", command: (factor: 0.4)", "");
     std::fs::write(folder.path().join("car.ron"), without_scale).unwrap();
     let said = refused(&columns("enabled"));

@@ -222,6 +222,7 @@ impl Commands {
                 None => {
                     let signals = motion.signals().iter().map(|signal| signal.name.as_str());
                     return Err(unknown_name("recorded column", &switch, signals)
+                        .or_hint("name a column of numbers that the recording has")
                         .at_file(&recording.path)
                         .field("commands.columns.on"));
                 }
