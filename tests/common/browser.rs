@@ -21,7 +21,7 @@ const FAULTS: &str = r#"(() => {
     texts.forEach(([text, box], k) => {
       const isCut = box.left < frame.left - 1 || box.right > frame.right + 1 || box.top < frame.top - 1 || box.bottom > frame.bottom + 1;
       // A wide picture on a phone keeps its size: its frame scrolls, and the whole of it can be reached.
-      const scrolls = frame.left >= 0 && ["auto", "scroll"].includes(getComputedStyle(svg.parentElement).overflowX);
+      const scrolls = isPage && frame.left >= 0 && ["auto", "scroll"].includes(getComputedStyle(svg.parentElement).overflowX);
       if (isCut || isPage && !scrolls && (box.left < 0 || box.right > page)) faults.push("cut: " + text);
       for (const [other, its] of texts.slice(k + 1)) if (inner(box, its)) faults.push(text + " on " + other);
     });

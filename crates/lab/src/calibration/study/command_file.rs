@@ -192,11 +192,19 @@ impl Commands {
                 return Err(unknown_name("hinge with a servo", hinge, names).field("commands"));
             };
             let Some((values, quantity)) = recorded(motion, column, &actuator) else {
+                if motion.signal(column).is_some() {
+                    let what =
+                        format!("nothing says what a command of `{column}` means for `{hinge}`");
+                    return Err(Error::invalid(what)
+                        .at_file(&recording.path)
+                        .found("a column without a unit, and an actuator without `command`")
+                        .hint("state `command: (factor: ...)` of the actuator in the robot's file, or name the column after its unit, e.g. NAME_command_rad"));
+                }
                 let joints = motion.joints().iter().map(|joint| joint.name.as_str());
                 let signals = motion.signals().iter().map(|signal| signal.name.as_str());
                 return Err(unknown_name("recorded command", column, joints.chain(signals))
                     .at_file(&recording.path)
-                    .or_hint("a command stands in a column NAME_rad, NAME_command_rad_s, NAME_command_nm, NAME_command_a or NAME_command_duty; for a column without a unit the robot's file states `command: (factor: ...)` of the actuator"));
+                    .or_hint("a command stands in a column NAME_rad, NAME_command_rad_s, NAME_command_nm, NAME_command_a or NAME_command_duty"));
             };
             let passed: Vec<f64> = match quantity == Quantity::of(&actuator.servo.law) {
                 true => values.iter().map(|v| actuator.command.apply(*v)).collect(),
