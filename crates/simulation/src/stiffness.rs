@@ -5,20 +5,19 @@ use nalgebra::{Isometry3, Matrix3};
 use super::engine::EngineChoice;
 use super::experiment::{Experiment, Solver};
 use super::outcome::Divergence;
+use super::rapier::{LEAST_SHARE, total_kg};
 use realgap_core::warning::{Code, Warning};
 use realgap_robot::morphology::{Assembly, Freedom, Hinge};
 
-/// A link without mass behaves in Rapier as one of this share of the robot's mass.
-const LEAST_SHARE: f64 = super::rapier::LEAST_SHARE;
 /// The inertia of two parts about the hinge between them, without other joints, as Rapier sees it, kg m² (kg for a slide).
 fn reduced_inertia(assembly: &Assembly, hinge: &Hinge) -> f64 {
     let robot = Isometry3::identity();
-    let total_kg: f64 = assembly.parts.iter().map(|part| part.mass_kg()).sum();
+    let least_kg = LEAST_SHARE * total_kg(assembly);
     let of = |index: usize| {
         let mass = assembly.parts[index].mass(&robot);
         let (mass_kg, inertia): (f64, Matrix3<f64>) = match mass.mass_kg > 0.0 {
             true => (mass.mass_kg, mass.inertia_kg_m2),
-            false => (LEAST_SHARE * total_kg, Matrix3::zeros()),
+            false => (least_kg, Matrix3::zeros()),
         };
         if hinge.freedom == Freedom::Slide {
             return mass_kg;

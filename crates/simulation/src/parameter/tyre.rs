@@ -3,17 +3,13 @@
 use super::member::matches;
 use super::{Nudge, Parameter, entry};
 use crate::Experiment;
-use realgap_robot::morphology::{Assembly, Solid, Tyre};
+use realgap_robot::morphology::{Assembly, Tyre};
 
 /// The tyres of the bodies whose names match the pattern.
 fn tyres<'a>(assembly: &'a Assembly, subject: &'a str) -> impl Iterator<Item = &'a Tyre> {
     let solids = assembly.parts.iter().flat_map(|part| &part.solids);
-    let chosen = solids.filter(move |solid| is_of(assembly, solid, subject));
+    let chosen = solids.filter(move |solid| matches(subject, &assembly.module_names[solid.module]));
     chosen.filter_map(|solid| solid.tyre.as_ref())
-}
-
-fn is_of(assembly: &Assembly, solid: &Solid, subject: &str) -> bool {
-    matches(subject, &assembly.module_names[solid.module])
 }
 
 /// The value that all of them share.

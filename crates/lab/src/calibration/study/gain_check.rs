@@ -1,11 +1,11 @@
 //! Doubts about gains that fit neither the robot nor its recordings: most of them are numbers of a firmware's registers, which have no unit.
 
-use nalgebra::{Isometry3, Point3};
+use std::cell::LazyCell;
 
 use crate::calibration::{Case, Definition};
 use realgap_core::unit::number;
 use realgap_core::{Code, Warning};
-use realgap_robot::morphology::{Assembly, Freedom, Hinge, ServoLaw};
+use realgap_robot::morphology::{Hinge, ServoLaw};
 use realgap_simulation::Quantity;
 
 /// The share of the recorded samples in which gains ask a servo for more than it has, from which on they are doubted: a real servo would
@@ -28,32 +28,10 @@ enum Doubt {
     Late { lag_s: f64 },
 }
 
-/// Inertia of all that a hinge moves about its axis, with its rotor, all angles at zero, kg m² (of a slide its mass, kg).
-fn inertia(robot: &Assembly, hinge: &Hinge) -> f64 {
-    let mut is_moved = vec![false; robot.parts.len()];
-    is_moved[hinge.child_part] = true;
-    // Hinges stand in the order from the root outwards.
-    for other in &robot.hinges {
-        is_moved[other.child_part] |= is_moved[other.parent_part];
-    }
-    let axis = hinge.axis_robot.into_inner();
-    let moved = robot.parts.iter().zip(is_moved).filter(|(_, is)| *is);
-    let carried: f64 = moved
-        .map(|(part, _)| {
-            let mass = part.mass(&Isometry3::identity());
-            if hinge.freedom == Freedom::Slide {
-                return mass.mass_kg;
-            }
-            let arm_m = Point3::from(mass.centre_m) - Point3::from(hinge.anchor_robot_m);
-            axis.dot(&(mass.inertia_kg_m2 * axis))
-                + mass.mass_kg * axis.cross(&arm_m).norm_squared()
-        })
-        .sum();
-    carried + hinge.bearing.armature_kg_m2
-}
-
 /// What is implausible about the gains of a joint, if anything is.
-fn doubt(robot: &Assembly, hinge: &Hinge, cases: &[Case]) -> Option<Doubt> {
+///
+/// `inertia` is that of all that the joint carries about its axis, with its rotor, kg m² (of a slide its mass, kg).
+fn doubt(hinge: &Hinge, inertia: impl Fn() -> f64, cases: &[Case]) -> Option<Doubt> {
     let actuator = hinge.actuator.as_ref()?;
     let ServoLaw::Torque {
         stiffness_nm_rad,
@@ -97,7 +75,7 @@ fn doubt(robot: &Assembly, hinge: &Hinge, cases: &[Case]) -> Option<Doubt> {
     if lag_s > LATEST_S {
         return Some(Doubt::Late { lag_s });
     }
-    let inertia = inertia(robot, hinge);
+    let inertia = inertia();
     let hz = (stiffness_nm_rad / inertia).sqrt() / std::f64::consts::TAU;
     (hz > FASTEST_HZ).then_some(Doubt::Fast { hz, inertia })
 }
@@ -112,8 +90,14 @@ pub(super) fn doubts(definition: &Definition, cases: &[Case]) -> Option<Warning>
         varied
             .any(|parameter| parameter.name == own || parameter.name == "servo.*.stiffness_nm_rad")
     };
-    let stated = robot.hinges.iter().filter(|hinge| !is_varied(&hinge.name));
-    let found = stated.filter_map(|hinge| Some((hinge, doubt(&robot, hinge, cases)?)));
+    // Few studies ask for it: its cost grows with the cube of the number of joints.
+    let mass_matrix = LazyCell::new(|| robot.dynamics(&vec![0.0; robot.hinges.len()]).mass_matrix);
+    let joints = robot.hinges.iter().enumerate();
+    let stated = joints.filter(|(_, hinge)| !is_varied(&hinge.name));
+    let found = stated.filter_map(|(index, hinge)| {
+        let inertia = || mass_matrix[index][index];
+        Some((hinge, doubt(hinge, inertia, cases)?))
+    });
     let found: Vec<String> = found.map(|(hinge, doubt)| said(hinge, &doubt)).collect();
     let more = match found.len().saturating_sub(NAMED) {
         0 => String::new(),
