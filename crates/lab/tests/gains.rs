@@ -41,6 +41,16 @@ fn register_values_that_would_hold_a_servo_at_its_limit_are_doubted_and_the_true
     // What the study varies is not stated.
     let varied = r#"(name: "servo.pitch.stiffness_nm_rad", from: 1000, to: 5000)"#;
     assert_eq!(doubt("max_torque_nm: 3", PITCH, varied), None);
+    for form in [
+        "servo.p*h.stiffness_nm_rad",
+        "servo.*.stiffness_nm_rad",
+        "servo.stiffness_nm_rad",
+    ] {
+        let varied = format!(r#"(name: "{form}", from: 1000, to: 5000)"#);
+        assert_eq!(doubt("max_torque_nm: 3", PITCH, &varied), None, "{form}");
+    }
+    let another = r#"(name: "servo.elb*.stiffness_nm_rad", from: 1, to: 50)"#;
+    assert!(doubt("max_torque_nm: 3", PITCH, another).is_some());
 }
 
 #[test]
@@ -60,6 +70,8 @@ fn a_loop_faster_than_any_joint_and_one_that_lags_for_half_a_second_are_doubted_
     let late = r#""servo.pitch.stiffness_nm_rad": 32, "servo.pitch.damping_nm_s_rad": 32"#;
     let said = doubt("max_torque_nm: 10000", late, ZERO).unwrap();
     assert!(said.contains("1.00 s behind"), "{said}");
+    let varied = r#"(name: "servo.pi*.damping_nm_s_rad", from: 0.1, to: 50)"#;
+    assert_eq!(doubt("max_torque_nm: 10000", late, varied), None);
 }
 
 #[test]

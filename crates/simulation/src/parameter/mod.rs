@@ -316,6 +316,23 @@ impl Parameter {
         self.name.rsplit('.').next().unwrap_or(self.name)
     }
 
+    /// Whether the parameter sets this quantity of the servo of this joint: by its name, by a form with `*`, or of all joints.
+    ///
+    /// ```
+    /// use realgap_simulation::parameter::by_name;
+    ///
+    /// let calves = by_name("servo.*_calf_joint.stiffness_nm_rad")?;
+    /// assert!(calves.sets_servo("FL_calf_joint", "stiffness_nm_rad"));
+    /// assert!(!calves.sets_servo("FL_hip_joint", "stiffness_nm_rad"));
+    /// assert!(!calves.sets_servo("FL_calf_joint", "damping_nm_s_rad"));
+    /// # Ok::<(), realgap_core::Error>(())
+    /// ```
+    pub fn sets_servo(&self, joint: &str, quantity: &str) -> bool {
+        self.group() == "servo"
+            && self.quantity() == quantity
+            && member::matches(self.subject, joint)
+    }
+
     /// Whether the parameter refers to selected modules or joints only, so that it overrides a parameter of all of them.
     pub(crate) fn is_precise(&self) -> bool {
         self.rank() > 0

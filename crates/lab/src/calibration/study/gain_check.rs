@@ -31,7 +31,12 @@ enum Doubt {
 /// What is implausible about the gains of a joint, if anything is.
 ///
 /// `inertia` is that of all that the joint carries about its axis, with its rotor, kg m² (of a slide its mass, kg).
-fn doubt(hinge: &Hinge, inertia: impl Fn() -> f64, cases: &[Case]) -> Option<Doubt> {
+fn doubt(
+    hinge: &Hinge,
+    has_stated_damping: bool,
+    inertia: impl Fn() -> f64,
+    cases: &[Case],
+) -> Option<Doubt> {
     let actuator = hinge.actuator.as_ref()?;
     let ServoLaw::Torque {
         stiffness_nm_rad,
@@ -72,7 +77,7 @@ fn doubt(hinge: &Hinge, inertia: impl Fn() -> f64, cases: &[Case]) -> Option<Dou
         });
     }
     let lag_s = damping_nm_s_rad / stiffness_nm_rad;
-    if lag_s > LATEST_S {
+    if has_stated_damping && lag_s > LATEST_S {
         return Some(Doubt::Late { lag_s });
     }
     let inertia = inertia();
@@ -84,19 +89,21 @@ fn doubt(hinge: &Hinge, inertia: impl Fn() -> f64, cases: &[Case]) -> Option<Dou
 /// that the study varies are not stated.
 pub(super) fn doubts(definition: &Definition, cases: &[Case]) -> Option<Warning> {
     let robot = cases.first()?.experiment.adjusted_assembly();
-    let is_varied = |name: &str| {
-        let own = format!("servo.{name}.stiffness_nm_rad");
+    let is_varied = |joint: &str, quantity: &str| {
         let mut varied = definition.parameters.iter();
-        varied
-            .any(|parameter| parameter.name == own || parameter.name == "servo.*.stiffness_nm_rad")
+        varied.any(|parameter| {
+            parameter.robot().is_none_or(|own| own == robot.name)
+                && parameter.sets_servo(joint, quantity)
+        })
     };
     // Few studies ask for it: its cost grows with the cube of the number of joints.
     let mass_matrix = LazyCell::new(|| robot.dynamics(&vec![0.0; robot.hinges.len()]).mass_matrix);
     let joints = robot.hinges.iter().enumerate();
-    let stated = joints.filter(|(_, hinge)| !is_varied(&hinge.name));
+    let stated = joints.filter(|(_, hinge)| !is_varied(&hinge.name, "stiffness_nm_rad"));
     let found = stated.filter_map(|(index, hinge)| {
         let inertia = || mass_matrix[index][index];
-        Some((hinge, doubt(hinge, inertia, cases)?))
+        let has_stated_damping = !is_varied(&hinge.name, "damping_nm_s_rad");
+        Some((hinge, doubt(hinge, has_stated_damping, inertia, cases)?))
     });
     let found: Vec<String> = found.map(|(hinge, doubt)| said(hinge, &doubt)).collect();
     let more = match found.len().saturating_sub(NAMED) {
