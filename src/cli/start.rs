@@ -1,6 +1,7 @@
 //! `realgap start`: makes a study of the user's files, and prints every guess with its evidence.
 
 mod drive;
+mod effort;
 mod gains;
 mod joint;
 mod noise;

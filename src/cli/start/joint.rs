@@ -1,11 +1,12 @@
 //! The study of joint logs: commands of the joints, and the servo parameters to fit.
 
 use realgap::calibration::{Commands, RunStart, Unmatched};
-use realgap::robot::morphology::{Freedom, Hinge, ServoLaw, Summary};
+use realgap::robot::morphology::{Freedom, Hinge, ServoLaw};
 use realgap::simulation::parameter::by_name;
 use realgap::trajectory::{Recording, Trajectory};
 
 use super::super::kit::*;
+use super::effort::Effort;
 use super::{Draft, Drive, Subject, noise};
 
 /// Words that occur in the names of command columns.
@@ -30,6 +31,13 @@ struct Proposal {
     from: f64,
     to: f64,
     own: f64,
+}
+
+/// What bounds the ranges of a joint, beside its own values.
+struct Scales {
+    effort: Effort,
+    /// The torque that gravity may have about a joint, N m. The limit of a servo may be far above it, where a file states no limit.
+    gravity_nm: f64,
 }
 
 impl Proposal {
@@ -67,7 +75,9 @@ impl Proposal {
 /// A robot that has none of the recorded joints.
 pub(super) fn draft(subject: &Subject, recordings: &[Recording], drive: &Drive) -> Result<Draft> {
     let mut clues = Vec::new();
-    let hinges = subject.robot.assemble().hinges;
+    let robot = subject.robot.assemble();
+    let efforts = Effort::of_joints(&robot, recordings);
+    let hinges = robot.hinges;
     let motion = &recordings[0].trajectory;
     let Unmatched {
         joints: lacking,
@@ -121,7 +131,14 @@ pub(super) fn draft(subject: &Subject, recordings: &[Recording], drive: &Drive) 
             ),
         ));
     }
-    let parameters: Vec<Proposal> = proposals(&recorded, has_command, drive, &summary)
+    let scales = |hinge: &Hinge| {
+        let at = hinges.iter().position(|known| known.name == hinge.name);
+        Scales {
+            effort: at.map(|at| efforts[at]).unwrap_or_default(),
+            gravity_nm: summary.mass_kg * 9.81 * summary.body_length_m,
+        }
+    };
+    let parameters: Vec<Proposal> = proposals(&recorded, has_command, drive, &scales)
         .into_iter()
         .map(Proposal::within_bounds)
         .collect::<Result<_>>()?;
@@ -199,12 +216,12 @@ fn proposals(
     recorded: &[&Hinge],
     has_command: impl Fn(&Hinge) -> bool,
     drive: &Drive,
-    summary: &Summary,
+    scales: impl Fn(&Hinge) -> Scales,
 ) -> Vec<Proposal> {
     let mut all = Vec::new();
     for hinge in recorded {
         all.extend(of_servo(hinge, has_command(hinge), drive));
-        all.extend(of_hinge(hinge, has_command(hinge), drive, summary));
+        all.extend(of_hinge(hinge, has_command(hinge), drive, &scales(hinge)));
     }
     let has_delay = |hinge: &&&Hinge| {
         has_command(hinge)
@@ -276,10 +293,9 @@ fn of_servo(hinge: &Hinge, has_command: bool, drive: &Drive) -> Vec<Proposal> {
 }
 
 /// The parameters of a joint's bearing, and of its zero.
-fn of_hinge(hinge: &Hinge, has_command: bool, drive: &Drive, summary: &Summary) -> Vec<Proposal> {
+fn of_hinge(hinge: &Hinge, has_command: bool, drive: &Drive, scales: &Scales) -> Vec<Proposal> {
     let name = &hinge.name;
-    // The torque that gravity may have about a joint. The limit of a servo may be far above it, where a file states no limit.
-    let gravity_nm = summary.mass_kg * 9.81 * summary.body_length_m;
+    let Scales { effort, gravity_nm } = *scales;
     let torque_nm = match hinge.actuator {
         Some(actuator) => actuator.servo.max_torque_nm.min(SERVO * gravity_nm),
         None => gravity_nm,
@@ -299,7 +315,7 @@ fn of_hinge(hinge: &Hinge, has_command: bool, drive: &Drive, summary: &Summary) 
             "armature_kg_m2",
             bearing.armature_kg_m2,
             20.0,
-            ARMATURE_S2 * torque_nm,
+            (ARMATURE_S2 * torque_nm).max(effort.inertia_kg_m2),
         ));
     }
     // Viscous friction and the damping of a servo whose command stands still are one.
@@ -313,10 +329,11 @@ fn of_hinge(hinge: &Hinge, has_command: bool, drive: &Drive, summary: &Summary) 
             "viscous_nm_s_rad",
             bearing.viscous_nm_s_rad,
             5.0,
-            FRICTION * torque_nm,
+            (FRICTION * torque_nm).max(effort.viscous_nm_s_rad),
         ));
     }
-    all.push(up_to("dry_nm", bearing.dry_nm, 5.0, FRICTION * torque_nm));
+    let most_dry_nm = (FRICTION * torque_nm).max(effort.dry_nm);
+    all.push(up_to("dry_nm", bearing.dry_nm, 5.0, most_dry_nm));
     // A zero shifts angles, which neither torques nor speeds are.
     let follows_angles = |law: ServoLaw| law != ServoLaw::Direct && !law.follows_speeds();
     if has_command && law(hinge).is_none_or(follows_angles) {

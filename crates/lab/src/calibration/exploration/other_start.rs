@@ -5,6 +5,7 @@ use std::sync::Arc;
 use rand_distr::{Distribution, StandardNormal};
 
 use crate::calibration::Study;
+use crate::calibration::recording::start_speed::StartSpeed;
 use realgap_core::Result;
 use realgap_core::random::Numbered;
 use realgap_core::statistics::median;
@@ -81,7 +82,6 @@ fn disturb(experiment: &mut Experiment, real: &Trajectory, seed: u64, number: u6
         return;
     }
     let mut rng = Numbered::StartMotion.generator(seed, number);
-    let dt_s = times_s[1] - times_s[0];
     // What a simulator of somebody else is told of the start is moved in the same way; our own engines are told nothing.
     if !experiment.foreign.start.values.is_empty() {
         let told = &mut Arc::make_mut(&mut experiment.foreign.start).values;
@@ -95,7 +95,7 @@ fn disturb(experiment: &mut Experiment, real: &Trajectory, seed: u64, number: u6
             };
             let angle_rad = noise(&joint.angles_rad);
             move_by("_rad", angle_rad);
-            move_by("_rad_s", speed_noise_rad_s(joint, angle_rad, dt_s));
+            move_by("_rad_s", speed_noise_rad_s(joint, angle_rad, times_s));
         }
     }
     for (hinge, start) in experiment
@@ -111,15 +111,15 @@ fn disturb(experiment: &mut Experiment, real: &Trajectory, seed: u64, number: u6
         };
         let angle_rad = noise(&joint.angles_rad);
         start.angle_rad += angle_rad * moves.0;
-        start.speed_rad_s += speed_noise_rad_s(joint, angle_rad, dt_s) * moves.1;
+        start.speed_rad_s += speed_noise_rad_s(joint, angle_rad, times_s) * moves.1;
     }
 }
 
-/// Standard deviation of the noise of a recorded start speed: its own, or that of a difference of two angles.
-fn speed_noise_rad_s(joint: &JointTrack, angle_rad: f64, dt_s: f64) -> f64 {
+/// Standard deviation of the noise of a recorded start speed: its own, or that of the slope of its angles.
+fn speed_noise_rad_s(joint: &JointTrack, angle_rad: f64, times_s: &[f64]) -> f64 {
     match &joint.speeds_rad_s {
         Some(speeds) => noise(speeds),
-        None => std::f64::consts::SQRT_2 * angle_rad / dt_s,
+        None => StartSpeed::of(times_s, &joint.angles_rad).noise_1_s * angle_rad,
     }
 }
 

@@ -1,6 +1,7 @@
 //! The joints of recordings, and of the robot that is simulated in their place.
 
 use crate::calibration::recording::file_pattern::name_matches;
+use crate::calibration::recording::start_speed::StartSpeed;
 use crate::calibration::study::command_file::ON;
 use crate::calibration::{CommandColumn, Commands};
 use realgap_core::{Code, Error, Result, Warning};
@@ -27,7 +28,6 @@ pub(in crate::calibration) fn set_up(
     warnings.extend(check_names(experiment, recording, commands, left_out)?);
     let hinges = &experiment.assembly.hinges;
     if hinges.iter().any(|h| motion.joint(&h.name).is_some()) {
-        let dt_s = motion.times_s()[1] - motion.times_s()[0];
         experiment.start_joints = hinges
             .iter()
             .map(|hinge| match motion.joint(&hinge.name) {
@@ -35,7 +35,7 @@ pub(in crate::calibration) fn set_up(
                     angle_rad: joint.angles_rad[0],
                     speed_rad_s: match &joint.speeds_rad_s {
                         Some(speeds) => speeds[0],
-                        None => (joint.angles_rad[1] - joint.angles_rad[0]) / dt_s,
+                        None => StartSpeed::of(motion.times_s(), &joint.angles_rad).rad_s,
                     },
                 },
                 None => JointState {

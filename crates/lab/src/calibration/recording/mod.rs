@@ -8,6 +8,7 @@ pub(super) mod noise;
 pub(super) mod plausibility;
 pub(super) mod repeat;
 pub(super) mod stand_in;
+pub(in crate::calibration) mod start_speed;
 pub(super) mod usage;
 
 use std::collections::BTreeSet;

@@ -125,6 +125,7 @@ struct Room {
     scale: f64,
     middle: Point,
     centre: Point,
+    has_floor: bool,
 }
 
 impl Room {
@@ -138,7 +139,8 @@ impl Room {
 }
 
 impl Animation {
-    fn room(&self) -> Room {
+    /// All places of paths and corners of moving bodies that are finite.
+    fn places_m(&self) -> Vec<[f64; 3]> {
         let traces = self.traces.iter();
         let traces = traces.flat_map(|trace| trace.places_m.iter().copied());
         let corners = self.moments.iter().flat_map(|moment| {
@@ -146,9 +148,35 @@ impl Animation {
             let all = solids.chain(&moment.outlines);
             all.flat_map(|surface| surface.corners_m.iter().map(|corner| (*corner).into()))
         });
-        let all = traces.chain(corners).chain(self.floor_m);
-        let finite = all.filter(|p| p.iter().all(|v| v.is_finite())).map(project);
-        let (xs, ys): (Vec<f64>, Vec<f64>) = finite.unzip();
+        let all = traces.chain(corners);
+        all.filter(|place: &[f64; 3]| place.iter().all(|v| v.is_finite()))
+            .collect()
+    }
+
+    /// Whether something comes nearer to the floor than everything together is long. A robot that is held high above the floor would
+    /// be a speck above its own shadow.
+    fn has_floor(&self, places_m: &[[f64; 3]]) -> bool {
+        let [height_m, rise] = self.floor_rise;
+        let nearest_m = (places_m.iter())
+            .map(|[x, _, z]| z - (height_m + rise * x))
+            .fold(f64::INFINITY, f64::min);
+        let longest_m = [0, 1, 2]
+            .map(|axis| {
+                let (low, high) = ends_of(places_m.iter().map(|place| place[axis]));
+                high - low
+            })
+            .into_iter()
+            .fold(0.0, f64::max);
+        nearest_m <= longest_m
+    }
+
+    fn room(&self) -> Room {
+        let mut places_m = self.places_m();
+        let has_floor = self.has_floor(&places_m);
+        if has_floor {
+            places_m.extend(self.floor_m);
+        }
+        let (xs, ys): (Vec<f64>, Vec<f64>) = places_m.into_iter().map(project).unzip();
         let ((x0, x1), (y0, y1)) = (ends_of(xs), ends_of(ys));
         let (wide_m, tall_m) = ((x1 - x0).max(1e-3), (y1 - y0).max(1e-3));
         let width = WIDTH - 2.0 * MARGIN;
@@ -158,6 +186,7 @@ impl Animation {
             scale: (width / wide_m).min(height / tall_m),
             middle: (0.5 * (x0 + x1), 0.5 * (y0 + y1)),
             centre: (0.5 * WIDTH, HEAD + 0.5 * height),
+            has_floor,
         }
     }
 }
@@ -174,7 +203,9 @@ impl Picture for Frame<'_> {
     }
 
     fn draw(&self, canvas: &mut Canvas) {
-        self.draw_floor(canvas);
+        if self.room.has_floor {
+            self.draw_floor(canvas);
+        }
         self.draw_paths(canvas);
         self.draw_bodies(canvas);
         self.draw_points(canvas);
@@ -231,7 +262,7 @@ impl Frame<'_> {
         let fixed = fixed.map(|surface| (surface.clone(), Look::Other));
         let all = fixed.chain(self.moment.solids.iter().cloned());
         let (surfaces, looks): (Vec<Surface>, Vec<Look>) = all.unzip();
-        for surface in &surfaces {
+        for surface in surfaces.iter().filter(|_| self.room.has_floor) {
             let below = shadow(surface).into_iter();
             let below = below.map(|[x, y]| place([x, y, height + rise * x]));
             canvas.polygon(&below.collect::<Vec<_>>(), SHADOW);
