@@ -17,6 +17,7 @@ mod engines;
 mod export;
 mod instrument;
 mod noise_contract;
+mod objects;
 mod parameter_contract;
 mod rest;
 mod rolling;

@@ -56,6 +56,15 @@ pub(super) fn tidy(structure: &mut Structure, options: &Options, notes: &mut Not
     if let Some(mount) = &mut structure.mount {
         mount.at_m.2 += height_m;
     }
+    if options.lifted && !structure.world.bodies.is_empty() {
+        // Joints alone were recorded, and these bodies would only fall.
+        structure.world.bodies.clear();
+        notes.left_out(
+            None,
+            "the bodies beside the robot, which is held above the floor",
+            "import the robot without lifting it to simulate them",
+        );
+    }
     driven::drive(structure, options, notes);
     let moving: BTreeSet<&str> = structure
         .joints
@@ -156,6 +165,9 @@ fn raise(structure: &mut Structure, assembly: &Assembly, notes: &mut Notes) {
     let height_m = reach_m(structure);
     if let Some(mount) = &mut structure.mount {
         mount.at_m.2 += height_m;
+    }
+    for body in &mut structure.world.bodies {
+        body.pose.at_m.2 += height_m;
     }
     notes.assumed(
         None,

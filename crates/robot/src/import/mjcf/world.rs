@@ -16,6 +16,8 @@ const GRAVITY_M_S2: f64 = 9.81;
 const STEEPEST_RAD: f64 = 1.2;
 /// The highest and lowest floor, metres.
 const HIGHEST_M: f64 = 10.0;
+/// Masses of free bodies beside a robot, kg.
+const MASSES_KG: std::ops::RangeInclusive<f64> = 1e-6..=1000.0;
 /// Bodies that are named in a note.
 const NAMED: usize = 6;
 
@@ -214,26 +216,50 @@ impl Robot<'_> {
         poses
     }
 
-    /// The bodies that are not part of a robot that moves freely.
+    /// The bodies that are not part of the robot: of a robot that moves freely all that do not hang on its root, beside a held robot
+    /// what lies loosely and consists of boxes.
     pub(super) fn ids_beside(&self) -> BTreeSet<usize> {
-        let Some(root) = self.free_root else {
-            return BTreeSet::new();
-        };
         let tops = tops(self.model);
-        (1..tops.len()).filter(|id| tops[*id] != root).collect()
+        let is_beside = |top: usize| match self.free_root {
+            Some(root) => top != root,
+            None => self.is_loose_box(top, &tops),
+        };
+        (1..tops.len()).filter(|id| is_beside(tops[*id])).collect()
     }
 
-    /// Adds fixed and free bodies of boxes beside a robot that moves freely, and says which bodies are not taken.
+    /// Whether a body on the world moves freely, as a whole, and touches others with boxes alone.
+    fn is_loose_box(&self, top: usize, tops: &[usize]) -> bool {
+        let own = (1..tops.len()).filter(|id| tops[*id] == top);
+        let (mut joints, mut boxes, mut mass_kg) = (Vec::new(), 0, 0.0);
+        for id in own {
+            let body = &self.model.bodies[id];
+            joints.extend(body.joints.iter().map(|joint| (id, joint.kind)));
+            for geom in body.geoms.iter().filter(|geom| geom.touches()) {
+                if geom.kind != GeomType::Box || !is_usual_box(geom) {
+                    return false;
+                }
+                boxes += 1;
+            }
+            mass_kg += self.masses[id].mass_kg;
+        }
+        joints == [(top, JointType::Free)] && boxes > 0 && MASSES_KG.contains(&mass_kg)
+    }
+
+    /// Adds fixed and free bodies of boxes beside the robot, and says which bodies are not taken. What stands fixed beside a held robot
+    /// is part of it.
     fn stand_beside(&mut self, notes: &mut Notes) {
-        let Some(root) = self.free_root else {
-            return;
-        };
         let poses = self.poses_world();
-        let place = self.model.bodies[root].pose.translation.vector;
-        // The robot starts above the origin.
-        let shift = Translation3::new(-place.x, -place.y, 0.0);
         let tops = tops(self.model);
-        let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::from([(0, vec![0])]);
+        let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        let mut shift = Translation3::identity();
+        let mut who = "the robot".to_owned();
+        if let Some(root) = self.free_root {
+            // The robot starts above the origin.
+            let place = self.model.bodies[root].pose.translation.vector;
+            shift = Translation3::new(-place.x, -place.y, 0.0);
+            groups.insert(0, vec![0]);
+            who = format!("the robot, whose root is `{}`,", self.names[root]);
+        }
         for id in self.ids_beside() {
             groups.entry(tops[id]).or_default().push(id);
         }
@@ -263,13 +289,10 @@ impl Robot<'_> {
             for id in &ids {
                 let here = world_from_top.inverse() * poses[*id];
                 for geom in self.model.bodies[*id].geoms.iter().filter(solid) {
-                    if geom.kind != GeomType::Box {
+                    if geom.kind != GeomType::Box || !is_usual_box(geom) {
                         continue;
                     }
                     let sides = geom.size * 2.0;
-                    if sides.min() < 1e-4 || sides.max() > 100.0 {
-                        continue;
-                    }
                     boxes.push(BesideBox {
                         sides_m: (sides.x, sides.y, sides.z),
                         pose: Pose::of(&(here * geom.pose)),
@@ -279,7 +302,7 @@ impl Robot<'_> {
                 }
             }
             let mass_kg: f64 = ids.iter().map(|id| self.masses[*id].mass_kg).sum();
-            if boxes.is_empty() || (is_free && !(1e-6..=1000.0).contains(&mass_kg)) {
+            if boxes.is_empty() || (is_free && !MASSES_KG.contains(&mass_kg)) {
                 lost.push(name);
                 continue;
             }
@@ -307,9 +330,8 @@ impl Robot<'_> {
             notes.assumed(
                 None,
                 format!(
-                    "{} bodies beside the robot, whose root is `{}`, stand in its `world` as boxes: {}",
+                    "{} bodies beside {who} stand in its `world` as boxes: {}",
                     taken.len(),
-                    self.names[root],
                     listed(&taken)
                 ),
                 "remove them from `world` where they were not there",
@@ -329,9 +351,8 @@ impl Robot<'_> {
             notes.left_out(
                 None,
                 format!(
-                    "{} bodies beside the robot, whose root is `{}`, the heaviest body with a free joint: {}",
+                    "{} bodies beside {who} the heaviest body with a free joint: {}",
                     lost.len(),
-                    self.names[root],
                     listed(&lost)
                 ),
                 "bodies of boxes without joints are taken: state them in `world`, or take out of the file what is not to be the robot",
@@ -400,6 +421,12 @@ impl Robot<'_> {
             "name another body or mark in `track`",
         );
     }
+}
+
+/// Whether a box has sides that a body beside a robot may have.
+fn is_usual_box(geom: &Geom) -> bool {
+    let sides_m = geom.size * 2.0;
+    sides_m.min() >= 1e-4 && sides_m.max() <= 100.0
 }
 
 /// A name in the signs that names have here.
