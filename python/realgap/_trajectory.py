@@ -121,8 +121,8 @@ class Trajectory:
         >>> realgap.Trajectory(run.times_s, run.positions_m, run.quaternions, stand_in_of="tripod").is_stand_in
         True
         >>> asked = realgap.Trajectory([0, 1], [[0, 0], [1, 0]], joints={"knee": [0.0, 0.4]}, commands={"knee": [0.0, 0.5]})
-        >>> list(asked.signals)
-        ['knee_command_rad']
+        >>> list(asked.joints)
+        ['knee', 'knee_command']
         """
         times = given(times_s, "times_s", (None,))
         count = len(times)
@@ -149,8 +149,9 @@ class Trajectory:
             (signal, sent(given(values, f"signals[{signal!r}]", (count,))))
             for signal, values in (signals or {}).items()
         ]
-        more += [
-            (f"{joint}_command_rad", sent(given(values, f"commands[{joint!r}]", (count,))))
+        # A file has these in the column `NAME_command_rad`, which is read as the angle of a joint `NAME_command`.
+        angles += [
+            (f"{joint}_command", sent(given(values, f"commands[{joint!r}]", (count,))), None)
             for joint, values in (commands or {}).items()
         ]
         self._adopt(

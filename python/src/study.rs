@@ -430,10 +430,7 @@ fn follows_commands(robot: &Robot, recordings: &[Recording], asked: Option<bool>
             Err(
                 Error::usage("no recording has commands of the robot's joints")
                     .field("commands")
-                    .allowed(format!(
-                        "signals NAME_command_rad of the joints {}",
-                        names.join(", ")
-                    ))
+                    .allowed(format!("commanded angles of {}", names.join(", ")))
                     .hint("give them with Trajectory(..., commands={NAME: angles_rad})"),
             )
         }

@@ -21,7 +21,7 @@ def test_a_frame_is_read_as_the_file_with_its_columns():
     degrees = pandas.DataFrame({"t_s": [0.0, 1.0], "knee_deg": [0.0, 90.0], "knee_command_rad": [0.0, 1.5]})
     knee = realgap.Trajectory.from_pandas(degrees)
     assert knee.joints["knee"].angles_rad[1] == pytest.approx(np.pi / 2)
-    assert knee.signals["knee_command_rad"].tolist() == [0.0, 1.5]
+    assert knee.joints["knee_command"].angles_rad.tolist() == [0.0, 1.5]
     with pytest.raises(realgap.Error, match="not a pandas frame"):
         realgap.Trajectory.from_pandas({"t_s": [0.0]})
     with pytest.raises(realgap.Error, match="without slashes"):

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use serde::{Deserialize as _, Serialize};
 use serde::de::DeserializeOwned;
+use serde::{Deserialize as _, Serialize};
 use serde_json::Value;
 
 use crate::report::document::page::html;
