@@ -397,7 +397,7 @@ mod tests {
             }
             // The numbers of the first claim are those of the table below it.
             let gap = &found.claims[0];
-            let shown = realgap::unit::number(found.position_percent.mean);
+            let shown = number(found.position_percent.mean);
             assert!(gap.text.contains(&shown), "{shown}: {gap}");
             let mean = format!("{:.2}", found.position_percent.mean);
             assert!(
