@@ -67,7 +67,7 @@ impl LiveOption {
         };
         // An unwritable place is said before the run.
         page(None)?;
-        let done = std::thread::scope(|scope| {
+        std::thread::scope(|scope| {
             let (stop, stopped) = mpsc::channel::<()>();
             let renewed = scope.spawn(move || {
                 let mut first_error = None;
@@ -95,7 +95,6 @@ impl LiveOption {
                 }
             }
             done
-        });
-        done
+        })
     }
 }
