@@ -163,6 +163,8 @@ impl LivePage<'_> {
         );
         let map = HeatMap {
             missing: "no score yet".to_owned(),
+            // While little is known, all scores are told apart.
+            colours_to: None,
             table_rows: Vec::new(),
             ..map
         };
