@@ -494,7 +494,8 @@ fn one_thing_has_one_word_and_it_is_that_of_the_field() {
     for folder in ["realgap", "notebooks"] {
         for entry in std::fs::read_dir(python.join(folder)).unwrap() {
             let path = entry.unwrap().path();
-            if path.is_file() {
+            let ending = path.extension().unwrap_or_default();
+            if ["py", "ipynb"].iter().any(|known| ending == *known) {
                 texts.push((path.display().to_string(), read(&path)));
             }
         }
