@@ -2,7 +2,7 @@
 //!
 //! `realgap` simulates robots with Rapier or a solver of its own, compares what they do with recorded real runs, and
 //! searches the parameters of the simulation (friction, restitution, any other named number) for what matches
-//! reality best, together with everything that cannot be told apart from the best. The method is that of
+//! reality best, together with the confidence set: everything that fits as well. The method is that of
 //! "Lessons on the Reality-Gap: Iterations between Virtual and Real Robots" (paper 003 in these pages).
 //!
 //! # Primer

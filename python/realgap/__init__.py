@@ -35,7 +35,7 @@ The examples of this package use these objects, and a `folder` to write into. Th
 """
 
 from . import answer
-from ._answer import Answer
+from ._answer import Answer, Profile
 from ._callback import AskTell, Metric, Optimizer
 from ._catalogue import engine, metrics, optimizers, parameters, read_parameters
 from ._comparison import Comparison, Distances, compare
@@ -49,8 +49,10 @@ from ._error import (
     UsageError,
 )
 from ._feedback import Heard, Sensed
+from ._finding import Evaluation, Identification
 from ._json import Json, JsonObject
 from ._prediction import Ensemble, Gap, Prediction, predict
+from ._replay import replay
 from ._report import report
 from ._result import Result
 from ._robot import Robot
@@ -58,6 +60,7 @@ from ._search import Finalist, Search, SearchResults, Travel
 from ._simulation import EnergyBalance, Simulation, simulate
 from ._statistic import Interval
 from ._simulator import Question, serve
+from ._start import Started, start
 from ._study import Study
 from ._sweep import Verdict
 from ._table import Table
@@ -75,10 +78,12 @@ __all__ = [
     "EnergyBalance",
     "Ensemble",
     "Error",
+    "Evaluation",
     "FileError",
     "Finalist",
     "Gap",
     "Heard",
+    "Identification",
     "Interrupted",
     "Interval",
     "InvalidError",
@@ -89,6 +94,7 @@ __all__ = [
     "Optimizer",
     "Prediction",
     "Prepared",
+    "Profile",
     "Question",
     "Result",
     "Robot",
@@ -96,6 +102,7 @@ __all__ = [
     "SearchResults",
     "Sensed",
     "Simulation",
+    "Started",
     "Study",
     "Table",
     "Trajectory",
@@ -112,7 +119,9 @@ __all__ = [
     "predict",
     "prepare",
     "read_parameters",
+    "replay",
     "report",
     "serve",
     "simulate",
+    "start",
 ]

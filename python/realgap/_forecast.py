@@ -129,7 +129,7 @@ class RealRun:
 
 @dataclass(frozen=True)
 class Reality:
-    """All recordings against the repeats: coverage, energy score (with the one expected of one more repeat), and whether both are drawn alike.
+    """All recordings against the repeats: coverage, energy score (with the one expected of one more repeat), and whether both come from one distribution.
 
     >>> ensemble.summary.reality.energy_score_m > 0.0
     True

@@ -27,7 +27,7 @@ class GapAndRatio:
 class MetricGap:
     """Noise floor (real against real), gap and ratio by one metric.
 
-    `ideal` is the run without noise, `repeats` the mean over repeats; `alike` tests whether repeats and recordings are drawn alike.
+    `ideal` is the run without noise, `repeats` the mean over repeats; `alike` tests whether repeats and recordings come from one distribution.
 
     >>> gap.metrics[0].metric, gap.metrics[0].unit
     ('rms', 'm')

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import Mapping, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Literal, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _native
 from ._callback import AnyMetric, native_metric
@@ -11,10 +11,15 @@ from ._card import Card
 from ._forecast import EnsembleSummary
 from ._gap import GapSummary, MetricGap
 from ._json import Given, asked
+from ._plot import draw_gap
+from ._progress import AnyProgress, shown
 from ._result import Result
 from ._robot import Robot, native_robot
-from ._run import Parameters, Path, Progress, files_and_values, folder_name
+from ._run import Parameters, Path, files_and_values, folder_name, whole
 from ._table import Table
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 # Fields of a study's `noise`, or a file of them. A distribution is `{"Normal": 0.01}`.
 Noise = Union[Mapping[str, Given], Path, None]
@@ -77,6 +82,22 @@ class Gap(Result[_native.Gap, GapSummary]):
         """
         return self._summary.metrics
 
+    def plot(
+        self,
+        what: Literal["distance", "confidence"] = "distance",
+        *,
+        ax: Optional["Axes"] = None,
+    ) -> "Axes":
+        """Draws over time on axes of matplotlib, new ones without `ax`, and returns them: the distance from the recordings, or the
+        share of real runs inside the region that the repeats predict.
+
+        >>> import matplotlib
+        >>> matplotlib.use("agg")
+        >>> gap.plot().get_xlabel(), gap.plot("confidence").get_ylabel()
+        ('time, s', 'share of real runs inside')
+        """
+        return draw_gap(self._summary, what, ax)
+
 
 class Prediction(Result[_native.Prediction, Card]):
     """The prediction of what a robot will do before it is built, and how likely it is.
@@ -135,11 +156,11 @@ def ensemble_of(
     posterior: Optional[Path],
     jobs: Optional[int],
     folder: Optional[Path],
-    progress: Optional[Progress],
+    progress: AnyProgress,
 ) -> Ensemble:
     """See `Study.ensemble`."""
     drawing = _drawing("ensemble", repeats, noise, seed, model_error, posterior)
-    return Ensemble(_native.repeat_study(study, drawing, jobs, folder_name(folder), progress))
+    return Ensemble(_native.repeat_study(study, drawing, whole("jobs", jobs), folder_name(folder), shown(progress)))
 
 
 def gap_of(
@@ -150,12 +171,12 @@ def gap_of(
     seed: Optional[int],
     jobs: Optional[int],
     folder: Optional[Path],
-    progress: Optional[Progress],
+    progress: AnyProgress,
 ) -> Gap:
     """See `Study.gap`."""
     drawing = _drawing("gap", repeats, noise, seed)
     chosen = None if metrics is None else [native_metric(metric) for metric in metrics]
-    return Gap(_native.study_gap(study, chosen, drawing, jobs, folder_name(folder), progress))
+    return Gap(_native.study_gap(study, chosen, drawing, whole("jobs", jobs), folder_name(folder), shown(progress)))
 
 
 def predict(
@@ -171,7 +192,7 @@ def predict(
     posterior: Optional[Path] = None,
     jobs: Optional[int] = None,
     folder: Optional[Path] = None,
-    progress: Optional[Progress] = None,
+    progress: AnyProgress = None,
 ) -> Prediction:
     """The prediction card of a robot, as `realgap predict` makes it.
 
@@ -185,5 +206,7 @@ def predict(
     )
     drawing = _drawing("predict", repeats, noise, seed, model_error, posterior)
     return Prediction(
-        _native.predict(native_robot(robot), question, drawing, jobs, folder_name(folder), progress)
+        _native.predict(
+            native_robot(robot), question, drawing, whole("jobs", jobs), folder_name(folder), shown(progress)
+        )
     )

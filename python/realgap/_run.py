@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
+import numpy as np
+
 from ._error import usage
 
 Path = Union[str, "os.PathLike[str]"]
@@ -24,7 +26,23 @@ def mode(resume: bool, restart: bool) -> str:
 
 def folder_name(folder: Optional[Path]) -> Optional[str]:
     """A folder as the native half takes it."""
-    return None if folder is None else os.fspath(folder)
+    return None if folder is None else path_name(folder, "folder")
+
+
+def path_name(path: Path, field: str) -> str:
+    """A path as the native half takes it."""
+    if isinstance(path, (str, os.PathLike)):
+        return os.fspath(path)
+    raise usage("not a path", field=field, found=repr(path), allowed="a text or a pathlib.Path")
+
+
+def whole(name: str, value: Optional[int]) -> Optional[int]:
+    """A whole number, or none; numbers of numpy are numbers, too."""
+    if value is None:
+        return None
+    if isinstance(value, (int, np.integer)) and not isinstance(value, bool):
+        return int(value)
+    raise usage("not a whole number", field=name, found=repr(value), allowed="a whole number, or None")
 
 
 def file_name(folder: Path, name: str) -> str:
@@ -40,4 +58,11 @@ def files_and_values(parameters: Parameters) -> Tuple[List[str], Dict[str, float
         return [], dict(parameters)
     if isinstance(parameters, (str, os.PathLike)):
         return [os.fspath(parameters)], {}
-    return [os.fspath(file) for file in parameters], {}
+    if not isinstance(parameters, Sequence):
+        raise usage(
+            "not values of parameters",
+            field="parameters",
+            found=repr(parameters),
+            allowed='{"floor.friction": 0.4}, or files such as "results/best.ron"',
+        )
+    return [path_name(file, "parameters") for file in parameters], {}

@@ -14,7 +14,8 @@ from ._error import usage
 from ._json import Given, JsonObject, asked, made, many, parsed
 from ._picture import drawn, page
 from ._robot import Robot
-from ._run import Parameters, Path, Progress, file_name, files_and_values, folder_name, mode
+from ._progress import AnyProgress, shown
+from ._run import Parameters, Path, file_name, files_and_values, folder_name, mode, whole
 from ._table import Table
 
 
@@ -236,7 +237,7 @@ class Search:
         folder: Optional[Path] = None,
         resume: bool = False,
         restart: bool = False,
-        progress: Optional[Progress] = None,
+        progress: AnyProgress = None,
     ) -> SearchResults:
         """Searches as `realgap search` does, and simulates the best robots again.
 
@@ -248,7 +249,7 @@ class Search:
         """
         how = mode(resume, restart)
         if objective is None:
-            return SearchResults(self._native.run(jobs, folder_name(folder), how, progress))
+            return SearchResults(self._native.run(whole("jobs", jobs), folder_name(folder), how, shown(progress)))
         if folder is not None:
             raise usage(
                 "a search with an objective in Python is kept in memory",
@@ -260,7 +261,7 @@ class Search:
         def fitness(repeats: str) -> float:
             return number(wanted(many(Travel, repeats)), "the objective")
 
-        return SearchResults(self._native.run_for(fitness, jobs, progress))
+        return SearchResults(self._native.run_for(fitness, whole("jobs", jobs), shown(progress)))
 
     def __repr__(self) -> str:
         info = self._info

@@ -202,6 +202,8 @@ def simulate(
     joint: Optional[JointKind] = None,
     arena: Optional[Path] = None,
     gait: Optional[Gait] = None,
+    commands: Optional[Mapping[str, npt.ArrayLike]] = None,
+    commands_at_s: Optional[npt.ArrayLike] = None,
     gait_rate_hz: float = 240.0,
     controller: Optional[Path] = None,
     seed: Optional[int] = None,
@@ -217,6 +219,9 @@ def simulate(
     interpolated, so that it cannot react to the robot. Servos that it does not name keep their own gaits. Pictures call the motion
     by `name`.
 
+    `commands` are arrays of angles in radians by hinge, at the times `commands_at_s`, with straight lines between; they take the
+    place of a gait.
+
     `controller` is a file with sensors, rules, other robots and radio (docs/control.md); `seed` is the seed of their noise.
     `step(sensed)` overrides the rules: it is called at every decision with the knowledge of a robot (`Sensed`) and returns angles in
     radians by hinge, which hold until the next decision; servos that it does not name are not changed. It is called `step_rate_hz`
@@ -225,6 +230,9 @@ def simulate(
     >>> slow = realgap.simulate(robot, duration_s=0.5, parameters={"floor.friction": 0.4}, rate_hz=10.0)
     >>> len(slow)
     6
+    >>> bent = realgap.simulate(robot, duration_s=0.5, commands={"leg_a": [0.0, 0.3]}, commands_at_s=[0.0, 0.5])
+    >>> bool(bent.joint_angles_rad[-1, 0] > 0.1)
+    True
     >>> def upright(sensed):
     ...     return {hinge: 0.5 * angle for hinge, angle in sensed.angles_rad.items()} if sensed.time_s > 0.2 else None
     >>> bool(abs(realgap.simulate(robot, duration_s=0.5, step=upright).joint_angles_rad[-1]).max() < 0.1)
@@ -234,6 +242,7 @@ def simulate(
         raise usage("a controller has an arena of its own", field="arena", found=arena)
     if step is None and controller is None and step_rate_hz is not None:
         raise usage("nothing decides without a controller", field="step_rate_hz", hint="give controller= or a function step=")
+    model = native_robot(robot)
     files, values = files_and_values(parameters)
     settings = asked(
         "simulate",
@@ -249,9 +258,15 @@ def simulate(
         steering={"controller": controller, "seed": seed, "step_rate_hz": step_rate_hz},
     )
     times = None if times_s is None else sent(given(times_s, "times_s", (None,)))
-    commands = [] if gait is None else _commands(gait, float(duration_s), float(gait_rate_hz))
+    driven = [] if gait is None else _commands(gait, float(duration_s), float(gait_rate_hz))
+    if commands is not None:
+        if gait is not None:
+            raise usage("a gait and commands exclude each other", field="commands", hint="give one of them")
+        driven = _given_commands(commands, commands_at_s, robot.hinges)
+    elif commands_at_s is not None:
+        raise usage("times without commands", field="commands_at_s", hint="give commands={HINGE: angles_rad}, too")
     feedback = None if step is None else stepping(step)
-    run = _native.simulate(native_robot(robot), settings, times, commands, feedback)
+    run = _native.simulate(model, settings, times, driven, feedback)
     return Simulation(run, robot, robot.name if name is None else name)
 
 
@@ -281,6 +296,21 @@ def _commands(gait: Gait, duration_s: float, rate_hz: float) -> List[Tuple[str, 
             columns[hinge].append(angle)
     track = sent(given(times, "times", (None,)))
     return [(hinge, track, sent(given(a, hinge, (None,)))) for hinge, a in columns.items()]
+
+
+def _given_commands(
+    commands: Mapping[str, npt.ArrayLike], at_s: Optional[npt.ArrayLike], hinges: List[str]
+) -> List[Tuple[str, bytes, bytes]]:
+    if at_s is None:
+        raise usage("commands without times", field="commands_at_s", allowed="the times of the commands, seconds from the start")
+    times = given(at_s, "commands_at_s", (None,))
+    for hinge in commands:
+        if hinge not in hinges:
+            raise usage("no hinge of this name", field="commands", found=hinge, allowed=", ".join(hinges))
+    return [
+        (hinge, sent(times), sent(given(angles, f"commands[{hinge!r}]", (len(times),))))
+        for hinge, angles in commands.items()
+    ]
 
 
 def _angles(gait: Gait, t_s: float) -> Dict[str, float]:

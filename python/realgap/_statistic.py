@@ -69,7 +69,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class EnergyTest:
-    """The energy test of whether two samples are drawn alike; p is computed from permutations.
+    """The energy test of whether two samples come from one distribution; p is computed from permutations.
 
     >>> 0.0 < gap.metrics[0].alike.p_value <= 1.0
     True

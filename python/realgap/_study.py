@@ -9,10 +9,13 @@ from typing import Dict, List, Literal, Mapping, Optional, Sequence, Tuple, Unio
 from . import _native
 from ._answer import Answer
 from ._callback import AnyMetric, Optimizer, native_metric
+from ._error import usage
+from ._finding import Evaluation, Explanation, Identification
 from ._json import Given, JsonObject, asked, made, parsed
 from ._prediction import Ensemble, Gap, Noise, ensemble_of, gap_of
 from ._robot import Robot, native_robot
-from ._run import Parameters, Path, Progress, file_name, files_and_values, folder_name, mode
+from ._progress import AnyProgress, shown
+from ._run import Parameters, Path, file_name, files_and_values, folder_name, mode, whole
 from ._simulator import Declarations, Simulate, responder
 from ._trajectory import Trajectories, Trajectory, native_trajectories
 from ._warning import Warning
@@ -191,11 +194,13 @@ class Study:
         folds: Optional[int] = None,
         hold_out: Optional[float] = None,
         noise: Optional[Mapping[str, Given]] = None,
+        commands: Optional[bool] = None,
     ) -> "Study":
         """A study of objects: `vary` names parameters with (from, to) or (from, to, points).
 
         `start` is "settled", or "first-sample", "half-sample" or "flight" for runs that begin with the state of each recording.
-        Runs of a simulation are recordings, too.
+        Runs of a simulation are recordings, too. Servos follow the commands of the recordings (`Trajectory(..., commands=...)`)
+        where there are any; `commands=False` lets them follow the gaits of the robot's file.
 
         In place of a robot, `simulate` is a function of your own, as `realgap.serve` takes it with `declares` and `settings`: it
         gets a `realgap.Question` and returns channels by name. `version` stands in the fingerprint of results: change it when you
@@ -205,7 +210,12 @@ class Study:
         21
         """
         if recordings is None or vary is None:
-            raise TypeError("a study needs recordings, and parameters that vary")
+            lacking = "recordings" if recordings is None else "vary"
+            raise usage(
+                "a study needs recordings, and parameters that vary",
+                field=lacking,
+                allowed='a Trajectory or several, and {"floor.friction": (0.2, 0.8)}',
+            )
         ranges = [(parameter, *_range(values)) for parameter, values in vary.items()]
         said = asked(
             "a study",
@@ -219,10 +229,22 @@ class Study:
             folds=folds,
             hold_out=hold_out,
             noise=None if noise is None else dict(noise),
+            commands=commands,
         )
         given = native_trajectories(recordings)
         if simulate is None and (declares or settings or version):
-            raise TypeError("declares, settings and version belong to simulate, a function in place of a robot: give it, or leave them out")
+            raise usage(
+                "declares, settings and version belong to a function in place of a robot",
+                field="simulate",
+                hint="give simulate=, or leave them out",
+            )
+        if simulate is not None and commands is not None:
+            raise usage(
+                "a function in place of a robot has no servos of a file",
+                field="commands",
+                found=commands,
+                hint="leave commands out: realgap.Question.commands has what was recorded",
+            )
         own = None if simulate is None else responder(simulate, declares or {}, settings, name, version)
         model = None if robot is None else native_robot(robot)
         return cls(_native.Study.build(model, own, given, native_metric(metric), said))
@@ -288,6 +310,36 @@ class Study:
         """
         return dict(zip(self.parameters, self._native.values([float(x) for x in point])))
 
+    def evaluate(
+        self, *, jobs: Optional[int] = None, progress: AnyProgress = None
+    ) -> Evaluation:
+        """How well the study's own values predict its recordings, each simulated once, as `realgap evaluate` tells it.
+
+        Take recordings that the values were not fitted on. Recordings need orientations, or joints alone.
+
+        >>> tosses = realgap.Study.read("sweeps/cube_toss_fit.ron", limit_recordings=4, parameters="sweeps/cube_toss_best.ron")
+        >>> tosses.evaluate().report["recordings"]
+        4
+        """
+        return Evaluation(self._native.evaluate(whole("jobs", jobs), shown(progress)))
+
+    def identify(
+        self,
+        *,
+        explain: Explanation = "length-scale",
+        jobs: Optional[int] = None,
+        progress: AnyProgress = None,
+    ) -> Identification:
+        """What the recordings say without a fit, as `realgap study identify` tells it: centre of mass and gravity from free flight,
+        or which parameters recordings of joints determine. `explain` says what an apparent gravity is due to.
+
+        >>> tosses = realgap.Study.read("sweeps/cube_toss_fit.ron", limit_recordings=8)
+        >>> sorted(tosses.identify().parameters)[:2]
+        ['body.com_offset_x_m', 'body.com_offset_y_m']
+        """
+        found = self._native.identify(explain, whole("jobs", jobs), shown(progress))
+        return Identification(found)
+
     def sweep(
         self,
         *,
@@ -295,7 +347,7 @@ class Study:
         folder: Optional[Path] = None,
         resume: bool = False,
         restart: bool = False,
-        progress: Optional[Progress] = None,
+        progress: AnyProgress = None,
         audit: bool = True,
     ) -> Answer:
         """Simulates every point of the grid. `folder` gets the files of `realgap sweep -o`, with the same bytes. Without `audit` no
@@ -305,7 +357,8 @@ class Study:
         True
         """
         how = mode(resume, restart)
-        return Answer(self._native.sweep(jobs, folder_name(folder), how, progress, audit), self)
+        count, into = whole("jobs", jobs), folder_name(folder)
+        return Answer(self._native.sweep(count, into, how, shown(progress), audit), self)
 
     def tune(
         self,
@@ -317,7 +370,7 @@ class Study:
         folder: Optional[Path] = None,
         resume: bool = False,
         restart: bool = False,
-        progress: Optional[Progress] = None,
+        progress: AnyProgress = None,
         audit: bool = True,
     ) -> Answer:
         """Lets an optimizer choose the points. Without `audit` no further runs check the answer, as with `--no-audit`.
@@ -330,10 +383,12 @@ class Study:
             own = (optimizer.design, optimizer.batch, optimizer._proposer())
         else:
             name, own = optimizer, None
-        how = mode(resume, restart)
-        into = folder_name(folder)
+        how, into, count = mode(resume, restart), folder_name(folder), whole("jobs", jobs)
+        most, patient = whole("budget", budget), whole("patience", patience)
+        if most is None:
+            raise usage("not a number of points", field="budget", found=None, allowed="a whole number")
         return Answer(
-            self._native.tune(name, own, budget, patience, jobs, into, how, progress, audit),
+            self._native.tune(name, own, most, patient, count, into, how, shown(progress), audit),
             self,
         )
 
@@ -347,7 +402,7 @@ class Study:
         posterior: Optional[Path] = None,
         jobs: Optional[int] = None,
         folder: Optional[Path] = None,
-        progress: Optional[Progress] = None,
+        progress: AnyProgress = None,
     ) -> Ensemble:
         """Repeats the study's runs under noise. `posterior` is the results folder of a sweep or tuning whose draws are simulated as further models.
 
@@ -367,7 +422,7 @@ class Study:
         seed: Optional[int] = None,
         jobs: Optional[int] = None,
         folder: Optional[Path] = None,
-        progress: Optional[Progress] = None,
+        progress: AnyProgress = None,
     ) -> Gap:
         """Measures the gap between simulation and reality in noise floors.
 

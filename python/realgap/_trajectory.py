@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from dataclasses import dataclass
-from typing import Dict, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +17,9 @@ from ._json import Given, JsonObject, asked, made, many, parsed
 from ._picture import one, page
 from ._run import Path
 from ._warning import Warning
+
+if TYPE_CHECKING:
+    import pandas
 
 
 @dataclass(frozen=True)
@@ -103,16 +107,22 @@ class Trajectory:
         angular_velocities_body_rad_s: Optional[npt.ArrayLike] = None,
         joints: Optional[Mapping[str, npt.ArrayLike]] = None,
         signals: Optional[Mapping[str, npt.ArrayLike]] = None,
+        commands: Optional[Mapping[str, npt.ArrayLike]] = None,
         name: str = "trajectory",
         stand_in_of: Optional[str] = None,
     ) -> None:
         """A motion from arrays.
 
         `positions_m` is n x 3 in the world, z up, or n x 2 where heights are not known; `quaternions` is n x 4, world from
-        body, real part first. `stand_in_of` names the robot where a program and not hardware made this motion; pictures then say so.
+        body, real part first. `commands` are commanded angles in radians by joint, which `Study.of` lets the servos follow; other
+        commands are signals by column, e.g. `knee_command_nm`. `stand_in_of` names the robot where a program and not hardware made
+        this motion; pictures then say so.
 
         >>> realgap.Trajectory(run.times_s, run.positions_m, run.quaternions, stand_in_of="tripod").is_stand_in
         True
+        >>> asked = realgap.Trajectory([0, 1], [[0, 0], [1, 0]], joints={"knee": [0.0, 0.4]}, commands={"knee": [0.0, 0.5]})
+        >>> list(asked.joints)
+        ['knee', 'knee_command']
         """
         times = given(times_s, "times_s", (None,))
         count = len(times)
@@ -138,6 +148,11 @@ class Trajectory:
         more = [
             (signal, sent(given(values, f"signals[{signal!r}]", (count,))))
             for signal, values in (signals or {}).items()
+        ]
+        # A file has these in the column `NAME_command_rad`, which is read as the angle of a joint `NAME_command`.
+        angles += [
+            (f"{joint}_command", sent(given(values, f"commands[{joint!r}]", (count,))), None)
+            for joint, values in (commands or {}).items()
         ]
         self._adopt(
             _native.Trajectory.new(
@@ -189,6 +204,38 @@ class Trajectory:
         """
         how = asked("reading", **dict(reading or {}))
         return [Trajectory._of(native) for native in _native.Trajectory.read(os.fspath(path), how)]
+
+    @staticmethod
+    def from_pandas(
+        frame: "pandas.DataFrame",
+        reading: Optional[Mapping[str, Given]] = None,
+        *,
+        name: str = "trajectory",
+    ) -> "Trajectory":
+        """The motion in a frame, whose columns are read by the rules of a file's: `t_s`, `x_cm`, `knee_deg`, `knee_command_rad`.
+
+        An index with a name is a column, too. `reading` has the fields of a study's `reading`.
+
+        >>> import pandas
+        >>> frame = pandas.DataFrame({"x_cm": [0.0, 5.0, 12.0], "y_cm": [0.0, 0.0, 1.0]}, index=pandas.Index([0.0, 0.5, 1.0], name="t_s"))
+        >>> realgap.Trajectory.from_pandas(frame, name="push").positions_m[-1]
+        array([0.12, 0.01, 0.  ])
+        """
+        if not hasattr(frame, "to_csv"):
+            raise usage(
+                "not a pandas frame",
+                field="frame",
+                found=type(frame).__name__,
+                allowed="a pandas.DataFrame",
+                hint="Trajectory(times_s, positions_m) takes arrays",
+            )
+        if os.path.basename(name) != name or not name:
+            raise usage("not a name", field="name", found=repr(name), allowed="a name without slashes")
+        has_index = any(level is not None for level in frame.index.names)
+        with tempfile.TemporaryDirectory(prefix="realgap-") as folder:
+            path = os.path.join(folder, f"{name}.csv")
+            frame.to_csv(path, index=has_index)
+            return Trajectory.read(path, reading)
 
     def write(self, path: Path) -> List[Warning]:
         """Writes the motion as CSV or TUM, by the ending of the file; returns warnings about data that the format cannot hold.
@@ -360,6 +407,12 @@ class Trajectory:
 
     def __len__(self) -> int:
         return self._motion.samples
+
+    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> "np.ndarray[Any, Any]":
+        """The positions, so that numpy takes a motion for an array of n x 3."""
+        positions = self.positions_m
+        # The array is a view of bytes, so that only a conversion or a wish makes a copy.
+        return np.array(positions, dtype=dtype) if copy else np.asarray(positions, dtype=dtype)
 
     def __repr__(self) -> str:
         return f"Trajectory {self.name}: {len(self)} samples, {self.duration_s:.4g} s"

@@ -6,12 +6,14 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use realgap::calibration::{self, recording_id};
 use realgap::file::versioned_json;
+use realgap::inference::Profile;
 use realgap::optimization::Ending;
-use realgap::results::{self, Kind, check_folder};
+use realgap::results::{self, JointSample, Kind, check_folder};
 use realgap::{Error, Result};
 use serde_json::{Map, Value, json};
 
 use crate::error::Raise;
+use crate::running::{self, Way};
 use crate::study::{Study, at};
 use crate::text::to_text;
 
@@ -97,6 +99,66 @@ impl Answer {
             "diverged",
             points.iter().map(|point| json!(point.diverged)).collect(),
         );
+        to_text(&columns).or_raise(py)
+    }
+
+    /// Draws from the posterior: a list for each parameter that varies, and nothing where no point has a score.
+    fn posterior(&self, py: Python<'_>) -> PyResult<String> {
+        let mut columns = Map::new();
+        if let Some(draws) = &self.answer.draws {
+            let ranges = self.study.definition().grid.ranges().iter().enumerate();
+            for (index, range) in ranges {
+                let column: Vec<f64> = draws.rows().iter().map(|row| row[index]).collect();
+                columns.insert(range.parameter.name.to_owned(), json!(column));
+            }
+        }
+        to_text(&columns).or_raise(py)
+    }
+
+    /// The lowest expected score along each parameter.
+    fn profiles(&self, py: Python<'_>) -> PyResult<String> {
+        let one = |profile: &Profile| {
+            let (low, high): (Vec<f64>, Vec<f64>) = profile.bands.iter().copied().unzip();
+            json!({
+                "parameter": profile.parameter.name, "unit": profile.parameter.unit,
+                "values": profile.values, "lowest_score": profile.scores, "low": low, "high": high,
+                "indistinguishable": profile.indistinguishable,
+            })
+        };
+        let profiles: Vec<Value> = self.answer.profiles.iter().map(one).collect();
+        to_text(&profiles).or_raise(py)
+    }
+
+    /// The expected score at points, with the ends of its 90 % interval; null where it is not known.
+    fn expected(&self, py: Python<'_>, points: Vec<Vec<f64>>) -> PyResult<String> {
+        let expected = |point: &Vec<f64>| match self.answer.expected_with_band(point) {
+            Some((mean, (low, high))) => json!([mean, low, high]),
+            None => json!([self.answer.expected_score(point), null, null]),
+        };
+        let found: Vec<Value> = py.detach(|| points.iter().map(expected).collect());
+        to_text(&found).or_raise(py)
+    }
+
+    /// Joints or scored channels of the recordings beside those of the best point, one row a sample.
+    fn joints(&self, py: Python<'_>) -> PyResult<String> {
+        let way = Way {
+            jobs: None,
+            progress: None,
+        };
+        let rows = running::run(py, &way, |options| {
+            options.install(|| results::joint_samples(&self.study, &self.answer))?
+        })?;
+        let column =
+            |of: &dyn Fn(&JointSample) -> Value| -> Vec<Value> { rows.iter().map(of).collect() };
+        let columns = json!({
+            "recording": column(&|row| json!(row.recording)),
+            "joint": column(&|row| json!(row.joint)),
+            "quantity": column(&|row| json!(row.quantity.0)),
+            "unit": column(&|row| json!(row.quantity.1)),
+            "t_s": column(&|row| json!(row.time_s)),
+            "recorded": column(&|row| json!(row.recorded)),
+            "simulated": column(&|row| json!(row.simulated)),
+        });
         to_text(&columns).or_raise(py)
     }
 

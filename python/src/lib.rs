@@ -9,13 +9,16 @@ mod callback;
 mod cli;
 mod error;
 mod feedback;
+mod finding;
 mod folder;
 mod prediction;
+mod replay;
 mod robot;
 mod running;
 mod search;
 mod simulation;
 mod simulator;
+mod start;
 mod study;
 mod text;
 mod trajectory;
@@ -40,13 +43,19 @@ mod _native {
     #[pymodule_export]
     use crate::callback::OwnMetric;
     #[pymodule_export]
+    use crate::finding::Finding;
+    #[pymodule_export]
     use crate::prediction::{Ensemble, Gap, Prediction, predict, repeat_study, study_gap};
+    #[pymodule_export]
+    use crate::replay::replay;
     #[pymodule_export]
     use crate::robot::Robot;
     #[pymodule_export]
     use crate::search::{Found, Search};
     #[pymodule_export]
     use crate::simulation::{Simulation, simulate};
+    #[pymodule_export]
+    use crate::start::start;
     #[pymodule_export]
     use crate::study::Study;
     #[pymodule_export]

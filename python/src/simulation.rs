@@ -198,6 +198,13 @@ fn experiment(
     Ok((experiment, warnings))
 }
 
+impl Simulation {
+    /// Everything that moved.
+    pub fn film(&self) -> &Film {
+        &self.film
+    }
+}
+
 #[pymethods]
 impl Simulation {
     fn info(&self) -> &str {

@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use realgap::calibration::{
-    self, BasisRule, CommandConsent, Overrides, Part, Repeatable, ScoreRule, Split, TuneOptions,
-    recording_id,
+    self, BasisRule, CommandConsent, Commands, Overrides, Part, RecordedCommand, Repeatable,
+    ScoreRule, Split, TuneOptions, recording_id,
 };
 use realgap::comparison::Metric;
 use realgap::identification::StartState;
@@ -15,7 +15,7 @@ use realgap::optimization::optimizer_by_name;
 use realgap::results::{self, Kind};
 use realgap::simulation::Noise;
 use realgap::simulation::parameter::ParameterSet;
-use realgap::trajectory::Reading;
+use realgap::trajectory::{Reading, Recording};
 use realgap::{Error, Result};
 use serde::Deserialize;
 use serde_json::json;
@@ -23,6 +23,7 @@ use serde_json::json;
 use crate::answer::Answer;
 use crate::callback::{self, PythonOptimizer};
 use crate::error::Raise;
+use crate::finding::{self, Finding};
 use crate::folder::{into_folder, mode_of, source};
 use crate::robot::Robot;
 use crate::running::{self, Way};
@@ -66,6 +67,8 @@ struct Said {
     folds: Option<usize>,
     hold_out: Option<f64>,
     noise: Option<Noise>,
+    /// Whether servos follow the recorded commands; `None` where they do as soon as there are any.
+    commands: Option<bool>,
 }
 
 /// Number of repeats of the rule `ensemble` without a number.
@@ -201,6 +204,7 @@ impl Study {
                 }
             };
             let mut builder = builder.seed(said.seed);
+            let given = recordings.clone();
             for recording in recordings {
                 builder = builder.recording(recording);
             }
@@ -224,6 +228,11 @@ impl Study {
             }
             if let Some(noise) = said.noise {
                 builder = builder.noise(noise);
+            }
+            if let Some(robot) = robot
+                && follows_commands(robot, &given, said.commands)?
+            {
+                builder = builder.commands(Commands::default());
             }
             builder = match said.start.as_str() {
                 "settled" => builder,
@@ -291,6 +300,31 @@ impl Study {
     /// The values of parameters at a point of coordinates from 0 to 1.
     fn values(&self, point: Vec<f64>) -> Vec<f64> {
         self.study.definition().grid.values_at(&point)
+    }
+
+    /// Simulates every recording once with the values of the study.
+    fn evaluate(
+        &self,
+        py: Python<'_>,
+        jobs: Option<i64>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Finding> {
+        let way = Way { jobs, progress };
+        running::run(py, &way, |run| finding::evaluated(&self.study, run))
+    }
+
+    /// What the recordings say without a fit.
+    fn identify(
+        &self,
+        py: Python<'_>,
+        explain: &str,
+        jobs: Option<i64>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Finding> {
+        let way = Way { jobs, progress };
+        running::run(py, &way, |run| {
+            finding::identified(&self.study, explain, run)
+        })
     }
 
     #[pyo3(signature = (jobs, folder, mode, progress, audit))]
@@ -379,6 +413,28 @@ impl Study {
             own.end();
         }
         answer
+    }
+}
+
+/// Whether the servos of a robot follow commands that were recorded: where that was asked, and otherwise where a recording has any.
+///
+/// # Errors
+/// It was asked, and no recording has commands.
+fn follows_commands(robot: &Robot, recordings: &[Recording], asked: Option<bool>) -> Result<bool> {
+    let hinges = robot.morphology.assemble().hinges;
+    let has_commands = |r: &Recording| !RecordedCommand::all_of(&hinges, &r.trajectory).is_empty();
+    let are_there = recordings.iter().any(has_commands);
+    match (asked, are_there) {
+        (Some(true), false) => {
+            let names: Vec<&str> = hinges.iter().map(|hinge| hinge.name.as_str()).collect();
+            Err(
+                Error::usage("no recording has commands of the robot's joints")
+                    .field("commands")
+                    .allowed(format!("commanded angles of {}", names.join(", ")))
+                    .hint("give them with Trajectory(..., commands={NAME: angles_rad})"),
+            )
+        }
+        (asked, are_there) => Ok(asked.unwrap_or(are_there)),
     }
 }
 

@@ -33,7 +33,7 @@ def quick():
 
 def test_the_examples_of_the_page_run(tmp_path, monkeypatch):
     optuna = pytest.importorskip("optuna")
-    pytest.importorskip("pandas")
+    pytest.importorskip("pandas"), pytest.importorskip("matplotlib").use("agg")
     optuna.logging.set_verbosity(optuna.logging.WARNING)
     for folder in ("morphologies", "controllers", "arenas", "sensors"):
         (tmp_path / folder).symlink_to(PROJECT / folder)

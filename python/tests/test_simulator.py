@@ -107,5 +107,5 @@ def _ron(path: str) -> str:
 
 
 def test_what_belongs_to_a_simulator_is_refused_without_one():
-    with pytest.raises(TypeError, match="belong to simulate"):
+    with pytest.raises(realgap.UsageError, match="belong to a function"):
         realgap.Study.of(recordings=[], vary={}, declares={"stiffness": (1.0, 100.0, 30.0, "N/m")})

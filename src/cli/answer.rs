@@ -5,6 +5,7 @@ use realgap::optimization::Ending;
 use realgap::results::{self, Kind};
 
 use super::kit::*;
+use super::live::LiveOption;
 use super::option::metric_option;
 use super::page;
 
@@ -17,6 +18,8 @@ pub struct StudyOptions {
     output: Option<PathBuf>,
     #[command(flatten)]
     page: PageOption,
+    #[command(flatten)]
+    pub live: LiveOption,
     #[command(flatten)]
     recordings: Recordings,
     /// Metric in place of the study's own
@@ -85,6 +88,7 @@ fn basis_rule(text: &str) -> Result<BasisRule> {
 impl StudyOptions {
     /// The study with its recordings read, its warnings printed.
     pub fn study(&self, points: Option<usize>) -> Result<Study> {
+        self.live.check()?;
         let overrides = Overrides {
             metric: metric_option(self.metric.as_deref())?,
             basis: self.basis.as_deref().map(basis_rule).transpose()?,

@@ -1,8 +1,8 @@
 //! `realgap evaluate`: how well one setting predicts recordings.
 
-use realgap::calibration::{Average, Evaluation, JointEvaluation, Overrides};
+use realgap::calibration::{Average, Definition, Evaluation, JointEvaluation, Overrides};
 use realgap::claim::verdict_lines;
-use realgap::comparison::{Joints, Pose};
+use realgap::comparison::{Joints, Metric, Pose};
 use realgap::identification::StartState;
 use realgap::prediction::Odds;
 use realgap::simulation::parameter::ParameterSet;
@@ -70,22 +70,9 @@ impl Evaluate {
         };
         let definition = read_definition(&self.study, &overrides)?;
         let is_of_joints = definition.is_of_joints();
-        let has_orientations =
-            |r: &Recording| r.trajectory.orientations_world_from_body().is_some();
-        if !is_of_joints
-            && let Some(without) = definition.recordings.iter().find(|r| !has_orientations(r))
-        {
-            let study = self.study.display();
-            return Err(Error::invalid(
-                "errors of poses need orientations, which these recordings lack",
-            )
-            .at_file(&without.path)
-            .hint(format!(
-                "for recordings without orientations use: realgap gap {study}, realgap ensemble {study}"
-            )));
-        }
-        // The report gives pose errors, or joint errors where only joints were recorded, whatever metric the study optimises.
-        overrides.metric = Some(if is_of_joints { &Joints } else { &Pose });
+        let study = self.study.display();
+        let others = format!("realgap gap {study}, realgap ensemble {study}");
+        overrides.metric = Some(metric_of(&definition, &others)?);
         let study = read_study(&self.study, &overrides)?;
         // The study already holds all values.
         let values = ParameterSet::new();
@@ -150,8 +137,29 @@ impl Evaluate {
     }
 }
 
+/// The metric of which an evaluation reports the errors, whatever metric the study optimises: poses, or joints where only these
+/// were recorded. `others` are the commands for recordings without orientations.
+///
+/// # Errors
+/// Recordings without orientations.
+pub fn metric_of(definition: &Definition, others: &str) -> Result<&'static dyn Metric> {
+    if definition.is_of_joints() {
+        return Ok(&Joints);
+    }
+    let has_orientations = |r: &Recording| r.trajectory.orientations_world_from_body().is_some();
+    let mut recordings = definition.recordings.iter();
+    match recordings.find(|r| !has_orientations(r)) {
+        None => Ok(&Pose),
+        Some(without) => Err(Error::invalid(
+            "errors of poses need orientations, which these recordings lack",
+        )
+        .at_file(&without.path)
+        .hint(format!("for recordings without orientations use: {others}"))),
+    }
+}
+
 /// For people.
-fn words_of_joints(result: &JointEvaluation, colour: bool) -> String {
+pub fn words_of_joints(result: &JointEvaluation, colour: bool) -> String {
     let mut table = TextTable::new([("recording", Side::Left), ("joints, mrad", Side::Right)]);
     for row in &result.rows {
         let value = row.angle_mrad;
@@ -225,7 +233,7 @@ fn channel_table(result: &JointEvaluation) -> TextTable {
 }
 
 /// For people.
-fn words(result: &Evaluation, colour: bool) -> String {
+pub fn words(result: &Evaluation, colour: bool) -> String {
     let mut table = TextTable::new([
         ("error", Side::Left),
         ("mean", Side::Right),
@@ -299,4 +307,103 @@ fn words(result: &Evaluation, colour: bool) -> String {
         ]);
     }
     format!("{found}\n{}", rows.render(colour).trim_end())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use realgap::calibration::StartUsed;
+    use realgap::claim::verdict;
+    use realgap::report::{ReportTree, SingleReport};
+    use realgap::trajectory::Source;
+
+    /// A number from 0 to 1 (SplitMix64).
+    fn share(state: &mut u64) -> f64 {
+        *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = *state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// An evaluation whose numbers are drawn at random.
+    fn drawn(seed: u64) -> Evaluation {
+        let mut state = seed;
+        let mut average = || Average {
+            mean: 100.0 * share(&mut state),
+            median: 100.0 * share(&mut state),
+            standard_error: share(&mut state),
+        };
+        let (position_percent, rotation_deg) = (average(), average());
+        let (final_position_percent, final_rotation_deg) = (average(), average());
+        let recordings = 1 + (60.0 * share(&mut state)) as usize;
+        let seen = share(&mut state);
+        let found = Evaluation {
+            recordings,
+            position_percent,
+            rotation_deg,
+            hinge_deg: None,
+            final_position_percent,
+            final_rotation_deg,
+            final_hinge_deg: None,
+            over_45_deg: (share(&mut state) * recordings as f64) as usize,
+            resting_faces: Vec::new(),
+            cpu_ms_per_s: 1.0,
+            start: StartUsed::Settled,
+            parameters: [("floor.friction".to_owned(), share(&mut state))].into(),
+            provenance: Default::default(),
+            claims: Vec::new(),
+            warnings: Vec::new(),
+            rows: Vec::new(),
+            source: Source::Real,
+            seen_by_fit: match seen {
+                seen if seen < 0.3 => None,
+                seen if seen < 0.6 => Some(0),
+                _ => Some(recordings),
+            },
+        };
+        found.with_claims(None)
+    }
+
+    #[test]
+    fn terminal_page_and_json_of_an_evaluation_begin_with_one_verdict() {
+        for seed in 0..120 {
+            let found = drawn(seed);
+            let text = words(&found, false);
+            let report = ReportTree::of(&found).unwrap();
+            let page = SingleReport {
+                kind: "evaluation",
+                name: "drawn",
+                text: &text,
+                report: &report,
+                pictures: &[],
+                command: "realgap evaluate drawn.ron",
+            };
+            let page = page.page().unwrap();
+            let json = serde_json::to_value(&found).unwrap();
+            let parts = verdict(&found.claims);
+            let names: Vec<&str> = parts.iter().map(|(name, _)| *name).collect();
+            assert_eq!(names, ["gap", "parameters", "trust"]);
+            for (index, (name, claim)) in parts.into_iter().enumerate() {
+                let line = format!("{name}: {claim}");
+                assert_eq!(text.lines().nth(index), Some(line.as_str()), "seed {seed}");
+                assert_eq!(json["claims"][index]["text"], claim.text.as_str());
+                let escaped = claim.text.replace('&', "&amp;").replace('<', "&lt;");
+                let times = page.matches(&escaped).count();
+                assert_eq!(
+                    times, 1,
+                    "seed {seed}: the page says {times} times: {escaped}"
+                );
+            }
+            // The numbers of the first claim are those of the table below it.
+            let gap = &found.claims[0];
+            let shown = number(found.position_percent.mean);
+            assert!(gap.text.contains(&shown), "{shown}: {gap}");
+            let mean = format!("{:.2}", found.position_percent.mean);
+            assert!(
+                text.contains(&mean) && page.contains(&mean),
+                "{mean}: {text}"
+            );
+        }
+    }
 }

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 
+use realgap::RunOptions;
 use realgap::calibration::{
     BestFile, Definition, Determination, Overrides, RestingOdds, StartRule, Study, recording_id,
 };
@@ -17,7 +18,6 @@ use realgap::simulation::parameter::{Assignment, ParameterSet};
 
 use super::kind::read_definition;
 use super::kit::*;
-use super::terminal::Answer;
 
 /// Explanations of an apparent gravity that differs from the stated one.
 const READINGS: &[Choice<LengthReading>] = &[
@@ -76,92 +76,140 @@ impl Identify {
             set: self.values.parameter_set()?,
             ..self.recordings.overrides()?
         };
-        let mut study = read_definition(&self.study, &overrides)?;
-        if study.own_simulator.is_some() {
-            return Err(Error::invalid("nothing is identified without the robot's bodies, and the study names its own simulator")
-                .at_file(&self.study)
-                .hint("use `realgap tune`, which varies what the simulator declares"));
-        }
-        if !study.recordings.is_empty() && study.is_of_joints() {
-            return self.determine(study);
-        }
-        // Nothing is compared here, so the metric only has to accept the recordings: the metric of tossed bodies requires the least.
-        study.metric = &Pose;
-        let experiment = study.experiment();
-        let (recordings, seed) = (&study.recordings, study.seed);
-        let of_study = |e: Error| match e.file() {
-            Some(_) => e,
-            None => e.at_file(&self.study),
-        };
-        // A file for `--parameters`.
-        let file = |flying: usize, parameters: &BTreeMap<String, f64>| BestFile {
-            study: None,
-            description: format!(
-                "Identified from the free flight of {flying} of {} of the study {} (realgap study identify); no contact was used.",
-                counted(recordings.len(), "recording"),
-                study.name,
-            ),
-            parameters: parameters.clone(),
-            draws: BTreeMap::new(),
-            fitted_on: recordings.iter().map(recording_id).collect(),
-        };
-        if !experiment.assembly.hinges.is_empty() {
-            let found = identify_joints(&experiment, recordings, self.reading, seed);
-            let found = found.map_err(of_study)?;
-            terminal::print_warnings(study.warnings.iter().chain(&found.warnings));
-            let file = file(found.flying, &found.parameters);
-            return self.finish(&file, &found, || words_of_joints(&found));
-        }
-        let found = identify(&experiment, recordings, self.reading, seed).map_err(of_study)?;
-        let file = file(found.flying, &found.parameters);
-        let (odds, more) = simulate_rest(study, &found)?;
-        terminal::print_warnings(found.warnings.iter().chain(&more));
-        let answer = Identified {
-            found: &found,
-            resting_odds: odds.as_ref(),
-        };
-        self.finish(&file, &answer, || words(&found, odds.as_ref()))
-    }
-
-    /// Ranks the parameters of recordings of joints, by all channels that the study scores; by the angles alone where it compares
-    /// anything else.
-    fn determine(&self, mut study: Definition) -> Result<()> {
-        if let Some(output) = &self.output {
+        let study = read_definition(&self.study, &overrides)?;
+        if self.output.is_some() && study.is_of_joints() && !study.recordings.is_empty() {
             return Err(Error::usage(
                 "recordings of joints determine parameters, but no values without a fit",
             )
             .field("-o")
-            .found(output.display())
+            .found(self.output.unwrap_or_default().display())
             .hint("leave it out; `realgap tune` fits values"));
         }
-        if !study.metric.needs().joints {
-            study.metric = &Joints;
-        }
-        let study = Study::new(study)?;
-        let found = progress::during(0, "simulating", Default::default(), |run| {
-            study.determination(run)
+        let found = progress::during(0, "simulating", RunOptions::default(), |run| {
+            identified(study, self.reading, run)
+        });
+        let found = found.map_err(|e| match e.file() {
+            Some(_) => e,
+            None => e.at_file(&self.study),
         })?;
-        terminal::print_warnings(study.warnings());
-        self.print.answer(&found, || {
-            format!("{}\n{found}", terminal::table(&rows(&found)))
-        })
-    }
-
-    fn finish(
-        &self,
-        file: &BestFile,
-        answer: &impl Answer,
-        words: impl FnOnce() -> String,
-    ) -> Result<()> {
-        if let Some(output) = &self.output {
+        terminal::print_warnings(&found.warnings);
+        if let Some((output, file)) = self.output.as_ref().zip(found.file.as_ref()) {
             output::write_ron(output, &write_ron(file)?)?;
         }
-        self.print.answer(answer, words)?;
+        let text = || found.text(terminal::stdout_wants_colour());
+        match &found.kind {
+            IdentifiedKind::Flight(flight, odds) => self
+                .print
+                .answer(&Identified::new(flight, odds.as_ref()), text),
+            IdentifiedKind::JointedFlight(flight) => self.print.answer(&**flight, text),
+            IdentifiedKind::Joints(joints) => self.print.answer(&**joints, text),
+        }?;
         if let Some(output) = &self.output {
             terminal::note(format!("written: {}", output.display()));
         }
         Ok(())
     }
+}
+
+/// What recordings say without a fit.
+pub struct Findings {
+    /// What was found.
+    pub kind: IdentifiedKind,
+    /// The values for `--parameters`; recordings of joints give none.
+    pub file: Option<BestFile>,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// The kinds of findings.
+pub enum IdentifiedKind {
+    /// A free flight of one body, with the faces that end down where they were simulated.
+    Flight(Box<Identification>, Option<RestingOdds>),
+    /// A free flight of a robot with joints.
+    JointedFlight(Box<JointIdentification>),
+    /// What recordings of joints determine.
+    Joints(Box<Determination>),
+}
+
+impl Findings {
+    /// For people.
+    pub fn text(&self, colour: bool) -> String {
+        match &self.kind {
+            IdentifiedKind::Flight(found, odds) => words(found, odds.as_ref(), colour),
+            IdentifiedKind::JointedFlight(found) => words_of_joints(found, colour),
+            IdentifiedKind::Joints(found) => words_of_motion(found, colour),
+        }
+    }
+}
+
+/// What the recordings of a study say without a fit: values from free flight, or which parameters recordings of joints determine.
+///
+/// # Errors
+/// Recordings that do not fly, a study with a simulator of its own, a run that diverges, or the work was stopped.
+pub fn identified(
+    mut study: Definition,
+    reading: LengthReading,
+    run: &RunOptions<'_>,
+) -> Result<Findings> {
+    if study.own_simulator.is_some() {
+        return Err(Error::invalid("nothing is identified without the robot's bodies, and the study names its own simulator")
+            .hint("use `realgap tune`, which varies what the simulator declares"));
+    }
+    if !study.recordings.is_empty() && study.is_of_joints() {
+        return determined(study, run);
+    }
+    // Nothing is compared here, so the metric only has to accept the recordings: the metric of tossed bodies requires the least.
+    study.metric = &Pose;
+    let experiment = study.experiment();
+    let (recordings, seed) = (&study.recordings, study.seed);
+    // A file for `--parameters`.
+    let file = |flying: usize, parameters: &BTreeMap<String, f64>| BestFile {
+        study: None,
+        description: format!(
+            "Identified from the free flight of {flying} of {} of the study {} (realgap study identify); no contact was used.",
+            counted(recordings.len(), "recording"),
+            study.name,
+        ),
+        parameters: parameters.clone(),
+        draws: BTreeMap::new(),
+        fitted_on: recordings.iter().map(recording_id).collect(),
+    };
+    if !experiment.assembly.hinges.is_empty() {
+        let found = identify_joints(&experiment, recordings, reading, seed)?;
+        return Ok(Findings {
+            file: Some(file(found.flying, &found.parameters)),
+            warnings: [&study.warnings[..], &found.warnings].concat(),
+            kind: IdentifiedKind::JointedFlight(Box::new(found)),
+        });
+    }
+    let found = identify(&experiment, recordings, reading, seed)?;
+    let file = file(found.flying, &found.parameters);
+    let (odds, more) = simulate_rest(study, &found, run)?;
+    Ok(Findings {
+        file: Some(file),
+        warnings: [&found.warnings[..], &more].concat(),
+        kind: IdentifiedKind::Flight(Box::new(found), odds),
+    })
+}
+
+/// Ranks the parameters of recordings of joints, by all channels that the study scores; by the angles alone where it compares
+/// anything else.
+fn determined(mut study: Definition, run: &RunOptions<'_>) -> Result<Findings> {
+    if !study.metric.needs().joints {
+        study.metric = &Joints;
+    }
+    let study = Study::new(study)?;
+    let found = study.determination(run)?;
+    Ok(Findings {
+        file: None,
+        warnings: study.warnings().to_vec(),
+        kind: IdentifiedKind::Joints(Box::new(found)),
+    })
+}
+
+/// For people.
+fn words_of_motion(found: &Determination, colour: bool) -> String {
+    format!("{}\n{found}", rows(found).render(colour).trim_end())
 }
 
 /// The parameters from the best determined.
@@ -191,7 +239,7 @@ fn rows(found: &Determination) -> TextTable {
     table
 }
 
-fn words_of_joints(found: &JointIdentification) -> String {
+fn words_of_joints(found: &JointIdentification, colour: bool) -> String {
     let mut table = TextTable::new([
         ("parameter", Side::Left),
         ("stated", Side::Right),
@@ -252,8 +300,8 @@ fn words_of_joints(found: &JointIdentification) -> String {
         counted(found.recordings, "recording"),
         counted(found.samples, "sample"),
         1e3 * found.residual_m,
-        terminal::table(&table),
-        terminal::table(&errors)
+        table.render(colour).trim_end(),
+        errors.render(colour).trim_end()
     )
 }
 
@@ -267,10 +315,21 @@ pub struct Identified<'a> {
     resting_odds: Option<&'a RestingOdds>,
 }
 
+impl<'a> Identified<'a> {
+    /// The answer, with the odds where they were simulated.
+    pub fn new(found: &'a Identification, resting_odds: Option<&'a RestingOdds>) -> Self {
+        Self {
+            found,
+            resting_odds,
+        }
+    }
+}
+
 /// Resting faces in simulations with the identified values, and warnings; `None` where nothing can be simulated.
 fn simulate_rest(
     study: Definition,
     found: &Identification,
+    run: &RunOptions<'_>,
 ) -> Result<(Option<RestingOdds>, Vec<Warning>)> {
     let why_not = if found.rest.at_rest == 0 {
         Some("no recording ends at rest")
@@ -291,15 +350,12 @@ fn simulate_rest(
         .iter()
         .map(|(name, value)| Assignment::new(name, *value))
         .collect::<Result<ParameterSet>>()?;
-    let total = found.rest.at_rest;
-    let odds = progress::during(total, "simulating", Default::default(), |run| {
-        study.resting_odds(&identified, run)
-    })?;
+    let odds = study.resting_odds(&identified, run)?;
     let warnings = odds.warnings.clone();
     Ok((Some(odds), warnings))
 }
 
-fn words(found: &Identification, odds: Option<&RestingOdds>) -> String {
+fn words(found: &Identification, odds: Option<&RestingOdds>, colour: bool) -> String {
     let mut table = TextTable::new([
         ("quantity", Side::Left),
         ("estimate", Side::Right),
@@ -345,7 +401,7 @@ fn words(found: &Identification, odds: Option<&RestingOdds>) -> String {
             counted(found.samples, "sample"),
             1e3 * found.residual_m
         ),
-        terminal::table(&table),
+        table.render(colour).trim_end().to_owned(),
     ];
     for s in &found.sensitivity {
         let c = s.centre_of_mass_m.map(|m| format!("{:.2}", 1e3 * m));
@@ -363,12 +419,12 @@ fn words(found: &Identification, odds: Option<&RestingOdds>) -> String {
         .map(|(name, value)| format!("{name} = {value:.6}"))
         .collect();
     lines.push(format!("parameters (true lengths): {}", values.join(", ")));
-    lines.push(rest(found, odds));
+    lines.push(rest(found, odds, colour));
     lines.join("\n")
 }
 
 /// Which face ends down: real counts, and simulated ones where there are any.
-fn rest(found: &Identification, odds: Option<&RestingOdds>) -> String {
+fn rest(found: &Identification, odds: Option<&RestingOdds>, colour: bool) -> String {
     let rest = &found.rest;
     let Some(odds) = odds else {
         let faces = rest.faces.iter().map(|f| format!("{} {}", f.face, f.down));
@@ -414,7 +470,7 @@ fn rest(found: &Identification, odds: Option<&RestingOdds>) -> String {
     });
     format!(
         "{}\n{} at rest, each simulated once ({} diverged), {} on the same face; {} still moving at the end\nsimulated from the {} with {}",
-        terminal::table(&table),
+        table.render(colour).trim_end(),
         counted(odds.simulations, "recording"),
         odds.diverged,
         odds.same_face,

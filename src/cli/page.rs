@@ -25,7 +25,7 @@ use super::{output, shell, terminal};
 /// Largest number of recorded robots in a replay; more would hide the simulated one.
 const GHOSTS: usize = 3;
 /// Options that do not change the results of a command, with the number of their values.
-const WITHOUT_EFFECT: [(&str, usize); 8] = [
+const WITHOUT_EFFECT: [(&str, usize); 9] = [
     ("--jobs", 1),
     ("-j", 1),
     ("--output", 1),
@@ -34,6 +34,7 @@ const WITHOUT_EFFECT: [(&str, usize); 8] = [
     ("--resume", 0),
     ("--restart", 0),
     ("--no-report", 0),
+    ("--live", 1),
 ];
 
 /// Whether a page is written.

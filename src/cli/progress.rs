@@ -29,8 +29,14 @@ pub fn during<T>(
 ) -> Result<T> {
     let bar = bar(total, what);
     let follow = follow(&bar);
+    let say = |progress| {
+        follow(progress);
+        if let Some(also) = run.progress {
+            also(progress);
+        }
+    };
     let done = work(&RunOptions {
-        progress: Some(&follow),
+        progress: Some(&say),
         ..run
     });
     bar.finish_and_clear();

@@ -9,19 +9,21 @@ mod path;
 mod rehearsal;
 mod wheels;
 
+use realgap::RunOptions;
 use realgap::calibration::{Overrides, UnusedColumns};
 use realgap::file::{Source, write_ron};
 use realgap::prediction::ensemble::rms_m;
 use realgap::robot::import::is_foreign;
 use realgap::trajectory::{
-    Evidence, InferredReading, JointReading, Prepared, Reading, Recording, prepare, read_all,
+    Ambiguity, Evidence, InferredReading, JointReading, Prepared, Reading, Recording, prepare,
+    read_all,
 };
 
 use super::kit::*;
 use super::question::answer;
 use super::shell;
 use drive::Drive;
-use gains::Gains;
+pub use gains::Gains;
 use rehearsal::{Rehearsed, rehearse};
 
 /// Make a study of your own recordings and your robot, and detect how the files must be read
@@ -99,10 +101,98 @@ struct Subject {
 
 impl Start {
     pub fn run(self) -> Result<()> {
+        let request = Request {
+            reading: self.reading.reading()?,
+            files: self.files,
+            cube: self.cube,
+            joints: self.joints,
+            pd: self.pd,
+            track: self.track,
+            own_gait: self.own_gait,
+            output: self.output,
+        };
+        let started = request.study(&OnTerminal)?;
+        terminal::print_warnings(&started.warnings);
+        terminal::print(started.lines.join("\n"));
+        Ok(())
+    }
+}
+
+/// The files of which a study is made, and what is known about them: the options of the command, or arguments of Python.
+#[derive(Debug, Default)]
+pub struct Request {
+    /// Recordings, and the robot.
+    pub files: Vec<PathBuf>,
+    /// The robot is a cube: its edge in metres and its mass in kilograms.
+    pub cube: Option<Vec<f64>>,
+    /// Names of the joints of numbered columns and of lists, in their order.
+    pub joints: Vec<String>,
+    /// Gains with which the firmware turns commanded angles into torques.
+    pub pd: Vec<Gains>,
+    /// Distance between the left and the right wheels, metres.
+    pub track: Option<f64>,
+    /// Whether the recorded robot ran the gait of its own file.
+    pub own_gait: bool,
+    /// How the files are read, as far as that is known.
+    pub reading: Reading,
+    /// The file of the study.
+    pub output: PathBuf,
+}
+
+/// Who asks for a study.
+pub trait Caller {
+    /// Answers what the files leave open.
+    ///
+    /// # Errors
+    /// There is no answer.
+    fn answer(&self, doubts: &[Warning], open: &Ambiguity, known: &mut Reading) -> Result<()>;
+
+    /// Does some work of `total` runs, and shows how far it is.
+    ///
+    /// # Errors
+    /// As the work.
+    fn during<T>(&self, total: usize, work: impl FnOnce(&RunOptions<'_>) -> Result<T>)
+    -> Result<T>;
+}
+
+/// The command, whose user can be asked.
+struct OnTerminal;
+
+impl Caller for OnTerminal {
+    fn answer(&self, doubts: &[Warning], open: &Ambiguity, known: &mut Reading) -> Result<()> {
+        terminal::print_warnings(doubts);
+        answer(open, known)
+    }
+
+    fn during<T>(
+        &self,
+        total: usize,
+        work: impl FnOnce(&RunOptions<'_>) -> Result<T>,
+    ) -> Result<T> {
+        let what = "runs before the study is written";
+        progress::during(total, what, RunOptions::default(), work)
+    }
+}
+
+/// A study that was made and written.
+#[derive(Debug)]
+pub struct Started {
+    /// For people: how the files were read and why, and the next command.
+    pub lines: Vec<String>,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+impl Request {
+    /// Makes the study and writes it.
+    ///
+    /// # Errors
+    /// Files that cannot be read, questions without an answer, a robot that moves although nothing drives it.
+    pub fn study(self, caller: &impl Caller) -> Result<Started> {
         output::check(&self.output)?;
         let mut subject = self.subject()?;
         let size_m = subject.robot.summary().body_length_m;
-        let mut known = self.reading.reading()?;
+        let mut known = self.reading.clone();
         let hinges = subject.robot.assemble().hinges;
         let joints: Vec<String> = hinges.into_iter().map(|hinge| hinge.name).collect();
         let named = JointReading::infer(&subject.recordings[0], &known, &joints, &self.joints)?;
@@ -128,10 +218,7 @@ impl Start {
             let guess = InferredReading::infer(&subject.recordings, &known, Some(size_m))?;
             match guess.ambiguities.first() {
                 None => break guess,
-                Some(open) => {
-                    terminal::print_warnings(&guess.doubts);
-                    answer(open, &mut known)?;
-                }
+                Some(open) => caller.answer(&guess.doubts, open, &mut known)?,
             }
         };
         guess.evidence.splice(0..0, evidence);
@@ -158,11 +245,10 @@ impl Start {
             text,
             study,
             doubts,
-        } = rehearse(&mut draft, &self.output, |draft| {
+        } = rehearse(&mut draft, &self.output, caller, |draft| {
             self.text(&subject, &guess, draft)
         })?;
         output::write_ron(&self.output, &text)?;
-        terminal::print_warnings(study.warnings());
         let mut lines: Vec<String> = doubts
             .iter()
             .map(|doubt| format!("doubt: {doubt}"))
@@ -186,8 +272,10 @@ impl Start {
                 .next
                 .replace("STUDY", &shell::path(&self.output).to_string())
         ));
-        terminal::print(lines.join("\n"));
-        Ok(())
+        Ok(Started {
+            lines,
+            warnings: study.warnings().to_vec(),
+        })
     }
 
     /// Separates the recordings from the robot.

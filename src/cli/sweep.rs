@@ -41,8 +41,11 @@ impl Sweep {
         let folder = options.folder(&study, "")?;
         let started = Instant::now();
         let (total, run) = (study.definition().grid.len(), options.jobs.stoppable());
-        let result = progress::during(total, "sweeping", run, |run| {
-            study.sweep_into(folder.lock(), options.before.mode(), run)
+        let of = (&study, folder.path());
+        let result = options.live.during(of, true, run, |run| {
+            progress::during(total, "sweeping", *run, |run| {
+                study.sweep_into(folder.lock(), options.before.mode(), run)
+            })
         });
         folder.check()?;
         let wall_s = started.elapsed().as_secs_f64();

@@ -80,7 +80,10 @@ impl Tune {
             progress: Some(&say),
             ..options.jobs.stoppable()
         };
-        let result = study.tune_into(folder.lock(), options.before.mode(), &tuning, &run);
+        let of = (&study, folder.path());
+        let result = options.live.during(of, false, run, |run| {
+            study.tune_into(folder.lock(), options.before.mode(), &tuning, run)
+        });
         bar.finish_and_clear();
         folder.check()?;
         let wall_s = started.elapsed().as_secs_f64();

@@ -10,6 +10,7 @@ mod equal_runs;
 mod foreign;
 mod hint;
 mod kept;
+mod live;
 mod new;
 mod own_data;
 mod start;

@@ -469,3 +469,46 @@ fn the_table_of_crates_says_what_each_crate_may_see() {
         assert_eq!(said, seen, "docs/design.md, crate {name}");
     }
 }
+
+/// Words of earlier versions, and the field's word that is said for the same thing today, in docs, help, messages and pages.
+const REPLACED: [(&str, &str); 5] = [
+    ("drawn alike", "same distribution? (energy test)"),
+    ("alike? p", "same distribution? p"),
+    ("new draws", "fresh seeds"),
+    (
+        "cannot be told apart from the best",
+        "in the confidence set",
+    ),
+    ("indistinguishable set", "confidence set"),
+];
+
+#[test]
+fn one_thing_has_one_word_and_it_is_that_of_the_field() {
+    let python = common::project().join("python");
+    let mut texts: Vec<(String, String)> = all_pages()
+        .iter()
+        .map(|page| (page.display().to_string(), read(page)))
+        .collect();
+    texts.extend(sources("src"));
+    texts.extend(sources("crates"));
+    for folder in ["realgap", "notebooks"] {
+        for entry in std::fs::read_dir(python.join(folder)).unwrap() {
+            let path = entry.unwrap().path();
+            let ending = path.extension().unwrap_or_default();
+            if ["py", "ipynb"].iter().any(|known| ending == *known) {
+                texts.push((path.display().to_string(), read(&path)));
+            }
+        }
+    }
+    let mut wrong = Vec::new();
+    for (place, text) in &texts {
+        let text = prose(text).to_lowercase();
+        for (before, now) in REPLACED {
+            if text.contains(before) {
+                wrong.push(format!("{place}: `{before}`, say `{now}`"));
+            }
+        }
+    }
+    assert!(texts.len() > 100, "only {} texts", texts.len());
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}

@@ -33,7 +33,7 @@ fn the_command_line_switches_it_off_and_takes_the_posterior_of_a_sweep() {
     let (code, said, _) = predict(&["--posterior", &folder]);
     assert_eq!(code, Some(0));
     assert!(said.contains("model error       10 other models"), "{said}");
-    assert!(said.contains("indistinguishable set"), "{said}");
+    assert!(said.contains("confidence set"), "{said}");
     let (code, _, error) = predict(&["--model-error", "off", "--posterior", &folder]);
     assert_eq!(code, Some(2), "{error}");
     let (code, _, error) = predict(&["--posterior", "nowhere"]);

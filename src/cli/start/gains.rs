@@ -11,7 +11,7 @@ use super::super::kit::*;
 
 /// The gains of the joints whose names match a pattern.
 #[derive(Debug, Clone)]
-pub(super) struct Gains {
+pub struct Gains {
     joints: Pattern,
     gains: PositionGains,
 }

@@ -1,11 +1,10 @@
 //! Simulates a study before it is written, to find out whether it can answer its question.
 
-use realgap::RunOptions;
 use realgap::calibration::{PriorRuns, Study};
 use realgap::file::Source;
 
 use super::super::kit::*;
-use super::{Draft, Overrides};
+use super::{Caller, Draft, Overrides};
 
 /// Recordings that are simulated beforehand.
 const MOST: usize = 3;
@@ -34,13 +33,14 @@ pub(super) struct Rehearsed {
 }
 
 /// Simulates the study of a draft with the robot's own values and in the middle of the ranges, and changes its timestep and its
-/// horizon where runs diverge or are lost; `text_of` writes a draft.
+/// horizon where runs diverge or are lost; `caller` shows the runs, `text_of` writes a draft.
 ///
 /// # Errors
 /// A study that is not valid.
 pub(super) fn rehearse(
     draft: &mut Draft,
     output: &Path,
+    caller: &impl Caller,
     text_of: impl Fn(&Draft) -> Result<String>,
 ) -> Result<Rehearsed> {
     let parsed = |draft: &Draft| {
@@ -48,14 +48,7 @@ pub(super) fn rehearse(
         let study = Study::parse(&Source::new(output, text.clone()), &Overrides::default())?;
         Ok::<(String, Study), Error>((text, study))
     };
-    let run = |study: &Study| {
-        progress::during(
-            2 * MOST,
-            "runs before the study is written",
-            RunOptions::default(),
-            |run| study.prior_runs(MOST, run),
-        )
-    };
+    let run = |study: &Study| caller.during(2 * MOST, |run| study.prior_runs(MOST, run));
     let mut doubts = Vec::new();
     let (mut text, mut study) = parsed(draft)?;
     let mut prior = run(&study)?;

@@ -50,7 +50,7 @@ realgap_core::labelled_enum! {
     /// The friction cone: relaxed, as in other engines.
     Contact "relaxed contact";
     /// Parameter values that recordings cannot tell apart.
-    Indistinguishable "indistinguishable set";
+    Indistinguishable "confidence set";
 }
 
 impl Source {

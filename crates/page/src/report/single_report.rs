@@ -8,6 +8,7 @@ use crate::report::document::section::{Section, numbers, provenance, warnings};
 use crate::report::folder::content::PageContent;
 use crate::report::folder::tree::ReportTree;
 use realgap_core::error::{Error, Result};
+use realgap_lab::claim::verdict_lines;
 
 /// The findings of one command.
 #[derive(Debug)]
@@ -32,7 +33,15 @@ impl SingleReport<'_> {
     /// # Errors
     /// A picture that cannot be read.
     pub fn page(&self) -> Result<String> {
-        let mut lines = self.text.trim().lines();
+        // The verdict stands on top by itself, as on the page of a results folder.
+        let claims = self.report.claims();
+        let verdict = verdict_lines(&claims);
+        let text = self.text.trim();
+        let mut lines = text
+            .strip_prefix(verdict.trim())
+            .unwrap_or(text)
+            .trim_start()
+            .lines();
         let answer = lines.next();
         let answer = answer.unwrap_or("What was found is in the tables below.");
         let rest: Vec<String> = lines.map(html).collect();
@@ -51,6 +60,7 @@ impl SingleReport<'_> {
         let content = PageContent {
             kind: self.kind,
             name: self.name.to_owned(),
+            claims,
             answer: answer.to_owned(),
             sections,
             ..PageContent::default()

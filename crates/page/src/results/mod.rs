@@ -63,5 +63,7 @@ pub use papers::vision::draw_vision;
 pub use papers::visit::{draw_visits, draw_way};
 pub use search::{BestRobot, SearchSummary, write_search};
 pub(crate) use search::{History, fitness_chart};
-pub use study::{FittedStudy, RankedPoints, draws, ranked_points, write};
+pub use study::{
+    FittedStudy, JointSample, RankedPoints, draws, joint_samples, ranked_points, write,
+};
 pub use timing::{Timing, write_timing};

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use crate::calibration::recording::identity::samples_sha256;
 use crate::calibration::recording::warnings_for;
 use crate::calibration::{
-    BaseRule, BasisRule, Definition, OwnSimulator, ScoreRule, Split, StartRule, Study,
+    BaseRule, BasisRule, Commands, Definition, OwnSimulator, ScoreRule, Split, StartRule, Study,
 };
 use realgap_core::Result;
 use realgap_core::file::check_name;
@@ -126,6 +126,8 @@ impl StudyBuilder {
         noise: Noise;
         /// What holds the root of the robot; by default, what its file says.
         base: BaseRule;
+        /// Recorded commands that the servos follow in place of their gaits; by default, none.
+        commands: Commands;
     }
 
     /// Runs start from this state of each recording instead of at rest on the floor.

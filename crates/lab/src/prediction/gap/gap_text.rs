@@ -55,7 +55,7 @@ impl fmt::Display for StudyGap {
             ("distance", Side::Left),
             ("gap ratio", Side::Left),
             ("energy ratio", Side::Right),
-            ("alike? p", Side::Right),
+            ("same distribution? p", Side::Right),
         ]);
         let said = |value: Option<f64>| value.map_or("-".to_owned(), number);
         for row in &self.metrics {

@@ -3,6 +3,7 @@
 
 mod drawn;
 mod rendered;
+mod searched;
 mod verdict;
 
 use crate::report::ResultsPage;
@@ -275,8 +276,8 @@ fn likeness(
 ) {
     let mut rms = gap.metrics.iter().filter(|row| row.metric == "rms");
     let p = rms.next().unwrap().alike.unwrap().p_value;
-    found.see("drawn alike", p >= 0.05);
-    found.see("not drawn alike", p < 0.05);
+    found.see("no difference found", p >= 0.05);
+    found.see("another distribution", p < 0.05);
     let same = reality.alike.map(|alike| alike.p_value) == Some(p);
     found.hold(of_gap, same, || {
         format!("p = {p} is not that of the ensemble")

@@ -63,6 +63,8 @@ pub(in crate::report) struct Page<'a> {
     pub data: &'a [(&'a str, String)],
     /// Scripts, in order.
     pub scripts: &'a [&'a str],
+    /// Seconds after which a browser loads the file again; `None` for a page that stays as it is.
+    pub renewed_every_s: Option<u32>,
 }
 
 impl Page<'_> {
@@ -91,6 +93,10 @@ impl Page<'_> {
             env!("CARGO_PKG_VERSION"),
             html(self.title),
         );
+        if let Some(seconds) = self.renewed_every_s {
+            let renewed = "<meta http-equiv=\"refresh\" content=";
+            let _infallible = writeln!(page, "{renewed}\"{seconds}\">");
+        }
         for style in self.styles {
             let _infallible = writeln!(page, "<style>{style}</style>");
         }
@@ -143,6 +149,7 @@ mod tests {
             body: "<p>x</p>",
             data: &[],
             scripts: &["1"],
+            renewed_every_s: None,
         };
         let text = page.text();
         // printf 1 | openssl dgst -sha256 -binary | base64

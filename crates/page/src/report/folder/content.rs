@@ -58,6 +58,7 @@ impl PageContent {
             body: &fill(include_str!("../document/asset/report.html"), &values),
             data: &data,
             scripts: &scripts,
+            renewed_every_s: None,
         }
         .text()
     }

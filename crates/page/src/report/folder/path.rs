@@ -16,11 +16,20 @@ pub(super) fn from_above(
     paths: Option<&[PathXy]>,
     best: Option<usize>,
     data: Option<&PageData>,
+    recordings: Option<usize>,
 ) -> String {
     let (Some(paths), Some(best)) = (paths, best) else {
         return String::new();
     };
     let recorded = recorded_of(data);
+    let all = recordings.filter(|all| *all > recorded.len() && !recorded.is_empty());
+    let count = all.map_or_else(String::new, |all| {
+        format!(
+            " Of {all} recordings, {} {} shown: of those that start as this run does.",
+            recorded.len(),
+            if recorded.len() == 1 { "is" } else { "are" }
+        )
+    });
     let point = &points.points[best];
     let names: Vec<&str> = points.names.iter().map(String::as_str).collect();
     let panels = PanelGrid {
@@ -48,7 +57,7 @@ pub(super) fn from_above(
         ""
     };
     format!(
-        "<figure><p id=\"chosen\" aria-live=\"polite\">{}: the best point.</p>{}{}<div class=\"legend\">{recorded_key}<span id=\"legend-best\" hidden><i class=\"key faint\"></i>simulation, best point</span></div><figcaption>The tracked module's path as the metric compares it: from the origin, with the net displacement to the right. Both axes have one scale.</figcaption></figure>",
+        "<figure><p id=\"chosen\" aria-live=\"polite\">{}: the best point.</p>{}{}<div class=\"legend\">{recorded_key}<span id=\"legend-best\" hidden><i class=\"key faint\"></i>simulation, best point</span></div><figcaption>The tracked module's path as the metric compares it: from the origin, with the net displacement to the right. Both axes have one scale.{count}</figcaption></figure>",
         html(&title),
         chart.inline(&Inline::new(alt).id("path")),
         legend(&chart),
@@ -101,7 +110,11 @@ pub(super) fn over_time(
         all.push(figure(
             "Distance to each recorded run",
             &chart(alt, "error", label, lines.collect()),
-            "The band shows how far each recorded run is from the mean of the others. Inside the band, the simulation is as near to a recorded run as the other recorded runs are.",
+            // One recorded run has no others beside it, so that no band is drawn.
+            match recorded.len() {
+                1 => "",
+                _ => "The band shows how far each recorded run is from the mean of the others. Inside the band, the simulation is as near to a recorded run as the other recorded runs are.",
+            },
         ));
     }
     figures(&all)

@@ -39,7 +39,7 @@ pub(super) fn content(
     let joints = joints(&found.joints);
     let has_joints = !joints.is_empty();
     let (has_map, has_paths) = (maps.is_some(), paths.is_some() && best.is_some());
-    let chosen = from_above(points, paths.as_deref(), best, data);
+    let chosen = from_above(points, paths.as_deref(), best, data, report.recordings);
     let map = scores(points, report, maps.as_ref(), &chosen);
     let over_time = over_time(paths.as_deref(), best, data);
     let unit = report.unit.as_str();

@@ -17,6 +17,7 @@ pub(in crate::report) struct StudySummary {
     pub(in crate::report) study: Option<String>,
     pub(in crate::report) complete: Option<bool>,
     pub(in crate::report) points: usize,
+    pub(in crate::report) recordings: Option<usize>,
     pub(in crate::report) tuning: Option<IgnoredAny>,
     pub(in crate::report) metric: String,
     pub(in crate::report) unit: String,

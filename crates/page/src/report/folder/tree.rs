@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize as _, Serialize};
 use serde_json::Value;
 
 use crate::report::document::page::html;
@@ -11,6 +11,7 @@ use crate::report::document::value::{folded, shown, table};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::versioned_value;
 use realgap_core::unit::number;
+use realgap_lab::claim::Claim;
 
 /// The largest number of rows of a table; the report itself has all of them.
 const MOST_ROWS: usize = 200;
@@ -64,6 +65,12 @@ impl ReportTree {
     pub(in crate::report) fn typed<T: DeserializeOwned>(&self, path: &Path) -> Result<T> {
         T::deserialize(&self.0)
             .map_err(|e| Error::invalid(format!("not a report: {e}")).at_file(path))
+    }
+
+    /// The claims of the report; none where it makes none.
+    pub(in crate::report) fn claims(&self) -> Vec<Claim> {
+        let claims = self.0.get("claims").map(Vec::<Claim>::deserialize);
+        claims.and_then(std::result::Result::ok).unwrap_or_default()
     }
 
     /// A number or a text of the report, by its name.

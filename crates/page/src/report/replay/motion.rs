@@ -34,6 +34,9 @@ pub struct ShownScene {
     floor: ShownFloor,
     /// Boxes that stand still, in the world.
     scene: Vec<FixedBox>,
+    /// Whether the robot's root is held in the world: then it differs from its recordings by its joints, and not by where it is.
+    #[serde(default)]
+    is_held: bool,
 }
 
 /// A run of a replay.
@@ -123,6 +126,7 @@ impl ShownScene {
                 slope_rad: floor.slope_rad,
             },
             scene: scene.iter().flat_map(fixed_boxes).collect(),
+            is_held: robot.is_some_and(|robot| robot.assemble().world_from_mount.is_some()),
         }
     }
 }

@@ -84,6 +84,7 @@ impl Replay<'_> {
             body: &body,
             data: &[("scene-data", script_json(&scene)), ("motion-data", motion)],
             scripts: &[THREE, BLOCK, CLOCK, CHART, SCENE, REPLAY, ALONE],
+            renewed_every_s: None,
         };
         Ok(page.text())
     }

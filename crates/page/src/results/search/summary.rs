@@ -188,7 +188,7 @@ impl SearchSummary {
 
     /// The summary with the claims that follow from its numbers, and with those about how far the best robot gets.
     #[must_use]
-    pub(super) fn with_claims(mut self, of_best: &[Claim]) -> Self {
+    pub(crate) fn with_claims(mut self, of_best: &[Claim]) -> Self {
         let survivors = self.best.iter().filter(|robot| robot.survives).count();
         let first = self.best.first().map(|robot| BestOfSearch {
             robot: &robot.file,

@@ -175,6 +175,10 @@ pub(crate) fn profile(profile: &ProfileCurve, score: &ScoreName) -> LinePlot {
     let [low, high] = &profile.bands;
     let edge = profile.values.iter().copied().zip(low.iter().copied());
     let band = SeriesKind::Band(high.clone());
+    // A legend names what is drawn only: a fit by least squares knows its score exactly.
+    if low == high {
+        return plot;
+    }
     let label = "90 % interval of the score";
     let band = Series::new(label, band, edge.collect()).colour(5);
     plot.series.insert(0, band);

@@ -8,7 +8,7 @@ use realgap_core::error::Result;
 use realgap_core::statistics::percentile_interval;
 use realgap_lab::calibration::{Answer, Study};
 use realgap_optimization::Ending;
-use realgap_path::comparison::{ChannelSamples, JointSamples, joint_samples};
+use realgap_path::comparison::{self, ChannelSamples, JointSamples};
 
 /// The largest number of recordings: more would hardly change the spread of a joint, and each costs a simulation.
 const RECORDINGS: usize = 12;
@@ -19,15 +19,35 @@ const TAIL: f64 = 0.05;
 
 /// One sample of one joint, or of one scored channel.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct JointSample {
+pub struct JointSample {
+    /// Name of the recording.
     pub recording: String,
     /// Name of the joint, or of the channel's column.
     pub joint: String,
     /// What is shown, and its unit: an angle in radians where the study scores no channels.
     pub quantity: (String, String),
+    /// Time since the start of the recording, seconds.
     pub time_s: f64,
+    /// What was recorded.
     pub recorded: f64,
+    /// The same in the run at the best point.
     pub simulated: f64,
+}
+
+/// Recorded and simulated joints at the best point, or the channels that the study scores, of the first recordings; empty where
+/// no recording has joints of the robot.
+///
+/// # Errors
+/// A best point that cannot be simulated again.
+pub fn joint_samples(study: &Study, answer: &Answer) -> Result<Vec<JointSample>> {
+    let best = answer.scores.best.map(|best| &answer.scores.points[best]);
+    // A user who interrupts the run does not want to wait for more simulations.
+    let best = best.filter(|_| answer.ending == Ending::Complete);
+    let mut rows = best.map_or(Ok(Vec::new()), |best| compared(study, &best.values))?;
+    if panels(&rows).is_none() {
+        rows.clear();
+    }
+    Ok(rows)
 }
 
 /// What is shown of a joint where no channels are scored.
@@ -47,13 +67,7 @@ pub(in crate::results) fn is_of_joints(study: &Study) -> bool {
 /// # Errors
 /// A best point that cannot be simulated again.
 pub(super) fn table(study: &Study, answer: &Answer) -> Result<CsvTable> {
-    let best = answer.scores.best.map(|best| &answer.scores.points[best]);
-    // A user who interrupts the run does not want to wait for more simulations.
-    let best = best.filter(|_| answer.ending == Ending::Complete);
-    let mut rows = best.map_or(Ok(Vec::new()), |best| compared(study, &best.values))?;
-    if panels(&rows).is_none() {
-        rows.clear();
-    }
+    let rows = joint_samples(study, answer)?;
     let has_channels = !study.definition().channels.all().is_empty();
     let cells = rows.iter().map(|row| {
         let numbers = [row.time_s, row.recorded, row.simulated];
@@ -146,7 +160,7 @@ fn compared(study: &Study, values: &[f64]) -> Result<Vec<JointSample>> {
         for target in targets {
             let recording = &study.definition().recordings[target.recording].name;
             if channels.all().is_empty() {
-                let joints = joint_samples(&target.motion, simulated).into_iter();
+                let joints = comparison::joint_samples(&target.motion, simulated).into_iter();
                 rows.extend(joints.flat_map(|joint| thinned(recording, series_of(joint))));
             } else {
                 let all = channels.samples(&target.motion, simulated)?.into_iter();

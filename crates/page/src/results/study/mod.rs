@@ -24,6 +24,7 @@ use realgap_lab::calibration::{Answer, Method, Study};
 pub use best::draws;
 pub use data::{RankedPoints, ranked_points};
 pub use fitted::FittedStudy;
+pub use joint::{JointSample, joint_samples};
 
 /// Writes what an answer holds into `folder`, next to the store where there is one: tables, pictures, the report, the best
 /// values. They take the place of older results once all of them are written. Returned is what the page of the folder shows.

@@ -98,6 +98,39 @@ fn class(series: &Series) -> &'static str {
 
 impl InlineChart for LinePlot {
     fn inline(&self, inline: &Inline<'_>) -> String {
+        // Scripts find a chart by its identifier, and draw it again in the unit in which its data are stored.
+        let plot = match inline.id.is_empty() {
+            true => &in_display_unit(self),
+            false => self,
+        };
+        plot.drawn_inline(inline)
+    }
+}
+
+/// The same chart with vertical values in the unit in which they read well: 0.004 rad becomes 4 mrad.
+fn in_display_unit(plot: &LinePlot) -> LinePlot {
+    let unit = plot.display_unit();
+    let scaled = |value: f64| value * unit.factor;
+    let mut plot = plot.clone();
+    for series in &mut plot.series {
+        for point in &mut series.points {
+            point.1 = scaled(point.1);
+        }
+        if let SeriesKind::Band(high) = &mut series.kind {
+            high.iter_mut().for_each(|value| *value = scaled(*value));
+        }
+    }
+    if let Some(best) = &mut plot.best {
+        best.score = best.score.map(scaled);
+    }
+    plot.y_range = plot.y_range.map(|(low, high)| (scaled(low), scaled(high)));
+    plot.y_label = unit.label(&plot.y_label);
+    plot.y_unit = Unit::One;
+    plot
+}
+
+impl LinePlot {
+    fn drawn_inline(&self, inline: &Inline<'_>) -> String {
         let places = places(self);
         let kind = match self.x.unit {
             _ if is_map(self) => "map",

@@ -23,7 +23,7 @@ realgap.replay = makeClock => {
 
   const at = (track, t) => { const place = realgap.place(track.t, t); return track.at.map(c => realgap.mix(c, place)); };
   // A robot that is held in place differs from its recording by how its parts are turned.
-  const isHeld = tracks.every(track => track.at.every(c => c.every(v => Math.abs(v - c[0]) < 1e-9)));
+  const isHeld = data.is_held || tracks.every(track => track.at.every(c => c.every(v => Math.abs(v - c[0]) < 1e-9)));
   const turned = (track, t) => Math.max(0, ...track.parts.map(part => {
     const own = tracks[0].parts.find(other => other.index === part.index);
     if (!own) return 0;
