@@ -19,22 +19,26 @@
 //! # Ok::<(), realgap_core::Error>(())
 //! ```
 
+mod between;
 mod confidence;
 mod distance;
 mod estimate;
 mod fitness;
 mod floor;
 mod gap_text;
+mod matched;
 mod over_time;
 mod sample;
 mod set;
 mod study;
 
+pub use between::{Alike, Between, LEAST_REPEATS, RepeatsTest};
 pub use confidence::Confidence;
 pub use distance::{Distances, GapAndRatio, MetricGap, distances};
 pub use estimate::{Estimate, INTERVAL_LEVEL};
 pub use fitness::Fitness;
 pub use floor::{MetricFloor, NoiseFloor, noise_floor};
+pub use matched::Matched;
 pub use over_time::OverTime;
 pub use sample::{CaseRuns, Sample, Scoring};
 pub use set::{FloorReport, SetFloor, SetOfRuns, read_sets};
