@@ -86,7 +86,8 @@ fn a_run_in_both_sets_and_too_few_repeats_are_refused() {
 fn driven(friction: f64, most_m_s2: f64, seed: u64) -> Sample {
     const STEP_S: f64 = 0.02;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let (mut place, mut velocity) = (Vector3::zeros(), Vector3::new(1.0, 0.0, 0.0));
+    let mut place: Vector3<f64> = Vector3::zeros();
+    let mut velocity: Vector3<f64> = Vector3::new(1.0, 0.0, 0.0);
     let (mut ahead_m_s2, mut left_m_s2) = (0.0, 0.0);
     let mut samples: Vec<(f64, Vector3<f64>, f64, f64, f64)> = Vec::new();
     let mut heading_rad = 0.0_f64;
