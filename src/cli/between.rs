@@ -1,5 +1,6 @@
 //! The options of `realgap gap` that compare two sets of recorded runs without a simulator.
 
+use realgap::RunOptions;
 use realgap::calibration::Overrides;
 use realgap::prediction::gap::{Between, Sample, Scoring, read_sets};
 
