@@ -26,14 +26,14 @@ use super::timing::{TimeOption, TimeParser};
 /// names the column whose values are the sets, and the column `run` separates the repeats of a set.
 ///
 /// With --between and --and, the command tells whether two sets of recorded runs move alike, without a simulator: did the floor
-/// change? Whole runs are compared by an energy test; with --command, windows that are alike in start and in these columns of
-/// commands. The answer is: they differ, no difference is found (and which one would be), or the runs cannot tell.
+/// change? Whole runs are compared by an energy test that exchanges runs, so that each set needs four repeats of one experiment. The
+/// answer is: they differ, no difference is found (and which one would be), or the runs cannot tell.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   realgap gap sweeps/tripod_floor.ron --parameters results/tripod_floor/best.ron
   realgap gap --recordings 'runs.csv' --group condition
-  realgap gap --between 'monday/*.csv' --and 'tuesday/*.csv' --command throttle --command steering")]
+  realgap gap --between 'monday/*.csv' --and 'tuesday/*.csv'")]
 pub struct Gap {
     /// The study, e.g. sweeps/tripod_floor.ron; without one, the noise floor of --recordings
     study: Option<PathBuf>,

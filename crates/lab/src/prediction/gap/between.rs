@@ -1,7 +1,6 @@
 //! Two sets of recorded runs: do they move alike? No simulator is asked.
 //!
-//! Runs that repeat one experiment are compared whole, by an energy test that exchanges runs. Few long runs with recorded commands
-//! are compared in windows alike in start and command ([`matched`](super::matched)).
+//! Runs that repeat one experiment are compared whole, by an energy test that exchanges runs.
 
 use std::fmt;
 
@@ -10,14 +9,13 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::floor::Pairs;
-use super::matched::{Matched, matched};
 use super::{Sample, Scoring};
 use crate::claim::SIGNIFICANT;
 use realgap_core::random::Once;
 use realgap_core::statistics::{EnergyTest, energy_test};
 use realgap_core::table::{Side, TextTable};
 use realgap_core::unit::{Unit, counted, number, quantity};
-use realgap_core::{Code, Error, Result, Warning};
+use realgap_core::{Error, Result, Warning};
 use realgap_path::trajectory::Trajectory;
 
 /// Fewer runs in a set than this cannot be told apart by exchanging runs: 4 and 4 have 70 divisions.
@@ -27,7 +25,7 @@ const POWER_DRAWS: usize = 40;
 /// Factors by which the second set is longer in the power of the test.
 const LONGER: [f64; 6] = [1.02, 1.05, 1.1, 1.2, 1.5, 2.0];
 /// Share of draws in which a difference has to be found, so that it counts as one that the test finds.
-pub(super) const POWER: f64 = 0.8;
+const POWER: f64 = 0.8;
 
 /// What the comparison says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -70,12 +68,8 @@ pub struct Between {
     pub text: String,
     /// Numbers of runs in the two sets.
     pub runs: [usize; 2],
-    /// Tests of whole runs, the deciding metric first; empty where windows are compared.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    /// Tests of whole runs, the deciding metric first.
     pub repeats: Vec<RepeatsTest>,
-    /// Windows alike in start and command; `None` where whole runs are compared.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub windows: Option<Matched>,
     /// What the reader should know.
     pub warnings: Vec<Warning>,
 }
@@ -91,31 +85,10 @@ impl Between {
             return Err(Error::invalid("too few repeats to be exchanged")
                 .found(format!("{} and {}", runs[0], counted(runs[1], "run")))
                 .allowed(format!("{LEAST_REPEATS} or more runs in each set"))
-                .hint("with recorded commands, compare windows alike in start and command: one run in each set suffices"));
+                .hint("record more repeats of the same run"));
         }
         let all: Vec<&Sample> = first.iter().chain(second).collect();
         Self::of_repeats(runs, &all, scoring)
-    }
-
-    /// Compares two sets of runs in windows of `window_s` seconds that are alike in start and in these columns of commands.
-    ///
-    /// # Errors
-    /// An empty set, the same run in both sets, no or unknown columns, a window that is no time.
-    pub fn windows(
-        first: &[Sample],
-        second: &[Sample],
-        commands: &[String],
-        window_s: f64,
-        seed: u64,
-    ) -> Result<Self> {
-        let runs = checked(first, second)?;
-        let motions = |set| {
-            <[Sample]>::iter(set)
-                .map(|run| &run.motion)
-                .collect::<Vec<_>>()
-        };
-        let found = matched(&motions(first), &motions(second), commands, window_s, seed)?;
-        Ok(Self::of_windows(runs, found))
     }
 
     fn of_repeats(runs: [usize; 2], all: &[&Sample], scoring: &Scoring) -> Result<Self> {
@@ -171,29 +144,8 @@ impl Between {
             text,
             runs,
             repeats,
-            windows: None,
             warnings,
         })
-    }
-
-    fn of_windows(runs: [usize; 2], found: Matched) -> Self {
-        let warnings = if runs.contains(&1) {
-            vec![Code::OneRecording.warning(
-                "one run stands for a whole set: what moves between runs, such as trim and battery, cannot be told from another floor",
-            )]
-        } else {
-            Vec::new()
-        };
-        let (answer, text) = found.answer();
-        Self {
-            version: env!("CARGO_PKG_VERSION"),
-            answer,
-            text,
-            runs,
-            repeats: Vec::new(),
-            windows: Some(found),
-            warnings,
-        }
     }
 }
 
