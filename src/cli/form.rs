@@ -5,7 +5,7 @@ use realgap::calibration::{
 };
 use realgap::identification::JointIdentification;
 use realgap::plan::Status;
-use realgap::prediction::gap::{FloorReport, StudyGap};
+use realgap::prediction::gap::{Between, FloorReport, StudyGap};
 use realgap::prediction::{Card, EnsembleReport};
 use realgap::results::SearchSummary;
 
@@ -59,6 +59,7 @@ macro_rules! forms {
 // Each line adds an answer: its name, whether it is one value or rows, its type, its description.
 forms! {
     in "../../schemas/answers/":
+    "between" one Between, "whether two sets of recorded runs move alike: `realgap gap --between --and`";
     "check" rows FileReport, "the contents of files: `realgap check`";
     "compare" rows Compared, "distances of trajectories in every metric: `realgap compare`";
     "compare-metric" rows Scored, "distances of trajectories in one metric: `realgap compare --metric NAME`";

@@ -7,6 +7,7 @@ use realgap::prediction::gap::{FloorReport, GapOptions, Scoring, StudyGap, read_
 use realgap::report::PageData;
 use realgap::results::{Kind, write_floor, write_gap};
 
+use super::between::TwoSets;
 use super::kit::*;
 use super::option::{MOST_REPEATS, metric_option};
 use super::page;
@@ -23,11 +24,16 @@ use super::timing::{TimeOption, TimeParser};
 ///
 /// Without a study, the command prints the noise floor of the recordings alone, for each set of repeats: --group
 /// names the column whose values are the sets, and the column `run` separates the repeats of a set.
+///
+/// With --between and --and, the command tells whether two sets of recorded runs move alike, without a simulator: did the floor
+/// change? Whole runs are compared by an energy test that exchanges runs, so that each set needs four repeats of one experiment. The
+/// answer is: they differ, no difference is found (and which one would be), or the runs cannot tell.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   realgap gap sweeps/tripod_floor.ron --parameters results/tripod_floor/best.ron
-  realgap gap --recordings 'runs.csv' --group condition")]
+  realgap gap --recordings 'runs.csv' --group condition
+  realgap gap --between 'monday/*.csv' --and 'tuesday/*.csv'")]
 pub struct Gap {
     /// The study, e.g. sweeps/tripod_floor.ron; without one, the noise floor of --recordings
     study: Option<PathBuf>,
@@ -37,12 +43,14 @@ pub struct Gap {
     recordings: Recordings,
     /// Without a study: column of a long-format CSV whose values name the sets of repeats; the column `run` separates the repeats
     /// of a set [default: condition, where there is one]
-    #[arg(long, value_name = "COLUMN", conflicts_with = "study")]
+    #[arg(long, value_name = "COLUMN", conflicts_with_all = ["study", "between"])]
     group: Option<String>,
     /// Without a study: compare the runs of a set at times since each start up to the end of the shortest run, or at equal fractions
     /// of their durations; repeats have no common clock, and a study always compares at times since each start [default: fraction]
-    #[arg(long, value_name = "TIME", value_parser = TimeParser, conflicts_with = "study")]
+    #[arg(long, value_name = "TIME", value_parser = TimeParser, conflicts_with_all = ["study", "between"])]
     time: Option<TimeOption>,
+    #[command(flatten)]
+    between: TwoSets,
     /// Metric, repeatable [default: the study's (or pca), rms and displacement]
     #[arg(long = "metric", value_name = "NAME")]
     metrics: Vec<String>,
@@ -50,7 +58,7 @@ pub struct Gap {
     #[arg(long, value_name = "FILE", requires = "study")]
     noise: Option<PathBuf>,
     /// Number of repeats under noise, for each start
-    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=MOST_REPEATS))]
+    #[arg(long, value_name = "N", default_value_t = 200, conflicts_with = "between", value_parser = clap::value_parser!(u32).range(1..=MOST_REPEATS))]
     repeats: u32,
     /// Seed of noise and permutations [default: the study's]
     #[arg(long, value_name = "SEED", requires = "study")]
@@ -60,7 +68,7 @@ pub struct Gap {
     #[command(flatten)]
     jobs: Jobs,
     /// Folder for the results [default: results/<study>_gap; without a study and this option, nothing is written]
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", conflicts_with = "between")]
     output: Option<PathBuf>,
     #[command(flatten)]
     print: Print,
@@ -75,8 +83,43 @@ impl Gap {
     pub fn of_store(self, store: Option<&Path>) -> Result<()> {
         match &self.study {
             Some(study) => self.with_study(study, store),
+            None if self.between.is_given() => self.two_sets(),
             None => self.recordings_alone(),
         }
+    }
+
+    /// Whether two sets of recorded runs move alike.
+    fn two_sets(&self) -> Result<()> {
+        if !self.values.parameter_set()?.is_empty() {
+            return Err(
+                Error::usage("nothing is simulated between two sets of runs")
+                    .field("--set, --parameters")
+                    .hint("leave the values out"),
+            );
+        }
+        let overrides = self.recordings.overrides()?;
+        if !overrides.recordings.is_empty() {
+            return Err(
+                Error::usage("the runs of two sets are named by --between and --and")
+                    .field("recordings"),
+            );
+        }
+        let scoring = self.scoring()?;
+        let found = self
+            .between
+            .compare(&overrides, &scoring, &self.jobs.run())?;
+        terminal::print_warnings(&found.warnings);
+        self.print.value(&found)
+    }
+
+    /// How recordings without a study are compared.
+    fn scoring(&self) -> Result<Scoring> {
+        Ok(Scoring {
+            metrics: self.metrics(by_name(DEFAULT_METRIC)?)?,
+            components: Components::default(),
+            body_length_m: None,
+            seed: 1,
+        })
     }
 
     /// The work that can be divided into shards.
@@ -195,12 +238,7 @@ impl Gap {
                 .field("--set, --parameters")
                 .hint("name the study: realgap gap STUDY --set ..."));
         }
-        let scoring = Scoring {
-            metrics: self.metrics(by_name(DEFAULT_METRIC)?)?,
-            components: Components::default(),
-            body_length_m: None,
-            seed: 1,
-        };
+        let scoring = self.scoring()?;
         let overrides = Overrides {
             equal_times: self.equal_times()?,
             ..self.recordings.overrides()?

@@ -55,6 +55,7 @@ mod kit {
 mod advice;
 mod answer;
 mod apply;
+mod between;
 mod check;
 #[cfg(all(test, any(feature = "papers", feature = "schema")))]
 mod committed;

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 mod basis;
+mod between;
 mod carried;
 mod channels;
 mod columns;

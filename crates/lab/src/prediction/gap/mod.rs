@@ -19,6 +19,7 @@
 //! # Ok::<(), realgap_core::Error>(())
 //! ```
 
+mod between;
 mod confidence;
 mod distance;
 mod estimate;
@@ -30,6 +31,7 @@ mod sample;
 mod set;
 mod study;
 
+pub use between::{Alike, Between, LEAST_REPEATS, RepeatsTest};
 pub use confidence::Confidence;
 pub use distance::{Distances, GapAndRatio, MetricGap, distances};
 pub use estimate::{Estimate, INTERVAL_LEVEL};
