@@ -127,7 +127,7 @@ proptest! {
             let written = format.render(&trajectory);
             prop_assert_eq!(written.is_ok(), format.writes(), "{}", format.name());
             let Ok(written) = written else { continue };
-            let text = format.decode(written.bytes, &reading).unwrap();
+            let text = format.decode(written.bytes, &reading).unwrap().text;
             let back = format.parse(&text, &format.applied(&text, &reading)).unwrap();
             let (back, warnings) = (back.trajectory, back.warnings);
             prop_assert!(warnings.is_empty(), "{}: {warnings:?}", format.name());

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 
 use super::Trajectory;
 use super::column::{Columns, Role};
-use super::format::{Format, Parsed, Rendered};
+use super::format::{Decoded, Format, Parsed, Rendered};
 use super::mixed_robots::{explain, mixed_robots};
 use super::reading::{QuaternionOrder, Reading};
 use super::relabel::relabelled;
@@ -39,8 +39,12 @@ impl Format for Csv {
         extensions: &'static [&'static str] = &["csv"];
     }
 
-    fn decode(&self, bytes: Vec<u8>, reading: &Reading) -> Result<String> {
-        relabelled(decode_text(bytes)?, reading)
+    fn decode(&self, bytes: Vec<u8>, reading: &Reading) -> Result<Decoded> {
+        relabelled(decode_text(bytes)?, reading).map(Decoded::from)
+    }
+
+    fn is_table(&self) -> bool {
+        true
     }
 
     fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {
@@ -81,6 +85,7 @@ impl Format for Csv {
     fn applied(&self, text: &str, reading: &Reading) -> Reading {
         let mut applied = Reading {
             topic: None,
+            command_topic: None,
             child_frame: None,
             ..reading.clone()
         };

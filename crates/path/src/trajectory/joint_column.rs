@@ -56,6 +56,14 @@ pub fn may_be_attitude(name: &str) -> bool {
     ATTITUDE.contains(&name)
 }
 
+/// A name as robots have it here: letters, digits, `_` and `-`. Files of other programs may have `left/hip` or `robot0:wrist`.
+pub(super) fn plain_name(name: &str) -> String {
+    let is_usual = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    name.chars()
+        .map(|c| if is_usual(c) { c } else { '_' })
+        .collect()
+}
+
 /// Finds the joints among the columns without a role; their columns are marked as used, and get the factors of their units.
 pub(super) fn find(
     names: &[&str],

@@ -216,7 +216,8 @@ impl Reading {
         };
         let text = format
             .decode(bytes, &plain)
-            .map_err(|error| error.at_file(path))?;
+            .map_err(|error| error.at_file(path))?
+            .text;
         let columns = format.columns(&text, &plain);
         let mapped = self.columns.iter().map(|(_, column)| column.name.as_str());
         let renamed = self
@@ -232,6 +233,8 @@ impl Reading {
 struct File<'a> {
     path: &'a Path,
     text: String,
+    /// Warnings about how the text was taken from the file.
+    decoding: Vec<Warning>,
     format: &'static dyn Format,
     reading: Reading,
     meta: Option<Meta>,
@@ -248,12 +251,14 @@ impl<'a> File<'a> {
         if let Some((field, error)) = reading.fault() {
             return Err(error.at_file(path).field(field));
         }
-        let text = check_size(&bytes).and_then(|()| format.decode(bytes, &reading));
-        let text = text.map_err(|error| error.at_file(path))?;
+        let decoded = check_size(&bytes).and_then(|()| format.decode(bytes, &reading));
+        let decoded = decoded.map_err(|error| error.at_file(path))?;
+        let text = decoded.text;
         Ok(Self {
             reading: format.applied(&text, &reading),
             path,
             text,
+            decoding: decoded.warnings,
             format,
             meta,
         })
@@ -414,6 +419,7 @@ impl<'a> File<'a> {
             &self.reading,
             self.format.order(&self.text, &self.reading),
         );
+        warnings.splice(0..0, self.decoding.iter().cloned());
         // A column that tells several robots apart says more than their motion.
         let is_told = warnings.iter().any(|w| w.code == Code::SeveralRobots);
         warnings.extend(

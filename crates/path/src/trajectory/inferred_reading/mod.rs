@@ -164,7 +164,7 @@ impl InferredReading {
         }
         if format.name() == Csv.name() && !Euroc.recognises(&file.bytes) {
             let text = format.decode(file.bytes.clone(), &self.reading);
-            let text = text.map_err(|e| e.at_file(path))?;
+            let text = text.map_err(|e| e.at_file(path))?.text;
             column::infer_columns(&text, self).map_err(|e| e.at_file(path))?;
             file.text = Some(text);
         }
