@@ -88,6 +88,11 @@ pub(super) fn find(
         let Some((name, speed_ending, unit)) = ending else {
             continue;
         };
+        // The same angle in both units: the one in radians is read, and the other is reported as not used.
+        let in_radians = format!("{name}{}", ANGLES[0].0);
+        if !names[angle].ends_with(ANGLES[0].0) && names.contains(&in_radians.as_str()) {
+            continue;
+        }
         let zero_rad = match ticks {
             Some(ticks) if names[angle].ends_with(TICKS.0) => unit * ticks.zero,
             _ => 0.0,

@@ -13,11 +13,13 @@ mod crop;
 mod csv;
 mod distance;
 mod euroc;
+mod foreign;
 mod format;
 mod header;
 mod inferred_reading;
 mod joint_column;
 mod kitti;
+mod known_kind;
 mod levelling;
 mod log;
 mod measured;
@@ -52,6 +54,9 @@ pub use crop::{clip, cut_out, cut_to_shortest};
 pub use csv::Csv;
 pub use distance::{mean_square_m2, rms_m};
 pub use euroc::Euroc;
+pub use foreign::{
+    DEEPLABCUT, ForeignTable, JSON_LINES, MOTIVE, NPY, NPZ, QUALISYS, VICON,
+};
 pub use format::{Decoded, Format, Parsed, Rendered};
 pub use inferred_reading::{
     Ambiguity, Candidate, Evidence, InferredReading, JointReading, Question, odd_axes,

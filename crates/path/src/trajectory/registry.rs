@@ -10,8 +10,10 @@ use super::column::{Columns, Role};
 use super::crop::cropped;
 use super::csv::{self, Csv};
 use super::euroc::Euroc;
+use super::foreign::{DEEPLABCUT, JSON_LINES, MOTIVE, NPY, NPZ, QUALISYS, VICON};
 use super::format::{Format, Parsed};
 use super::kitti::Kitti;
+use super::known_kind::known_kind;
 use super::levelling;
 use super::log::{Mcap, Rosbag};
 use super::meta::read_meta_beside;
@@ -27,7 +29,22 @@ use realgap_core::warning::{Code, Warning};
 pub const GROUP_COLUMNS: [&str; 2] = ["condition", "run"];
 
 /// Every known format.
-pub const FORMATS: &[&dyn Format] = &[&Csv, &Tum, &Euroc, &Kitti, &Mcap, &Rosbag, &Parquet];
+pub const FORMATS: &[&dyn Format] = &[
+    &Csv,
+    &Tum,
+    &Euroc,
+    &Kitti,
+    &Mcap,
+    &Rosbag,
+    &Parquet,
+    &MOTIVE,
+    &VICON,
+    &DEEPLABCUT,
+    &QUALISYS,
+    &JSON_LINES,
+    &NPY,
+    &NPZ,
+];
 
 fn extension_of(path: &Path) -> Option<String> {
     let extension = path.extension()?;
@@ -55,6 +72,12 @@ pub fn format_of(path: &Path) -> Result<&'static dyn Format> {
         .copied()
         .find(|format| format.extensions().contains(&wanted))
         .ok_or_else(|| {
+            if let Some((what, remedy)) = known_kind(wanted) {
+                return Error::invalid("this kind of file is not read")
+                    .at_file(path)
+                    .found(what)
+                    .hint(remedy);
+            }
             let mut known: Vec<String> = Vec::new();
             for extension in FORMATS.iter().flat_map(|format| format.extensions()) {
                 let extension = format!(".{extension}");
@@ -62,7 +85,8 @@ pub fn format_of(path: &Path) -> Result<&'static dyn Format> {
                     known.push(extension);
                 }
             }
-            let found = extension.map_or_else(|| "no extension".to_owned(), |e| format!(".{e}"));
+            let found = extension.as_ref();
+            let found = found.map_or_else(|| "no extension".to_owned(), |e| format!(".{e}"));
             let known = known.iter().map(String::as_str);
             unknown_name("kind of trajectory file", &found, known).at_file(path)
         })
