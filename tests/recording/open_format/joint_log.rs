@@ -25,7 +25,11 @@ fn the_command_line_lists_the_topics_and_takes_the_choice() {
     let log = file(folder, "both", "mcap");
     let refused = realgap().arg("check").arg(&log).assert().failure();
     let said = text(&refused.get_output().stderr);
-    for words in ["/arm/joint_trajectory", "/leg/joint_trajectory", "--command-topic"] {
+    for words in [
+        "/arm/joint_trajectory",
+        "/leg/joint_trajectory",
+        "--command-topic",
+    ] {
         assert!(said.contains(words), "{said}");
     }
     let chosen = ["--command-topic", "/leg/joint_trajectory"];

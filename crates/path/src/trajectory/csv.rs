@@ -167,7 +167,10 @@ impl Format for Csv {
 /// The text with a comment in place of a first line `sep=;`, which tells spreadsheets the separator. The line of names shows it, too.
 fn without_separator_line(text: String) -> String {
     let first = text.lines().next().unwrap_or_default();
-    let is_separator = first.trim_matches('"').to_ascii_lowercase().starts_with("sep=");
+    let is_separator = first
+        .trim_matches('"')
+        .to_ascii_lowercase()
+        .starts_with("sep=");
     match is_separator && first.trim_matches('"').chars().count() <= 5 {
         true => format!("#{}", &text[first.len()..]),
         false => text,

@@ -54,9 +54,7 @@ pub use crop::{clip, cut_out, cut_to_shortest};
 pub use csv::Csv;
 pub use distance::{mean_square_m2, rms_m};
 pub use euroc::Euroc;
-pub use foreign::{
-    DEEPLABCUT, ForeignTable, JSON_LINES, MOTIVE, NPY, NPZ, QUALISYS, VICON,
-};
+pub use foreign::{DEEPLABCUT, ForeignTable, JSON_LINES, MOTIVE, NPY, NPZ, QUALISYS, VICON};
 pub use format::{Decoded, Format, Parsed, Rendered};
 pub use inferred_reading::{
     Ambiguity, Candidate, Evidence, InferredReading, JointReading, Question, odd_axes,

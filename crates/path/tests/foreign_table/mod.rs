@@ -22,7 +22,10 @@ fn put(folder: &std::path::Path, name: &str, content: impl AsRef<[u8]>) -> std::
 
 /// All warnings of a recording.
 fn said(recording: &Recording) -> String {
-    let all = recording.warnings.iter().map(|warning| warning.message.as_str());
+    let all = recording
+        .warnings
+        .iter()
+        .map(|warning| warning.message.as_str());
     all.collect::<Vec<_>>().join("\n")
 }
 

@@ -38,11 +38,21 @@ fn motive(unit: &str, parents: &str, rotation: &str) -> String {
 fn bodies_of_motive_are_asked_about_and_read_in_the_unit_that_the_file_states() {
     let folder = tempfile::tempdir().unwrap();
     for parents in ["", ",Parent,a,b,c\n"] {
-        let path = put(folder.path(), "take.csv", motive("Millimeters", parents, "Quaternion"));
-        let guess = InferredReading::infer(std::slice::from_ref(&path), &Reading::default(), Some(0.05)).unwrap();
+        let path = put(
+            folder.path(),
+            "take.csv",
+            motive("Millimeters", parents, "Quaternion"),
+        );
+        let guess =
+            InferredReading::infer(std::slice::from_ref(&path), &Reading::default(), Some(0.05))
+                .unwrap();
         let open = &guess.ambiguities[0];
         assert_eq!(open.question, Question::Body, "{open:?}");
-        let names: Vec<&str> = open.candidates.iter().map(|one| one.name.as_str()).collect();
+        let names: Vec<&str> = open
+            .candidates
+            .iter()
+            .map(|one| one.name.as_str())
+            .collect();
         assert_eq!(names, ["cart", "pole.2"]);
         let known = Reading {
             columns: open.candidates[0].columns.clone(),
@@ -55,7 +65,10 @@ fn bodies_of_motive_are_asked_about_and_read_in_the_unit_that_the_file_states() 
         let motion = &found.trajectory;
         assert_eq!(motion.len(), 40);
         let place = motion.positions_world_m()[12];
-        assert!((place.x - 0.1).abs() < 1e-9 && (place.y - 0.05).abs() < 1e-12, "{place}");
+        assert!(
+            (place.x - 0.1).abs() < 1e-9 && (place.y - 0.05).abs() < 1e-12,
+            "{place}"
+        );
         let turn = motion.orientations_world_from_body().unwrap()[12];
         assert_eq!(turn.w, 1.0);
         assert!(said(&found).contains("the positions of 1 marker are not read"));
@@ -70,7 +83,11 @@ fn bodies_of_motive_are_asked_about_and_read_in_the_unit_that_the_file_states() 
 fn a_cut_export_of_motive_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let text = motive("Meters", "", "Quaternion");
-    let head: String = text.lines().take(4).map(|line| format!("{line}\n")).collect();
+    let head: String = text
+        .lines()
+        .take(4)
+        .map(|line| format!("{line}\n"))
+        .collect();
     let path = put(folder.path(), "cut.csv", head);
     let error = read(&path, Reading::default()).unwrap_err().to_string();
     assert!(error.contains("no complete export of Motive"), "{error}");
@@ -87,11 +104,21 @@ fn markers_of_qualisys_are_millimetres_and_zeros_are_lost() {
     let foot = "-138.493\t187.190\t53.579";
     let plain: String = (0..30).map(|k| format!("{}\t{foot}\n", row(k))).collect();
     let counted: String = (0..30)
-        .map(|k| format!("{}\t{:.5}\t{}\t{foot}\n", k + 1, 0.01 * f64::from(k), row(k)))
+        .map(|k| {
+            format!(
+                "{}\t{:.5}\t{}\t{foot}\n",
+                k + 1,
+                0.01 * f64::from(k),
+                row(k)
+            )
+        })
         .collect();
     let named = "Frame\tTime\thip X\thip Y\thip Z\tfoot X\tfoot Y\tfoot Z\n";
     for (name, text) in [
-        ("plain.tsv", format!("{head}TRAJECTORY_TYPES\tMeasured\tMeasured\n{plain}")),
+        (
+            "plain.tsv",
+            format!("{head}TRAJECTORY_TYPES\tMeasured\tMeasured\n{plain}"),
+        ),
         ("counted.tsv", format!("{head}{named}{counted}")),
     ] {
         let path = put(folder.path(), name, text);
@@ -123,7 +150,10 @@ fn bodies_of_qualisys_have_their_rotation() {
     let mut text = "NO_OF_FRAMES\t5\nNO_OF_CAMERAS\t8\nNO_OF_BODIES\t1\nFREQUENCY\t50\nDATA_INCLUDED\t6D\nBODY_NAMES\tcar\nFrame\tTime\tcar X\tY\tZ\tRoll\tPitch\tYaw\tResidual\tRot[0]\tRot[1]\tRot[2]\tRot[3]\tRot[4]\tRot[5]\tRot[6]\tRot[7]\tRot[8]\n".to_owned();
     for k in 0..5 {
         // A quarter of a turn about z: x goes to y. Elements stand column by column.
-        text += &format!("{k}\t{:.3}\t{k}00\t0\t10\t0\t0\t90\t0.1\t0\t1\t0\t-1\t0\t0\t0\t0\t1\n", 0.02 * f64::from(k));
+        text += &format!(
+            "{k}\t{:.3}\t{k}00\t0\t10\t0\t0\t90\t0.1\t0\t1\t0\t-1\t0\t0\t0\t0\t1\n",
+            0.02 * f64::from(k)
+        );
     }
     let path = put(folder.path(), "car.tsv", text);
     let guess = InferredReading::of_file(&path, &Reading::default()).unwrap();
@@ -138,7 +168,11 @@ fn bodies_of_qualisys_have_their_rotation() {
 #[test]
 fn sections_of_vicon_are_told_apart() {
     let folder = tempfile::tempdir().unwrap();
-    let rows = |cells: &str| -> String { (1..40).map(|k| format!("{k},0,{cells},{k}.5,2,3\n")).collect() };
+    let rows = |cells: &str| -> String {
+        (1..40)
+            .map(|k| format!("{k},0,{cells},{k}.5,2,3\n"))
+            .collect()
+    };
     let text = format!(
         "Trajectories\n100\n,,Car:Front,,,Car:Back,,\nFrame,Sub Frame,X,Y,Z,X,Y,Z\n,,mm,mm,mm,mm,mm,mm\n{}\nDevices\n1000\n,,Force\nFrame,Sub Frame,Fx\n,,N\n1,0,5\n",
         rows("10,20,30")
@@ -147,7 +181,11 @@ fn sections_of_vicon_are_told_apart() {
     let guess = InferredReading::of_file(&path, &Reading::default()).unwrap();
     let open = &guess.ambiguities[0];
     assert_eq!(open.question, Question::Body);
-    let back = open.candidates.iter().find(|one| one.name.contains("back")).unwrap();
+    let back = open
+        .candidates
+        .iter()
+        .find(|one| one.name.contains("back"))
+        .unwrap();
     let known = Reading {
         columns: back.columns.clone(),
         ..Reading::default()
@@ -166,22 +204,37 @@ fn sections_of_vicon_are_told_apart() {
     let guess = InferredReading::of_file(&path, &Reading::default()).unwrap();
     let found = read(&path, guess.reading).unwrap();
     assert!(found.trajectory.orientations_world_from_body().is_none());
-    assert!(said(&found).contains("rotations of Global Angle Wand:Wand are not read"), "{}", said(&found));
+    assert!(
+        said(&found).contains("rotations of Global Angle Wand:Wand are not read"),
+        "{}",
+        said(&found)
+    );
 }
 
 #[test]
 fn deeplabcut_needs_a_rate_and_a_scale() {
     let folder = tempfile::tempdir().unwrap();
-    let rows: String = (0..30).map(|k| format!("{k},{}.5,7.25,0.99\n", 3 * k)).collect();
-    let text = format!("scorer,DLC_resnet50,DLC_resnet50,DLC_resnet50\nbodyparts,nose,nose,nose\ncoords,x,y,likelihood\n{rows}");
+    let rows: String = (0..30)
+        .map(|k| format!("{k},{}.5,7.25,0.99\n", 3 * k))
+        .collect();
+    let text = format!(
+        "scorer,DLC_resnet50,DLC_resnet50,DLC_resnet50\nbodyparts,nose,nose,nose\ncoords,x,y,likelihood\n{rows}"
+    );
     let path = put(folder.path(), "video.csv", text);
-    let error = InferredReading::of_file(&path, &Reading::default()).unwrap_err().to_string();
-    assert!(error.contains("counts samples") && error.contains("rate_hz"), "{error}");
+    let error = InferredReading::of_file(&path, &Reading::default())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("counts samples") && error.contains("rate_hz"),
+        "{error}"
+    );
     let rate = Reading {
         rate_hz: Some(30.0),
         ..Reading::default()
     };
-    let error = InferredReading::of_file(&path, &rate).unwrap_err().to_string();
+    let error = InferredReading::of_file(&path, &rate)
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("pixel"), "{error}");
     let scale = Reading {
         scale: Some(0.001),
@@ -213,10 +266,18 @@ fn tables_of_spreadsheets_are_read_whatever_they_put_around_the_numbers() {
         let places = found.trajectory.positions_world_m();
         assert!((places[1].x - 1.75).abs() < 1e-12 && (places[0].y - 2.0).abs() < 1e-12, "{name}");
     }
-    let path = put(folder.path(), "same.csv", "t_s,x_m,y_m,x_m\n0,1,2,3\n1,1,2,3\n");
+    let path = put(
+        folder.path(),
+        "same.csv",
+        "t_s,x_m,y_m,x_m\n0,1,2,3\n1,1,2,3\n",
+    );
     let error = read(&path, Reading::default()).unwrap_err().to_string();
     assert!(error.contains("same"), "{error}");
-    let path = put(folder.path(), "both.csv", "t_s,a_rad,a_deg,b_deg\n0,0.5,28.6,90\n1,0.6,34.4,180\n");
+    let path = put(
+        folder.path(),
+        "both.csv",
+        "t_s,a_rad,a_deg,b_deg\n0,0.5,28.6,90\n1,0.6,34.4,180\n",
+    );
     let found = read(&path, Reading::default()).unwrap();
     let joints = found.trajectory.joints();
     assert_eq!(joints.len(), 2);
@@ -227,25 +288,50 @@ fn tables_of_spreadsheets_are_read_whatever_they_put_around_the_numbers() {
 #[test]
 fn json_lines_are_a_table() {
     let folder = tempfile::tempdir().unwrap();
-    let line = |k: i32| format!("{{\"t_s\": {}, \"pose\": {{\"position\": [{k}.5, 2, null], \"id\": \"a,b\"}}, \"q\": [0.1, {k}]}}", 0.1 * f64::from(k));
+    let line = |k: i32| {
+        format!(
+            "{{\"t_s\": {}, \"pose\": {{\"position\": [{k}.5, 2, null], \"id\": \"a,b\"}}, \"q\": [0.1, {k}]}}",
+            0.1 * f64::from(k)
+        )
+    };
     let lines: Vec<String> = (0..20).map(line).collect();
     for (name, text) in [
         ("log.jsonl", lines.join("\n")),
         ("log.json", format!("[{}]", lines.join(",\n"))),
     ] {
         let path = put(folder.path(), name, text);
-        let guess = InferredReading::of_file(&path, &Reading { skip_lost: None, ..Reading::default() });
+        let guess = InferredReading::of_file(
+            &path,
+            &Reading {
+                skip_lost: None,
+                ..Reading::default()
+            },
+        );
         // The height is lost in every sample.
         assert!(guess.is_err(), "{name}");
         let columns = ["t=t_s", "x=pose.position.x in m", "y=pose.position.y in m"];
-        let columns = columns.iter().fold(Default::default(), |all: realgap_path::trajectory::Columns, text| all.with_text(text).unwrap());
-        let found = read_all(&path, Reading { columns, ..Reading::default() }).unwrap();
+        let columns = columns.iter().fold(
+            Default::default(),
+            |all: realgap_path::trajectory::Columns, text| all.with_text(text).unwrap(),
+        );
+        let found = read_all(
+            &path,
+            Reading {
+                columns,
+                ..Reading::default()
+            },
+        )
+        .unwrap();
         assert_eq!(found[0].trajectory.positions_world_m()[3].x, 3.5, "{name}");
         assert!(said(&found[0]).contains('q'));
     }
     let path = put(folder.path(), "broken.jsonl", "{\"t_s\": 0}\n{\"t_s\": \n");
     let error = read(&path, Reading::default()).unwrap_err();
-    assert_eq!(error.line_column().map(|(line, _)| line), Some(2), "{error}");
+    assert_eq!(
+        error.line_column().map(|(line, _)| line),
+        Some(2),
+        "{error}"
+    );
 }
 
 #[test]

@@ -43,27 +43,51 @@ fn arrays_of_numpy_are_the_same_numbers_as_csv() {
     let table = read(folder.join("table.npy"), Reading::default()).unwrap();
     assert_eq!(table.trajectory.times_s(), csv.trajectory.times_s());
     // Single precision has seven digits.
-    let places = table.trajectory.positions_world_m().iter().zip(csv.trajectory.positions_world_m());
+    let places = table
+        .trajectory
+        .positions_world_m()
+        .iter()
+        .zip(csv.trajectory.positions_world_m());
     for (single, double) in places {
         assert!((single - double).norm() < 2e-7);
     }
     let place = folder.join("place.npz");
     let guess = InferredReading::of_file(&place, &Reading::default()).unwrap();
     let found = read(&place, guess.reading).unwrap().trajectory;
-    assert_eq!(found.positions_world_m()[7].x, csv.trajectory.positions_world_m()[7].x);
+    assert_eq!(
+        found.positions_world_m()[7].x,
+        csv.trajectory.positions_world_m()[7].x
+    );
     assert_eq!(found.positions_world_m()[7].z, 0.1);
-    let error = read(folder.join("bare.npy"), Reading::default()).unwrap_err().to_string();
-    assert!(error.contains("no names") && error.contains("[60, 3]"), "{error}");
+    let error = read(folder.join("bare.npy"), Reading::default())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("no names") && error.contains("[60, 3]"),
+        "{error}"
+    );
 
     let joints = ["pan", "lift"].map(str::to_owned);
     let log = folder.join("joints.npz");
-    let named = JointReading::infer(&log, &Reading::default(), &joints, &joints).unwrap().unwrap();
+    let named = JointReading::infer(&log, &Reading::default(), &joints, &joints)
+        .unwrap()
+        .unwrap();
     let guess = InferredReading::infer(&[log.clone()], &named.reading, None).unwrap();
     let found = read(&log, guess.reading).unwrap().trajectory;
     assert_eq!(found.joints()[1].name, "lift");
     assert!((found.joints()[1].angles_rad[5] - 0.5 * (0.5f64).cos()).abs() < 1e-12);
-    let command = &found.signals().iter().map(|signal| signal.name.as_str()).collect::<Vec<_>>();
-    assert!(found.joints().iter().any(|joint| joint.name == "pan_command"), "{command:?}");
+    let command = &found
+        .signals()
+        .iter()
+        .map(|signal| signal.name.as_str())
+        .collect::<Vec<_>>();
+    assert!(
+        found
+            .joints()
+            .iter()
+            .any(|joint| joint.name == "pan_command"),
+        "{command:?}"
+    );
 }
 
 #[test]

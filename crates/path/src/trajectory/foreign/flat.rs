@@ -66,7 +66,8 @@ impl Flat {
 
     /// Says what is not read.
     pub(super) fn not_read(&mut self, what: impl Into<String>) {
-        self.warnings.push(Code::ColumnsIgnored.warning(what.into()));
+        self.warnings
+            .push(Code::ColumnsIgnored.warning(what.into()));
     }
 
     pub(super) fn decoded(self) -> Decoded {

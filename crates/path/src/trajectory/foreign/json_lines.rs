@@ -21,14 +21,23 @@ pub const JSON_LINES: ForeignTable = ForeignTable {
 /// The deepest nesting of objects that is read.
 const DEEPEST: usize = 8;
 /// Names of lists of three numbers that are a place.
-const PLACES: [&str; 7] = ["position", "pos", "xyz", "translation", "location", "place", "p"];
+const PLACES: [&str; 7] = [
+    "position",
+    "pos",
+    "xyz",
+    "translation",
+    "location",
+    "place",
+    "p",
+];
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 fn table(bytes: Vec<u8>) -> Result<Decoded> {
     let text = decode_text(bytes)?;
     let mut samples: Vec<(usize, Map<String, Value>)> = Vec::new();
     if text.trim_start().starts_with('[') {
-        let all: Value = serde_json::from_str(&text).map_err(|error| broken(error.line(), &error))?;
+        let all: Value =
+            serde_json::from_str(&text).map_err(|error| broken(error.line(), &error))?;
         for (index, value) in all.as_array().into_iter().flatten().enumerate() {
             samples.push((index + 1, object(index + 1, value.clone())?));
         }
@@ -46,7 +55,8 @@ fn table(bytes: Vec<u8>) -> Result<Decoded> {
     let mut rows: Vec<Vec<(String, String)>> = Vec::new();
     for (line, sample) in samples {
         let mut cells = Vec::new();
-        flatten("", Value::Object(sample), 0, &mut cells).map_err(|error| error.at_line(line, 1))?;
+        flatten("", Value::Object(sample), 0, &mut cells)
+            .map_err(|error| error.at_line(line, 1))?;
         for (name, _) in &cells {
             if known.insert(name.clone()) {
                 names.push(name.clone());
@@ -57,7 +67,11 @@ fn table(bytes: Vec<u8>) -> Result<Decoded> {
     let mut flat = Flat::new(names.iter().cloned())?;
     for row in rows {
         let mut own: std::collections::HashMap<String, String> = row.into_iter().collect();
-        flat.push(names.iter().map(|name| own.remove(name).unwrap_or_default()))?;
+        flat.push(
+            names
+                .iter()
+                .map(|name| own.remove(name).unwrap_or_default()),
+        )?;
     }
     Ok(flat.decoded())
 }
@@ -102,7 +116,9 @@ fn flatten(
             }
         }
         Value::Array(list) => {
-            let are_numbers = list.iter().all(|value| value.is_number() || value.is_null());
+            let are_numbers = list
+                .iter()
+                .all(|value| value.is_number() || value.is_null());
             let last = name.rsplit(['.', '_']).next().unwrap_or_default();
             if are_numbers && list.len() == AXES.len() && PLACES.contains(&last) {
                 let axes = AXES.iter().zip(list);

@@ -9,11 +9,11 @@ mod numpy;
 mod qualisys;
 mod vicon;
 
+use super::Trajectory;
 use super::csv::Csv;
 use super::format::{Decoded, Format, Parsed, Rendered};
 use super::reading::{QuaternionOrder, Reading};
 use super::relabel::relabelled;
-use super::Trajectory;
 use realgap_core::error::{Error, Result};
 
 pub use deeplabcut::DEEPLABCUT;
@@ -97,8 +97,10 @@ impl Format for ForeignTable {
     }
 
     fn render(&self, _trajectory: &Trajectory) -> Result<Rendered> {
-        Err(Error::usage("files of this format can be read but not written")
-            .found(self.name)
-            .allowed("a .csv file"))
+        Err(
+            Error::usage("files of this format can be read but not written")
+                .found(self.name)
+                .allowed("a .csv file"),
+        )
     }
 }

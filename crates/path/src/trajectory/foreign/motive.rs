@@ -40,7 +40,11 @@ fn table(bytes: Vec<u8>) -> Result<Decoded> {
     let first = (1..axes_at).find(|index| !lines[*index].replace(',', "").trim().is_empty());
     let first = first.ok_or_else(|| broken(PROGRAM, axes_at + 1, "no lines of names above it"))?;
     if axes_at < first + 3 {
-        return Err(broken(PROGRAM, axes_at + 1, "too few lines of names above it"));
+        return Err(broken(
+            PROGRAM,
+            axes_at + 1,
+            "too few lines of names above it",
+        ));
     }
     let (types, names) = (row(first)?, row(first + 1)?);
     let (parts, axes) = (row(axes_at - 1)?, row(axes_at)?);
@@ -52,8 +56,11 @@ fn table(bytes: Vec<u8>) -> Result<Decoded> {
         _ => String::new(),
     };
     let is_quaternion = of("Rotation Type").is_some_and(|kind| kind == "Quaternion");
-    let time_at = axes.iter().position(|cell| cell.starts_with("Time (Seconds)"));
-    let time_at = time_at.ok_or_else(|| broken(PROGRAM, axes_at + 1, "no column Time (Seconds)"))?;
+    let time_at = axes
+        .iter()
+        .position(|cell| cell.starts_with("Time (Seconds)"));
+    let time_at =
+        time_at.ok_or_else(|| broken(PROGRAM, axes_at + 1, "no column Time (Seconds)"))?;
     let mut kept = vec![Kept {
         at: time_at,
         name: "Time (Seconds)".to_owned(),
@@ -103,7 +110,10 @@ fn table(bytes: Vec<u8>) -> Result<Decoded> {
             continue;
         }
         let row = row(index)?;
-        flat.push(kept.iter().map(|column| row.get(column.at).copied().unwrap_or_default()))?;
+        flat.push(
+            kept.iter()
+                .map(|column| row.get(column.at).copied().unwrap_or_default()),
+        )?;
     }
     Ok(flat.decoded())
 }

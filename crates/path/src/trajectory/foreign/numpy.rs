@@ -2,8 +2,8 @@
 //! Formats: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html> and
 //! <https://pkware.cachefly.net/webdocs/casestudies/APPNOTE.TXT>.
 
-mod array;
 mod archive;
+mod array;
 
 use super::ForeignTable;
 use super::flat::Flat;
@@ -45,7 +45,10 @@ fn table(all: Vec<Array>) -> Result<Decoded> {
     let is_time = |array: &&Array| {
         let lower = array.name.to_lowercase();
         lower.split(|c: char| !c.is_ascii_alphabetic()).any(|word| {
-            matches!(word, "t" | "time" | "times" | "timestamp" | "timestamps" | "stamp")
+            matches!(
+                word,
+                "t" | "time" | "times" | "timestamp" | "timestamps" | "stamp"
+            )
         })
     };
     let times = rows.clone().find(is_time).map(|array| array.rows);

@@ -41,9 +41,16 @@ fn table(bytes: Vec<u8>) -> Result<Decoded> {
     let of = |wanted: &str| {
         let mut all = keys.iter();
         let found = all.find(|key| key.first() == Some(&wanted))?;
-        Some(found[1..].iter().copied().filter(|cell| !cell.is_empty()).collect::<Vec<_>>())
+        Some(
+            found[1..]
+                .iter()
+                .copied()
+                .filter(|cell| !cell.is_empty())
+                .collect::<Vec<_>>(),
+        )
     };
-    let rate_hz = of("FREQUENCY").and_then(|rest| rest.first()?.replacen(',', ".", 1).parse::<f64>().ok());
+    let rate_hz =
+        of("FREQUENCY").and_then(|rest| rest.first()?.replacen(',', ".", 1).parse::<f64>().ok());
     let rate_hz = rate_hz.filter(|rate_hz| *rate_hz > 0.0);
     let rate_hz = rate_hz.ok_or_else(|| broken(PROGRAM, 1, "no FREQUENCY"))?;
     let (names, each) = match (of("MARKER_NAMES"), of("BODY_NAMES")) {
@@ -51,16 +58,20 @@ fn table(bytes: Vec<u8>) -> Result<Decoded> {
         (None, Some(names)) => (names, OF_BODY),
         (None, None) => {
             let found = of("DATA_INCLUDED").map_or_else(String::new, |kinds| kinds.join(" "));
-            return Err(Error::invalid("this export of Qualisys Track Manager holds no places")
-                .found(format!("DATA_INCLUDED {found}"))
-                .allowed("3D data of markers, or 6D data of bodies"));
+            return Err(
+                Error::invalid("this export of Qualisys Track Manager holds no places")
+                    .found(format!("DATA_INCLUDED {found}"))
+                    .allowed("3D data of markers, or 6D data of bodies"),
+            );
         }
     };
     let width = names.len() * each;
     let Some((_, first)) = rows.first() else {
         return Err(broken(PROGRAM, 1, "no rows of numbers"));
     };
-    let before = trimmed(first).checked_sub(width).filter(|before| *before <= 2);
+    let before = trimmed(first)
+        .checked_sub(width)
+        .filter(|before| *before <= 2);
     let before = before.ok_or_else(|| {
         broken(
             PROGRAM,

@@ -50,7 +50,11 @@ fn table(bytes: Vec<u8>) -> Result<Decoded> {
             .found(all.join(", "))
             .allowed(SECTIONS[..WITH_PLACES].join(", ")));
     };
-    let end = starts.iter().copied().find(|other| *other > start).unwrap_or(lines.len());
+    let end = starts
+        .iter()
+        .copied()
+        .find(|other| *other > start)
+        .unwrap_or(lines.len());
     if start + 5 > end {
         return Err(broken(PROGRAM, start + 1, "a section without rows"));
     }
@@ -79,7 +83,11 @@ fn table(bytes: Vec<u8>) -> Result<Decoded> {
             _ => None,
         };
         if let Some(axis) = axis_name {
-            let unit = if unit.is_empty() { String::new() } else { format!(" ({unit})") };
+            let unit = if unit.is_empty() {
+                String::new()
+            } else {
+                format!(" ({unit})")
+            };
             kept.push((index, format!("{whose} {axis}{unit}")));
         } else if axis.len() == 2 && axis.starts_with('R') {
             match has_w {
@@ -109,7 +117,9 @@ fn table(bytes: Vec<u8>) -> Result<Decoded> {
             continue;
         };
         let time_s = (frame / rate_hz).to_string();
-        let cells = kept.iter().map(|(at, _)| row.get(*at).copied().unwrap_or_default());
+        let cells = kept
+            .iter()
+            .map(|(at, _)| row.get(*at).copied().unwrap_or_default());
         flat.push(std::iter::once(time_s.as_str()).chain(cells))?;
     }
     Ok(flat.decoded())

@@ -184,10 +184,10 @@ impl Joined {
     /// Names topics that are not read.
     pub(super) fn not_read(&mut self, topics: &[String]) {
         if !topics.is_empty() {
-            self.warnings.push(Code::ColumnsIgnored.warning(format!(
-                "topics that are not read: {}",
-                topics.join("; ")
-            )));
+            self.warnings.push(
+                Code::ColumnsIgnored
+                    .warning(format!("topics that are not read: {}", topics.join("; "))),
+            );
         }
     }
 
@@ -267,7 +267,8 @@ fn command_columns(
     let numbered = numbered.filter(|column| matches!(column, Column::Numbered(_)));
     if numbered.count() > 0 {
         let stated = reading.lists.iter();
-        let mut stated = stated.filter(|(topic, _)| super::stream::same_topic(topic, &series.topic));
+        let mut stated =
+            stated.filter(|(topic, _)| super::stream::same_topic(topic, &series.topic));
         let names = stated.next().map(|(_, names)| names.as_slice());
         let names = names.unwrap_or_default();
         if names.len() != series.columns.len() {
@@ -311,7 +312,10 @@ fn command_columns(
             };
             let is_known = |row: &Vec<f64>| !row[index].is_nan();
             if *quantity == wanted && rows.iter().flatten().all(is_known) {
-                found.push((format!("{}{ending}", plain_name(joint)), column_of(rows, index)));
+                found.push((
+                    format!("{}{ending}", plain_name(joint)),
+                    column_of(rows, index),
+                ));
             }
         }
         if !found.is_empty() {

@@ -208,9 +208,7 @@ pub(super) fn content(kind: Kind, log_ns: i64, mut cdr: Cdr<'_>) -> Option<Conte
         Kind::Plan => {
             let (stamp_ns, _) = header(cdr)?;
             let joints = cdr.texts()?;
-            let points: Vec<Point> = (0..cdr.u32()?)
-                .map(|_| point(cdr))
-                .collect::<Option<_>>()?;
+            let points: Vec<Point> = (0..cdr.u32()?).map(|_| point(cdr)).collect::<Option<_>>()?;
             let is_whole = |point: &Point| {
                 let speeds = point.speeds.len();
                 point.angles.len() == joints.len() && (speeds == 0 || speeds == joints.len())

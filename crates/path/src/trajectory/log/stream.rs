@@ -80,9 +80,7 @@ impl<'a> Log<'a> {
         let done = match encoding {
             "cdr" => ros::kind(said.kind)
                 .map(|kind| Cdr::new(data).and_then(|cdr| ros::content(kind, log_ns, cdr))),
-            "ros1" => {
-                ros::kind(said.kind).map(|kind| ros::content(kind, log_ns, Cdr::ros1(data)))
-            }
+            "ros1" => ros::kind(said.kind).map(|kind| ros::content(kind, log_ns, Cdr::ros1(data))),
             "json" => foxglove::KINDS
                 .of(said.kind)
                 .map(|kind| foxglove::content(kind, log_ns, data)),

@@ -31,10 +31,18 @@ struct Entry {
 
 /// The names and bytes of all files.
 pub(super) fn files(bytes: &[u8]) -> Result<Vec<(String, Vec<u8>)>> {
-    let end = bytes.windows(DIRECTORY_END.len()).rposition(|four| four == DIRECTORY_END);
+    let end = bytes
+        .windows(DIRECTORY_END.len())
+        .rposition(|four| four == DIRECTORY_END);
     let end = end.ok_or_else(|| broken("no directory at its end"))?;
-    let at = |from: usize| bytes.get(end + from..end + from + 4).and_then(|four| four.try_into().ok());
-    let start = at(16).map(u32::from_le_bytes).and_then(|start| usize::try_from(start).ok());
+    let at = |from: usize| {
+        bytes
+            .get(end + from..end + from + 4)
+            .and_then(|four| four.try_into().ok())
+    };
+    let start = at(16)
+        .map(u32::from_le_bytes)
+        .and_then(|start| usize::try_from(start).ok());
     let directory = start.and_then(|start| bytes.get(start..end));
     let mut input = ByteReader::new(directory.ok_or_else(|| broken("a directory outside of it"))?);
     let mut all = Vec::new();
@@ -74,7 +82,11 @@ fn entry(input: &mut ByteReader<'_>) -> Option<Entry> {
     let _time: [u8; 4] = input.array()?;
     let crc = u32::try_from(number::<4>(input)?).ok()?;
     let (mut packed, mut size) = (number::<4>(input)?, number::<4>(input)?);
-    let lengths = [number::<2>(input)?, number::<2>(input)?, number::<2>(input)?];
+    let lengths = [
+        number::<2>(input)?,
+        number::<2>(input)?,
+        number::<2>(input)?,
+    ];
     let [name, further, comment] = lengths.map(|length| length as usize);
     let _attributes: [u8; 8] = input.array()?;
     let mut at = number::<4>(input)?;

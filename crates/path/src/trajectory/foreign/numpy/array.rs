@@ -150,7 +150,10 @@ fn header(text: &str) -> Option<Header> {
     }
     let shape = value(text, "shape")?.strip_prefix('(')?;
     let shape = &shape[..shape.find(')')?];
-    let shape = shape.split(',').map(str::trim).filter(|part| !part.is_empty());
+    let shape = shape
+        .split(',')
+        .map(str::trim)
+        .filter(|part| !part.is_empty());
     Some(Header {
         fields,
         is_fortran: value(text, "fortran_order")?.starts_with("True"),
@@ -165,7 +168,9 @@ pub(super) fn arrays(name: &str, bytes: &[u8]) -> Result<Vec<Array>> {
         return Err(broken(name, "other first bytes"));
     }
     let length = match input.array::<2>() {
-        Some([1, _]) => input.array().map(|two| usize::from(u16::from_le_bytes(two))),
+        Some([1, _]) => input
+            .array()
+            .map(|two| usize::from(u16::from_le_bytes(two))),
         Some(_) => (input.array()).and_then(|four| usize::try_from(u32::from_le_bytes(four)).ok()),
         None => None,
     };
@@ -176,12 +181,20 @@ pub(super) fn arrays(name: &str, bytes: &[u8]) -> Result<Vec<Array>> {
         return Err(broken(name, text.trim()));
     };
     let rows = header.shape.first().copied().unwrap_or(1);
-    let columns: Option<usize> = header.shape.iter().skip(1).try_fold(1, |all: usize, size| all.checked_mul(*size));
+    let columns: Option<usize> = header
+        .shape
+        .iter()
+        .skip(1)
+        .try_fold(1, |all: usize, size| all.checked_mul(*size));
     let columns = columns.ok_or_else(|| broken(name, "an endless shape"))?;
     let said = |kind: &str| format!("{kind} of {:?}", header.shape);
     let is_plain = header.fields.len() == 1 && header.fields[0].0.is_empty();
     let is_table = header.shape.len() == 1 || (is_plain && header.shape.len() == 2);
-    let kinds: Option<Vec<Kind>> = header.fields.iter().map(|(_, kind)| Kind::parse(kind)).collect();
+    let kinds: Option<Vec<Kind>> = header
+        .fields
+        .iter()
+        .map(|(_, kind)| Kind::parse(kind))
+        .collect();
     let name_of = |field: &str| match is_plain {
         true => name.to_owned(),
         false => field.to_owned(),
@@ -197,7 +210,9 @@ pub(super) fn arrays(name: &str, bytes: &[u8]) -> Result<Vec<Array>> {
         return Ok(all.collect());
     };
     let width: usize = kinds.iter().map(|kind| kind.size).sum();
-    let size = rows.checked_mul(columns).and_then(|count| count.checked_mul(width));
+    let size = rows
+        .checked_mul(columns)
+        .and_then(|count| count.checked_mul(width));
     let data = size.and_then(|size| input.take(size));
     let data = data.ok_or_else(|| broken(name, "fewer bytes than its shape says"))?;
     let mut from = 0;
@@ -216,7 +231,11 @@ pub(super) fn arrays(name: &str, bytes: &[u8]) -> Result<Vec<Array>> {
             name: name_of(field),
             rows,
             columns,
-            numbers: Some(numbers.map(|(row, column)| number(index(row, column))).collect()),
+            numbers: Some(
+                numbers
+                    .map(|(row, column)| number(index(row, column)))
+                    .collect(),
+            ),
             said: said(text),
         });
         from += kind.size;
@@ -242,7 +261,9 @@ impl Array {
     /// The names of its columns in a table.
     pub(super) fn names(&self) -> Vec<String> {
         match self.is_place() {
-            true => ["x", "y", "z"].map(|axis| format!("{}.{axis}", self.name)).to_vec(),
+            true => ["x", "y", "z"]
+                .map(|axis| format!("{}.{axis}", self.name))
+                .to_vec(),
             false => vec![self.name.clone()],
         }
     }
@@ -280,7 +301,10 @@ mod tests {
         assert_eq!(of("<f2", &[0x00, 0xc1]), Some(Number::Real(-2.5)));
         assert_eq!(of("<i2", &(-3i16).to_le_bytes()), Some(Number::Whole(-3)));
         let stamp = 1_700_000_000_123_456_789_i64;
-        assert_eq!(of("<i8", &stamp.to_le_bytes()), Some(Number::Whole(i128::from(stamp))));
+        assert_eq!(
+            of("<i8", &stamp.to_le_bytes()),
+            Some(Number::Whole(i128::from(stamp)))
+        );
         assert_eq!(of("|b1", &[1]), Some(Number::Whole(1)));
         assert_eq!(of("<U8", &[]), None);
     }

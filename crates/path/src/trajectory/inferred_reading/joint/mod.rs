@@ -44,7 +44,10 @@ impl JointReading {
         if !format.is_table() {
             return Ok(None);
         }
-        let text = format.decode(bytes, known).map_err(|e| e.at_file(path))?.text;
+        let text = format
+            .decode(bytes, known)
+            .map_err(|e| e.at_file(path))?
+            .text;
         Self::of_text(&text, known, joints, order).map_err(|e| e.at_file(path))
     }
 
