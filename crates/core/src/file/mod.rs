@@ -53,7 +53,7 @@ pub use hash::sha256;
 pub use input::{read_limited, read_regular};
 pub use json::{SCHEMA_VERSION, versioned_json, versioned_value};
 pub use log::{LogTable, read_log_text};
-pub use mcap::{McapWriter, Stamp, Topic, read_mcap, stamp};
+pub use mcap::{McapChannel, McapWriter, Stamp, Topic, read_mcap, read_thin_mcap, stamp};
 pub use name::{check_name, name_of_file};
 pub use orientation::orientation;
 pub use output::{check_writable, write_atomic};

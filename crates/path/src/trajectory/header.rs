@@ -55,9 +55,7 @@ impl<'c, 'a> Header<'c, 'a> {
             // A line of numbers is not a header; the missing header is reported elsewhere.
             let is_name = !cell.text.is_empty() && cell.text.parse::<f64>().is_err();
             if is_name && is_twice {
-                return Err(cell.locate(
-                    Error::invalid("two columns have the same name").found(excerpt(cell.text)),
-                ));
+                return Err(same_name(cell));
             }
         }
         Ok(())
@@ -296,6 +294,9 @@ impl<'c, 'a> Header<'c, 'a> {
             [index] => *index,
             [first, second, ..] => {
                 let [first, second] = [first, second].map(|index| &self.cells[*index]);
+                if first.text == second.text {
+                    return Err(same_name(second));
+                }
                 return Err(second.locate(
                     Error::invalid("two columns hold the same quantity")
                         .found(format!("{} and {}", first.text, second.text))
@@ -421,4 +422,8 @@ pub(super) fn excerpt_list(names: &[&str]) -> String {
     } else {
         format!("{} and {more} more", shown.join(", "))
     }
+}
+
+fn same_name(cell: &Cell<'_>) -> Error {
+    cell.locate(Error::invalid("two columns have the same name").found(excerpt(cell.text)))
 }

@@ -46,6 +46,7 @@ mod text;
 mod time_order;
 mod tum;
 mod wheels;
+mod writing;
 
 pub use align::Alignment;
 pub use axes::Axes;
@@ -69,8 +70,8 @@ pub use prepare::{POINTS, Prepared, prepare, prepare_as, turned};
 pub use reading::{Crop, Only, QuaternionOrder, Reading, Ticks};
 pub use recording::{Meta, Recording, Source};
 pub use registry::{
-    FORMATS, GROUP_COLUMNS, check_output, format_of, parse_all, read, read_all, read_bytes,
-    read_groups, read_sets, write, write_with_bodies,
+    FORMATS, GROUP_COLUMNS, format_of, parse_all, read, read_all, read_bytes, read_groups,
+    read_sets,
 };
 pub use resample::{Interpolator, resample};
 pub use resolution::resolution;
@@ -80,3 +81,4 @@ pub use state::{JointTrack, Signal, State, Trajectory};
 pub use text::{MAX_COLUMNS, MAX_FILE_BYTES, MAX_ROWS};
 pub use tum::Tum;
 pub use wheels::{TwistColumns, Wheel, WheelCommands};
+pub use writing::{check_output, write, write_with_bodies};

@@ -205,7 +205,7 @@ impl Joined {
         }
         if left_out > 0 {
             self.warnings.push(Code::ReadAs.warning(format!(
-                "{} of {} are left out, because not every topic has a message for these times",
+                "{} left out (of {}), because not every topic has a message for these times",
                 counted(left_out, "row"),
                 self.is_known.len()
             )));

@@ -1,15 +1,17 @@
 //! The file format MCAP, which ROS 2 and Foxglove record.
 
+use std::path::Path;
+
 use serde_json::json;
 
-use super::stream::{Log, Said};
+use super::stream::{self, Log, Said};
 use crate::trajectory::csv::Csv;
 use crate::trajectory::format::{Decoded, Format, Parsed, Rendered, beyond_poses, not_written};
 use crate::trajectory::relabel::relabelled;
 use crate::trajectory::{Reading, Trajectory};
 use realgap_core::constant_methods;
 use realgap_core::error::Result;
-use realgap_core::file::{McapWriter, Topic, read_mcap, stamp};
+use realgap_core::file::{McapWriter, Topic, read_limited, read_mcap, read_thin_mcap, stamp};
 use realgap_core::warning::Warning;
 
 /// The files that ROS 2 and Foxglove record (<https://mcap.dev>).
@@ -29,6 +31,8 @@ pub struct Mcap;
 /// Topic and frame of the written messages.
 const TOPIC: &str = "/pose";
 const FRAME: &str = "world";
+/// Of files beyond this size, bytes, only the messages that may be read are taken into memory: most of such a file are pictures.
+const LARGE: u64 = 32_000_000;
 
 /// The settings of `reading` that concern a log after its conversion into a table.
 pub(super) fn applied(reading: &Reading) -> Reading {
@@ -61,6 +65,17 @@ impl Format for Mcap {
         name: &'static str = "mcap";
         doc: &'static str = "MCAP: poses, odometry, transforms, a path or joints among the messages of ROS or Foxglove";
         extensions: &'static [&'static str] = &["mcap"];
+    }
+
+    fn bytes(&self, path: &Path, limit: u64) -> Result<Vec<u8>> {
+        let is_large =
+            std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.len() > LARGE);
+        match is_large {
+            true => read_thin_mcap(path, limit, &|channel| {
+                stream::is_read(&channel.encoding, &channel.schema)
+            }),
+            false => read_limited(path, limit, "trajectory"),
+        }
     }
 
     fn decode(&self, bytes: Vec<u8>, reading: &Reading) -> Result<Decoded> {

@@ -9,6 +9,7 @@ mod joined;
 mod mcap;
 mod message;
 mod plan;
+mod pose_stream;
 mod ros;
 mod rosbag;
 mod series;

@@ -2,19 +2,20 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-
 use super::cdr::Cdr;
 use super::joined::Joined;
 use super::message::{Column, Content, Frames, Quantity, Sample};
-use super::series::{Clock, Role, Series};
+use super::pose_stream::Stream;
+use super::series::{Role, Series};
 use super::{foxglove, ros};
 use crate::trajectory::Reading;
 use crate::trajectory::format::Decoded;
-use crate::trajectory::text::{MAX_ROWS, excerpt, push_number};
+use crate::trajectory::text::{MAX_ROWS, excerpt};
 use realgap_core::error::{Advice, Error, Result};
 use realgap_core::unit::counted;
 
+/// The first bytes of what zstd compressed.
+const ZSTD: &[u8] = &[0x28, 0xb5, 0x2f, 0xfd];
 /// The largest number of streams that an error message lists.
 const LISTED: usize = 12;
 
@@ -23,19 +24,6 @@ const LISTED: usize = 12;
 pub(super) struct Said<'a> {
     pub(super) topic: &'a str,
     pub(super) kind: &'a str,
-}
-
-/// The poses of one object: one topic, and one pair of frames for transforms.
-#[derive(Debug, Clone, Default)]
-struct Stream {
-    topic: String,
-    kind: String,
-    frames: Frames,
-    samples: Vec<Sample>,
-    /// The number of poses in the log, including those that are not kept.
-    count: usize,
-    /// True if each message holds a whole path.
-    is_path: bool,
 }
 
 /// All streams of a log.
@@ -92,7 +80,11 @@ impl<'a> Log<'a> {
             Some(None) if self.is_wanted(said.topic) || self.is_stated_command(said.topic) => {
                 let error = Error::invalid("a message cannot be decoded").field(said.topic);
                 let found = format!("{} bytes of the type {}", data.len(), excerpt(said.kind));
-                self.broken.get_or_insert(error.found(found));
+                let error = error.found(found);
+                self.broken.get_or_insert(match data.starts_with(ZSTD) {
+                    true => error.hint("the messages are compressed one by one: `ros2 bag convert` writes them without compression"),
+                    false => error,
+                });
             }
             Some(None) => {}
             Some(Some(Content::Poses(all))) => {
@@ -440,84 +432,17 @@ fn words_of(series: &Series) -> String {
     )
 }
 
+/// True if messages of this type in this encoding are read.
+pub(super) fn is_read(encoding: &str, kind: &str) -> bool {
+    match encoding {
+        "cdr" | "ros1" => ros::kind(kind).is_some(),
+        "json" => foxglove::KINDS.of(kind).is_some(),
+        _ => false,
+    }
+}
+
 pub(super) fn same_topic(wanted: &str, topic: &str) -> bool {
     wanted.trim_start_matches('/') == topic.trim_start_matches('/')
-}
-
-impl Stream {
-    fn words(&self) -> String {
-        let frames = match &self.frames {
-            Some((parent, child)) => format!(" {} in {}", excerpt(child), excerpt(parent)),
-            None => String::new(),
-        };
-        let (topic, kind) = (excerpt(&self.topic), excerpt(&self.kind));
-        format!("{topic}{frames} ({kind}, {})", counted(self.count, "pose"))
-    }
-
-    fn has_stamps(&self) -> bool {
-        self.samples.iter().any(|sample| sample.stamp_ns != 0)
-    }
-
-    /// The times of the poses, nanoseconds.
-    fn times_ns(&self) -> Vec<i64> {
-        let has_stamps = self.has_stamps();
-        let time = |sample: &Sample| match has_stamps {
-            true => sample.stamp_ns,
-            false => sample.log_ns,
-        };
-        self.samples.iter().map(time).collect()
-    }
-
-    fn clock(&self) -> Clock {
-        let stamps = self.samples.iter();
-        Clock::of(stamps.map(|sample| (sample.stamp_ns, sample.log_ns)))
-    }
-
-    /// The names of the columns beside the time, and the cells of each row, both with a separator before each.
-    fn rows(&self) -> Result<(String, Vec<String>)> {
-        let all = &self.samples;
-        if self.is_path && all.len() > 1 && all.windows(2).all(|w| w[0].stamp_ns == w[1].stamp_ns) {
-            return Err(
-                Error::invalid("the poses of this path have no times of their own")
-                    .field(&self.topic)
-                    .hint("record the topic from which this path is made"),
-            );
-        }
-        let turns = all.iter().any(|sample| sample.turn_xyzw != [0.0; 4]);
-        // Programs without velocities leave these numbers at 0.
-        let moves = turns && all.iter().all(|sample| sample.twist.is_some());
-        let moves = moves && all.iter().any(|sample| sample.twist != Some([0.0; 6]));
-        let mut names = String::from(",x_m,y_m,z_m");
-        if turns {
-            names.push_str(",qw,qx,qy,qz");
-        }
-        if moves {
-            names.push_str(",vx_m_s,vy_m_s,vz_m_s,wx_rad_s,wy_rad_s,wz_rad_s");
-        }
-        let row = |sample: &Sample| {
-            let mut text = String::new();
-            let [x, y, z, w] = sample.turn_xyzw;
-            let turn = [w, x, y, z];
-            let speeds = sample.twist.map(|twist| world_speeds(turn, twist));
-            let numbers = sample.place_m.into_iter();
-            let numbers = numbers.chain(turn.into_iter().filter(|_| turns));
-            let speeds = speeds.into_iter().flatten().filter(|_| moves);
-            for value in numbers.chain(speeds) {
-                text.push(',');
-                push_number(&mut text, value);
-            }
-            text
-        };
-        Ok((names, all.iter().map(row).collect()))
-    }
-}
-
-/// Rotates the linear velocity of a twist from the body frame into the world frame; the angular velocity stays in the body frame.
-fn world_speeds([w, x, y, z]: [f64; 4], twist: [f64; 6]) -> [f64; 6] {
-    let [vx, vy, vz, wx, wy, wz] = twist;
-    let turn = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
-    let linear = turn * Vector3::new(vx, vy, vz);
-    [linear.x, linear.y, linear.z, wx, wy, wz]
 }
 
 /// Writes nanoseconds as seconds without rounding.
