@@ -45,6 +45,7 @@ mod source;
 mod suggestion;
 mod unique;
 mod xml;
+mod zip;
 
 pub use bitmap::{AnimatedPng, png_bytes};
 pub use byte_reader::ByteReader;
@@ -62,3 +63,4 @@ pub use source::{MAX_FILE_BYTES, MAX_NESTING, Source};
 pub use suggestion::{look_up, nearest_name, unknown_name};
 pub use unique::unique_keys;
 pub use xml::{XmlLimits, XmlSize, measure_xml};
+pub use zip::read_zip;

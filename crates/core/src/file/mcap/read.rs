@@ -16,6 +16,7 @@ const MOST_WINDOW: u64 = 1 << 27;
 /// A channel: a topic with one type and encoding of messages.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Channel {
+    /// The name of the topic.
     pub topic: String,
     /// The encoding of the messages: `cdr`, `json`, …
     pub encoding: String,

@@ -1,7 +1,7 @@
 //! Reads only some topics of an MCAP file of any size: the file is streamed chunk by chunk, and what is kept is a small MCAP file in memory.
 
 use std::collections::BTreeMap;
-use std::io::{BufRead as _, BufReader, Read, Seek as _};
+use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::Path;
 
 use super::read::{Channel, MOST_IN_CHUNK, Reader, cut_off};

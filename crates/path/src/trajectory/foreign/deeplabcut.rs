@@ -5,6 +5,7 @@ use super::flat::{Flat, broken, cells};
 use crate::trajectory::format::Decoded;
 use crate::trajectory::text::{Separator, decode_text, first_line};
 use realgap_core::error::Result;
+use realgap_core::unit::counted;
 
 /// CSV files that DeepLabCut writes: places in pixels, and pictures that are counted. Rate and scale have to be stated.
 pub const DEEPLABCUT: ForeignTable = ForeignTable {
@@ -14,6 +15,9 @@ pub const DEEPLABCUT: ForeignTable = ForeignTable {
     recognises: |bytes| first_line(bytes).starts_with("scorer,"),
     table,
 };
+
+/// The likelihood below which DeepLabCut's own plots leave a place out.
+const LIKELY: f64 = 0.6;
 
 fn table(bytes: Vec<u8>) -> Result<Decoded> {
     let text = decode_text(bytes)?;
@@ -34,10 +38,23 @@ fn table(bytes: Vec<u8>) -> Result<Decoded> {
         }
     });
     let mut flat = Flat::new(std::iter::once("frame".to_owned()).chain(names))?;
+    let mut doubtful = 0;
     for index in coords_at + 1..lines.len() {
-        if !lines[index].trim().is_empty() {
-            flat.push(row(index)?)?;
+        if lines[index].trim().is_empty() {
+            continue;
         }
+        let cells = row(index)?;
+        let likelihoods = coords.iter().zip(&cells);
+        let mut likelihoods = likelihoods.filter(|(coord, _)| **coord == "likelihood");
+        let is_doubtful = |cell: &str| cell.parse::<f64>().is_ok_and(|value| value < LIKELY);
+        doubtful += usize::from(likelihoods.any(|(_, cell)| is_doubtful(cell)));
+        flat.push(cells)?;
+    }
+    if doubtful > 0 {
+        flat.read_as(format!(
+            "{} with a likelihood below {LIKELY} are read as they are",
+            counted(doubtful, "row")
+        ));
     }
     Ok(flat.decoded())
 }

@@ -1,8 +1,6 @@
 //! Arrays of NumPy: `.npy` holds one array, `.npz` several with names in a ZIP archive.
-//! Formats: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html> and
-//! <https://pkware.cachefly.net/webdocs/casestudies/APPNOTE.TXT>.
+//! Format: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
-mod archive;
 mod array;
 
 use super::ForeignTable;
@@ -10,6 +8,7 @@ use super::flat::Flat;
 use crate::trajectory::format::Decoded;
 use array::{Array, arrays};
 use realgap_core::error::{Advice, Error, Result};
+use realgap_core::file::read_zip;
 
 /// One array of NumPy: a structured array, whose fields have names. Columns without names are refused.
 pub const NPY: ForeignTable = ForeignTable {
@@ -29,7 +28,7 @@ pub const NPZ: ForeignTable = ForeignTable {
     recognises: |bytes| bytes.starts_with(b"PK"),
     table: |bytes| {
         let mut all = Vec::new();
-        for (name, bytes) in archive::files(&bytes)? {
+        for (name, bytes) in read_zip(&bytes)? {
             if let Some(name) = name.strip_suffix(".npy") {
                 all.extend(arrays(name, &bytes)?);
             }

@@ -1,9 +1,10 @@
-//! The files in a ZIP archive: stored, or packed with deflate.
+//! Reads the files in a ZIP archive: stored, or packed with deflate.
+//! Format: <https://pkware.cachefly.net/webdocs/casestudies/APPNOTE.TXT>.
 
 use std::io::Read;
 
-use realgap_core::error::{Error, Result};
-use realgap_core::file::ByteReader;
+use super::byte_reader::ByteReader;
+use crate::error::{Error, Result};
 
 /// The largest size of all files together, bytes.
 const MOST: u64 = 1_000_000_000;
@@ -16,7 +17,7 @@ const BEYOND: u64 = 0xffff_ffff;
 fn broken(found: &str) -> Error {
     Error::invalid("this is no whole ZIP archive")
         .found(found)
-        .allowed("a file that numpy.savez or numpy.savez_compressed wrote")
+        .allowed("files that are stored or packed with deflate, as numpy.savez and numpy.savez_compressed write them")
 }
 
 /// A file in the archive, as its directory states it.
@@ -29,8 +30,11 @@ struct Entry {
     at: u64,
 }
 
-/// The names and bytes of all files.
-pub(super) fn files(bytes: &[u8]) -> Result<Vec<(String, Vec<u8>)>> {
+/// The names and bytes of all files in an archive.
+///
+/// # Errors
+/// Bytes that are no whole archive; files that are too large; another compression.
+pub fn read_zip(bytes: &[u8]) -> Result<Vec<(String, Vec<u8>)>> {
     let end = bytes
         .windows(DIRECTORY_END.len())
         .rposition(|four| four == DIRECTORY_END);
