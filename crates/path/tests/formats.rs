@@ -256,9 +256,9 @@ fn errors_name_file_line_column_and_what_to_do() {
         error.starts_with("run.tum:3:13: wrong number of columns"),
         "{error}"
     );
-    let error = refuse("run.xlsx", "");
+    let error = refuse("run.abc", "");
     assert!(
-        error.contains(".csv, .tum, .txt, .euroc, .kitti, .mcap, .db3, .parquet"),
+        error.contains(".csv, .tsv, .tum, .txt, .euroc, .kitti, .mcap, .db3, .parquet, .jsonl, .ndjson, .json, .npy, .npz"),
         "{error}"
     );
 }

@@ -39,8 +39,8 @@ fn table(bytes: Vec<u8>) -> Result<Decoded> {
     });
     let mut flat = Flat::new(std::iter::once("frame".to_owned()).chain(names))?;
     let mut doubtful = 0;
-    for index in coords_at + 1..lines.len() {
-        if lines[index].trim().is_empty() {
+    for (index, line) in lines.iter().enumerate().skip(coords_at + 1) {
+        if line.trim().is_empty() {
             continue;
         }
         let cells = row(index)?;

@@ -105,8 +105,8 @@ fn table(bytes: Vec<u8>) -> Result<Decoded> {
             of("Rotation Type").unwrap_or("type not stated")
         ));
     }
-    for index in axes_at + 1..lines.len() {
-        if lines[index].trim().is_empty() {
+    for (index, line) in lines.iter().enumerate().skip(axes_at + 1) {
+        if line.trim().is_empty() {
             continue;
         }
         let row = row(index)?;
