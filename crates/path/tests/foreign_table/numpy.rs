@@ -72,7 +72,7 @@ fn arrays_of_numpy_are_the_same_numbers_as_csv() {
     let named = JointReading::infer(&log, &Reading::default(), &joints, &joints)
         .unwrap()
         .unwrap();
-    let guess = InferredReading::infer(&[log.clone()], &named.reading, None).unwrap();
+    let guess = InferredReading::infer(std::slice::from_ref(&log), &named.reading, None).unwrap();
     let found = read(&log, guess.reading).unwrap().trajectory;
     assert_eq!(found.joints()[1].name, "lift");
     assert!((found.joints()[1].angles_rad[5] - 0.5 * (0.5f64).cos()).abs() < 1e-12);
