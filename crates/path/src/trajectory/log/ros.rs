@@ -213,7 +213,10 @@ pub(super) fn content(kind: Kind, log_ns: i64, mut cdr: Cdr<'_>) -> Option<Conte
                 let speeds = point.speeds.len();
                 point.angles.len() == joints.len() && (speeds == 0 || speeds == joints.len())
             };
-            return points.iter().all(is_whole).then_some(Content::Plan(Plan {
+            let is_twice = |index: usize| joints[..index].contains(&joints[index]);
+            let are_unique = !(0..joints.len()).any(is_twice);
+            let is_sound = are_unique && points.iter().all(is_whole);
+            return is_sound.then_some(Content::Plan(Plan {
                 stamp_ns,
                 log_ns,
                 joints,

@@ -189,7 +189,9 @@ pub(super) fn arrays(name: &str, bytes: &[u8]) -> Result<Vec<Array>> {
     let columns = columns.ok_or_else(|| broken(name, "an endless shape"))?;
     let said = |kind: &str| format!("{kind} of {:?}", header.shape);
     let is_plain = header.fields.len() == 1 && header.fields[0].0.is_empty();
-    let is_table = header.shape.len() == 1 || (is_plain && header.shape.len() == 2);
+    let is_plain_table = is_plain && header.shape.len() == 2;
+    // An array without columns may state any number of rows.
+    let is_table = columns > 0 && (header.shape.len() == 1 || is_plain_table);
     let kinds: Option<Vec<Kind>> = header
         .fields
         .iter()
