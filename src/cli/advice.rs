@@ -87,6 +87,7 @@ fn option(advice: &Advice) -> String {
         Advice::SkipLines => "begin below them with --skip-lines N".to_owned(),
         Advice::Rate => "give the number of samples per second, e.g. --rate-hz 10".to_owned(),
         Advice::Topic => "choose one with --topic, and --child-frame of transforms".to_owned(),
+        Advice::CommandTopic => "choose the topic of the commands with --command-topic".to_owned(),
         Advice::Crop => "choose another part with --crop FROM:TO".to_owned(),
         Advice::TimeUnit => "say their unit, e.g. --time-unit ms, or --column 't=t_s in ms' where the name states another one".to_owned(),
         Advice::Recordings => "name them with --recordings 'FOLDER/*.csv'".to_owned(),

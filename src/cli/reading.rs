@@ -59,9 +59,12 @@ pub struct ReadingOptions {
     /// Samples per second, for files without times, or with a column that counts samples
     #[arg(long, value_name = "HZ", help_heading = READING)]
     rate_hz: Vec<f64>,
-    /// The topic whose poses are read (MCAP, bags of ROS 2), e.g. /odom
+    /// The topic whose poses or joints are read (MCAP, bags of ROS 2), e.g. /odom
     #[arg(long, value_name = "NAME", help_heading = READING)]
     topic: Vec<String>,
+    /// The topic of the commands that are joined to them by the clock, e.g. /cmd_vel
+    #[arg(long, value_name = "NAME", help_heading = READING)]
+    command_topic: Vec<String>,
     /// The frame whose transforms are read (MCAP, bags of ROS 2), e.g. base_link
     #[arg(long, value_name = "NAME", help_heading = READING)]
     child_frame: Vec<String>,
@@ -183,6 +186,7 @@ impl ReadingOptions {
             skip_lines: self.skip_lines,
             rate_hz: pick(&self.rate_hz, "rate_hz", index, files)?,
             topic: pick(&self.topic, "topic", index, files)?,
+            command_topic: pick(&self.command_topic, "command_topic", index, files)?,
             child_frame: pick(&self.child_frame, "child_frame", index, files)?,
             axes: pick(&self.axes, "axes", index, files)?,
             // The other fields can be set in a file only.

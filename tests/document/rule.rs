@@ -16,6 +16,7 @@ const OWNED: &[(&str, &[&str])] = &[
     ("ruzstd", &["core"]),
     ("lz4_flex", &["core"]),
     ("crc32fast", &["core"]),
+    ("flate2", &["core"]),
     ("comfy-table", &["core"]),
     ("ab_glyph", &["core"]),
     ("roxmltree", &["robot"]),

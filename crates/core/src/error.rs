@@ -124,6 +124,7 @@ advice! {
     SkipLines "Begin to read below the first lines." "begin to read below the first lines: `skip_lines: N` in `reading`";
     Rate "State the sampling rate of a recording without times." "state the sampling rate, e.g. `rate_hz: 10` in `reading`";
     Topic "Say which topic of a log holds the recording." "choose one topic: `topic: \"/NAME\"` in `reading`, and `child_frame: \"NAME\"` for transforms";
+    CommandTopic "Say which topic of a log holds the commands." "choose the topic of the commands: `command_topic: \"/NAME\"` in `reading`";
     Axes "Say which way the axes of poses point." "say which way axes point: `axes: \"world\"` (z up), `y-up`, `z-down` or `camera` in `reading`";
     Crop "Read another part of a recording." "choose another part: `crop: (from_s: ..., to_s: ...)` in `reading`";
     TimeUnit "State the unit of a recording's times." "state the unit of the times: `time: \"ms\"` in `reading`";

@@ -8,6 +8,7 @@ mod foreign_table;
 mod formats;
 mod golden;
 mod inferred_reading;
+mod joint_log;
 mod metric_contract;
 mod preparation;
 mod principal_components;

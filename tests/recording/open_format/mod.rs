@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
 use crate::common;
+mod joint_log;
 mod log;
 mod parquet;
 mod text;

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 
 use super::Trajectory;
 use super::column::{Columns, Role};
-use super::format::{Format, Parsed, Rendered};
+use super::format::{Decoded, Format, Parsed, Rendered};
 use super::mixed_robots::{explain, mixed_robots};
 use super::reading::{QuaternionOrder, Reading};
 use super::relabel::relabelled;
@@ -36,11 +36,16 @@ impl Format for Csv {
     constant_methods! {
         name: &'static str = "csv";
         doc: &'static str = "comma-separated values with a header that names columns and units";
-        extensions: &'static [&'static str] = &["csv"];
+        extensions: &'static [&'static str] = &["csv", "tsv"];
     }
 
-    fn decode(&self, bytes: Vec<u8>, reading: &Reading) -> Result<String> {
-        relabelled(decode_text(bytes)?, reading)
+    fn decode(&self, bytes: Vec<u8>, reading: &Reading) -> Result<Decoded> {
+        let text = without_separator_line(decode_text(bytes)?);
+        relabelled(text, reading).map(Decoded::from)
+    }
+
+    fn is_table(&self) -> bool {
+        true
     }
 
     fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {
@@ -81,6 +86,7 @@ impl Format for Csv {
     fn applied(&self, text: &str, reading: &Reading) -> Reading {
         let mut applied = Reading {
             topic: None,
+            command_topic: None,
             child_frame: None,
             ..reading.clone()
         };
@@ -155,6 +161,19 @@ impl Format for Csv {
             bytes: text_of(trajectory).into_bytes(),
             warnings: Vec::new(),
         })
+    }
+}
+
+/// The text with a comment in place of a first line `sep=;`, which tells spreadsheets the separator. The line of names shows it, too.
+fn without_separator_line(text: String) -> String {
+    let first = text.lines().next().unwrap_or_default();
+    let is_separator = first
+        .trim_matches('"')
+        .to_ascii_lowercase()
+        .starts_with("sep=");
+    match is_separator && first.trim_matches('"').chars().count() <= 5 {
+        true => format!("#{}", &text[first.len()..]),
+        false => text,
     }
 }
 

@@ -18,6 +18,24 @@ pub struct Parsed {
     pub warnings: Vec<Warning>,
 }
 
+/// The text that a format reads, with warnings about how it was taken from the file.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Decoded {
+    /// The text of the file, or a table that is extracted from a binary file.
+    pub text: String,
+    /// Warnings that the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+impl From<String> for Decoded {
+    fn from(text: String) -> Self {
+        Self {
+            text,
+            warnings: Vec::new(),
+        }
+    }
+}
+
 /// A trajectory that was written into the bytes of a file, with warnings.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Rendered {
@@ -55,9 +73,9 @@ pub trait Format: Sync {
     ///
     /// # Errors
     /// Bytes that are not UTF-8, or not a file of this format.
-    fn decode(&self, bytes: Vec<u8>, reading: &Reading) -> Result<String> {
+    fn decode(&self, bytes: Vec<u8>, reading: &Reading) -> Result<Decoded> {
         let _ = reading;
-        decode_text(bytes)
+        decode_text(bytes).map(Decoded::from)
     }
     /// Reads `text` with the settings of `reading`; settings that are not given have the defaults of this format.
     ///
@@ -86,6 +104,7 @@ pub trait Format: Sync {
             skip_lines: None,
             rate_hz: None,
             topic: None,
+            command_topic: None,
             child_frame: None,
             ..reading.clone()
         }
@@ -94,6 +113,10 @@ pub trait Format: Sync {
     fn order(&self, text: &str, reading: &Reading) -> QuaternionOrder {
         let _ = text;
         reading.quaternion.unwrap_or(QuaternionOrder::Wxyz)
+    }
+    /// True if files of this format have columns whose names may be those of other programs.
+    fn is_table(&self) -> bool {
+        false
     }
     /// The names of the columns; empty for formats without column names.
     fn columns<'a>(&self, text: &'a str, reading: &Reading) -> Vec<&'a str> {

@@ -33,17 +33,8 @@ impl<'c, 'a> Header<'c, 'a> {
         units: Vec<&'a str>,
         reading: &'c Reading,
         separator: Separator,
-    ) -> Result<Self> {
-        for (index, cell) in cells.iter().enumerate() {
-            // A line of numbers is not a header; the missing header is reported later.
-            let name = !cell.text.is_empty() && cell.text.parse::<f64>().is_err();
-            if name && cells[..index].iter().any(|other| other.text == cell.text) {
-                return Err(cell.locate(
-                    Error::invalid("two columns have the same name").found(excerpt(cell.text)),
-                ));
-            }
-        }
-        Ok(Self {
+    ) -> Self {
+        Self {
             cells,
             used: vec![false; cells.len()],
             factors: vec![1.0; cells.len()],
@@ -51,7 +42,23 @@ impl<'c, 'a> Header<'c, 'a> {
             contradicted: Vec::new(),
             reading,
             separator,
-        })
+        }
+    }
+
+    /// Refuses two columns of one name, if that name is read.
+    pub(super) fn must_be_unique(&self) -> Result<()> {
+        for (index, cell) in self.cells.iter().enumerate() {
+            let mut others = self.cells[..index].iter().enumerate();
+            let is_twice = others.any(|(other, before)| {
+                before.text == cell.text && (self.used[index] || self.used[other])
+            });
+            // A line of numbers is not a header; the missing header is reported elsewhere.
+            let is_name = !cell.text.is_empty() && cell.text.parse::<f64>().is_err();
+            if is_name && is_twice {
+                return Err(same_name(cell));
+            }
+        }
+        Ok(())
     }
 
     pub(super) fn layout(&mut self, group_columns: &[&str]) -> Result<Layout> {
@@ -287,6 +294,9 @@ impl<'c, 'a> Header<'c, 'a> {
             [index] => *index,
             [first, second, ..] => {
                 let [first, second] = [first, second].map(|index| &self.cells[*index]);
+                if first.text == second.text {
+                    return Err(same_name(second));
+                }
                 return Err(second.locate(
                     Error::invalid("two columns hold the same quantity")
                         .found(format!("{} and {}", first.text, second.text))
@@ -412,4 +422,8 @@ pub(super) fn excerpt_list(names: &[&str]) -> String {
     } else {
         format!("{} and {more} more", shown.join(", "))
     }
+}
+
+fn same_name(cell: &Cell<'_>) -> Error {
+    cell.locate(Error::invalid("two columns have the same name").found(excerpt(cell.text)))
 }

@@ -56,6 +56,14 @@ pub fn may_be_attitude(name: &str) -> bool {
     ATTITUDE.contains(&name)
 }
 
+/// A name as robots have it here: letters, digits, `_` and `-`. Files of other programs may have `left/hip` or `robot0:wrist`.
+pub(super) fn plain_name(name: &str) -> String {
+    let is_usual = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    name.chars()
+        .map(|c| if is_usual(c) { c } else { '_' })
+        .collect()
+}
+
 /// Finds the joints among the columns without a role; their columns are marked as used, and get the factors of their units.
 pub(super) fn find(
     names: &[&str],
@@ -80,6 +88,11 @@ pub(super) fn find(
         let Some((name, speed_ending, unit)) = ending else {
             continue;
         };
+        // The same angle in both units: the one in radians is read, and the other is reported as not used.
+        let in_radians = format!("{name}{}", ANGLES[0].0);
+        if !names[angle].ends_with(ANGLES[0].0) && names.contains(&in_radians.as_str()) {
+            continue;
+        }
         let zero_rad = match ticks {
             Some(ticks) if names[angle].ends_with(TICKS.0) => unit * ticks.zero,
             _ => 0.0,

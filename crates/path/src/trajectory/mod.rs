@@ -13,11 +13,13 @@ mod crop;
 mod csv;
 mod distance;
 mod euroc;
+mod foreign;
 mod format;
 mod header;
 mod inferred_reading;
 mod joint_column;
 mod kitti;
+mod known_kind;
 mod levelling;
 mod log;
 mod measured;
@@ -44,6 +46,7 @@ mod text;
 mod time_order;
 mod tum;
 mod wheels;
+mod writing;
 
 pub use align::Alignment;
 pub use axes::Axes;
@@ -52,7 +55,8 @@ pub use crop::{clip, cut_out, cut_to_shortest};
 pub use csv::Csv;
 pub use distance::{mean_square_m2, rms_m};
 pub use euroc::Euroc;
-pub use format::{Format, Parsed, Rendered};
+pub use foreign::{DEEPLABCUT, ForeignTable, JSON_LINES, MOTIVE, NPY, NPZ, QUALISYS, VICON};
+pub use format::{Decoded, Format, Parsed, Rendered};
 pub use inferred_reading::{
     Ambiguity, Candidate, Evidence, InferredReading, JointReading, Question, odd_axes,
 };
@@ -66,8 +70,8 @@ pub use prepare::{POINTS, Prepared, prepare, prepare_as, turned};
 pub use reading::{Crop, Only, QuaternionOrder, Reading, Ticks};
 pub use recording::{Meta, Recording, Source};
 pub use registry::{
-    FORMATS, GROUP_COLUMNS, check_output, format_of, parse_all, read, read_all, read_bytes,
-    read_groups, read_sets, write, write_with_bodies,
+    FORMATS, GROUP_COLUMNS, format_of, parse_all, read, read_all, read_bytes, read_groups,
+    read_sets,
 };
 pub use resample::{Interpolator, resample};
 pub use resolution::resolution;
@@ -77,3 +81,4 @@ pub use state::{JointTrack, Signal, State, Trajectory};
 pub use text::{MAX_COLUMNS, MAX_FILE_BYTES, MAX_ROWS};
 pub use tum::Tum;
 pub use wheels::{TwistColumns, Wheel, WheelCommands};
+pub use writing::{check_output, write, write_with_bodies};

@@ -2,7 +2,7 @@
 
 use super::Trajectory;
 use super::csv::Csv;
-use super::format::{Format, Parsed, Rendered};
+use super::format::{Decoded, Format, Parsed, Rendered};
 use super::reading::{QuaternionOrder, Reading};
 use super::relabel::relabelled;
 use realgap_core::constant_methods;
@@ -34,8 +34,12 @@ impl Format for Parquet {
         extensions: &'static [&'static str] = &["parquet"];
     }
 
-    fn decode(&self, bytes: Vec<u8>, reading: &Reading) -> Result<String> {
-        relabelled(table(bytes)?, reading)
+    fn decode(&self, bytes: Vec<u8>, reading: &Reading) -> Result<Decoded> {
+        relabelled(table(bytes)?, reading).map(Decoded::from)
+    }
+
+    fn is_table(&self) -> bool {
+        true
     }
 
     fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {

@@ -244,9 +244,12 @@ pub struct Reading {
     /// Sampling rate of files without times or with a column that counts samples, samples per second.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rate_hz: Option<f64>,
-    /// The topic whose poses are read, in files with messages of several topics.
+    /// The topic whose poses or joints are read, in files with messages of several topics.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub topic: Option<String>,
+    /// The topic of the commands that are joined to these poses or joints by the clock.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub command_topic: Option<String>,
     /// The child frame whose transforms are read, in files with transforms of several frames.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub child_frame: Option<String>,
@@ -367,6 +370,7 @@ impl Reading {
             skip_lines: self.skip_lines.or(other.skip_lines),
             rate_hz: self.rate_hz.or(other.rate_hz),
             topic: self.topic.or_else(|| other.topic.clone()),
+            command_topic: self.command_topic.or_else(|| other.command_topic.clone()),
             child_frame: self.child_frame.or_else(|| other.child_frame.clone()),
             axes: self.axes.or(other.axes),
             floor_leans: self.floor_leans.or(other.floor_leans),
@@ -479,6 +483,8 @@ impl fmt::Display for Reading {
                 .map(|rate| format!("{rate} samples per second")),
         );
         parts.extend(self.topic.iter().map(|topic| format!("topic {topic}")));
+        let commands = self.command_topic.iter();
+        parts.extend(commands.map(|topic| format!("commands of {topic}")));
         let frame = self.child_frame.iter();
         parts.extend(frame.map(|frame| format!("transforms of {frame}")));
         parts.extend(self.axes.map(|axes| axes.to_string()));

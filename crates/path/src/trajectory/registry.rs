@@ -8,10 +8,12 @@ use std::path::Path;
 use super::body_column;
 use super::column::{Columns, Role};
 use super::crop::cropped;
-use super::csv::{self, Csv};
+use super::csv::Csv;
 use super::euroc::Euroc;
+use super::foreign::{DEEPLABCUT, JSON_LINES, MOTIVE, NPY, NPZ, QUALISYS, VICON};
 use super::format::{Format, Parsed};
 use super::kitti::Kitti;
+use super::known_kind::known_kind;
 use super::levelling;
 use super::log::{Mcap, Rosbag};
 use super::meta::read_meta_beside;
@@ -20,14 +22,29 @@ use super::text::{MAX_FILE_BYTES, check_size};
 use super::tum::Tum;
 use super::{Meta, Reading, Recording, Trajectory, plausibility};
 use realgap_core::error::{Error, Result};
-use realgap_core::file::{read_limited, unknown_name, write_atomic};
+use realgap_core::file::{read_limited, unknown_name};
 use realgap_core::warning::{Code, Warning};
 
 /// Columns that distinguish several recordings in one file, from the outermost to the innermost group.
 pub const GROUP_COLUMNS: [&str; 2] = ["condition", "run"];
 
 /// Every known format.
-pub const FORMATS: &[&dyn Format] = &[&Csv, &Tum, &Euroc, &Kitti, &Mcap, &Rosbag, &Parquet];
+pub const FORMATS: &[&dyn Format] = &[
+    &Csv,
+    &Tum,
+    &Euroc,
+    &Kitti,
+    &Mcap,
+    &Rosbag,
+    &Parquet,
+    &MOTIVE,
+    &VICON,
+    &DEEPLABCUT,
+    &QUALISYS,
+    &JSON_LINES,
+    &NPY,
+    &NPZ,
+];
 
 fn extension_of(path: &Path) -> Option<String> {
     let extension = path.extension()?;
@@ -55,6 +72,12 @@ pub fn format_of(path: &Path) -> Result<&'static dyn Format> {
         .copied()
         .find(|format| format.extensions().contains(&wanted))
         .ok_or_else(|| {
+            if let Some((what, remedy)) = known_kind(wanted) {
+                return Error::invalid("this kind of file is not read")
+                    .at_file(path)
+                    .found(what)
+                    .hint(remedy);
+            }
             let mut known: Vec<String> = Vec::new();
             for extension in FORMATS.iter().flat_map(|format| format.extensions()) {
                 let extension = format!(".{extension}");
@@ -62,7 +85,8 @@ pub fn format_of(path: &Path) -> Result<&'static dyn Format> {
                     known.push(extension);
                 }
             }
-            let found = extension.map_or_else(|| "no extension".to_owned(), |e| format!(".{e}"));
+            let found = extension.as_ref();
+            let found = found.map_or_else(|| "no extension".to_owned(), |e| format!(".{e}"));
             let known = known.iter().map(String::as_str);
             unknown_name("kind of trajectory file", &found, known).at_file(path)
         })
@@ -216,7 +240,8 @@ impl Reading {
         };
         let text = format
             .decode(bytes, &plain)
-            .map_err(|error| error.at_file(path))?;
+            .map_err(|error| error.at_file(path))?
+            .text;
         let columns = format.columns(&text, &plain);
         let mapped = self.columns.iter().map(|(_, column)| column.name.as_str());
         let renamed = self
@@ -232,6 +257,8 @@ impl Reading {
 struct File<'a> {
     path: &'a Path,
     text: String,
+    /// Warnings about how the text was taken from the file.
+    decoding: Vec<Warning>,
     format: &'static dyn Format,
     reading: Reading,
     meta: Option<Meta>,
@@ -248,12 +275,14 @@ impl<'a> File<'a> {
         if let Some((field, error)) = reading.fault() {
             return Err(error.at_file(path).field(field));
         }
-        let text = check_size(&bytes).and_then(|()| format.decode(bytes, &reading));
-        let text = text.map_err(|error| error.at_file(path))?;
+        let decoded = check_size(&bytes).and_then(|()| format.decode(bytes, &reading));
+        let decoded = decoded.map_err(|error| error.at_file(path))?;
+        let text = decoded.text;
         Ok(Self {
             reading: format.applied(&text, &reading),
             path,
             text,
+            decoding: decoded.warnings,
             format,
             meta,
         })
@@ -414,6 +443,7 @@ impl<'a> File<'a> {
             &self.reading,
             self.format.order(&self.text, &self.reading),
         );
+        warnings.splice(0..0, self.decoding.iter().cloned());
         // A column that tells several robots apart says more than their motion.
         let is_told = warnings.iter().any(|w| w.code == Code::SeveralRobots);
         warnings.extend(
@@ -431,64 +461,4 @@ impl<'a> File<'a> {
             warnings,
         })
     }
-}
-
-/// Checks that [`write()`] can write a file with this extension.
-///
-/// # Errors
-/// An unknown extension, or the extension of a format that is only read.
-pub fn check_output(path: &Path) -> Result<()> {
-    if format_of(path)?.writes() {
-        return Ok(());
-    }
-    let written = FORMATS.iter().filter(|format| format.writes());
-    let first: Vec<String> = written.map(|f| format!(".{}", f.extensions()[0])).collect();
-    Err(
-        Error::usage("files of this format can be read but not written")
-            .at_file(path)
-            .allowed(first.join(", ")),
-    )
-}
-
-/// Writes `trajectory` to `path`, in metres; the extension chooses the format.
-///
-/// The file is written completely or not at all: it is written under another name in the same folder, then
-/// renamed. The warnings name the data that the format cannot hold.
-///
-/// # Errors
-/// An unknown extension, an unwritable folder, a full disk.
-pub fn write(path: impl AsRef<Path>, trajectory: &Trajectory) -> Result<Vec<Warning>> {
-    let path = path.as_ref();
-    check_output(path)?;
-    let rendered = format_of(path)?.render(trajectory)?;
-    write_atomic(path, &rendered.bytes)?;
-    Ok(rendered.warnings)
-}
-
-/// As [`write()`], with the poses of other bodies in columns `NAME_x_m,NAME_y_m,NAME_z_m,NAME_qw,…`; `bodies` has the form of
-/// [`Recording::bodies`].
-///
-/// # Errors
-/// The errors of [`write()`]; a format that cannot hold several bodies; a body whose times differ from those of the trajectory.
-pub fn write_with_bodies(
-    path: impl AsRef<Path>,
-    trajectory: &Trajectory,
-    bodies: &[(String, Trajectory)],
-) -> Result<()> {
-    let path = path.as_ref();
-    if format_of(path)?.name() != Csv.name() {
-        return Err(Error::usage("this format holds one body only")
-            .at_file(path)
-            .allowed("a .csv file"));
-    }
-    let mut text = csv::text_of(trajectory);
-    for (name, motion) in bodies {
-        if motion.times_s() != trajectory.times_s() {
-            return Err(
-                Error::invalid("all bodies in one file must have the same times").field(name),
-            );
-        }
-        text = body_column::beside(&text, name, &csv::text_of(motion));
-    }
-    write_atomic(path, text.as_bytes())
 }

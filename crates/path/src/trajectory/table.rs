@@ -35,7 +35,7 @@ impl<'a> Table<'a> {
             cells.pop();
         }
         let units = units_below(&mut lines, separator, cells.len());
-        let mut columns = Header::new(&cells, units, reading, separator)?;
+        let mut columns = Header::new(&cells, units, reading, separator);
         let mut layout = columns.layout(group_columns)?;
         let groups = group_columns
             .iter()
@@ -46,6 +46,7 @@ impl<'a> Table<'a> {
             None => None,
         };
         columns.add_joints(&mut layout);
+        columns.must_be_unique()?;
         let warnings = columns.warnings();
         let width = cells.len();
         Ok(Self {

@@ -32,6 +32,9 @@ pub(super) fn decode_text(mut bytes: Vec<u8>) -> Result<String> {
     if bytes.starts_with(BYTE_ORDER_MARK) {
         bytes.drain(..BYTE_ORDER_MARK.len());
     }
+    if let Some(text) = utf_16(&bytes) {
+        return text;
+    }
     String::from_utf8(bytes).map_err(|error| {
         let good = error.utf8_error().valid_up_to();
         let before = String::from_utf8_lossy(&error.as_bytes()[..good]);
@@ -41,6 +44,22 @@ pub(super) fn decode_text(mut bytes: Vec<u8>) -> Result<String> {
             .at_line(line, column)
             .hint("save it as UTF-8 text")
     })
+}
+
+/// The text of a file in UTF-16, as spreadsheets and Windows programs write it; `None` for other files.
+fn utf_16(bytes: &[u8]) -> Option<Result<String>> {
+    let unit: fn([u8; 2]) -> u16 = match bytes {
+        [0xff, 0xfe, ..] => u16::from_le_bytes,
+        [0xfe, 0xff, ..] => u16::from_be_bytes,
+        _ => return None,
+    };
+    let (pairs, rest) = bytes[2..].as_chunks::<2>();
+    let units: Vec<u16> = pairs.iter().map(|pair| unit(*pair)).collect();
+    let text = String::from_utf16(&units).ok().filter(|_| rest.is_empty());
+    Some(text.ok_or_else(|| {
+        Error::invalid("cannot read the trajectory: the file begins as UTF-16 text and is none")
+            .hint("save it as UTF-8 text")
+    }))
 }
 
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";

@@ -88,7 +88,10 @@ impl TwistColumns {
     pub fn infer(path: &std::path::Path, known: &Reading) -> Result<Option<Self>> {
         let bytes = read_bytes(path)?;
         let format = format_in(path, &bytes)?;
-        let text = format.decode(bytes, known).map_err(|e| e.at_file(path))?;
+        let text = format
+            .decode(bytes, known)
+            .map_err(|e| e.at_file(path))?
+            .text;
         Ok(Self::among(&format.columns(&text, known)))
     }
 

@@ -1,6 +1,8 @@
 //! Tables of many programs: each is read rightly, asked about, or refused with a remedy; none is read wrongly without a word.
 
+mod motion_capture;
 mod named;
+mod numpy;
 mod open;
 mod stamped;
 
@@ -11,6 +13,21 @@ const SAMPLES: usize = 60;
 const INTERVAL_S: f64 = 0.05;
 /// Seconds since 1970 of the first sample, where times are dates.
 const EPOCH_S: u64 = 1_709_251_199;
+
+fn put(folder: &std::path::Path, name: &str, content: impl AsRef<[u8]>) -> std::path::PathBuf {
+    let path = folder.join(name);
+    std::fs::write(&path, content).unwrap();
+    path
+}
+
+/// All warnings of a recording.
+fn said(recording: &Recording) -> String {
+    let all = recording
+        .warnings
+        .iter()
+        .map(|warning| warning.message.as_str());
+    all.collect::<Vec<_>>().join("\n")
+}
 
 /// The place of sample `k`: a robot that drives along x and swings along y.
 fn place(k: usize) -> [f64; 3] {

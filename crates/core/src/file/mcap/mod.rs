@@ -5,10 +5,12 @@
 
 mod foxglove;
 mod read;
+mod thin;
 mod write;
 
 pub use foxglove::{Stamp, Topic, stamp};
-pub use read::read_mcap;
+pub use read::{Channel as McapChannel, read_mcap};
+pub use thin::read_thin_mcap;
 pub use write::McapWriter;
 
 /// The signature: the first and the last bytes of a file.

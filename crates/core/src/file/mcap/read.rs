@@ -8,14 +8,15 @@ use crate::error::{Error, Result};
 use crate::file::byte_reader::ByteReader;
 
 /// The largest size of one decompressed chunk, and of all chunks together, bytes: a small file must not expand without limit.
-const MOST_IN_CHUNK: u64 = 256_000_000;
+pub(super) const MOST_IN_CHUNK: u64 = 256_000_000;
 const MOST_IN_ALL: u64 = 4_000_000_000;
 /// The largest decompression window that a file may request, bytes.
 const MOST_WINDOW: u64 = 1 << 27;
 
 /// A channel: a topic with one type and encoding of messages.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Channel {
+    /// The name of the topic.
     pub topic: String,
     /// The encoding of the messages: `cdr`, `json`, …
     pub encoding: String,
@@ -33,10 +34,12 @@ pub struct Message<'a> {
 }
 
 /// The state of reading: the schemas and channels known so far, and the number of decompressed bytes.
-struct Reader<'f> {
+pub(super) struct Reader<'f> {
     schemas: BTreeMap<u16, String>,
     channels: BTreeMap<u16, Channel>,
     unpacked: u64,
+    /// The largest number of decompressed bytes.
+    most_unpacked: u64,
     each: &'f mut dyn FnMut(&Message<'_>) -> Result<()>,
 }
 
@@ -51,12 +54,7 @@ pub fn read_mcap(bytes: &[u8], each: &mut dyn FnMut(&Message<'_>) -> Result<()>)
             .found("other first bytes")
             .allowed("a file that begins with the signature of MCAP"));
     }
-    let mut reader = Reader {
-        schemas: BTreeMap::new(),
-        channels: BTreeMap::new(),
-        unpacked: 0,
-        each,
-    };
+    let mut reader = Reader::new(MOST_IN_ALL, each);
     loop {
         let at = input.at();
         let Some((kind, content)) = record(&mut input) else {
@@ -79,7 +77,7 @@ fn record<'a>(input: &mut ByteReader<'a>) -> Option<(u8, &'a [u8])> {
     Some((kind, input.take(length)?))
 }
 
-fn cut_off(at: usize) -> Error {
+pub(super) fn cut_off(at: usize) -> Error {
     Error::invalid("the MCAP file is cut off")
         .found(format!("an incomplete last record, at byte {at}"))
         .hint("`mcap recover` of Foxglove's command line keeps the complete records")
@@ -95,8 +93,22 @@ fn string(input: &mut ByteReader<'_>) -> Option<String> {
     String::from_utf8(bytes.to_vec()).ok()
 }
 
-impl Reader<'_> {
-    fn record(&mut self, kind: u8, content: &[u8], at: usize) -> Result<()> {
+impl<'f> Reader<'f> {
+    /// A reader that knows no channel yet.
+    pub(super) fn new(
+        most_unpacked: u64,
+        each: &'f mut dyn FnMut(&Message<'_>) -> Result<()>,
+    ) -> Self {
+        Self {
+            schemas: BTreeMap::new(),
+            channels: BTreeMap::new(),
+            unpacked: 0,
+            most_unpacked,
+            each,
+        }
+    }
+
+    pub(super) fn record(&mut self, kind: u8, content: &[u8], at: usize) -> Result<()> {
         let mut input = ByteReader::new(content);
         match kind {
             opcode::SCHEMA => {
@@ -147,7 +159,7 @@ impl Reader<'_> {
         Some((id, channel))
     }
 
-    fn chunk(&mut self, content: &[u8], at: usize) -> Result<()> {
+    pub(super) fn chunk(&mut self, content: &[u8], at: usize) -> Result<()> {
         let mut input = ByteReader::new(content);
         let mut head = || {
             input.take(16)?;
@@ -159,12 +171,13 @@ impl Reader<'_> {
         };
         let (size, crc, compression, packed) = head().ok_or_else(|| broken("a chunk", at))?;
         self.unpacked = self.unpacked.saturating_add(size);
-        if size > MOST_IN_CHUNK || self.unpacked > MOST_IN_ALL {
+        if size > MOST_IN_CHUNK || self.unpacked > self.most_unpacked {
             return Err(
                 Error::invalid("the MCAP file is too large when decompressed")
                     .found(format!("a chunk of {size} bytes at byte {at}"))
                     .allowed(format!(
-                        "at most {MOST_IN_CHUNK} bytes a chunk, {MOST_IN_ALL} in all"
+                        "at most {MOST_IN_CHUNK} bytes a chunk, {} in all",
+                        self.most_unpacked
                     ))
                     .hint(
                         "`mcap filter` of Foxglove's command line keeps the topics that are needed",

@@ -38,37 +38,37 @@ struct ChunkIndex {
 
 /// The content of one record.
 #[derive(Default)]
-struct Content(Vec<u8>);
+pub(super) struct Content(Vec<u8>);
 
 impl Content {
-    fn u16(mut self, value: u16) -> Self {
+    pub(super) fn u16(mut self, value: u16) -> Self {
         self.0.extend(value.to_le_bytes());
         self
     }
 
-    fn u32(mut self, value: u32) -> Self {
+    pub(super) fn u32(mut self, value: u32) -> Self {
         self.0.extend(value.to_le_bytes());
         self
     }
 
-    fn u64(mut self, value: u64) -> Self {
+    pub(super) fn u64(mut self, value: u64) -> Self {
         self.0.extend(value.to_le_bytes());
         self
     }
 
-    fn text(mut self, text: &str) -> Self {
+    pub(super) fn text(mut self, text: &str) -> Self {
         self = self.u32(text.len() as u32);
         self.0.extend(text.as_bytes());
         self
     }
 
-    fn raw(mut self, bytes: &[u8]) -> Self {
+    pub(super) fn raw(mut self, bytes: &[u8]) -> Self {
         self.0.extend(bytes);
         self
     }
 }
 
-fn push(bytes: &mut Vec<u8>, kind: u8, content: &Content) {
+pub(super) fn push(bytes: &mut Vec<u8>, kind: u8, content: &Content) {
     bytes.push(kind);
     bytes.extend((content.0.len() as u64).to_le_bytes());
     bytes.extend(&content.0);

@@ -108,6 +108,19 @@ pub(super) fn infer_columns(text: &str, guess: &mut InferredReading) -> Result<(
             return Err(lacks("both x and y")
                 .hint("latitude and longitude are angles on the globe, not lengths: convert them to metres east and north of a point, e.g. with pymap3d or in UTM, and name these columns x_m and y_m"));
         }
+        let lists: Vec<String> = (names.iter())
+            .filter(|name| {
+                let mut column = cells(text, &guess.reading, name);
+                column.next().is_some_and(|cell| cell.starts_with('['))
+            })
+            .map(|name| format!("`{}`", excerpt(name)))
+            .collect();
+        if !lists.is_empty() {
+            return Err(lacks("both x and y").hint(format!(
+                "{} hold lists of numbers: name each number with its unit, e.g. `lists: {{\"action\": [\"JOINT_command_deg\", ...]}}` in `reading`",
+                lists.join(", ")
+            )));
+        }
         return Err(lacks("both x and y")
             .hint("the angles of joints, and their commands, are columns NAME_rad or NAME_deg")
             .advise(Advice::MapColumns));

@@ -17,13 +17,10 @@ pub use joint::JointReading;
 pub use question::{Ambiguity, Candidate, Evidence, Question};
 
 use super::axes::Axes;
-use super::csv::Csv;
-use super::euroc::Euroc;
-use super::format::Format as _;
 use super::meta::read_meta_beside;
 use super::mixed_robots::names_column;
 use super::reading::{Crop, Reading};
-use super::registry::{format_of, parse_all, read_bytes};
+use super::registry::{format_in, parse_all, read_bytes};
 use super::time_order::InFile;
 use super::{Recording, Trajectory, plausibility};
 use realgap_core::error::{Advice, Error, Result};
@@ -154,17 +151,17 @@ impl InferredReading {
 
     /// Reads the first recording of the first file with inferred columns and times; `None` if a question has to be answered first.
     fn read_first(&mut self, path: &Path) -> Result<Option<(Content, Recording)>> {
-        let format = format_of(path)?;
         let bytes = read_bytes(path)?;
+        let format = format_in(path, &bytes)?;
         let mut file = Content { bytes, text: None };
         // The settings beside the file count as known.
         let meta = read_meta_beside(path)?.map(|meta| meta.reading);
         if let Some(meta) = &meta {
             self.reading = self.reading.clone().or(meta);
         }
-        if format.name() == Csv.name() && !Euroc.recognises(&file.bytes) {
+        if format.is_table() {
             let text = format.decode(file.bytes.clone(), &self.reading);
-            let text = text.map_err(|e| e.at_file(path))?;
+            let text = text.map_err(|e| e.at_file(path))?.text;
             column::infer_columns(&text, self).map_err(|e| e.at_file(path))?;
             file.text = Some(text);
         }

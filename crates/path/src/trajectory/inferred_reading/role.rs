@@ -190,7 +190,7 @@ fn is_any(word: &str, kinds: &[&str]) -> bool {
 /// The role that the words of a name suggest, whose quantity it is, and the rank of a time.
 fn role(words: &[String]) -> Option<(Role, String, usize)> {
     let last = words.last()?.as_str();
-    if words.len() == 1 && is_any(last, &RUNS) {
+    if (words.len() == 1 && is_any(last, &RUNS)) || words == ["episode", "index"] {
         return Some((Role::Run, String::new(), 0));
     }
     let has = |kinds: &[&str]| words.iter().any(|word| is_any(word, kinds));
@@ -309,6 +309,8 @@ mod tests {
             ("elapsed", Role::Time, ""),
             ("sec", Role::Time, ""),
             ("t_ms", Role::Time, ""),
+            ("trial", Role::Run, ""),
+            ("episode_index", Role::Run, ""),
         ] {
             let found = named(name);
             let found = found

@@ -1,4 +1,5 @@
-//! Decodes CDR (of the Object Management Group), the encoding of ROS 2 messages, in which numbers are aligned to their size.
+//! Decodes the two encodings of ROS messages: CDR (of the Object Management Group) of ROS 2, in which numbers are aligned to their size, and
+//! that of ROS 1, which has no gaps.
 
 use realgap_core::file::ByteReader;
 
@@ -8,13 +9,15 @@ pub(super) struct Cdr<'a> {
     is_big_endian: bool,
     /// The largest alignment, bytes; larger numbers are aligned to it.
     max_alignment: usize,
+    /// The number of bytes before the message; alignment is counted from behind them.
+    head: usize,
 }
 
 /// The number of bytes before the message, which state the encoding; alignment is counted from behind them.
 const HEAD: usize = 4;
 
 impl<'a> Cdr<'a> {
-    /// A decoder at the start of a message; `None` for an encoding that is not used for messages of poses.
+    /// A decoder at the start of a message; `None` for an encoding that is not used for these messages.
     pub(super) fn new(bytes: &'a [u8]) -> Option<Self> {
         let mut input = ByteReader::new(bytes);
         let [0, kind, ..] = input.array::<HEAD>()? else {
@@ -30,12 +33,28 @@ impl<'a> Cdr<'a> {
             input,
             is_big_endian: kind % 2 == 0,
             max_alignment,
+            head: HEAD,
         })
+    }
+
+    /// A decoder of a message of ROS 1: little-endian, without gaps.
+    pub(super) fn ros1(bytes: &'a [u8]) -> Self {
+        Self {
+            input: ByteReader::new(bytes),
+            is_big_endian: false,
+            max_alignment: 1,
+            head: 0,
+        }
+    }
+
+    /// True for a message of ROS 1, whose headers also count messages.
+    pub(super) fn is_ros1(&self) -> bool {
+        self.head == 0
     }
 
     fn number<const N: usize>(&mut self) -> Option<[u8; N]> {
         let size = N.min(self.max_alignment);
-        let beyond = (self.input.at() - HEAD) % size;
+        let beyond = (self.input.at() - self.head) % size;
         if beyond > 0 {
             self.input.take(size - beyond)?;
         }
@@ -64,6 +83,16 @@ impl<'a> Cdr<'a> {
             *value = self.f64()?;
         }
         Some(all)
+    }
+
+    /// A list of numbers of any length.
+    pub(super) fn list(&mut self) -> Option<Vec<f64>> {
+        (0..self.u32()?).map(|_| self.f64()).collect()
+    }
+
+    /// A list of texts.
+    pub(super) fn texts(&mut self) -> Option<Vec<String>> {
+        (0..self.u32()?).map(|_| self.text()).collect()
     }
 
     pub(super) fn text(&mut self) -> Option<String> {

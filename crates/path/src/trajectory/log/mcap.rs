@@ -1,20 +1,24 @@
 //! The file format MCAP, which ROS 2 and Foxglove record.
 
+use std::path::Path;
+
 use serde_json::json;
 
-use super::stream::{Log, Said};
+use super::stream::{self, Log, Said};
 use crate::trajectory::csv::Csv;
-use crate::trajectory::format::{Format, Parsed, Rendered, beyond_poses, not_written};
+use crate::trajectory::format::{Decoded, Format, Parsed, Rendered, beyond_poses, not_written};
+use crate::trajectory::relabel::relabelled;
 use crate::trajectory::{Reading, Trajectory};
 use realgap_core::constant_methods;
 use realgap_core::error::Result;
-use realgap_core::file::{McapWriter, Topic, read_mcap, stamp};
+use realgap_core::file::{McapWriter, Topic, read_limited, read_mcap, read_thin_mcap, stamp};
 use realgap_core::warning::Warning;
 
 /// The files that ROS 2 and Foxglove record (<https://mcap.dev>).
 ///
 /// It reads messages of ROS 2 encoded in CDR (`PoseStamped`, `PoseWithCovarianceStamped`, `Odometry`, `TransformStamped`, `TFMessage`,
-/// `Path`) and messages of Foxglove in JSON (`PoseInFrame`, `FrameTransform`, `FrameTransforms`). If a file holds poses of several objects, the
+/// `Path`; joints of `JointState` and `JointTrajectoryControllerState`; commands of `JointTrajectory`, `Float64MultiArray` and `Twist`; sensors
+/// of `Imu` and `WrenchStamped`), those of ROS 1 in files that were converted, and messages of Foxglove in JSON (`PoseInFrame`, `FrameTransform`, `FrameTransforms`). If a file holds poses of several objects, the
 /// reading's `topic` and `child_frame` select one. Times are those in the messages, or the times of recording if the messages have none.
 /// The velocities of `Odometry` are in the body frame and are rotated into the world frame; velocities that are all 0 count as not
 /// recorded, and so does an orientation that is 0 everywhere. Chunks may be compressed with zstd or lz4.
@@ -27,11 +31,15 @@ pub struct Mcap;
 /// Topic and frame of the written messages.
 const TOPIC: &str = "/pose";
 const FRAME: &str = "world";
+/// Of files beyond this size, bytes, only the messages that may be read are taken into memory: most of such a file are pictures.
+const LARGE: u64 = 32_000_000;
 
 /// The settings of `reading` that concern a log after its conversion into a table.
 pub(super) fn applied(reading: &Reading) -> Reading {
     Reading {
         topic: reading.topic.clone(),
+        command_topic: reading.command_topic.clone(),
+        unitless: reading.unitless.clone(),
         child_frame: reading.child_frame.clone(),
         crop: reading.crop,
         sort: reading.sort,
@@ -43,14 +51,34 @@ pub(super) fn applied(reading: &Reading) -> Reading {
     }
 }
 
+/// The settings of `reading` that rename columns of the table; lists are those of topics, which have names already.
+pub(super) fn renamed(reading: &Reading) -> Reading {
+    Reading {
+        names: reading.names.clone(),
+        wheels: reading.wheels.clone(),
+        ..Reading::default()
+    }
+}
+
 impl Format for Mcap {
     constant_methods! {
         name: &'static str = "mcap";
-        doc: &'static str = "MCAP: poses, odometry, transforms or a path among the messages of ROS 2 or Foxglove";
+        doc: &'static str = "MCAP: poses, odometry, transforms, a path or joints among the messages of ROS or Foxglove";
         extensions: &'static [&'static str] = &["mcap"];
     }
 
-    fn decode(&self, bytes: Vec<u8>, reading: &Reading) -> Result<String> {
+    fn bytes(&self, path: &Path, limit: u64) -> Result<Vec<u8>> {
+        let is_large =
+            std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.len() > LARGE);
+        match is_large {
+            true => read_thin_mcap(path, limit, &|channel| {
+                stream::is_read(&channel.encoding, &channel.schema)
+            }),
+            false => read_limited(path, limit, "trajectory"),
+        }
+    }
+
+    fn decode(&self, bytes: Vec<u8>, reading: &Reading) -> Result<Decoded> {
         let mut log = Log::new(reading);
         read_mcap(&bytes, &mut |message| {
             let channel = message.channel;
@@ -61,11 +89,19 @@ impl Format for Mcap {
             let log_ns = i64::try_from(message.log_time_ns).unwrap_or(0);
             log.message(said, &channel.encoding, log_ns, message.data)
         })?;
-        log.table()
+        let decoded = log.table()?;
+        Ok(Decoded {
+            text: relabelled(decoded.text, &renamed(reading))?,
+            warnings: decoded.warnings,
+        })
     }
 
     fn applied(&self, _text: &str, reading: &Reading) -> Reading {
         applied(reading)
+    }
+
+    fn is_table(&self) -> bool {
+        true
     }
 
     fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {

@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use super::mcap::applied;
+use super::mcap::{applied, renamed};
 use super::stream::{Log, Said};
 use crate::trajectory::csv::Csv;
-use crate::trajectory::format::{Format, Parsed, Rendered};
+use crate::trajectory::format::{Decoded, Format, Parsed, Rendered};
+use crate::trajectory::relabel::relabelled;
 use crate::trajectory::{Reading, Trajectory};
 use realgap_core::constant_methods;
 use realgap_core::error::{Error, Result};
@@ -21,7 +22,7 @@ pub struct Rosbag;
 impl Format for Rosbag {
     constant_methods! {
         name: &'static str = "rosbag";
-        doc: &'static str = "a bag of ROS 2 in SQLite: poses, odometry, transforms or a path among its messages";
+        doc: &'static str = "a bag of ROS 2 in SQLite: poses, odometry, transforms, a path or joints among its messages";
         extensions: &'static [&'static str] = &["db3"];
     }
 
@@ -29,7 +30,7 @@ impl Format for Rosbag {
         read_closed_bag(path, limit)
     }
 
-    fn decode(&self, bytes: Vec<u8>, reading: &Reading) -> Result<String> {
+    fn decode(&self, bytes: Vec<u8>, reading: &Reading) -> Result<Decoded> {
         let mut log = Log::new(reading);
         read_bag(bytes, &mut |message| {
             let said = Said {
@@ -38,11 +39,19 @@ impl Format for Rosbag {
             };
             log.message(said, message.encoding, message.log_time_ns, message.data)
         })?;
-        log.table()
+        let decoded = log.table()?;
+        Ok(Decoded {
+            text: relabelled(decoded.text, &renamed(reading))?,
+            warnings: decoded.warnings,
+        })
     }
 
     fn applied(&self, _text: &str, reading: &Reading) -> Reading {
         applied(reading)
+    }
+
+    fn is_table(&self) -> bool {
+        true
     }
 
     fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {

@@ -1,16 +1,21 @@
-//! Collects the streams of poses in a log, selects one, and converts it into a table.
+//! Collects the topics of a log that hold poses, joints, commands and sensors, selects what is read, and converts it into a table.
 
 use std::collections::{BTreeMap, HashMap};
 
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-
-use super::message::{Content, Frames, Sample};
+use super::cdr::Cdr;
+use super::joined::Joined;
+use super::message::{Column, Content, Frames, Quantity, Sample};
+use super::pose_stream::Stream;
+use super::series::{Role, Series};
 use super::{foxglove, ros};
 use crate::trajectory::Reading;
-use crate::trajectory::text::{MAX_ROWS, excerpt, push_number};
+use crate::trajectory::format::Decoded;
+use crate::trajectory::text::{MAX_ROWS, excerpt};
 use realgap_core::error::{Advice, Error, Result};
 use realgap_core::unit::counted;
 
+/// The first bytes of what zstd compressed.
+const ZSTD: &[u8] = &[0x28, 0xb5, 0x2f, 0xfd];
 /// The largest number of streams that an error message lists.
 const LISTED: usize = 12;
 
@@ -21,25 +26,15 @@ pub(super) struct Said<'a> {
     pub(super) kind: &'a str,
 }
 
-/// The poses of one object: one topic, and one pair of frames for transforms.
-#[derive(Debug, Clone, Default)]
-struct Stream {
-    topic: String,
-    kind: String,
-    frames: Frames,
-    samples: Vec<Sample>,
-    /// The number of poses in the log, including those that are not kept.
-    count: usize,
-    /// True if each message holds a whole path.
-    is_path: bool,
-}
-
 /// All streams of a log.
 pub(super) struct Log<'a> {
     reading: &'a Reading,
     streams: Vec<Stream>,
     places: HashMap<(String, Frames), usize>,
-    /// Topics without poses: the type and the number of their messages.
+    series: Vec<Series>,
+    /// The series of each topic.
+    series_of: HashMap<String, Vec<usize>>,
+    /// Topics that hold nothing that is read: the type and the number of their messages.
     others: BTreeMap<String, (String, usize)>,
     kept: usize,
     broken: Option<Error>,
@@ -51,6 +46,8 @@ impl<'a> Log<'a> {
             reading,
             streams: Vec::new(),
             places: HashMap::new(),
+            series: Vec::new(),
+            series_of: HashMap::new(),
             others: BTreeMap::new(),
             kept: 0,
             broken: None,
@@ -69,9 +66,9 @@ impl<'a> Log<'a> {
         data: &[u8],
     ) -> Result<()> {
         let done = match encoding {
-            "cdr" => ros::KINDS
-                .of(said.kind)
-                .map(|kind| ros::content(kind, log_ns, data)),
+            "cdr" => ros::kind(said.kind)
+                .map(|kind| Cdr::new(data).and_then(|cdr| ros::content(kind, log_ns, cdr))),
+            "ros1" => ros::kind(said.kind).map(|kind| ros::content(kind, log_ns, Cdr::ros1(data))),
             "json" => foxglove::KINDS
                 .of(said.kind)
                 .map(|kind| foxglove::content(kind, log_ns, data)),
@@ -80,10 +77,14 @@ impl<'a> Log<'a> {
         match done {
             None => self.other(said, encoding),
             // The error is reported only if this topic is read.
-            Some(None) if self.is_wanted(said.topic) => {
+            Some(None) if self.is_wanted(said.topic) || self.is_stated_command(said.topic) => {
                 let error = Error::invalid("a message cannot be decoded").field(said.topic);
                 let found = format!("{} bytes of the type {}", data.len(), excerpt(said.kind));
-                self.broken.get_or_insert(error.found(found));
+                let error = error.found(found);
+                self.broken.get_or_insert(match data.starts_with(ZSTD) {
+                    true => error.hint("the messages are compressed one by one: `ros2 bag convert` writes them without compression"),
+                    false => error,
+                });
             }
             Some(None) => {}
             Some(Some(Content::Poses(all))) => {
@@ -92,6 +93,23 @@ impl<'a> Log<'a> {
                 }
             }
             Some(Some(Content::Path(samples))) => self.replace(said, samples),
+            Some(Some(Content::Row(row))) => {
+                let series = self.series(said, &row.columns);
+                series.count += 1;
+                series.push(row);
+                self.kept += 1;
+            }
+            Some(Some(Content::Plan(plan))) => {
+                let columns = plan.joints.iter().cloned();
+                let columns: Vec<Column> = columns
+                    .map(|joint| Column::Joint(joint, Quantity::Angle))
+                    .collect();
+                let points = plan.points.len();
+                let series = self.series(said, &columns);
+                series.count += 1;
+                series.push_plan(plan);
+                self.kept += points;
+            }
         }
         if self.kept > MAX_ROWS {
             return Err(Error::invalid("too many poses")
@@ -99,6 +117,37 @@ impl<'a> Log<'a> {
                 .advise(Advice::Topic));
         }
         Ok(())
+    }
+
+    fn is_stated_command(&self, topic: &str) -> bool {
+        let stated = self.reading.command_topic.as_deref();
+        stated.is_some_and(|stated| same_topic(stated, topic))
+    }
+
+    /// The series of a topic with these columns.
+    fn series(&mut self, said: Said<'_>, columns: &[Column]) -> &mut Series {
+        let places = self.series_of.entry(said.topic.to_owned()).or_default();
+        let mut known = places.iter().copied();
+        let index = known.find(|index| self.series[*index].holds(columns));
+        let index = index.unwrap_or_else(|| {
+            let role = match ros::kind(said.kind) {
+                Some(kind) if kind.is_command() => Role::Command,
+                Some(ros::Kind::Joints | ros::Kind::Controller) => Role::State,
+                _ => Role::Sensor,
+            };
+            self.series.push(Series {
+                topic: said.topic.to_owned(),
+                kind: said.kind.to_owned(),
+                role,
+                columns: columns.to_vec(),
+                rows: Vec::new(),
+                plans: Vec::new(),
+                count: 0,
+            });
+            places.push(self.series.len() - 1);
+            self.series.len() - 1
+        });
+        &mut self.series[index]
     }
 
     fn other(&mut self, said: Said<'_>, encoding: &str) {
@@ -158,11 +207,12 @@ impl<'a> Log<'a> {
         }
     }
 
-    /// The selected stream of poses as a table with a header.
+    /// The selected recording as a table with a header: one object's poses, or the joints of a topic, with the commands that belong to
+    /// them.
     ///
     /// # Errors
-    /// No stream of poses, or several streams without a selection; the error lists the streams.
-    pub(super) fn table(self) -> Result<String> {
+    /// Nothing that can be read, or several recordings without a selection; the error lists them.
+    pub(super) fn table(self) -> Result<Decoded> {
         let child = self.reading.child_frame.as_deref();
         let is_chosen = self.reading.topic.is_some() || child.is_some();
         let fits = |stream: &&Stream| {
@@ -175,35 +225,164 @@ impl<'a> Log<'a> {
             is_child && self.is_wanted(&stream.topic) && (is_chosen || stream.count > 1)
         };
         let found: Vec<&Stream> = self.streams.iter().filter(fits).collect();
-        match found.as_slice() {
-            [stream] => match self.broken {
+        let joints: Vec<&Series> = match child {
+            Some(_) => Vec::new(),
+            None => self.states(),
+        };
+        match (found.as_slice(), joints.as_slice()) {
+            ([stream], []) => match self.broken {
                 Some(error) => Err(error),
-                None => stream.table(),
+                None => self.poses(stream),
             },
-            [] => Err(match self.broken {
+            ([], [joints]) => match self.broken {
+                Some(error) => Err(error),
+                None => self.joints(joints),
+            },
+            ([], []) => Err(match self.broken {
                 Some(error) => error,
                 None => self.nothing(is_chosen),
             }),
-            several => {
+            (several, joints) => {
                 let transforms = several.iter().all(|stream| stream.frames.is_some());
-                let is_one_topic = several.iter().all(|s| s.topic == several[0].topic);
+                let mut topics = several.iter().map(|stream| &stream.topic);
+                let first = topics.next();
+                let is_one_topic = topics.all(|topic| Some(topic) == first) && joints.is_empty();
                 let field = match is_one_topic && transforms {
                     true => "child_frame",
                     false => "topic",
                 };
-                Err(
-                    Error::invalid("the file holds the poses of several objects")
-                        .field(field)
-                        .found(list(several.iter().map(|stream| stream.words())))
-                        .allowed("one of them")
-                        .advise(Advice::Topic),
-                )
+                let message = match (joints.is_empty(), several.is_empty()) {
+                    (true, _) => "the file holds the poses of several objects",
+                    (false, true) => "the file holds the joints of several topics",
+                    (false, false) => "the file holds joints, and poses of several objects",
+                };
+                let joints = joints.iter().map(|series| words_of(series));
+                let all: Vec<String> = joints.chain(several.iter().map(|s| s.words())).collect();
+                Err(Error::invalid(message)
+                    .field(field)
+                    .found(list(all.into_iter()))
+                    .allowed("one of them")
+                    .advise(Advice::Topic))
             }
         }
     }
 
+    /// The topics of measured joints, each by its longest series: publishers of one topic may report different joints.
+    fn states(&self) -> Vec<&Series> {
+        let mut found: Vec<&Series> = Vec::new();
+        let all = self.series.iter();
+        for series in all.filter(|series| series.role == Role::State && series.has(Quantity::Angle))
+        {
+            let is_wanted = self.is_wanted(&series.topic) && !self.is_stated_command(&series.topic);
+            if !is_wanted || series.count < 2 {
+                continue;
+            }
+            match found.iter_mut().find(|known| known.topic == series.topic) {
+                Some(known) if known.count >= series.count => {}
+                Some(known) => *known = series,
+                None => found.push(series),
+            }
+        }
+        found
+    }
+
+    /// A topic of joints, with further joints of this topic, the commands of these joints, and the sensors of bodies.
+    fn joints(&self, base: &Series) -> Result<Decoded> {
+        let mut joined = Joined::of_joints(base)?;
+        let others = || {
+            let all = self.series.iter();
+            all.filter(|series| !std::ptr::eq(*series, base))
+        };
+        for series in others().filter(|series| series.topic == base.topic) {
+            joined.add_joints(series);
+        }
+        let joints: Vec<&str> = others()
+            .filter(|series| series.topic == base.topic)
+            .chain([base])
+            .flat_map(Series::joints)
+            .collect();
+        let is_of_joints = |series: &Series| {
+            let own = series.joints();
+            !own.is_empty() && own.iter().all(|joint| joints.contains(joint))
+        };
+        let is_command = |series: &&Series| match &self.reading.command_topic {
+            Some(topic) => same_topic(topic, &series.topic),
+            None => {
+                // Plans and references have the names of the joints; what else moves them has to be stated.
+                let is_plan = series.role == Role::Command && is_of_joints(series);
+                let is_reference = series.has(Quantity::Reference) && is_of_joints(series);
+                series.topic != base.topic
+                    && !base.has(Quantity::Reference)
+                    && (is_plan || is_reference)
+            }
+        };
+        let commands: Vec<&Series> = others().filter(is_command).collect();
+        if commands.len() > 1 && self.reading.command_topic.is_none() {
+            let all: Vec<String> = commands.iter().map(|series| words_of(series)).collect();
+            return Err(Error::invalid("the file holds commands of several topics")
+                .field("command_topic")
+                .found(list(all.into_iter()))
+                .allowed("one of them")
+                .advise(Advice::CommandTopic));
+        }
+        self.must_be_there(&commands)?;
+        for series in &commands {
+            joined.add_commands(series, self.reading)?;
+        }
+        for series in others().filter(|series| series.role == Role::Sensor && series.count > 1) {
+            joined.add_sensor(series);
+        }
+        let is_read = |topic: &str| {
+            topic == base.topic || commands.iter().any(|series| series.topic == topic)
+        };
+        joined.not_read(&self.unread(&is_read));
+        joined.table(None)
+    }
+
+    /// Poses of one object, with the stated commands.
+    fn poses(&self, stream: &Stream) -> Result<Decoded> {
+        let stated = self.series.iter();
+        let commands: Vec<&Series> = stated
+            .filter(|series| self.is_stated_command(&series.topic))
+            .collect();
+        self.must_be_there(&commands)?;
+        let mut joined = Joined::at(stream.clock(), stream.times_ns());
+        for series in &commands {
+            joined.add_commands(series, self.reading)?;
+        }
+        let is_read = |topic: &str| commands.iter().any(|series| series.topic == topic);
+        joined.not_read(&self.unread(&is_read));
+        let (names, rows) = stream.rows()?;
+        joined.table(Some((&names, &rows)))
+    }
+
+    /// Refuses a topic of commands that the log does not have.
+    fn must_be_there(&self, commands: &[&Series]) -> Result<()> {
+        match &self.reading.command_topic {
+            Some(topic) if commands.is_empty() => {
+                let all: Vec<String> = self.series.iter().map(words_of).collect();
+                Err(Error::invalid("there are no commands with this name")
+                    .field("command_topic")
+                    .found(match all.is_empty() {
+                        true => format!("no commands, and no topic {}", excerpt(topic)),
+                        false => list(all.into_iter()),
+                    })
+                    .advise(Advice::CommandTopic))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Topics of commands and joints that are not read.
+    fn unread(&self, is_read: &dyn Fn(&str) -> bool) -> Vec<String> {
+        let all = self.series.iter();
+        let left = all.filter(|series| series.role != Role::Sensor && !is_read(&series.topic));
+        left.map(words_of).collect()
+    }
+
     fn nothing(&self, is_chosen: bool) -> Error {
         let poses = self.streams.iter().map(Stream::words);
+        let poses = poses.chain(self.series.iter().map(words_of));
         let others = self.others.iter();
         let others = others.map(|(topic, (kind, count))| {
             format!("{} ({}, {count})", excerpt(topic), excerpt(kind))
@@ -215,7 +394,7 @@ impl<'a> Log<'a> {
             list(all.into_iter())
         };
         if is_chosen {
-            return Error::invalid("there are no poses with this name")
+            return Error::invalid("there are no poses or joints with this name")
                 .field(match self.reading.topic {
                     Some(_) => "topic",
                     None => "child_frame",
@@ -224,7 +403,7 @@ impl<'a> Log<'a> {
                 .advise(Advice::Topic);
         }
         let kinds: Vec<&str> = ros::KINDS.names().chain(foxglove::KINDS.names()).collect();
-        Error::invalid("the file holds no poses that change")
+        Error::invalid("the file holds no poses that change, and no joints")
             .found(found)
             .allowed(format!("messages of {}", kinds.join(", ")))
     }
@@ -239,75 +418,35 @@ fn list(words: impl ExactSizeIterator<Item = String>) -> String {
     listed.join("; ")
 }
 
-fn same_topic(wanted: &str, topic: &str) -> bool {
+/// A series in the words of a list.
+fn words_of(series: &Series) -> String {
+    let joints = series.joints();
+    let what = match joints.is_empty() {
+        true => counted(series.columns.len(), "number"),
+        false => counted(joints.len(), "joint"),
+    };
+    let (topic, kind) = (excerpt(&series.topic), excerpt(&series.kind));
+    format!(
+        "{topic} ({kind}, {what}, {})",
+        counted(series.count, "message")
+    )
+}
+
+/// True if messages of this type in this encoding are read.
+pub(super) fn is_read(encoding: &str, kind: &str) -> bool {
+    match encoding {
+        "cdr" | "ros1" => ros::kind(kind).is_some(),
+        "json" => foxglove::KINDS.of(kind).is_some(),
+        _ => false,
+    }
+}
+
+pub(super) fn same_topic(wanted: &str, topic: &str) -> bool {
     wanted.trim_start_matches('/') == topic.trim_start_matches('/')
 }
 
-impl Stream {
-    fn words(&self) -> String {
-        let frames = match &self.frames {
-            Some((parent, child)) => format!(" {} in {}", excerpt(child), excerpt(parent)),
-            None => String::new(),
-        };
-        let (topic, kind) = (excerpt(&self.topic), excerpt(&self.kind));
-        format!("{topic}{frames} ({kind}, {})", counted(self.count, "pose"))
-    }
-
-    fn table(&self) -> Result<String> {
-        let all = &self.samples;
-        let has_stamps = all.iter().any(|sample| sample.stamp_ns != 0);
-        if self.is_path && all.len() > 1 && all.windows(2).all(|w| w[0].stamp_ns == w[1].stamp_ns) {
-            return Err(
-                Error::invalid("the poses of this path have no times of their own")
-                    .field(&self.topic)
-                    .hint("record the topic from which this path is made"),
-            );
-        }
-        let turns = all.iter().any(|sample| sample.turn_xyzw != [0.0; 4]);
-        // Programs without velocities leave these numbers at 0.
-        let moves = turns && all.iter().all(|sample| sample.twist.is_some());
-        let moves = moves && all.iter().any(|sample| sample.twist != Some([0.0; 6]));
-        let mut text = String::from("t_s,x_m,y_m,z_m");
-        if turns {
-            text.push_str(",qw,qx,qy,qz");
-        }
-        if moves {
-            text.push_str(",vx_m_s,vy_m_s,vz_m_s,wx_rad_s,wy_rad_s,wz_rad_s");
-        }
-        text.push('\n');
-        for sample in all {
-            let time_ns = if has_stamps {
-                sample.stamp_ns
-            } else {
-                sample.log_ns
-            };
-            push_seconds(&mut text, time_ns);
-            let [x, y, z, w] = sample.turn_xyzw;
-            let turn = [w, x, y, z];
-            let speeds = sample.twist.map(|twist| world_speeds(turn, twist));
-            let numbers = sample.place_m.into_iter();
-            let numbers = numbers.chain(turn.into_iter().filter(|_| turns));
-            let speeds = speeds.into_iter().flatten().filter(|_| moves);
-            for value in numbers.chain(speeds) {
-                text.push(',');
-                push_number(&mut text, value);
-            }
-            text.push('\n');
-        }
-        Ok(text)
-    }
-}
-
-/// Rotates the linear velocity of a twist from the body frame into the world frame; the angular velocity stays in the body frame.
-fn world_speeds([w, x, y, z]: [f64; 4], twist: [f64; 6]) -> [f64; 6] {
-    let [vx, vy, vz, wx, wy, wz] = twist;
-    let turn = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
-    let linear = turn * Vector3::new(vx, vy, vz);
-    [linear.x, linear.y, linear.z, wx, wy, wz]
-}
-
 /// Writes nanoseconds as seconds without rounding.
-fn push_seconds(text: &mut String, time_ns: i64) {
+pub(super) fn push_seconds(text: &mut String, time_ns: i64) {
     let size = time_ns.unsigned_abs();
     let sign = if time_ns < 0 { "-" } else { "" };
     let (whole, rest) = (size / 1_000_000_000, size % 1_000_000_000);

@@ -6,11 +6,9 @@ mod unit;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::super::csv::Csv;
-use super::super::format::Format as _;
+use super::super::joint_column::plain_name;
 use super::super::reading::Reading;
-use super::super::registry::{format_of, read_bytes};
-use super::super::text::decode_text;
+use super::super::registry::{format_in, read_bytes};
 use super::Evidence;
 use name::{Column, Found, Quantity, Whose, columns, found, only_number};
 use realgap_core::error::{Advice, Error, Result};
@@ -38,11 +36,18 @@ impl JointReading {
         joints: &[String],
         order: &[String],
     ) -> Result<Option<Self>> {
-        let is_table = format_of(path)?.name() == Csv.name();
-        if joints.is_empty() || !is_table || !known.names.is_empty() || !known.lists.is_empty() {
+        if joints.is_empty() || !known.names.is_empty() || !known.lists.is_empty() {
             return Ok(None);
         }
-        let text = decode_text(read_bytes(path)?).map_err(|e| e.at_file(path))?;
+        let bytes = read_bytes(path)?;
+        let format = format_in(path, &bytes)?;
+        if !format.is_table() {
+            return Ok(None);
+        }
+        let text = format
+            .decode(bytes, known)
+            .map_err(|e| e.at_file(path))?
+            .text;
         Self::of_text(&text, known, joints, order).map_err(|e| e.at_file(path))
     }
 
@@ -64,7 +69,7 @@ impl JointReading {
         let renamed: Vec<(&str, String)> = columns
             .iter()
             .filter(|column| column.element.is_none())
-            .map(|column| (column.name, plain(column.name)))
+            .map(|column| (column.name, plain_name(column.name)))
             .filter(|(theirs, ours)| theirs != ours && of_joint(ours))
             .collect();
         if !renamed.iter().any(|(_, ours)| is_angle(ours)) {
@@ -162,14 +167,6 @@ impl JointReading {
         }
         Ok(Some(made))
     }
-}
-
-/// A name as robots have it here: letters, digits, `_` and `-`. Files of other programs may have `left/hip` or `robot0:wrist`.
-fn plain(name: &str) -> String {
-    let is_usual = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-    name.chars()
-        .map(|c| if is_usual(c) { c } else { '_' })
-        .collect()
 }
 
 /// Of the moves of a command from row to row, the share that is none where the command is a speed. A commanded angle that stays as

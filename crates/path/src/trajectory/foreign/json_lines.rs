@@ -1,0 +1,147 @@
+//! JSON lines: one object for each sample; also a JSON array of such objects.
+
+use serde_json::{Map, Value};
+
+use super::ForeignTable;
+use super::flat::Flat;
+use crate::trajectory::format::Decoded;
+use crate::trajectory::text::decode_text;
+use realgap_core::error::{Error, Result};
+
+/// Files with a JSON object for each sample, as robots and servers log them. Names of nested objects are joined by dots; a place of three
+/// numbers becomes `NAME.x`, `NAME.y`, `NAME.z`; other lists stay lists.
+pub const JSON_LINES: ForeignTable = ForeignTable {
+    name: "json-lines",
+    doc: "JSON lines, or an array of JSON objects: one object for each sample",
+    extensions: &["jsonl", "ndjson", "json"],
+    recognises: |_| false,
+    table,
+};
+
+/// The deepest nesting of objects that is read.
+const DEEPEST: usize = 8;
+/// Names of lists of three numbers that are a place.
+const PLACES: [&str; 7] = [
+    "position",
+    "pos",
+    "xyz",
+    "translation",
+    "location",
+    "place",
+    "p",
+];
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+fn table(bytes: Vec<u8>) -> Result<Decoded> {
+    let text = decode_text(bytes)?;
+    let mut samples: Vec<(usize, Map<String, Value>)> = Vec::new();
+    if text.trim_start().starts_with('[') {
+        let all: Value =
+            serde_json::from_str(&text).map_err(|error| broken(error.line(), &error))?;
+        for (index, value) in all.as_array().into_iter().flatten().enumerate() {
+            samples.push((index + 1, object(index + 1, value.clone())?));
+        }
+    } else {
+        for (index, line) in text.lines().enumerate() {
+            if line.trim().is_empty() {
+                continue;
+            }
+            let value = serde_json::from_str(line).map_err(|error| broken(index + 1, &error))?;
+            samples.push((index + 1, object(index + 1, value)?));
+        }
+    }
+    let mut names: Vec<String> = Vec::new();
+    let mut known = std::collections::HashSet::new();
+    let mut rows: Vec<Vec<(String, String)>> = Vec::new();
+    for (line, sample) in samples {
+        let mut cells = Vec::new();
+        flatten("", Value::Object(sample), 0, &mut cells)
+            .map_err(|error| error.at_line(line, 1))?;
+        for (name, _) in &cells {
+            if known.insert(name.clone()) {
+                names.push(name.clone());
+            }
+        }
+        rows.push(cells);
+    }
+    let mut flat = Flat::new(names.iter().cloned())?;
+    for row in rows {
+        let mut own: std::collections::HashMap<String, String> = row.into_iter().collect();
+        flat.push(
+            names
+                .iter()
+                .map(|name| own.remove(name).unwrap_or_default()),
+        )?;
+    }
+    Ok(flat.decoded())
+}
+
+fn broken(line: usize, error: &serde_json::Error) -> Error {
+    Error::invalid("this is no JSON")
+        .at_line(line.max(1), error.column().max(1))
+        .found(error)
+        .allowed("one JSON object on each line, or an array of objects")
+}
+
+fn object(line: usize, value: Value) -> Result<Map<String, Value>> {
+    match value {
+        Value::Object(map) => Ok(map),
+        other => Err(Error::invalid("a sample is no JSON object")
+            .at_line(line, 1)
+            .found(super::super::text::excerpt(&other.to_string()))
+            .allowed("an object such as {\"t_s\": 0.0, \"x_m\": 0.1, \"y_m\": 0.2}")),
+    }
+}
+
+/// Adds the cells of a value with their names.
+fn flatten(
+    name: &str,
+    value: Value,
+    depth: usize,
+    cells: &mut Vec<(String, String)>,
+) -> Result<()> {
+    if depth > DEEPEST {
+        return Err(Error::invalid("the objects are nested too deeply")
+            .field(name)
+            .allowed(format!("at most {DEEPEST} levels")));
+    }
+    match value {
+        Value::Object(map) => {
+            for (key, value) in map {
+                let name = match name {
+                    "" => key,
+                    name => format!("{name}.{key}"),
+                };
+                flatten(&name, value, depth + 1, cells)?;
+            }
+        }
+        Value::Array(list) => {
+            let are_numbers = list
+                .iter()
+                .all(|value| value.is_number() || value.is_null());
+            let last = name.rsplit(['.', '_']).next().unwrap_or_default();
+            if are_numbers && list.len() == AXES.len() && PLACES.contains(&last) {
+                let axes = AXES.iter().zip(list);
+                cells.extend(axes.map(|(axis, value)| (format!("{name}.{axis}"), cell(&value))));
+            } else if are_numbers {
+                let numbers: Vec<String> = list.iter().map(cell).collect();
+                cells.push((name.to_owned(), format!("[{}]", numbers.join(" "))));
+            } else {
+                for (index, value) in list.into_iter().enumerate() {
+                    flatten(&format!("{name}.{index}"), value, depth + 1, cells)?;
+                }
+            }
+        }
+        other => cells.push((name.to_owned(), cell(&other))),
+    }
+    Ok(())
+}
+
+fn cell(value: &Value) -> String {
+    match value {
+        Value::Null => String::new(),
+        Value::Bool(is) => u8::from(*is).to_string(),
+        Value::String(text) => super::flat::plain(text),
+        other => other.to_string(),
+    }
+}

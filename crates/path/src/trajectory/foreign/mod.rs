@@ -1,0 +1,106 @@
+//! Tables of other programs whose layout differs from a line of names above lines of numbers. Each is converted into such a table, whose
+//! names state what the file states: bodies, axes, units. What the file does not state is then asked, as for any other table.
+
+mod deeplabcut;
+mod flat;
+mod json_lines;
+mod motive;
+mod numpy;
+mod qualisys;
+mod vicon;
+
+use super::Trajectory;
+use super::csv::Csv;
+use super::format::{Decoded, Format, Parsed, Rendered};
+use super::reading::{QuaternionOrder, Reading};
+use super::relabel::relabelled;
+use realgap_core::error::{Error, Result};
+
+pub use deeplabcut::DEEPLABCUT;
+pub use json_lines::JSON_LINES;
+pub use motive::MOTIVE;
+pub use numpy::{NPY, NPZ};
+pub use qualisys::QUALISYS;
+pub use vicon::VICON;
+
+/// A format of another program that is converted into a table with one line of names.
+pub struct ForeignTable {
+    pub(super) name: &'static str,
+    pub(super) doc: &'static str,
+    pub(super) extensions: &'static [&'static str],
+    /// True if the first bytes of a file are those of this format.
+    pub(super) recognises: fn(&[u8]) -> bool,
+    /// The table in a file.
+    pub(super) table: fn(Vec<u8>) -> Result<Decoded>,
+}
+
+impl Format for ForeignTable {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn doc(&self) -> &'static str {
+        self.doc
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        self.extensions
+    }
+
+    fn recognises(&self, bytes: &[u8]) -> bool {
+        (self.recognises)(bytes)
+    }
+
+    fn decode(&self, bytes: Vec<u8>, reading: &Reading) -> Result<Decoded> {
+        let decoded = (self.table)(bytes)?;
+        Ok(Decoded {
+            text: relabelled(decoded.text, reading)?,
+            warnings: decoded.warnings,
+        })
+    }
+
+    fn is_table(&self) -> bool {
+        true
+    }
+
+    fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {
+        Csv.parse(text, reading)
+    }
+
+    fn parse_split(&self, text: &str, reading: &Reading) -> Result<Vec<Parsed>> {
+        Csv.parse_split(text, reading)
+    }
+
+    fn applied(&self, text: &str, reading: &Reading) -> Reading {
+        Csv.applied(text, reading)
+    }
+
+    fn order(&self, text: &str, reading: &Reading) -> QuaternionOrder {
+        Csv.order(text, reading)
+    }
+
+    fn columns<'a>(&self, text: &'a str, reading: &Reading) -> Vec<&'a str> {
+        Csv.columns(text, reading)
+    }
+
+    fn parse_groups(
+        &self,
+        text: &str,
+        reading: &Reading,
+        group_columns: &[&str],
+    ) -> Result<Vec<(Vec<String>, Parsed)>> {
+        Csv.parse_groups(text, reading, group_columns)
+    }
+
+    fn writes(&self) -> bool {
+        false
+    }
+
+    fn render(&self, _trajectory: &Trajectory) -> Result<Rendered> {
+        Err(
+            Error::usage("files of this format can be read but not written")
+                .found(self.name)
+                .allowed("a .csv file"),
+        )
+    }
+}
