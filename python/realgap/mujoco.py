@@ -35,6 +35,8 @@ from ._simulator import Channels, Question, serve
 _LARGE = 1e6
 # Largest value of a field that the model leaves at 0.
 _UNKNOWN = 100.0
+# Centres of mass are this far off their places while a model is compiled in which they move.
+_OFF_CENTRE_M = 1e-3
 # A parameter that changes no channel by more than this share of the channel's size changes nothing.
 _NOTHING = 1e-12
 
@@ -84,7 +86,7 @@ class MujocoModel:
         probe: bool = True,
     ) -> None:
         self._mj: Any = _mujoco()
-        self.model: Any = self._load(path, hold)
+        self.model: Any = self._load(path, hold, list(parameters))
         self.data: Any = self._mj.MjData(self.model)
         self._gains = list(pd) if pd is not None else None
         self._delay = [0.0]
@@ -100,12 +102,43 @@ class MujocoModel:
         self.fields = {field.name: field for field in self._fields()}
         named = list(parameters)
         self.parameters = [self._parameter(name) for name in named or self.fields]
+        # A stated inertia holds whatever the mass is, so that it is set after the mass, which changes it.
+        self.parameters.sort(key=lambda p: any(".inertia" in field.name for field in p.fields))
         self._defaults = [[field.get() for field in p.fields] for p in self.parameters]
         self._probes = probe and bool(named)
 
-    def _load(self, path: str, hold: bool) -> Any:
-        if not hold:
-            return self._mj.MjModel.from_xml_path(path)
+    def _load(self, path: str, hold: bool, names: List[str]) -> Any:
+        spec = self._held(path) if hold else None
+        model = spec.compile() if spec is not None else self._mj.MjModel.from_xml_path(path)
+        moved = [body for body in range(1, model.nbody) if self._moves_centre(model, body, names)]
+        if not moved:
+            return model
+        # MuJoCo leaves out of its equations what a centre of mass at the origin of its body makes 0. So it compiles the model
+        # with these centres off their places, and only then are they put back.
+        spec = self._mj.MjSpec.from_file(path) if spec is None else spec
+        for body in moved:
+            one = spec.body(self._body_name(model, body))
+            one.explicitinertial = True
+            one.mass, one.inertia = float(model.body_mass[body]), model.body_inertia[body].copy()
+            one.ipos, one.iquat = model.body_ipos[body] + _OFF_CENTRE_M, model.body_iquat[body].copy()
+        whole = spec.compile()
+        whole.body_ipos[:] = model.body_ipos
+        self._mj.mj_setConst(whole, self._mj.MjData(whole))
+        return whole
+
+    def _body_name(self, model: Any, body: int) -> str:
+        return self._mj.mj_id2name(model, self._mj.mjtObj.mjOBJ_BODY, body) or ""
+
+    def _moves_centre(self, model: Any, body: int, names: List[str]) -> bool:
+        """Whether a parameter of these names moves the centre of mass of a body."""
+        own = self._body_name(model, body)
+        if not own or model.body_mass[body] <= 0.0:
+            return False
+        places = [f"body.{own}.ipos{index}" for index in ("", "[1]", "[2]")]
+        return any(place in names or any(_form(name).match(place) for name in names) for place in places)
+
+    def _held(self, path: str) -> Any:
+        """The model without its free joints."""
         import numpy as np
 
         whole = self._mj.MjModel.from_xml_path(path)
@@ -125,7 +158,7 @@ class MujocoModel:
                 key.qpos = np.delete(key.qpos, [at + k for at in places for k in range(7)])
             if len(key.qvel) == whole.nv:
                 key.qvel = np.delete(key.qvel, [at + k for at in speeds for k in range(6)])
-        return spec.compile()
+        return spec
 
     # What the model is
 
@@ -167,6 +200,30 @@ class MujocoModel:
             return []
         own = float(self.model.opt.timestep)
         return [{"timestep": own}, {"timestep": 0.5 * own}, {"timestep": 0.25 * own}]
+
+    def body_length_m(self) -> Optional[float]:
+        """The longest side of the box around what is tracked and all that it carries; around every moving body where nothing is."""
+        import numpy as np
+
+        model, data = self.model, self._mj.MjData(self.model)
+        self._mj.mj_kinematics(model, data)
+        root = None
+        if self._track is not None:
+            kind, index = self._track
+            body = int(model.site_bodyid[index]) if kind == "site" else index
+            root = int(model.body_rootid[body])
+        low, high = np.full(3, np.inf), np.full(3, -np.inf)
+        for geom in range(model.ngeom):
+            own = int(model.body_rootid[model.geom_bodyid[geom]])
+            is_moving = int(model.body_weldid[model.geom_bodyid[geom]]) != 0
+            if not is_moving or (root is not None and own != root):
+                continue
+            turn = data.geom_xmat[geom].reshape(3, 3)
+            centre, half = model.geom_aabb[geom, :3], model.geom_aabb[geom, 3:]
+            centre, half = data.geom_xpos[geom] + turn @ centre, np.abs(turn) @ half
+            low, high = np.minimum(low, centre - half), np.maximum(high, centre + half)
+        length_m = float(np.max(high - low))
+        return length_m if math.isfinite(length_m) and length_m > 0.0 else None
 
     def _name(self, kind: str, index: int) -> str:
         kinds = self._mj.mjtObj
@@ -285,6 +342,11 @@ class MujocoModel:
                 continue
             if model.body_mass[body] > 0.0:
                 found.append(self._mass(name, body))
+                lists = (("inertia", "kg m2", model.body_inertia[body], 0.0), ("ipos", "m", model.body_ipos[body], -_LARGE))
+                for quantity, unit, row, low in lists:
+                    for index in range(3):
+                        own = f"body.{name}.{quantity}" + (f"[{index}]" if index else "")
+                        found.append(_field(own, unit, (low, _LARGE), row, [index], True))
             own = f"body.{name}.gravcomp"
             found.append(_field(own, "", (-10.0, 10.0), model.body_gravcomp, [body]))
         return found
@@ -353,10 +415,8 @@ class MujocoModel:
         return found
 
     def _parameter(self, name: str) -> Parameter:
-        # Brackets are indices here, and not classes of letters.
-        form = re.compile(fnmatch.translate(name.replace("[", "[[]")))
         fields = [self.fields[name]] if name in self.fields else []
-        fields = fields or [field for own, field in self.fields.items() if form.match(own)]
+        fields = fields or [field for own, field in self.fields.items() if _form(name).match(own)]
         if not fields:
             raise SystemExit(_unknown("field", name, list(self.fields)))
         units = sorted({field.unit for field in fields})
@@ -436,27 +496,37 @@ class MujocoModel:
         settling = round(self._settle_s / dt)
         steps = max(1, math.ceil(question.times_s[-1] / dt - 1e-9))
         drive = self._drive(question, dt, settling, steps)
-        # The integrator of fourth order has no halves between which its state can be read.
-        has_halves = int(model.opt.integrator) != int(mj.mjtIntegrator.mjINT_RK4)
-        names = self._channel_names()
-        rows = np.empty((steps + 1, len(names)))
-        for step in range(-settling, steps + 1):
-            if has_halves:
-                mj.mj_step1(model, data)
-                drive(step)
+        # The integrator of fourth order evaluates the state several times in a step, so that what it leaves is not of its start.
+        is_left = int(model.opt.integrator) != int(mj.mjtIntegrator.mjINT_RK4)
+        asked = np.asarray(question.times_s)
+        # Only what is read between needs to be copied: the steps around each asked time.
+        place = np.clip(np.floor(asked / dt + 1e-9).astype(int), 0, steps - 1)
+        seen = np.unique(np.concatenate([place, place + 1]))
+        record = Record(self, len(seen))
+        is_seen = np.zeros(steps + 1, bool)
+        is_seen[seen] = True
+        for step in range(-settling, 0):
+            drive(step)
+            mj.mj_step(model, data)
+        for step, is_copied in enumerate(is_seen.tolist()):
+            drive(step)
+            if not is_copied:
+                mj.mj_step(model, data)
+            elif is_left:
+                record.copy_state()
+                mj.mj_step(model, data)
+                # Places, forces and sensors are still those of the state before the step.
+                record.copy_derived()
             else:
-                drive(step)
                 mj.mj_forward(model, data)
-            if step >= 0:
-                self._read_motion(rows[step])
-            mj.mj_step2(model, data) if has_halves else mj.mj_step(model, data)
-            if step >= 0:
-                # Forces and sensors are still those of the state before the step.
-                self._read_forces(rows[step])
+                record.copy_state()
+                record.copy_derived()
+                mj.mj_step(model, data)
+        rows, names = record.rows(), self._channel_names()
         bad = (mj.mjtWarning.mjWARN_BADQPOS, mj.mjtWarning.mjWARN_BADQVEL, mj.mjtWarning.mjWARN_BADQACC)
         if not np.isfinite(rows).all() or any(data.warning[int(kind)].number for kind in bad):
             raise ArithmeticError("the simulation became unstable")
-        times, asked = np.arange(steps + 1) * dt, np.asarray(question.times_s)
+        times = seen * dt
         return {name: np.interp(asked, times, rows[:, k]).tolist() for k, name in enumerate(names)}
 
     def _place(self, question: Question) -> None:
@@ -498,6 +568,12 @@ class MujocoModel:
             data.qvel[speed + k] = start.get(f"v{axis}_m_s", data.qvel[speed + k])
             data.qvel[speed + 3 + k] = start.get(f"w{axis}_rad_s", data.qvel[speed + 3 + k])
 
+    def quaternion(self, row: Any, matrix: Any) -> None:
+        """Writes the quaternion of a matrix of MuJoCo."""
+        turn = row.copy()
+        self._mj.mju_mat2Quat(turn, matrix)
+        row[:] = turn
+
     def _free_root(self) -> Optional[Tuple[int, int]]:
         """Places of the coordinates and speeds of the free joint that carries what is tracked."""
         if self._track is None:
@@ -532,15 +608,35 @@ class MujocoModel:
         if not commands:
             return lambda step: None
         stamps = np.asarray(question.command_times_s)
-        asked = np.arange(-settling, steps + 1) * dt - self._delay[0]
-        # A command holds until the next; before the first one it is the first.
-        held = np.clip(np.searchsorted(stamps, asked + 1e-12, side="right") - 1, 0, None)
+        # A command holds until the next; before the first one it is the first. A step gets the mean of what holds during it, so
+        # that a delay which is no multiple of the step counts, too.
+        starts = np.arange(-settling, steps + 1) * dt - self._delay[0]
+        held = np.clip(np.searchsorted(stamps, starts + 1e-12, side="right") - 1, 0, None)
+        following = np.minimum(held + 1, len(stamps) - 1)
+        late = np.clip((starts + dt - stamps[following]) / dt, 0.0, 1.0)
+        late[(following == held) | (late < 1e-9)] = 0.0
+        is_slow = bool(np.any(np.diff(stamps) < dt * (1.0 - 1e-9)))
+        total_s = np.concatenate([[0.0], np.cumsum(np.diff(stamps))])
+
+        def average(values: Any) -> Any:
+            if not is_slow:
+                return values[held] + late * (values[following] - values[held])
+            # Several commands within a step: differences of their integral.
+            area = np.concatenate([[0.0], np.cumsum(values[:-1] * np.diff(stamps))])
+
+            def until(times: Any) -> Any:
+                inside = np.interp(times - stamps[0], total_s, area)
+                before = np.minimum(times - stamps[0], 0.0) * values[0]
+                return inside + before + np.maximum(times - stamps[-1], 0.0) * values[-1]
+
+            return (until(starts + dt) - until(starts)) / dt
+
         direct: List[Tuple[int, Any]] = []
         loops: Dict[int, Dict[str, Any]] = {}
         for channel, values in commands.items():
             name, _, unit = channel.partition("_command_")
             act = self._actuator(name)
-            numbers = np.asarray(values)[held]
+            numbers = average(np.asarray(values))
             if unit == "rad":
                 numbers = numbers - self._zero_of(act)
             gear, gain = float(model.actuator_gear[act, 0]), float(model.actuator_gainprm[act, 0])
@@ -560,7 +656,7 @@ class MujocoModel:
                 )
         direct_at = [self._control(act) for act, _ in direct]
         direct_table = np.array([numbers for _, numbers in direct]).T
-        loop_at, loop_step = self._loops(loops, len(asked))
+        loop_at, loop_step = self._loops(loops, len(starts))
 
         def drive(step: int) -> None:
             row = step + settling
@@ -626,23 +722,69 @@ class MujocoModel:
             names += [name] if size == 1 else [f"{name}_{k}" for k in range(size)]
         return names
 
-    def _read_motion(self, row: Any) -> None:
-        at = 0
-        if self._track:
-            row[0:3], row[3:7] = self._pose()
-            at = 7
-        count = len(self._joints)
-        row[at : at + count] = self.data.qpos[self._qpos]
-        row[at : at + count] += self._zeros
-        row[at + count : at + 2 * count] = self.data.qvel[self._dofs]
+    def columns(self, states: Any, derived: Any) -> Any:
+        """The channels, of whole states (coordinates, speeds) and of what is derived (pose, forces, sensors), a row a time."""
+        import numpy as np
 
-    def _read_forces(self, row: Any) -> None:
-        at, count = (7 if self._track else 0), len(self._joints)
-        row[at + 2 * count : at + 3 * count] = self.data.qfrc_actuator[self._dofs]
-        at += 3 * count
-        for _, place, size in self._sensors:
-            row[at : at + size] = self.data.sensordata[place : place + size]
-            at += size
+        nq, nv = self.model.nq, self.model.nv
+        pose = 7 if self._track else 0
+        parts = [derived[:, :pose], states[:, self._qpos] + np.array(self._zeros), states[:, [nq + at for at in self._dofs]]]
+        parts.append(derived[:, [pose + at for at in self._dofs]])
+        sensors = [pose + nv + place + k for _, place, size in self._sensors for k in range(size)]
+        parts.append(derived[:, sensors])
+        return np.concatenate([part for part in parts if part.shape[1]], axis=1)
+
+    def tracked(self) -> Optional[Tuple[Any, Any, bool]]:
+        """The arrays of MuJoCo that hold the pose of what is tracked, and whether the second is a matrix."""
+        if self._track is None:
+            return None
+        kind, index = self._track
+        if kind == "body":
+            return self.data.xpos[index], self.data.xquat[index], False
+        return self.data.site_xpos[index], self.data.site_xmat[index], True
+
+
+class Record:
+    """Copies of a run's states; whole arrays are copied, because choosing columns step by step takes longer than the step."""
+
+    def __init__(self, simulator: MujocoModel, count: int) -> None:
+        import numpy as np
+
+        model, data = simulator.model, simulator.data
+        self._simulator = simulator
+        self._qpos, self._qvel, self._forces, self._sensors = data.qpos, data.qvel, data.qfrc_actuator, data.sensordata
+        self._tracked = simulator.tracked()
+        self._pose = 7 if self._tracked else 0
+        self._nq, self._end = model.nq, self._pose + model.nv
+        self._states = np.empty((count, model.nq + model.nv))
+        self._derived = np.empty((count, self._end + model.nsensordata))
+        self._has_sensors = model.nsensordata > 0
+        self._at = 0
+
+    def copy_state(self) -> None:
+        """Coordinates and speeds of now."""
+        row = self._states[self._at]
+        row[: self._nq] = self._qpos
+        row[self._nq :] = self._qvel
+
+    def copy_derived(self) -> None:
+        """What MuJoCo has derived from the state that was copied last."""
+        row = self._derived[self._at]
+        if self._tracked is not None:
+            place, turn, is_matrix = self._tracked
+            row[0:3] = place
+            if is_matrix:
+                self._simulator.quaternion(row[3:7], turn)
+            else:
+                row[3:7] = turn
+        row[self._pose : self._end] = self._forces
+        if self._has_sensors:
+            row[self._end :] = self._sensors
+        self._at += 1
+
+    def rows(self) -> Any:
+        """A row a copied time, with a column for each channel."""
+        return self._simulator.columns(self._states, self._derived)
 
 
 def _mujoco() -> Any:
@@ -650,6 +792,11 @@ def _mujoco() -> Any:
         return importlib.import_module("mujoco")
     except ImportError as error:
         raise SystemExit(f"MuJoCo is not installed: pip install mujoco ({error})") from error
+
+
+def _form(name: str) -> "re.Pattern[str]":
+    """What a name of a parameter fits; brackets are indices here, and not classes of letters."""
+    return re.compile(fnmatch.translate(name.replace("[", "[[]")))
 
 
 def _unknown(what: str, name: str, known: Sequence[str]) -> str:
@@ -744,7 +891,14 @@ def main(words: Optional[Sequence[str]] = None) -> None:
             print(f"{name} = {field.get():.6g} {field.unit}".rstrip())
         return
     version = f"MuJoCo {model.version()}"
-    serve(model, model.declares(), settings=model.settings(), name="mujoco", version=version)
+    serve(
+        model,
+        model.declares(),
+        settings=model.settings(),
+        name="mujoco",
+        version=version,
+        body_length_m=model.body_length_m(),
+    )
 
 
 if __name__ == "__main__":
