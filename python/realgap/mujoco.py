@@ -654,26 +654,29 @@ class MujocoModel:
                     f"the actuator of {name} is a motor, and {channel} is none of its torques: state the gains of its"
                     " controller, --pd KP,KD"
                 )
-        direct_at = [self._control(act) for act, _ in direct]
+        direct_at: Any = [self._control(act) for act, _ in direct]
         direct_table = np.array([numbers for _, numbers in direct]).T
         loop_at, loop_step = self._loops(loops, len(starts))
+        # Lists of all controls in their order are the whole array.
+        direct_at, loop_at = (slice(None) if at == list(range(model.nu)) and at else at for at in (direct_at, loop_at))
+        controls, has_direct, has_loops = data.ctrl, bool(direct), bool(loops)
 
         def drive(step: int) -> None:
             row = step + settling
-            if direct_at:
-                data.ctrl[direct_at] = direct_table[row]
-            if loop_at:
-                data.ctrl[loop_at] = loop_step(row)
+            if has_direct:
+                controls[direct_at] = direct_table[row]
+            if has_loops:
+                controls[loop_at] = loop_step(row)
 
         return drive
 
-    def _loops(self, loops: Dict[int, Dict[str, Any]], count: int) -> Tuple[List[int], Callable[[int], Any]]:
+    def _loops(self, loops: Dict[int, Dict[str, Any]], count: int) -> Tuple[Any, Callable[[int], Any]]:
         """The controllers of motors: torque = kp (angle - q) + kd (speed - v) + torque; their controls, and what they are."""
         import numpy as np
 
         model, data = self.model, self.data
         kp, kd = self._gains or (0.0, 0.0)
-        acts = list(loops)
+        acts = sorted(loops, key=lambda act: int(model.jnt_dofadr[int(model.actuator_trnid[act, 0])]))
         joints = [int(model.actuator_trnid[act, 0]) for act in acts]
         place, speed = model.jnt_qposadr[joints], model.jnt_dofadr[joints]
         per_nm = 1.0 / (model.actuator_gear[acts, 0] * model.actuator_gainprm[acts, 0])
@@ -685,8 +688,19 @@ class MujocoModel:
                 if unit in loops[act]:
                     fixed[:, k] += gain * loops[act][unit]
 
+        fixed *= per_nm
+        stiffness, kd_nm = stiffness * per_nm, kd * per_nm
+        if acts and (np.diff(place) == 1).all() and (np.diff(speed) == 1).all():
+            # Neighbours are read in place, which takes a third of the time of a list of them.
+            angles, speeds = data.qpos[place[0] : place[0] + len(acts)], data.qvel[speed[0] : speed[0] + len(acts)]
+
+            def near(row: int) -> Any:
+                return fixed[row] - stiffness * angles - kd_nm * speeds
+
+            return [self._control(act) for act in acts], near
+
         def control(row: int) -> Any:
-            return (fixed[row] - stiffness * data.qpos[place] - kd * data.qvel[speed]) * per_nm
+            return fixed[row] - stiffness * data.qpos[place] - kd_nm * data.qvel[speed]
 
         return [self._control(act) for act in acts], control
 
