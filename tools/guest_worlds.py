@@ -120,7 +120,7 @@ def world(program, name, seed, true_dt_s, dt_s, with_settings):
         words = [sys.executable, str(Path(__file__).resolve()), "--world", name, "--serve", str(dt_s)] + ["--settings"] * with_settings
         varied = ", ".join(f'(name: "{own}", from: {low}, to: {high})' for own, (_, (low, high), _) in ranges.items())
         (folder / "study.ron").write_text(STUDY % (", ".join(json.dumps(word) for word in words), metric, varied))
-        command = [program, "tune", "study.ron", "--optimizer", "gauss-newton", "--budget", "40", "--allow-command"]
+        command = [program, "tune", "study.ron", "--optimizer", "gauss-newton", "--allow-command"]
         command += ["--no-report", "--format", "json", "--jobs", "1", "-o", "out"]
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
         if done.returncode != 0:

@@ -23,6 +23,7 @@ import difflib
 import fnmatch
 import hashlib
 import importlib
+import json
 import math
 import re
 import sys
@@ -224,6 +225,54 @@ class MujocoModel:
             low, high = np.minimum(low, centre - half), np.maximum(high, centre + half)
         length_m = float(np.max(high - low))
         return length_m if math.isfinite(length_m) and length_m > 0.0 else None
+
+    def describe(self) -> Dict[str, Any]:
+        """What `realgap start --engine mujoco` asks before it writes a study of this model."""
+        model = self.model
+        joints: List[Dict[str, Any]] = []
+        for name, _, dof, turns in self._joints:
+            own: Dict[str, Any] = {"name": name, "turns": turns, "actuator": None, "drive": None, "limit": None}
+            act = self._drive_of(int(model.dof_jntid[dof]))
+            if act is not None:
+                own.update(actuator=self._name("actuator", act), drive=self._law(act), limit=self._limit(act))
+            joints.append(own)
+        touching = [geom for geom in range(model.ngeom) if model.geom_contype[geom] or model.geom_conaffinity[geom]]
+        return {
+            "version": self.version(),
+            "timestep_s": float(model.opt.timestep),
+            "joints": joints,
+            "keyframes": [name for name in self._names("key", model.nkey) if name],
+            "free_joints": sum(self._is(joint, "FREE") for joint in range(model.njnt)),
+            "bodies": [name for name in self._names("body", model.nbody)[1:] if name],
+            "mass_kg": float(model.body_mass.sum()),
+            "body_length_m": self.body_length_m(),
+            "unnamed_touching_geoms": sum(not self._name("geom", geom) for geom in touching),
+            "fields": {name: {"value": field.get(), "unit": field.unit} for name, field in self.fields.items()},
+        }
+
+    def _drive_of(self, joint: int) -> Optional[int]:
+        """The first actuator of a joint."""
+        of_joints = (int(self._mj.mjtTrn.mjTRN_JOINT), int(self._mj.mjtTrn.mjTRN_JOINTINPARENT))
+        for act in range(self.model.nu):
+            if int(self.model.actuator_trntype[act]) in of_joints and int(self.model.actuator_trnid[act, 0]) == joint:
+                return act
+        return None
+
+    def _law(self, act: int) -> str:
+        """What the control of an actuator is: a position, a velocity, or a torque (of motors)."""
+        bias = self.model.actuator_biasprm[act]
+        return "position" if bias[1] != 0.0 else "velocity" if bias[2] != 0.0 else "motor"
+
+    def _limit(self, act: int) -> Optional[float]:
+        """The largest torque of an actuator at its joint; `None` without a limit."""
+        model = self.model
+        gear = abs(float(model.actuator_gear[act, 0]))
+        if model.actuator_forcelimited[act]:
+            return gear * float(abs(model.actuator_forcerange[act]).max())
+        if self._law(act) == "motor" and model.actuator_ctrllimited[act]:
+            gain = abs(float(model.actuator_gainprm[act, 0]))
+            return gear * gain * float(abs(model.actuator_ctrlrange[act]).max())
+        return None
 
     def _name(self, kind: str, index: int) -> str:
         kinds = self._mj.mjtObj
@@ -719,10 +768,9 @@ class MujocoModel:
         if act >= 0:
             return act
         joint = self._id("joint", name)
-        of_joints = (int(self._mj.mjtTrn.mjTRN_JOINT), int(self._mj.mjtTrn.mjTRN_JOINTINPARENT))
-        for act in range(model.nu):
-            if joint >= 0 and int(model.actuator_trntype[act]) in of_joints and model.actuator_trnid[act, 0] == joint:
-                return act
+        drive = self._drive_of(joint) if joint >= 0 else None
+        if drive is not None:
+            return drive
         known = [n for n in self._names("actuator", model.nu) if n] + [n for n, *_ in self._joints]
         raise ValueError(_unknown("actuator or joint with an actuator", name, known))
 
@@ -888,6 +936,7 @@ def main(words: Optional[Sequence[str]] = None) -> None:
     parser.add_argument("--settle", type=float, default=0.0, metavar="S", help="seconds with the first command before a run")
     parser.add_argument("--hold", action="store_true", help="hold the base: free joints are taken out")
     parser.add_argument("--no-probe", action="store_true", help="no_probe of a study: do not test whether each parameter changes anything")
+    parser.add_argument("--describe", action="store_true", help="print joints, actuators, keyframes and fields as JSON and end")
     parser.add_argument("--list", action="store_true", help="list the fields of the model and end")
     given = parser.parse_args(words)
     model = MujocoModel(
@@ -903,6 +952,9 @@ def main(words: Optional[Sequence[str]] = None) -> None:
     if given.list:
         for name, field in model.fields.items():
             print(f"{name} = {field.get():.6g} {field.unit}".rstrip())
+        return
+    if given.describe:
+        print(json.dumps(model.describe()))
         return
     version = f"MuJoCo {model.version()}"
     serve(
