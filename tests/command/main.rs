@@ -14,6 +14,7 @@ mod new;
 mod own_data;
 mod start;
 mod start_drive;
+mod start_mujoco;
 mod start_noise;
 mod verify;
 mod width;
