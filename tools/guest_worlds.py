@@ -162,8 +162,9 @@ def main():
     all_held = []
     with concurrent.futures.ThreadPoolExecutor(given.jobs) as pool:
         ask = lambda seed: world(program, given.world, seed, given.true_dt, given.dt, given.settings)  # noqa: E731
-        for held, said in pool.map(ask, seeds):
+        for seed, (held, said) in zip(seeds, pool.map(ask, seeds)):
             all_held.append(held)
+            print(f"world {seed}: {sum(held.values())} of {len(held)} hold", file=sys.stderr, flush=True)
             print("".join(line + "\n" for line in said), end="", flush=True)
     names = list(WORLDS[given.world][5])
     for name in names:

@@ -12,6 +12,7 @@ mod hint;
 mod kept;
 mod new;
 mod own_data;
+mod pybullet;
 mod start;
 mod start_drive;
 mod start_mujoco;

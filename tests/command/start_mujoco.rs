@@ -47,11 +47,15 @@ for k in range(501):
 open(sys.argv[2], "w").write("\n".join(rows) + "\n")
 "#;
 
-/// The Python files of the package that MuJoCo needs, in a folder of their own: the tests of the program do not build the package.
-fn package(folder: &Path) -> PathBuf {
+/// The Python files of the package that simulators need, in a folder of their own: the tests of the program do not build the package.
+pub(crate) fn package(folder: &Path) -> PathBuf {
     let own = folder.join("packages/realgap");
     std::fs::create_dir_all(&own).unwrap();
-    std::fs::write(own.join("__init__.py"), "").unwrap();
+    std::fs::write(
+        own.join("__init__.py"),
+        "from ._simulator import Question, serve\n",
+    )
+    .unwrap();
     for name in ["mujoco.py", "_simulator.py"] {
         let from = project().join("python/realgap").join(name);
         std::fs::copy(from, own.join(name)).unwrap();
@@ -60,7 +64,7 @@ fn package(folder: &Path) -> PathBuf {
 }
 
 /// Runs the program in a folder with that package: whether it succeeded, and what it said.
-fn run(folder: &Path, words: &[&str]) -> (bool, String) {
+pub(crate) fn run(folder: &Path, words: &[&str]) -> (bool, String) {
     let said = realgap()
         .current_dir(folder)
         .env("PYTHONPATH", folder.join("packages"))
