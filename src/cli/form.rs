@@ -9,6 +9,7 @@ use realgap::prediction::gap::{FloorReport, StudyGap};
 use realgap::prediction::{Card, EnsembleReport};
 use realgap::results::SearchSummary;
 
+use super::apply::Applied;
 use super::check::report::FileReport;
 use super::compare::{Compared, Scored};
 use super::develop::DevelopReport;
@@ -59,6 +60,7 @@ macro_rules! forms {
 // Each line adds an answer: its name, whether it is one value or rows, its type, its description.
 forms! {
     in "../../schemas/answers/":
+    "apply" one Applied, "fitted values in the user's own file: `realgap apply`";
     "check" rows FileReport, "the contents of files: `realgap check`";
     "compare" rows Compared, "distances of trajectories in every metric: `realgap compare`";
     "compare-metric" rows Scored, "distances of trajectories in one metric: `realgap compare --metric NAME`";
