@@ -98,8 +98,8 @@ def responder(
         text = repr(type(simulate))
     digest = hashlib.sha256(text.encode()).hexdigest()
     who = getattr(simulate, "__qualname__", type(simulate).__name__)
-    length = getattr(simulate, "body_length_m", None)
-    length_m = length() if callable(length) else None
+    length: Any = getattr(simulate, "body_length_m", None)
+    length_m: Any = length() if callable(length) else None
     return (
         _responder(simulate, declares, settings, name, version, length_m),
         f"the function {who} sha256 {digest}",

@@ -536,7 +536,7 @@ class MujocoModel:
             self._mj.mj_setConst(self.model, self.data)
 
     def _run(self, question: Question, values: Dict[str, Optional[float]]) -> Dict[str, List[float]]:
-        import numpy as np
+        np: Any = importlib.import_module("numpy")
 
         mj, model, data = self._mj, self.model, self.data
         self._apply(values, question.setting.get("timestep"))
@@ -650,7 +650,7 @@ class MujocoModel:
 
     def _drive(self, question: Question, dt: float, settling: int, steps: int) -> Callable[[int], None]:
         """A function that sets the controls of a step, counted from the start; what is not commanded stays as it starts."""
-        import numpy as np
+        np: Any = importlib.import_module("numpy")
 
         model, data = self.model, self.data
         commands = {name: values for name, values in question.commands.items() if not name.endswith("_on")}
