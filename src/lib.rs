@@ -176,7 +176,7 @@ pub mod guide {
         pictures: compare confidence convergence corner curves ensemble fitness gallery heatmap histograms joints map paths profile ride
             robot seen sensitivity sensor so101_arm steps template time times tosses trajectories turtlebot3_burger unitree_a1 unitree_go2 visits
             watched;
-        pages: start concepts robots recordings control simulator scale cli files results python gallery limits compare design bibliography;
+        pages: start concepts robots recordings control simulator simulator_examples scale cli files results python gallery limits compare design bibliography;
         headings: {
             [bibliography]:
                 "sensors";
@@ -207,6 +207,8 @@ pub mod guide {
                 "pages";
             [robots]:
                 "limits-of-the-import";
+            [simulator]:
+                "timesteps-and-intervals";
             [upstream restitution]:
                 "friction-does-not-feel-restitution";
             [validation contact]:

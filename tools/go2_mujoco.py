@@ -2,6 +2,10 @@
 
     python tools/go2_mujoco.py FOLDER [--fit 0 0.5] [--judge 0.5 1] [--runs 500]
 
+    python tools/go2_mujoco.py FOLDER --study OUT     # the same question as a study of MuJoCo's adapter (docs/simulator.md)
+    realgap tune OUT/study.ron --optimizer gauss-newton --budget 500 --allow-command -o OUT/fit
+    realgap evaluate OUT/study.ron --parameters OUT/fit/best.ron --recordings OUT/second.csv --allow-command
+
 FOLDER holds go2_hang.csv and go2.xml (a Unitree Go2 on a stand, iit-DLSLab/sim2real-robot-identification, BSD-3-Clause).
 49 parameters: armature, viscous friction, dry friction and zero of each joint, and one delay. MuJoCo at 5 ms, gains 20 N m/rad
 and 1.5 N m s/rad, forward differences, soft-L1 at 5 mrad, start at the file's own values. `--fit` and `--judge` are shares of
@@ -80,12 +84,41 @@ class Legs:
         return seen
 
 
+def write_study(folder, out, shares, names, low, high):
+    """The fitted and the judged part of the log, the model, and a study of them with the same parameters and ranges."""
+    out.mkdir(parents=True, exist_ok=True)
+    (out / "go2.xml").write_bytes((folder / "go2.xml").read_bytes())
+    with open(folder / "go2_hang.csv") as file:
+        head, *rows = list(csv.reader(file))
+    for share, name in zip(shares, ("first.csv", "second.csv")):
+        part = rows[round(share[0] * len(rows)):round(share[1] * len(rows))]
+        with open(out / name, "w", newline="") as file:
+            csv.writer(file).writerows([head, *part])
+    quantities = ("armature", "damping", "frictionloss", "zero")
+    places = [f"joint.{joint}.{quantity}" for quantity in quantities for joint in names] + ["command.delay"]
+    lines = "".join(
+        f'        (name: "{place}", from: {float(a)!r}, to: {float(b)!r}),\n' for place, a, b in zip(places, low, high)
+    )
+    (out / "study.ron").write_text(f"""Study(
+    simulator: MujocoModel(model: "go2.xml", pd: ({KP!r}, {KD!r}), hold: true, python: {sys.executable!r}),
+    recordings: ["first.csv"],
+    start: FromRecording,
+    set: {{"option.timestep": {STEP_S!r}}},
+    parameters: [
+{lines}    ],
+    metric: "joints",
+    score: Single,
+)
+""".replace(repr(sys.executable), f'"{sys.executable}"'))
+
+
 def main():
     words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     words.add_argument("folder", type=pathlib.Path)
     words.add_argument("--fit", nargs=2, type=float, default=[0.0, 0.5])
     words.add_argument("--judge", nargs=2, type=float, default=[0.5, 1.0])
     words.add_argument("--runs", type=int, default=500)
+    words.add_argument("--study", type=pathlib.Path, metavar="OUT", help="write a study of the adapter, and fit nothing")
     given = words.parse_args()
     names, times, angles, commands = read(given.folder)
     legs = Legs(given.folder, names)
@@ -99,6 +132,8 @@ def main():
     low = np.concatenate([np.full(n, 0.001), np.zeros(2 * n), np.full(n, -0.1), [0.0]])
     high = np.concatenate([np.full(n, 0.2), np.full(2 * n, 3.0), np.full(n, 0.1), [0.05]])
     scale = high - low
+    if given.study:
+        return write_study(given.folder, given.study, (given.fit, given.judge), names, low, high)
 
     def mean_error(values, rows):
         return 1e3 * np.mean(np.abs(legs.run(values, *rows) - rows[1]))

@@ -1,13 +1,16 @@
 """Intervals by least squares with a simulator of one's own: do they hold the truth?
 
-Hidden pendulums with viscous and dry friction are recorded with a short timestep and fitted with a longer one, once with the longer
+Three hidden worlds: a pendulum with viscous and dry friction; a mass on a spring with viscous and dry friction; and a block that is
+launched and slides with friction and drag. Each is recorded with a short timestep and fitted with a longer one, once with the longer
 one alone and once with its half and its quarter among the simulator's settings (docs/simulator.md):
 
     python3 tools/guest_worlds.py target/release/realgap --worlds 30
     python3 tools/guest_worlds.py target/release/realgap --worlds 30 --settings
+    python3 tools/guest_worlds.py target/release/realgap --world spring --worlds 100 --settings --jobs 2
 """
 
 import argparse
+import concurrent.futures
 import json
 import math
 import random
@@ -16,16 +19,10 @@ import sys
 import tempfile
 from pathlib import Path
 
-RANGES = {"length": (0.1, 2.0, 0.5, "m"), "damping": (0.0, 2.0, 0.2, "1/s"), "dry": (0.0, 2.0, 0.2, "1/s2")}
-STUDY = """(
-    simulator: Command([%s]),
-    recordings: ["run_*.csv"], start: FromRecording, metric: "joints",
-    parameters: [(name: "length", from: 0.2, to: 1.0), (name: "damping", from: 0, to: 1), (name: "dry", from: 0, to: 1)],
-)"""
 
-
-def swing(values, angle_rad, end_s, dt_s):
+def swing(values, start, end_s, dt_s):
     """Times and angles of a pendulum that is let go."""
+    angle_rad = start["pivot_rad"]
     speed, times, angles = 0.0, [0.0], [angle_rad]
     for step in range(math.ceil(end_s / dt_s - 1e-9)):
         speed += dt_s * (-9.81 / values["length"] * math.sin(angle_rad) - values["damping"] * speed)
@@ -34,54 +31,124 @@ def swing(values, angle_rad, end_s, dt_s):
         angle_rad += dt_s * speed
         times.append((step + 1) * dt_s)
         angles.append(angle_rad)
-    return times, angles
+    return times, {"pivot_rad": angles}
 
 
-def serve(dt_s, with_settings):
+def oscillate(values, start, end_s, dt_s):
+    """Times and places of a mass of 1 kg on a spring that is let go; it slips and sticks on a dry floor."""
+    place_m = start["slide_rad"]
+    speed, times, places = 0.0, [0.0], [place_m]
+    for step in range(math.ceil(end_s / dt_s - 1e-9)):
+        speed += dt_s * (-values["stiffness"] * place_m - values["damping"] * speed)
+        dry = dt_s * values["dry"]
+        speed = math.copysign(max(abs(speed) - dry, 0.0), speed)
+        place_m += dt_s * speed
+        times.append((step + 1) * dt_s)
+        places.append(place_m)
+    return times, {"slide_rad": places}
+
+
+def slide(values, start, end_s, dt_s):
+    """Times and places of a block that is launched along x and slides until friction has stopped it."""
+    place_m = start["slide_rad"]
+    speed, times, places = values["launch"], [0.0], [place_m]
+    for step in range(math.ceil(end_s / dt_s - 1e-9)):
+        speed -= dt_s * values["drag"] * speed
+        speed = max(speed - dt_s * 9.81 * values["friction"], 0.0)
+        place_m += dt_s * speed
+        times.append((step + 1) * dt_s)
+        places.append(place_m)
+    return times, {"slide_rad": places}
+
+
+# Of each world: its motion; its column (a slide is a joint whose radians are metres), the noise of it and the range of its first
+# value; the metric; of each parameter the declared range with its default and unit, the range of the study, and that of truths.
+WORLDS = {
+    "pendulum": (swing, "pivot_rad", 0.002, (0.4, 1.0), "joints", {
+        "length": ((0.1, 2.0, 0.5, "m"), (0.2, 1.0), (0.3, 0.8)),
+        "damping": ((0.0, 2.0, 0.2, "1/s"), (0.0, 1.0), (0.05, 0.5)),
+        "dry": ((0.0, 2.0, 0.2, "1/s2"), (0.0, 1.0), (0.05, 0.5)),
+    }),
+    "spring": (oscillate, "slide_rad", 0.0005, (0.1, 0.3), "joints", {
+        "stiffness": ((1.0, 200.0, 30.0, "N/m"), (10.0, 80.0), (20.0, 60.0)),
+        "damping": ((0.0, 5.0, 0.3, "N s/m"), (0.0, 2.0), (0.1, 1.0)),
+        "dry": ((0.0, 5.0, 0.2, "N"), (0.0, 1.0), (0.05, 0.5)),
+    }),
+    "block": (slide, "slide_rad", 0.001, (0.0, 0.0), "joints", {
+        "launch": ((0.1, 10.0, 2.0, "m/s"), (0.5, 4.0), (1.0, 3.0)),
+        "friction": ((0.0, 2.0, 0.2, ""), (0.0, 0.6), (0.05, 0.4)),
+        "drag": ((0.0, 5.0, 0.2, "1/s"), (0.0, 2.0), (0.1, 1.0)),
+    }),
+}
+STUDY = """(
+    simulator: Command([%s]),
+    recordings: ["run_*.csv"], start: FromRecording, metric: "%s",
+    parameters: [%s],
+)"""
+
+
+def serve(name, dt_s, with_settings):
     """Answers questions of the protocol; no package is needed."""
+    move, _, _, _, _, ranges = WORLDS[name]
     names = ("from", "to", "default", "unit")
-    parameters = [{"name": name, **dict(zip(names, RANGES[name]))} for name in RANGES]
+    parameters = [{"name": own, **dict(zip(names, declared))} for own, (declared, _, _) in ranges.items()]
     shares = (1.0, 0.5, 0.25) if with_settings else (1.0,)
     settings = [{"dt": dt_s * share} for share in shares]
     for line in sys.stdin:
         asked = json.loads(line)
         if asked["ask"] == "hello":
-            answer = {"realgap": 1, "name": "pendulum", "parameters": parameters, "settings": settings}
+            answer = {"realgap": 1, "name": name, "parameters": parameters, "settings": settings}
         else:
-            start_rad, end_s = asked["start"]["pivot_rad"], asked["times_s"][-1]
-            times, angles = swing(asked["parameters"], start_rad, end_s, asked["setting"]["dt"])
-            answer = {"id": asked["id"], "times_s": times, "channels": {"pivot_rad": angles}}
+            times, channels = move(asked["parameters"], asked["start"], asked["times_s"][-1], asked["setting"]["dt"])
+            answer = {"id": asked["id"], "times_s": times, "channels": channels}
         print(json.dumps(answer), flush=True)
 
 
-def world(program, seed, true_dt_s, dt_s, with_settings, noise_rad=0.002):
-    """Of each parameter whether its interval holds the truth."""
+def world(program, name, seed, true_dt_s, dt_s, with_settings):
+    """Of each parameter whether its interval holds the truth, and the line that says so where it does not."""
     draw = random.Random(seed)
-    truth = {"length": draw.uniform(0.3, 0.8), "damping": draw.uniform(0.05, 0.5), "dry": draw.uniform(0.05, 0.5)}
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
+    move, column, noise, first, metric, ranges = WORLDS[name]
+    truth = {own: draw.uniform(*true_range) for own, (_, _, true_range) in ranges.items()}
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
         for index in range(2):
-            _, angles = swing(truth, draw.uniform(0.4, 1.0), 149 * 0.02, true_dt_s)
-            rows = [f"{0.02 * k:.3f},{angles[round(0.02 * k / true_dt_s)] + draw.gauss(0, noise_rad):.9g}" for k in range(150)]
-            (folder / f"run_{index}.csv").write_text("t_s,pivot_rad\n" + "\n".join(rows) + "\n")
-        words = [sys.executable, __file__, "--serve", str(dt_s)] + ["--settings"] * with_settings
-        (folder / "study.ron").write_text(STUDY % ", ".join(json.dumps(word) for word in words))
-        command = [program, "tune", "study.ron", "--optimizer", "gauss-newton", "--budget", "40", "--allow-command"]
-        command += ["--no-report", "--format", "json", "-o", "out"]
-        answer = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True).stdout
-    held = {}
-    for verdict in json.loads(answer)["verdicts"]:
+            _, channels = move(truth, {column: draw.uniform(*first)}, 149 * 0.02, true_dt_s)
+            values = channels[column]
+            seen = [values[round(0.02 * k / true_dt_s)] + draw.gauss(0, noise) for k in range(150)]
+            rows = [f"{0.02 * k:.3f},{value:.9g}" for k, value in enumerate(seen)]
+            (folder / f"run_{index}.csv").write_text(f"t_s,{column}\n" + "\n".join(rows) + "\n")
+        words = [sys.executable, str(Path(__file__).resolve()), "--world", name, "--serve", str(dt_s)] + ["--settings"] * with_settings
+        varied = ", ".join(f'(name: "{own}", from: {low}, to: {high})' for own, (_, (low, high), _) in ranges.items())
+        (folder / "study.ron").write_text(STUDY % (", ".join(json.dumps(word) for word in words), metric, varied))
+        command = [program, "tune", "study.ron", "--optimizer", "gauss-newton", "--allow-command"]
+        command += ["--no-report", "--format", "json", "--jobs", "1", "-o", "out"]
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+        if done.returncode != 0:
+            raise SystemExit(f"world {seed}: {done.stderr}")
+        answer = json.loads(done.stdout)
+    held, said = {}, []
+    for verdict in answer["verdicts"]:
         own = verdict["parameter"].removeprefix("sim.")
         parts = [verdict["interval"]] if verdict["interval"] else verdict.get("intervals", [])
         held[own] = any(low <= truth[own] <= high for low, high in parts)
         if not held[own]:
-            print(f"  world {seed}: {own} is {truth[own]:.5f}, interval {parts}", flush=True)
-    return held
+            said.append(f"  world {seed}: {own} is {truth[own]:.5f}, interval {parts}")
+    return held, said
+
+
+def wilson(count, total, z=1.96):
+    """The 95 % interval of a share."""
+    share, square = count / total, z * z / total
+    middle, half = share + square / 2, z * math.sqrt(share * (1 - share) / total + square / (4 * total))
+    return (middle - half) / (1 + square), (middle + half) / (1 + square)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("program", nargs="?", help="the program realgap")
+    parser.add_argument("--world", choices=list(WORLDS), default="pendulum")
+    parser.add_argument("--first", type=int, default=0, help="seed of the first world")
+    parser.add_argument("--jobs", type=int, default=1, help="worlds at once")
     parser.add_argument("--worlds", type=int, default=30)
     parser.add_argument("--true-dt", type=float, default=1e-4, help="timestep of the recordings, seconds")
     parser.add_argument("--dt", type=float, default=1e-3, help="timestep of the simulator, seconds")
@@ -89,11 +156,22 @@ def main():
     parser.add_argument("--serve", type=float, help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.serve:
-        return serve(given.serve, given.settings)
+        return serve(given.world, given.serve, given.settings)
     program = str(Path(given.program).resolve())
-    all_held = [world(program, seed, given.true_dt, given.dt, given.settings) for seed in range(given.worlds)]
-    for name in RANGES:
+    seeds = range(given.first, given.first + given.worlds)
+    all_held = []
+    with concurrent.futures.ThreadPoolExecutor(given.jobs) as pool:
+        ask = lambda seed: world(program, given.world, seed, given.true_dt, given.dt, given.settings)  # noqa: E731
+        for seed, (held, said) in zip(seeds, pool.map(ask, seeds)):
+            all_held.append(held)
+            print(f"world {seed}: {sum(held.values())} of {len(held)} hold", file=sys.stderr, flush=True)
+            print("".join(line + "\n" for line in said), end="", flush=True)
+    names = list(WORLDS[given.world][5])
+    for name in names:
         print(f"{name}: {sum(held[name] for held in all_held)} of {given.worlds}")
+    count, total = sum(held[name] for held in all_held for name in names), given.worlds * len(names)
+    low, high = wilson(count, total)
+    print(f"all: {count} of {total}, {100 * count / total:.1f} % ({100 * low:.1f} to {100 * high:.1f} %)")
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ import json
 import sys
 from array import array
 from dataclasses import dataclass, field
-from typing import Any, Callable, Dict, List, Mapping, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 # Version of the protocol of docs/simulator.md.
 PROTOCOL = 1
@@ -58,11 +58,12 @@ def serve(
     settings: Sequence[Mapping[str, Any]] = (),
     name: str = "simulator",
     version: str = "",
+    body_length_m: Optional[float] = None,
 ) -> None:
     """Answers questions on the standard input until it ends: the program of `simulator: Command(["python", "walk.py"])`.
 
-    `simulate` gets a `Question` and returns channels by name; `declares` says of each parameter (from, to, default, unit). What
-    the function prints goes to the standard error.
+    `simulate` gets a `Question` and returns channels by name; `declares` says of each parameter (from, to, default, unit), and
+    `body_length_m` how long the robot is, for the metric `pose`. What the function prints goes to the standard error.
 
     >>> import io, sys
     >>> sys.stdin = io.StringIO('{"realgap": 1, "ask": "hello"}')
@@ -70,7 +71,7 @@ def serve(
     {"realgap": 1, "name": "cart", "version": "", "parameters": [{"name": "speed", "from": 0.0, "to": 2.0, "default": 1.0, "unit": "m/s"}], "settings": []}
     >>> sys.stdin = sys.__stdin__
     """
-    respond = _responder(simulate, declares, settings, name, version)
+    respond = _responder(simulate, declares, settings, name, version, body_length_m)
     output, sys.stdout = sys.stdout, sys.stderr
     try:
         for line in sys.stdin:
@@ -97,8 +98,10 @@ def responder(
         text = repr(type(simulate))
     digest = hashlib.sha256(text.encode()).hexdigest()
     who = getattr(simulate, "__qualname__", type(simulate).__name__)
+    length: Any = getattr(simulate, "body_length_m", None)
+    length_m: Any = length() if callable(length) else None
     return (
-        _responder(simulate, declares, settings, name, version),
+        _responder(simulate, declares, settings, name, version, length_m),
         f"the function {who} sha256 {digest}",
     )
 
@@ -109,16 +112,18 @@ def _responder(
     settings: Sequence[Mapping[str, Any]],
     name: str,
     version: str,
+    body_length_m: Optional[float] = None,
 ) -> Callable[[str], str]:
-    hello = json.dumps(
-        {
-            "realgap": PROTOCOL,
-            "name": name,
-            "version": version,
-            "parameters": [_declared(key, declares[key]) for key in declares],
-            "settings": [dict(setting) for setting in settings],
-        }
-    )
+    hello_fields: Dict[str, Any] = {
+        "realgap": PROTOCOL,
+        "name": name,
+        "version": version,
+        "parameters": [_declared(key, declares[key]) for key in declares],
+        "settings": [dict(setting) for setting in settings],
+    }
+    if body_length_m is not None:
+        hello_fields["body_length_m"] = body_length_m
+    hello = json.dumps(hello_fields)
 
     def respond(line: str) -> str:
         asked = json.loads(line)
@@ -137,16 +142,15 @@ def _responder(
             command_times_s=commands.get("times_s", []),
             id=asked["id"],
         )
-        answer: Dict[str, Any] = {"id": asked["id"]}
         try:
             channels = dict(simulate(question))
             times = channels.pop("t_s", None)
-            if times is not None:
-                answer["times_s"] = _packed(times)
-            answer["channels"] = {key: _packed(values) for key, values in channels.items()}
+            # Packed arrays need no escapes, which `json` would look for in every letter of them.
+            all_channels = ", ".join(f"{json.dumps(key)}: {_packed(values)}" for key, values in channels.items())
+            at = "" if times is None else f', "times_s": {_packed(times)}'
         except Exception as error:  # One run fails, and the next may not.
             return json.dumps({"id": asked["id"], "failed": f"{type(error).__name__}: {error}"})
-        return json.dumps(answer)
+        return f'{{"id": {asked["id"]}{at}, "channels": {{{all_channels}}}}}'
 
     return respond
 
@@ -158,13 +162,14 @@ def _declared(name: str, declaration: Declaration) -> Dict[str, Any]:
     return {"name": name, **dict(zip(keys, declaration))}
 
 
-def _packed(values: Sequence[float]) -> Union[List[float], Dict[str, str]]:
+def _packed(values: Sequence[float]) -> str:
+    """The JSON of an array."""
     numbers = array("d", values)
     if len(numbers) < _PACKED:
-        return _listed(numbers)
+        return json.dumps(_listed(numbers))
     if sys.byteorder == "big":
         numbers.byteswap()
-    return {"base64_f64": base64.b64encode(numbers.tobytes()).decode("ascii")}
+    return '{"base64_f64": "' + base64.b64encode(numbers.tobytes()).decode("ascii") + '"}'
 
 
 def _listed(numbers: "array[float]") -> List[float]:

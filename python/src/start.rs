@@ -66,6 +66,8 @@ pub fn start(py: Python<'_>, said: &str, progress: Option<Bound<'_, PyAny>>) -> 
             joints: said.joints,
             track: said.track_m,
             own_gait: said.own_gait,
+            engine: None,
+            python: None,
             reading: said.reading,
             output: said.output,
         };

@@ -129,3 +129,58 @@ def test_a_study_names_a_model_and_recovers_a_damping_and_a_mass(arm: str, tmp_p
     (tmp_path / "study.ron").write_text((tmp_path / "study.ron").read_text().replace("lower", "lowr"))
     with pytest.raises(realgap.InvalidError, match="body.lower.mass"):
         realgap.Study.read(tmp_path / "study.ron", allow_command=True)
+
+
+CUBE = """<mujoco><worldbody><geom name="floor" type="plane" size="1 1 1"/>
+  <body name="cube" pos="0 0 1"><freejoint/><geom name="box" type="box" size=".05 .05 .05" mass=".4"/></body>
+</worldbody></mujoco>"""
+
+
+def test_a_centre_of_mass_and_an_inertia_that_the_model_leaves_simple_change_the_run(tmp_path: Path):
+    (tmp_path / "cube.xml").write_text(CUBE)
+    names = ["body.cube.inertia*", "body.cube.ipos[2]", "body.cube.mass", "geom.*.friction"]
+    model = MujocoModel(str(tmp_path / "cube.xml"), names)
+    # A tie of three equal moments; the mass is set before them, whatever the order of the names.
+    moment = 0.4 * 0.1**2 / 6
+    own = {"body.cube.inertia*": moment, "body.cube.ipos[2]": 0.0, "body.cube.mass": 0.4, "geom.*.friction": 1.0}
+    assert model.declares()["body.cube.inertia*"]["default"] == pytest.approx(moment)
+    assert model.body_length_m() == pytest.approx(0.1)
+    start = {"z_m": 0.5, "qw": 1.0, "qx": 0.0, "qy": 0.0, "qz": 0.0, "wx_rad_s": 3.0}
+
+    def run(**changed: float) -> dict:
+        values = {**own, **changed}
+        return model(realgap.Question(parameters=values, times_s=[0.0, 0.1, 0.2], duration_s=0.2, start=start, id=2))
+
+    middle = run()
+    # Free fall: the middle of a cube that turns about itself falls as a stone does, and one whose centre is off it does not.
+    fall_m = 0.5 * 9.81 * 0.2**2
+    assert middle["z_m"][-1] == pytest.approx(0.5 - fall_m, abs=3e-3)
+    # The middle turns about a centre 2 cm above it, which moves at w times that arm: for small angles y = a (w t - sin w t).
+    moved = run(**{"body.cube.ipos[2]": 0.02})
+    assert abs(moved["y_m"][-1] - middle["y_m"][-1]) == pytest.approx(0.02 * (0.6 - math.sin(0.6)), rel=0.05)
+    again = run(**{"body.cube.mass": 0.8})
+    # Without contact neither mass nor inertia changes a fall; the stated inertia holds beside another mass.
+    assert again["z_m"][-1] == pytest.approx(middle["z_m"][-1], abs=1e-9)
+    assert float(model.model.body_inertia[1][0]) == pytest.approx(moment)
+
+
+def test_a_delay_shorter_than_a_step_moves_a_command_by_its_share(arm: str):
+    model = MujocoModel(arm, ["command.delay"])
+    commands = {"knee_command_nm": [0.0] * 20 + [0.01] * 81}
+
+    def end(delay_s: float) -> float:
+        question = asked({"command.delay": delay_s}, commands=commands, command_times_s=TIMES_S, setting={"timestep": 0.002}, id=2)
+        return model(question)["knee_rad"][25]
+
+    none, half, whole = end(0.0), end(0.001), end(0.002)
+    assert none != half != whole
+    assert half == pytest.approx(0.5 * (none + whole), abs=0.02 * abs(none - whole))
+
+
+def test_a_description_names_joints_actuators_and_keyframes(arm: str):
+    said = MujocoModel(arm).describe()
+    assert [joint["name"] for joint in said["joints"]] == ["hip", "knee"]
+    assert [joint["drive"] for joint in said["joints"]] == ["position", "motor"]
+    assert said["joints"][1]["actuator"] == "knee_motor" and said["joints"][1]["limit"] is None
+    assert said["free_joints"] == 0 and said["keyframes"] == []
+    assert said["fields"]["joint.hip.damping"] == {"value": 0.02, "unit": "N m s/rad"}

@@ -21,7 +21,8 @@ use super::kit::*;
 #[command(after_help = "\
 Examples:
   realgap apply results/go2_fit go2.xml -o go2_calibrated.xml
-  realgap apply results/go2_fit --ranges draws.json --card go2.md")]
+  realgap apply results/go2_fit --ranges draws.json --card go2.md
+  realgap apply results/go2_fit go2.xml -o go2_calibrated.xml --format json")]
 pub struct Apply {
     /// A folder that sweep or tune has written
     results: PathBuf,
@@ -40,6 +41,86 @@ pub struct Apply {
     /// Folder of a package: package://NAME/... is read from DIR/... (repeatable)
     #[arg(long, value_name = "NAME=DIR", value_parser = package)]
     package: Vec<(String, PathBuf)>,
+    #[command(flatten)]
+    print: Print,
+}
+
+/// What `realgap apply --format json` prints.
+#[derive(Debug, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Applied {
+    /// The robot's file with the fitted values; absent where none was written.
+    output: Option<PathBuf>,
+    /// Every fitted value, and what became of it in this file; empty where none was written.
+    values: Vec<AppliedValue>,
+    /// The largest relative difference between a number that was to be written and the same number read back.
+    largest_difference: Option<f64>,
+    /// The file of draws; absent where none was written.
+    ranges: Option<PathBuf>,
+    /// Number of draws in it.
+    draws: usize,
+    /// The card; absent where none was written.
+    card: Option<PathBuf>,
+}
+
+/// A fitted value in the robot's file.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct AppliedValue {
+    /// The parameter.
+    parameter: &'static str,
+    /// Its value, in the parameter's unit.
+    value: f64,
+    /// The numbers that were written for it; several parameters may share one. Empty where the file says it already, or cannot.
+    numbers: Vec<AppliedNumber>,
+    /// Why the file cannot say it; absent where it does.
+    unsaid: Option<String>,
+}
+
+/// A number that was written.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct AppliedNumber {
+    /// Line in the file as it was, from 1.
+    line: usize,
+    /// The element, e.g. `joint elbow`.
+    element: String,
+    /// The attribute.
+    attribute: String,
+    /// Its text before; absent where the file left it to a default.
+    before: Option<String>,
+    /// Its text now.
+    now: String,
+}
+
+impl Applied {
+    /// Adds what became of the values in the robot's file.
+    fn add(&mut self, output: &Path, calibrated: &Calibrated) {
+        self.output = Some(output.to_path_buf());
+        self.largest_difference = Some(calibrated.largest_difference);
+        let values = calibrated.values.iter().map(|(value, fate)| AppliedValue {
+            parameter: value.parameter.name,
+            value: value.value,
+            numbers: match fate {
+                Fate::Written(written) => written
+                    .iter()
+                    .map(|one| AppliedNumber {
+                        line: one.line,
+                        element: one.element.clone(),
+                        attribute: one.attribute.clone(),
+                        before: one.before.clone(),
+                        now: one.now.clone(),
+                    })
+                    .collect(),
+                Fate::Unchanged | Fate::Unsaid(_) => Vec::new(),
+            },
+            unsaid: match fate {
+                Fate::Unsaid(why) => Some(why.clone()),
+                Fate::Written(_) | Fate::Unchanged => None,
+            },
+        });
+        self.values = values.collect();
+    }
 }
 
 impl Apply {
@@ -48,6 +129,13 @@ impl Apply {
             return Err(Error::usage("nothing to write")
                 .allowed("a robot's file, --ranges FILE, --card FILE.md"));
         }
+        if self.print.is_json() && self.model.is_some() && self.output.is_none() {
+            return Err(Error::usage(
+                "--format json prints the report, and the robot needs a file",
+            )
+            .hint("add -o calibrated.xml"));
+        }
+        let mut applied = Applied::default();
         let files = [&self.output, &self.ranges, &self.card];
         output::check_all(files.into_iter().flatten())?;
         let ranges_are_csv = match &self.ranges {
@@ -56,7 +144,7 @@ impl Apply {
         };
         let fitted = FittedStudy::read(&self.results)?;
         if let Some(model) = &self.model {
-            self.write_model(&fitted, model)?;
+            self.write_model(&fitted, model, &mut applied)?;
         }
         if let Some(path) = &self.ranges {
             let text = match ranges_are_csv {
@@ -64,7 +152,9 @@ impl Apply {
                 false => fitted.ranges_json()?,
             };
             output::write(path, text.as_bytes())?;
-            let count = counted(fitted.draws().len(), "draw");
+            applied.draws = fitted.draws().len();
+            applied.ranges = Some(path.clone());
+            let count = counted(applied.draws, "draw");
             terminal::note(format!("{}: {count}", path.display()));
         }
         if let Some(path) = &self.card {
@@ -73,12 +163,16 @@ impl Apply {
                 env!("CARGO_PKG_VERSION")
             );
             output::write(path, (text + &fitted.card()).as_bytes())?;
+            applied.card = Some(path.clone());
             terminal::note(format!("{}: the parameters on one page", path.display()));
         }
-        Ok(())
+        match self.print.is_json() {
+            true => terminal::print_answer(&applied),
+            false => Ok(()),
+        }
     }
 
-    fn write_model(&self, fitted: &FittedStudy, model: &Path) -> Result<()> {
+    fn write_model(&self, fitted: &FittedStudy, model: &Path, applied: &mut Applied) -> Result<()> {
         if !is_foreign(model) {
             return Err(Error::usage("this is no URDF or MJCF")
                 .at_file(model)
@@ -105,7 +199,10 @@ impl Apply {
             None => terminal::print(text.trim_end()),
             Some(path) => {
                 output::write(path, text.as_bytes())?;
-                terminal::print(report(path, &calibrated));
+                if !self.print.is_json() {
+                    terminal::print(report(path, &calibrated));
+                }
+                applied.add(path, &calibrated);
                 note_moved(model, path, body);
             }
         }

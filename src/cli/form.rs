@@ -9,6 +9,7 @@ use realgap::prediction::gap::{Between, FloorReport, StudyGap};
 use realgap::prediction::{Card, EnsembleReport};
 use realgap::results::SearchSummary;
 
+use super::apply::Applied;
 use super::check::report::FileReport;
 use super::compare::{Compared, Scored};
 use super::develop::DevelopReport;
@@ -59,6 +60,7 @@ macro_rules! forms {
 // Each line adds an answer: its name, whether it is one value or rows, its type, its description.
 forms! {
     in "../../schemas/answers/":
+    "apply" one Applied, "fitted values in the user's own file: `realgap apply`";
     "between" one Between, "whether two sets of recorded runs move alike: `realgap gap --between --and`";
     "check" rows FileReport, "the contents of files: `realgap check`";
     "compare" rows Compared, "distances of trajectories in every metric: `realgap compare`";

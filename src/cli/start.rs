@@ -4,6 +4,7 @@ mod drive;
 mod effort;
 mod gains;
 mod joint;
+mod mujoco;
 mod noise;
 mod path;
 mod rehearsal;
@@ -15,8 +16,8 @@ use realgap::file::{Source, write_ron};
 use realgap::prediction::ensemble::rms_m;
 use realgap::robot::import::is_foreign;
 use realgap::trajectory::{
-    Ambiguity, Evidence, InferredReading, JointReading, Prepared, Reading, Recording, prepare,
-    read_all,
+    Ambiguity, Evidence, InferredReading, JointReading, Prepared, Reading, Recording,
+    WheelCommands, prepare, read_all,
 };
 
 use super::kit::*;
@@ -43,6 +44,7 @@ use rehearsal::{Rehearsed, rehearse};
 Examples:
   realgap start runs/*.csv --cube 0.1 0.37
   realgap start runs/*.csv robot.urdf -o study.ron
+  realgap start runs/*.csv scene.xml --engine mujoco
   realgap sweep study.ron                   # the next command")]
 pub struct Start {
     /// Recordings (.csv, .tum, .mcap, ...), and the robot (.ron, .urdf or .xml)
@@ -65,11 +67,25 @@ pub struct Start {
     /// The recorded robot ran the gait of its own file; needed for wheels without recorded commands
     #[arg(long)]
     own_gait: bool,
+    /// Simulate the model as it is in this engine of its own, in place of a robot read from it: starts Python, with the packages
+    /// realgap and mujoco (docs/simulator.md)
+    #[arg(long, value_enum, value_name = "ENGINE", conflicts_with_all = ["cube", "track", "own_gait"])]
+    engine: Option<ForeignEngine>,
+    /// The Python that has these packages, which the study names, too [default: python3]
+    #[arg(long, value_name = "PYTHON", requires = "engine")]
+    python: Option<String>,
     #[command(flatten)]
     reading: ReadingOptions,
     /// File of the study; a robot made by --cube is written beside it
     #[arg(short, long, value_name = "FILE", default_value = "study.ron")]
     output: PathBuf,
+}
+
+/// Engines that simulate the user's model unchanged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ForeignEngine {
+    /// MuJoCo loads the model, and its own fields are the parameters.
+    Mujoco,
 }
 
 /// The text of a study beside its file names; STUDY stands for the study's own path.
@@ -109,6 +125,8 @@ impl Start {
             pd: self.pd,
             track: self.track,
             own_gait: self.own_gait,
+            engine: self.engine,
+            python: self.python,
             output: self.output,
         };
         let started = request.study(&OnTerminal)?;
@@ -133,6 +151,10 @@ pub struct Request {
     pub track: Option<f64>,
     /// Whether the recorded robot ran the gait of its own file.
     pub own_gait: bool,
+    /// The engine that simulates the model as it is.
+    pub engine: Option<ForeignEngine>,
+    /// The Python that has this engine's packages.
+    pub python: Option<String>,
     /// How the files are read, as far as that is known.
     pub reading: Reading,
     /// The file of the study.
@@ -190,38 +212,19 @@ impl Request {
     /// Files that cannot be read, questions without an answer, a robot that moves although nothing drives it.
     pub fn study(self, caller: &impl Caller) -> Result<Started> {
         output::check(&self.output)?;
+        if let Some(ForeignEngine::Mujoco) = self.engine {
+            return self.study_in_mujoco(caller);
+        }
         let mut subject = self.subject()?;
         let size_m = subject.robot.summary().body_length_m;
-        let mut known = self.reading.clone();
         let hinges = subject.robot.assemble().hinges;
         let joints: Vec<String> = hinges.into_iter().map(|hinge| hinge.name).collect();
-        let named = JointReading::infer(&subject.recordings[0], &known, &joints, &self.joints)?;
-        let named = named.unwrap_or_else(|| JointReading {
-            reading: known.clone(),
-            ..JointReading::default()
-        });
-        known = named.reading;
-        let mut evidence = named.evidence;
-        if known.wheels.is_none()
-            && let Some((found, reason)) = wheels::find(&subject, &known, self.track)?
-        {
-            evidence.push(Evidence {
-                finding: format!(
-                    "speeds of wheels from `{}` and `{}`",
-                    found.forward, found.turn
-                ),
-                reason,
-            });
-            known.wheels = Some(found);
-        }
-        let mut guess = loop {
-            let guess = InferredReading::infer(&subject.recordings, &known, Some(size_m))?;
-            match guess.ambiguities.first() {
-                None => break guess,
-                Some(open) => caller.answer(&guess.doubts, open, &mut known)?,
-            }
-        };
-        guess.evidence.splice(0..0, evidence);
+        let guess = self.inferred(
+            &subject.recordings,
+            (&joints, Some(size_m)),
+            caller,
+            |known| wheels::find(&subject, known, self.track),
+        )?;
         let mut recordings = Vec::new();
         for path in &subject.recordings {
             recordings.extend(read_all(path, &guess.reading)?);
@@ -276,6 +279,45 @@ impl Request {
             lines,
             warnings: study.warnings().to_vec(),
         })
+    }
+
+    /// How the recordings are read: what the options say, what the files show, and what the user is asked.
+    fn inferred(
+        &self,
+        recordings: &[PathBuf],
+        (joints, size_m): (&[String], Option<f64>),
+        caller: &impl Caller,
+        wheels: impl FnOnce(&Reading) -> Result<Option<(WheelCommands, String)>>,
+    ) -> Result<InferredReading> {
+        let mut known = self.reading.clone();
+        let named = JointReading::infer(&recordings[0], &known, joints, &self.joints)?;
+        let named = named.unwrap_or_else(|| JointReading {
+            reading: known.clone(),
+            ..JointReading::default()
+        });
+        known = named.reading;
+        let mut evidence = named.evidence;
+        if known.wheels.is_none()
+            && let Some((found, reason)) = wheels(&known)?
+        {
+            evidence.push(Evidence {
+                finding: format!(
+                    "speeds of wheels from `{}` and `{}`",
+                    found.forward, found.turn
+                ),
+                reason,
+            });
+            known.wheels = Some(found);
+        }
+        let mut guess = loop {
+            let guess = InferredReading::infer(recordings, &known, size_m)?;
+            match guess.ambiguities.first() {
+                None => break guess,
+                Some(open) => caller.answer(&guess.doubts, open, &mut known)?,
+            }
+        };
+        guess.evidence.splice(0..0, evidence);
+        Ok(guess)
     }
 
     /// Separates the recordings from the robot.
@@ -336,38 +378,17 @@ impl Request {
         Ok(file)
     }
 
-    /// A path as it stands in the study.
-    fn named(&self, path: &Path) -> Result<String> {
-        let is_here = self
-            .output
-            .parent()
-            .is_none_or(|folder| folder.as_os_str().is_empty());
-        let path = match is_here || path.is_absolute() {
-            true => path.to_path_buf(),
-            false => std::path::absolute(path).map_err(|e| Error::io("find the file", path, &e))?,
-        };
-        Ok(format!("{:?}", path.display().to_string()))
-    }
-
     /// The study's text.
     fn text(&self, subject: &Subject, guess: &InferredReading, draft: &Draft) -> Result<String> {
         let mut names = String::new();
         for path in &subject.recordings {
-            names += &format!("        {},\n", self.named(path)?);
+            names += &format!("        {},\n", in_study(&self.output, path)?);
         }
         let mut clues = String::new();
         for (what, because) in said(guess, draft) {
             clues += &format!("    // {what}: {}\n", because.replace('\n', " "));
         }
-        let reading = match guess.reading == Reading::default() {
-            true => String::new(),
-            false => format!(
-                "    reading: {},\n",
-                write_ron(&guess.reading)?
-                    .trim_end()
-                    .replace('\n', "\n    ")
-            ),
-        };
+        let reading = reading_text(&guess.reading)?;
         let mut timing = String::new();
         if let Some(timestep_s) = draft.timestep_s {
             timing += &format!("    timestep_s: {timestep_s:?},\n");
@@ -377,16 +398,44 @@ impl Request {
                 "    horizon: ({length_s:?}, {every_s:?}), // windows of {length_s} s, one every {every_s} s\n"
             );
         }
-        Ok(format!(
+        let text = format!(
             "{}Study(\n    description: \"made by realgap start\",\n    morphology: {},\n    recordings: [\n{names}    ],\n{clues}{reading}{}{timing}    parameters: [ // `realgap study parameters` lists all parameters\n{}    ],\n{})\n",
             draft.head,
-            self.named(&subject.robot_file)?,
+            in_study(&self.output, &subject.robot_file)?,
             draft.before,
             draft.parameters,
             draft.after,
-        )
-        .replace("STUDY", &self.output.display().to_string()))
+        );
+        Ok(file_text(&text, &self.output))
     }
+}
+
+/// A path as it stands in the study.
+fn in_study(study: &Path, path: &Path) -> Result<String> {
+    let is_here = study
+        .parent()
+        .is_none_or(|folder| folder.as_os_str().is_empty());
+    let path = match is_here || path.is_absolute() {
+        true => path.to_path_buf(),
+        false => std::path::absolute(path).map_err(|e| Error::io("find the file", path, &e))?,
+    };
+    Ok(format!("{:?}", path.display().to_string()))
+}
+
+/// The field of a study that says how its recordings are read; nothing where they are read as usual.
+fn reading_text(reading: &Reading) -> Result<String> {
+    match *reading == Reading::default() {
+        true => Ok(String::new()),
+        false => Ok(format!(
+            "    reading: {},\n",
+            write_ron(reading)?.trim_end().replace('\n', "\n    ")
+        )),
+    }
+}
+
+/// The text of a study, with its own name for STUDY.
+fn file_text(text: &str, study: &Path) -> String {
+    text.replace("STUDY", &study.display().to_string())
 }
 
 /// A line about recorded columns that the study does not use.

@@ -95,6 +95,36 @@ fn a_fit_ends_in_the_user_s_file_and_a_diff_shows_only_its_number() {
         &card,
     ]);
     run(&["apply", &at("out"), "--ranges", &table]);
+    // The same as JSON, whose numbers are those of the file.
+    let again = at("again.xml");
+    let (json, _) = run(&[
+        "apply",
+        &at("out"),
+        &model,
+        "-o",
+        &again,
+        "--format",
+        "json",
+    ]);
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let value = &json["values"][0];
+    assert_eq!(value["parameter"], "hinge.pivot.viscous_nm_s_rad");
+    let number = &value["numbers"][0];
+    assert_eq!(
+        (&number["line"], &number["attribute"]),
+        (&8.into(), &"damping".into())
+    );
+    assert!(
+        number["before"].is_null() && value["unsaid"].is_null(),
+        "{json}"
+    );
+    let now = number["now"].as_str().unwrap();
+    let same = std::fs::read_to_string(&again).unwrap();
+    assert!(same.contains(&format!("damping=\"{now}\"")), "{json}");
+    assert!(
+        json["largest_difference"].as_f64().unwrap() < 1e-6,
+        "{json}"
+    );
     assert!(
         said.contains("joint pivot") && said.contains("damping"),
         "{said}"
@@ -149,6 +179,10 @@ fn apply_says_what_it_needs_and_never_replaces_the_user_s_file() {
         (vec!["apply", &out], "nothing to write"),
         (vec!["apply", &out, &at, "-o", &at], "exists already"),
         (vec!["apply", &out, &at], "no fitted parameters"),
+        (
+            vec!["apply", &out, &at, "--format", "json"],
+            "add -o calibrated.xml",
+        ),
         (
             vec!["apply", &out, "--ranges", "draws.txt"],
             ".json or .csv",

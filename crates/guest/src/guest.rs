@@ -129,7 +129,7 @@ impl Guest {
             start: start
                 .values
                 .iter()
-                .map(|(name, value)| (name.as_str(), *value))
+                .map(|(name, value)| (name.as_str(), true_value(experiment, name, *value)))
                 .collect(),
             commands: (!start.commands.is_empty()).then(|| CommandsAsked {
                 times_s: &start.times_s,
@@ -178,6 +178,18 @@ impl Guest {
             (own_s, channels) = table::read(&path).map_err(answered)?;
         }
         motion(own_s, channels, times_s).map_err(answered)
+    }
+}
+
+/// Columns of lengths and of speeds along the axes of the world.
+const LENGTHS: [&str; 6] = ["x_m", "y_m", "z_m", "vx_m_s", "vy_m_s", "vz_m_s"];
+
+/// A recorded first value in true lengths, where the study says how long recorded lengths are: the recording that a run is compared
+/// with is scaled alike.
+fn true_value(experiment: &Experiment, name: &str, value: f64) -> f64 {
+    match LENGTHS.contains(&name) {
+        true => value / experiment.recording_length_scale,
+        false => value,
     }
 }
 

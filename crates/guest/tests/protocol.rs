@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use crate::{answer, command, experiment, guest, script};
-use realgap_simulation::Simulator;
 use realgap_simulation::parameter::ParameterSet;
+use realgap_simulation::{ForeignStart, Simulator};
 
 /// Answers with the value of `k` in the question.
 const ECHO: &str =
@@ -90,4 +90,22 @@ fn a_changed_script_is_another_simulator() {
     let before = version(ECHO);
     assert_eq!(before, version(ECHO));
     assert_ne!(before, version(&format!("{ECHO} # changed")));
+}
+
+#[test]
+fn a_run_starts_in_true_lengths_where_recorded_ones_are_scaled() {
+    let folder = tempfile::tempdir().unwrap();
+    let says_x = r#"x=${line#*\"x_m\":}; x=${x%%[,\}]*}; v=${line#*\"vy_m_s\":}; v=${v%%[,\}]*}; echo "{\"id\":$id,\"channels\":{\"a_rad\":[$x,$v]}}""#;
+    let guest = Arc::new(guest(command(folder.path(), &script(says_x))).unwrap());
+    let mut experiment = experiment(guest);
+    let values = [("x_m", 0.8), ("vy_m_s", -0.4), ("a_rad", 0.5)];
+    experiment.foreign.start = Arc::new(ForeignStart {
+        values: values
+            .map(|(name, value)| (name.to_owned(), value))
+            .to_vec(),
+        ..ForeignStart::default()
+    });
+    assert_eq!(answer(&experiment).unwrap(), [0.8, -0.4]);
+    experiment.recording_length_scale = 0.5;
+    assert_eq!(answer(&experiment).unwrap(), [1.6, -0.8]);
 }

@@ -45,6 +45,14 @@ impl FromStr for Gains {
     }
 }
 
+impl Gains {
+    /// Both gains, where they are stated for every joint.
+    pub fn of_every_joint(&self) -> Option<(f64, f64)> {
+        let gains = (self.gains.stiffness_nm_rad, self.gains.damping_nm_s_rad);
+        (self.joints.as_str() == "*").then_some(gains)
+    }
+}
+
 /// The gains of every joint; of several that match, the last counts.
 ///
 /// # Errors

@@ -138,7 +138,7 @@ pub(super) fn draft(subject: &Subject, recordings: &[Recording], drive: &Drive) 
             gravity_nm: summary.mass_kg * 9.81 * summary.body_length_m,
         }
     };
-    let parameters: Vec<Proposal> = proposals(&recorded, has_command, drive, &scales)
+    let parameters: Vec<Proposal> = proposals(&recorded, has_command, drive, scales)
         .into_iter()
         .map(Proposal::within_bounds)
         .collect::<Result<_>>()?;

@@ -40,4 +40,18 @@ pub(super) fn section(
     (line, (said, expected.because()))
 }
 
+/// The field of a study whose repeats differ by the camera alone.
+pub(super) fn camera_section(expected: &ExpectedNoise) -> String {
+    let fields = expected.noise.fields();
+    let camera = fields
+        .iter()
+        .filter(|(name, field)| name.starts_with(CAMERA) && !field.is_zero());
+    let camera =
+        camera.map(|(name, field)| format!("{}: {field}", name.trim_start_matches(CAMERA)));
+    match camera.collect::<Vec<_>>().join(", ") {
+        none if none.is_empty() => String::new(),
+        camera => format!("    noise: (camera: ({camera})),\n"),
+    }
+}
+
 const CAMERA: &str = "camera.";

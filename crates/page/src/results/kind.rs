@@ -103,8 +103,12 @@ impl Kind {
                     let pair = rest.split_once('_');
                     pair.is_some_and(|(a, b)| is_number(a) && is_number(b))
                 };
-                let is_parameter =
-                    |rest: &str| parameter::all().any(|p| p.name.replace('.', "_") == rest);
+                let is_parameter = |rest: &str| {
+                    // A study's own simulator calls its parameters as it likes.
+                    let of_guest = rest.strip_prefix(parameter::FOREIGN);
+                    of_guest.is_some_and(|own| own.starts_with('_'))
+                        || parameter::all().any(|p| file_stem(p.name) == rest)
+                };
                 rest("heatmap_").is_some_and(is_pair) || rest("profile_").is_some_and(is_parameter)
             }
             Self::Ensemble => rest("ensemble_").is_some_and(|number| {
@@ -113,6 +117,14 @@ impl Kind {
             _ => false,
         }
     }
+}
+
+/// The name of a parameter in the names of files: letters that no file may have on some system are left out.
+pub(crate) fn file_stem(parameter: &str) -> String {
+    let named = parameter.replace('*', "all");
+    let is_plain = |c: char| c.is_alphanumeric() || c == '-';
+    let plain = named.chars().map(|c| if is_plain(c) { c } else { '_' });
+    plain.collect::<String>().trim_end_matches('_').to_owned()
 }
 
 /// The name of a picture without its ending.
@@ -130,6 +142,7 @@ mod tests {
             (Kind::Study, "points.csv"),
             (Kind::Study, "heatmap_1_2.png"),
             (Kind::Study, "profile_floor_friction.svg"),
+            (Kind::Study, "profile_sim_joint_all_hip_damping.svg"),
             (Kind::Study, "timing.json"),
             (Kind::Gap, "report.html"),
             (Kind::Search, "page.json"),

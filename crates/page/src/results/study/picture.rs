@@ -13,6 +13,7 @@ use super::chart::{self, ScoreName, short};
 use super::data::{Point, Points, StudyData};
 use super::{corner, joint, plane};
 use crate::results::draft::Draft;
+use crate::results::kind::file_stem;
 
 /// Draws everything that the points evaluated so far allow.
 pub(super) fn draw(
@@ -370,7 +371,7 @@ impl<'a> Map<'a> {
                 truth: self.truth(range, None),
                 ..chart::profile(profile, &self.score)
             };
-            let stem = format!("profile_{}", range.parameter.name.replace('.', "_"));
+            let stem = format!("profile_{}", file_stem(range.parameter.name));
             draft.draw(&stem, &plot)?;
         }
         Ok(())

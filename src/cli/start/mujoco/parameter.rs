@@ -1,0 +1,275 @@
+//! Which fields of a model are fitted, and in which ranges.
+
+use realgap::trajectory::Trajectory;
+
+use super::super::super::kit::*;
+use super::model::{Commanded, Joint, Model};
+
+/// The largest delay of a command, seconds.
+const MOST_DELAY_S: f64 = 0.1;
+/// Largest inertia that only the joint feels, per torque of its drive, s²: with more, it could not reach 100 rad/s².
+const ARMATURE_S2: f64 = 0.01;
+/// Largest friction as a share of a joint's torque (dry), and of its torque per rad/s (viscous).
+const FRICTION: f64 = 0.15;
+/// The largest torque that counts, as a multiple of the torque of the weight at the whole length.
+const LARGEST: f64 = 2.0;
+/// The largest friction of a contact.
+const MOST_FRICTION: f64 = 1.5;
+/// Points of a grid along each axis.
+const POINTS: usize = 11;
+
+/// A parameter to fit: a field, or several that a pattern ties; its range, and its own value.
+#[derive(Debug, Clone)]
+pub(super) struct Proposal {
+    pub name: String,
+    from: f64,
+    to: f64,
+    /// The model's own value, where it is weak knowledge.
+    own: Option<f64>,
+}
+
+/// Assumptions, each with its evidence.
+type Clues = Vec<(String, String)>;
+
+impl Proposal {
+    fn new(name: impl Into<String>, (from, to): (f64, f64), own: Option<f64>) -> Self {
+        let (from, to) = (rounded(from), rounded(to));
+        Self {
+            name: name.into(),
+            from,
+            to,
+            own: own.map(|own| own.clamp(from, to)),
+        }
+    }
+
+    /// Its line in the study.
+    pub fn line(&self) -> String {
+        let Self {
+            name,
+            from,
+            to,
+            own,
+        } = self;
+        match own {
+            None => {
+                format!("        (name: {name:?}, from: {from:?}, to: {to:?}, points: {POINTS}),\n")
+            }
+            Some(own) => {
+                let spread = rounded(0.5 * (to - from));
+                format!(
+                    "        (name: {name:?}, from: {from:?}, to: {to:?}, prior: ({own:?}, {spread:?})),\n"
+                )
+            }
+        }
+    }
+}
+
+/// The fields of the joints whose angles were recorded.
+///
+/// # Errors
+/// A model without any of these joints.
+pub(super) fn of_joints(
+    model: &Model,
+    motion: &Trajectory,
+    commanded: &Commanded,
+    gains: Option<(f64, f64)>,
+) -> Result<(Vec<Proposal>, Clues)> {
+    let recorded: Vec<&Joint> = model
+        .joints
+        .iter()
+        .filter(|joint| motion.joint(&joint.name).is_some())
+        .collect();
+    if recorded.is_empty() {
+        let names = model.joints.iter().map(|joint| joint.name.as_str());
+        return Err(Error::usage("no column is called after a joint of the model")
+            .allowed(format!("columns NAME_rad of the joints {}", names.collect::<Vec<_>>().join(", ")))
+            .hint("map the names in a file, e.g. (names: {\"theirs\": \"NAME_rad\"}), and give it with --reading FILE"));
+    }
+    let length_m = model.body_length_m.unwrap_or(1.0);
+    let gravity_nm = model.mass_kg * 9.81 * length_m;
+    let torque_nm = |joint: &Joint| {
+        let most_nm = LARGEST * gravity_nm;
+        joint.limit.map_or(most_nm, |limit| limit.min(most_nm))
+    };
+    let mut all = Vec::new();
+    for (quantity, times, share) in [
+        ("armature", 20.0, ARMATURE_S2),
+        ("damping", 5.0, FRICTION),
+        ("frictionloss", 5.0, FRICTION),
+    ] {
+        for (name, members) in tied(model, &recorded, quantity) {
+            let own = members
+                .iter()
+                .filter_map(|joint| model.value(&field(joint, quantity)));
+            let own = own.fold(0.0, f64::max);
+            let torque_nm = members
+                .iter()
+                .map(|joint| torque_nm(joint))
+                .fold(0.0, f64::max);
+            let most = (times * own).max(share * torque_nm);
+            all.push(Proposal::new(name, (0.0, most), Some(own)));
+        }
+    }
+    let is_position = |joint: &&&Joint| {
+        let follows = commanded
+            .get(&joint.name)
+            .is_some_and(|q| q.contains("position"));
+        follows && joint.drive.as_deref() == Some("position")
+    };
+    for joint in recorded.iter().filter(is_position) {
+        let gain = joint
+            .actuator
+            .as_ref()
+            .map(|name| format!("actuator.{name}.kp"));
+        if let Some((name, kp)) = gain.and_then(|name| Some((name.clone(), model.value(&name)?))) {
+            all.push(Proposal::new(name, (kp / 10.0, 4.0 * kp), Some(kp)));
+        }
+    }
+    let has_angles = |joint: &&&Joint| {
+        commanded
+            .get(&joint.name)
+            .is_some_and(|q| q.contains("position"))
+    };
+    for joint in recorded.iter().filter(has_angles) {
+        let most = if joint.turns { 0.1 } else { 0.01 };
+        let name = format!("joint.{}.zero", joint.name);
+        all.push(Proposal::new(name, (-most, most), Some(0.0)));
+    }
+    if let Some((kp, _)) = gains {
+        // Stated gains are numbers of the firmware; torque constants are seldom exact.
+        all.push(Proposal::new("pd.kp", (0.5 * kp, 2.0 * kp), Some(kp)));
+    }
+    if commanded
+        .values()
+        .any(|q| q.contains("position") || q.contains("velocity"))
+    {
+        all.push(Proposal::new(
+            "command.delay",
+            (0.0, MOST_DELAY_S),
+            Some(0.0),
+        ));
+    }
+    let mut clues = vec![(
+        "ranges begin around the model's own values".to_owned(),
+        "`prior` holds them with half of the range as spread, so that what the recordings do not tell stays near them".to_owned(),
+    )];
+    let ties: Vec<&str> = all
+        .iter()
+        .map(|p| p.name.as_str())
+        .filter(|n| n.contains('*'))
+        .collect();
+    if !ties.is_empty() {
+        clues.push((
+            "joints of the same name but for their first word share a value".to_owned(),
+            format!(
+                "{}; name one joint in place of * to fit it alone",
+                ties.join(", ")
+            ),
+        ));
+    }
+    Ok((all, clues))
+}
+
+fn field(joint: &Joint, quantity: &str) -> String {
+    format!("joint.{}.{quantity}", joint.name)
+}
+
+/// The names under which a quantity of the joints is fitted: `joint.*_REST.QUANTITY` for joints that differ in their first word alone
+/// and that the model gives the same value, else each by its own.
+fn tied<'a>(
+    model: &Model,
+    recorded: &[&'a Joint],
+    quantity: &str,
+) -> Vec<(String, Vec<&'a Joint>)> {
+    let rest = |joint: &Joint| {
+        joint
+            .name
+            .split_once('_')
+            .map(|(_, rest)| format!("_{rest}"))
+    };
+    let mut all: Vec<(String, Vec<&Joint>)> = Vec::new();
+    for joint in recorded {
+        if model.value(&field(joint, quantity)).is_none() {
+            continue;
+        }
+        let alike = rest(joint).map(|rest| {
+            let ends = |other: &&Joint| other.name.ends_with(&rest);
+            let of_model = model.joints.iter().filter(ends).count();
+            let group: Vec<&Joint> = recorded.iter().copied().filter(ends).collect();
+            (rest, group, of_model)
+        });
+        let tie = alike.filter(|(_, group, of_model)| {
+            let first = model.value(&field(joint, quantity));
+            let equal = |other: &&Joint| model.value(&field(other, quantity)) == first;
+            group.len() > 1 && group.len() == *of_model && group.iter().all(equal)
+        });
+        let (name, members) = match tie {
+            Some((rest, group, _)) => (format!("joint.*{rest}.{quantity}"), group),
+            None => (field(joint, quantity), vec![*joint]),
+        };
+        if all.iter().all(|(other, _)| *other != name) {
+            all.push((name, members));
+        }
+    }
+    all
+}
+
+/// Friction and stiffness of contacts.
+///
+/// # Errors
+/// A model whose geoms have no names.
+pub(super) fn of_contacts(model: &Model, file: &Path) -> Result<(Vec<Proposal>, Clues)> {
+    let names = |ending: &str| -> Vec<f64> {
+        let fields = model.fields.iter();
+        let of_geoms =
+            fields.filter(|(name, _)| name.starts_with("geom.") && name.ends_with(ending));
+        of_geoms.map(|(_, field)| field.value).collect()
+    };
+    let (frictions, solrefs) = (names(".friction"), names(".solref"));
+    if frictions.is_empty() {
+        return Err(Error::usage(
+            "no geom of the model has a name, so that no contact can be fitted",
+        )
+        .at_file(file)
+        .hint("give those that touch a name: <geom name=\"floor\" .../>"));
+    }
+    let mut all = vec![Proposal::new(
+        "geom.*.friction",
+        (0.05, MOST_FRICTION),
+        None,
+    )];
+    let mut clues = vec![(
+        "friction and `solref` of all named geoms are fitted, each as one".to_owned(),
+        "MuJoCo takes the larger friction of two geoms that touch, and mixes their solref"
+            .to_owned(),
+    )];
+    // A negative solref is a stiffness, whose size nothing tells.
+    if let Some(own) = solrefs
+        .iter()
+        .copied()
+        .reduce(f64::max)
+        .filter(|own| *own > 0.0)
+    {
+        let from = (own / 5.0).max(2.0 * model.timestep_s);
+        all.push(Proposal::new(
+            "geom.*.solref",
+            (from, (5.0 * own).max(2.0 * from)),
+            None,
+        ));
+    }
+    if model.unnamed_touching_geoms > 0 {
+        clues.push((
+            "geoms without names keep their values".to_owned(),
+            format!(
+                "{} touch and have no name; name them to have them fitted, because MuJoCo takes the larger friction",
+                counted(model.unnamed_touching_geoms, "geom")
+            ),
+        ));
+    }
+    Ok((all, clues))
+}
+
+/// Rounds to three digits, for readability.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
+}
