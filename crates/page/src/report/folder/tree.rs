@@ -113,10 +113,12 @@ impl ReportTree {
         pairs.collect()
     }
 
-    /// Every list of the report whose items have fields, as a table of the fields that are numbers or texts.
+    /// Every list of the report whose items have fields, as a table of the fields that are numbers or texts. Warnings and claims stand
+    /// elsewhere on the page.
     pub(in crate::report) fn tables(&self) -> String {
         let mut all = String::new();
-        for (name, value) in fields(&self.0).filter(|(name, _)| *name != "warnings") {
+        let is_elsewhere = |name: &str| name == "warnings" || name == "claims";
+        for (name, value) in fields(&self.0).filter(|(name, _)| !is_elsewhere(name)) {
             let items = items(value);
             let first = fields(items.first().unwrap_or(&Value::Null));
             let columns = first.filter(|(_, value)| scalar(value).is_some());
