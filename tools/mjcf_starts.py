@@ -1,6 +1,6 @@
 """Begins and fits studies of public MJCF robots from logs that MuJoCo makes of them, and prints a table.
 
-    python tools/mjcf_starts.py REALGAP FOLDER [--only TEXT] [--each 6] [--no-tune] [--workers 1]
+    python tools/mjcf_starts.py REALGAP FOLDER [--only TEXT] [--each 6] [--no-tune] [--workers 1] [--seed 0]
 
 Of every collection that is installed, up to `--each` robots are taken, evenly spaced in their sorted order: those whose joints turn or
 slide, whose root is held or has a free joint (which is removed: the robot hangs, and objects lie), and whose actuators drive joints. In MuJoCo, the
@@ -228,10 +228,10 @@ def hide(model, drives, needed, draw):
     return truth
 
 
-def log(path, folder):
+def log(path, folder, seed):
     """Writes the log of a robot; returns its gains as options of `start`, the hidden values, and what drives it."""
     model, home = hung(path)
-    draw = np.random.default_rng(zlib.crc32(str(pathlib.Path(path).name).encode()))
+    draw = np.random.default_rng(zlib.crc32(str(pathlib.Path(path).name).encode()) + seed)
     data = mujoco.MjData(model)
     start = homes(model, home)
     data.qpos[:] = start
@@ -331,13 +331,13 @@ def holds(span):
 
 
 def begun(given):
-    realgap, root, package, path, is_tuned = given
+    realgap, root, package, path, is_tuned, seed = given
     short = path.split(f"/{package}/", 1)[-1]
     folder = root / re.sub(r"[^A-Za-z0-9]+", "_", f"{package}_{short}")
     folder.mkdir(parents=True, exist_ok=True)
     line = dict(package=package, path=short)
     try:
-        file, gains, truth, about = log(path, folder)
+        file, gains, truth, about = log(path, folder, seed)
     except Refused as why:
         return dict(line, left=str(why))
     except Exception as error:  # MuJoCo refuses the file.
@@ -398,11 +398,12 @@ def main():
     words.add_argument("--each", type=int, default=6)
     words.add_argument("--no-tune", action="store_true")
     words.add_argument("--workers", type=int, default=1)
+    words.add_argument("--seed", type=int, default=0)
     given = words.parse_args()
     root = given.folder.resolve()
     root.mkdir(parents=True, exist_ok=True)
     realgap = str(pathlib.Path(given.realgap).resolve())
-    todo = [(realgap, root, package, path, not given.no_tune) for package, path in chosen(given.each, given.only)]
+    todo = [(realgap, root, package, path, not given.no_tune, given.seed) for package, path in chosen(given.each, given.only)]
     print("| collection | model | robot | begins | time | true values in 90 % intervals |\n|---|---|---|---|---|---|", flush=True)
     lines = []
     with concurrent.futures.ThreadPoolExecutor(given.workers) as pool:

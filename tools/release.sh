@@ -18,6 +18,13 @@ rm -rf "$folder"
 mkdir -p "$folder"
 say() { printf '== %s\n' "$*"; }
 
+say "licences, sources, advisories"
+if command -v cargo-deny >/dev/null || cargo install --quiet --locked --debug --root target/tools cargo-deny; then
+    PATH="$PWD/target/tools/bin:$PATH" cargo deny check
+else
+    echo "SKIPPED cargo-deny: it is not here and cannot be installed"
+fi
+
 # The files that a user of the command needs in addition: robots, studies and the recordings that they read.
 shipped=(README.md CHANGELOG.md CITATION.cff LICENSE-APACHE LICENSE-MIT arenas morphologies real_trajectories scenes sensors sweeps vehicles)
 name="realgap-$version-$machine-linux"

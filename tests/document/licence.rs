@@ -59,6 +59,22 @@ fn every_dependency_is_free_to_use() {
 }
 
 #[test]
+fn every_dependency_comes_from_the_registry_of_crates() {
+    let lock = std::fs::read_to_string(common::project().join("Cargo.lock")).unwrap();
+    let sources: Vec<&str> = lock
+        .lines()
+        .filter_map(|line| line.strip_prefix("source = "))
+        .collect();
+    assert!(sources.len() > 100, "{}", sources.len());
+    let registry = "\"registry+https://github.com/rust-lang/crates.io-index\"";
+    let others: Vec<&&str> = sources
+        .iter()
+        .filter(|source| **source != registry)
+        .collect();
+    assert!(others.is_empty(), "{others:?}");
+}
+
+#[test]
 fn licence_expressions_are_parsed_correctly() {
     assert!(is_free("MIT/Apache-2.0"));
     assert!(is_free("(MIT OR Apache-2.0) AND Unicode-3.0"));
