@@ -9,12 +9,19 @@ use super::kit::*;
 /// Two sets of runs.
 #[derive(Debug, Args)]
 pub struct TwoSets {
-    /// Recorded runs of the first set, compared with those of --and without a simulator; quote the glob (repeatable)
-    #[arg(long, value_name = "GLOB", requires = "and", conflicts_with = "study")]
-    between: Vec<String>,
-    /// Recorded runs of the second set; quote the glob (repeatable)
+    /// Recorded runs of the first set, compared with those of --and without a simulator: files or globs
     #[arg(
         long,
+        num_args = 1..,
+        value_name = "GLOB",
+        requires = "and",
+        conflicts_with = "study"
+    )]
+    between: Vec<String>,
+    /// Recorded runs of the second set: files or globs
+    #[arg(
+        long,
+        num_args = 1..,
         value_name = "GLOB",
         requires = "between",
         conflicts_with = "study"

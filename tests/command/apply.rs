@@ -10,7 +10,7 @@ use realgap::robot::morphology::Morphology;
 use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::simulation::{Experiment, JointState, Sampling, run};
 
-use crate::common::{realgap, text};
+use crate::common::{realgap, schema::answer, text};
 
 const PENDULUM: &str = r#"<mujoco model="pendulum">
   <!-- of the drawing, 2024 -->
@@ -106,7 +106,7 @@ fn a_fit_ends_in_the_user_s_file_and_a_diff_shows_only_its_number() {
         "--format",
         "json",
     ]);
-    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let json = answer("apply", &json);
     let value = &json["values"][0];
     assert_eq!(value["parameter"], "hinge.pivot.viscous_nm_s_rad");
     let number = &value["numbers"][0];

@@ -179,7 +179,11 @@ fn common_mistakes_are_asked_about_or_refused_with_a_remedy() {
             vec![folder.path().join("gone.csv")],
             "gone.csv",
         ),
-        (CUBE.to_vec(), vec![folder.path().to_path_buf()], "allowed"),
+        (
+            CUBE.to_vec(),
+            vec![folder.path().to_path_buf()],
+            "this is a folder",
+        ),
         (
             CUBE.to_vec(),
             vec![put("none.csv", "")],

@@ -217,6 +217,13 @@ fn answers_about_robots_and_paths_are_valid_by_their_schemas() {
     );
     let both = format!("{}/run_0*.csv", path("runs"));
     answer("floor", &json(&["gap", "--recordings", &both]));
+    let set = |robot: &str| {
+        let runs = format!("real_trajectories/{robot}_mujoco/run_0[0-4].csv");
+        project().join(runs).display().to_string()
+    };
+    let (first_set, second_set) = (set("tripod"), set("two_module"));
+    let between = ["gap", "--between", &first_set, "--and", &second_set];
+    answer("between", &json(&between));
     answer("verify", &json(&["verify", "--joint", "multibody"]));
     answer(
         "belief",

@@ -231,7 +231,7 @@ impl fmt::Display for Between {
                 ("metric", Side::Left),
                 ("energy distance", Side::Left),
                 ("energy ratio", Side::Right),
-                ("alike? p", Side::Right),
+                ("same distribution? p", Side::Right),
             ]);
             for row in &self.repeats {
                 let ratio = row.test.ratio.map_or("-".to_owned(), number);
