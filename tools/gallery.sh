@@ -82,6 +82,14 @@ both robot.png "$realgap" check morphologies/tripod.ron --plot "$work/robot.png"
 for robot in turtlebot3_burger unitree_a1 unitree_go2 so101_arm; do
     both "$robot.png" "$realgap" check "morphologies/$robot.ron" --plot "$work/$robot.png"
 done
+# ALOHA is a file of the Python package gym_aloha.
+aloha="import importlib.util as u, pathlib as p; f = u.find_spec('gym_aloha'); print(p.Path(f.origin).parent / 'assets' if f else '')"
+aloha="$("$python" -c "$aloha" || true)"
+if [ -n "$aloha" ]; then
+    long aloha.png "$realgap" replay "$aloha/bimanual_viperx_transfer_cube.xml" --duration 2 -o "$work/aloha.png"
+elif [ -z "$check" ]; then
+    echo "SKIPPED aloha.png: gym_aloha is not installed"
+fi
 long arm/joints.png "$realgap" tune sweeps/so101_fit.ron --optimizer gauss-newton --budget 200 \
     -o "$work/arm"
 long search/gallery.png "$realgap" search sweeps/best_robot.ron -o "$work/search"
@@ -141,10 +149,11 @@ fi
 both times.png "$realgap" sense tasks compare "$work/real.csv" "$work/simulated.csv" \
     --plot "$work/times.png" --curves "$work/curves.png"
 
-# Photographs and robots drawn from them have no texts.
+# Photographs, robots drawn from them and animations have no texts.
 if [ -z "$check" ]; then
     shrink vision/template.png template.png
     shrink steps.png steps.png
+    [ ! -e "$work/aloha.png" ] || cp "$work/aloha.png" "$images/aloha.png"
     shrink ride/t_005.000.png ride.png
     shrink watched/side_t_005.000.png watched.png 6
     shrink seen/t_006.800.png seen.png 6
