@@ -173,7 +173,7 @@ pub mod guide {
     // A page is a word in this table, and so is a heading that another page links; `tests/document/documentation.rs` compares the
     // table with the folder.
     pages! {
-        pictures: compare confidence convergence corner curves ensemble fitness gallery heatmap histograms joints map paths profile ride
+        pictures: aloha compare confidence convergence corner curves ensemble fitness gallery heatmap histograms joints map paths profile ride
             robot seen sensitivity sensor so101_arm steps template time times tosses trajectories turtlebot3_burger unitree_a1 unitree_go2 visits
             watched;
         pages: start concepts robots recordings control simulator simulator_examples scale cli files results python gallery limits compare design bibliography;
