@@ -51,11 +51,11 @@ draws = answer.posterior.to_pandas()
 width: float = float(answer.profiles[0].high.max() - answer.profiles[0].low.min())
 asked = realgap.Trajectory.from_pandas(draws, {"length": "mm"}, name="draws")
 places: npt.NDArray[np.float64] = np.asarray(asked)
-answer.plot("map", parameters=["floor.friction", "floor.restitution"]).set_title("map")
-answer.fitted.gap(progress=True).plot("confidence").set_ylim(0.0, 1.0)
+axes: object = answer.plot("map", parameters=["floor.friction", "floor.restitution"])
+axes = answer.fitted.gap(progress=True).plot("confidence", ax=None)
 started = realgap.start(["run.csv"], "tripod.ron", reading={"length": "cm"}, pd={"knee": (20.0, 1.0)})
 errors: realgap.Table = started.study.evaluate().rows
-found: dict[str, float] = started.study.identify(explain="gravity").parameters
+identified: dict[str, float] = started.study.identify(explain="gravity").parameters
 shown: Optional[str] = realgap.replay(run, [real], output="replay.html")
 success = realgap.predict(robot).card.success
 if success is not None:
