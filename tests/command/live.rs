@@ -48,7 +48,7 @@ fn a_sweep_renews_a_page_with_its_map_and_ends_with_the_place_of_the_answer() {
         "--metric",
         "rms",
         "--points",
-        "8",
+        "5",
     ];
     let more = [
         "--duration",
@@ -61,9 +61,9 @@ fn a_sweep_renews_a_page_with_its_map_and_ends_with_the_place_of_the_answer() {
     ];
     let (seen, last) = watched(&[&words[..], &more].concat());
     assert!(seen[0].contains("The run begins"), "{seen:?}");
-    assert!(seen.len() > 2, "{seen:?}");
+    assert!(seen.len() >= 2, "{seen:?}");
     assert!(
-        seen.iter().any(|said| said.contains(" of 64 points")),
+        seen.iter().any(|said| said.contains(" of 25 points")),
         "{seen:?}"
     );
     assert!(
@@ -93,7 +93,17 @@ fn a_tuning_renews_a_page_with_its_trace() {
         "--budget",
         "24",
     ];
-    let more = ["--optimizer", "nelder-mead", "--no-audit", "--jobs", "1"];
+    let more = [
+        "--optimizer",
+        "nelder-mead",
+        "--duration",
+        "10",
+        "--score",
+        "single",
+        "--no-audit",
+        "--jobs",
+        "1",
+    ];
     let (seen, last) = watched(&[&words[..], &more].concat());
     assert!(
         seen.iter().any(|said| said.contains(" of 24 points")),

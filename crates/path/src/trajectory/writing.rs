@@ -43,7 +43,7 @@ pub fn write(path: impl AsRef<Path>, trajectory: &Trajectory) -> Result<Vec<Warn
 }
 
 /// As [`write()`], with the poses of other bodies in columns `NAME_x_m,NAME_y_m,NAME_z_m,NAME_qw,…`; `bodies` has the form of
-/// [`Recording::bodies`].
+/// [`Recording::bodies`](super::Recording::bodies).
 ///
 /// # Errors
 /// The errors of [`write()`]; a format that cannot hold several bodies; a body whose times differ from those of the trajectory.
