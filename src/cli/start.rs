@@ -7,6 +7,7 @@ mod joint;
 mod mujoco;
 mod noise;
 mod path;
+mod proposal;
 mod rehearsal;
 mod wheels;
 

@@ -13,13 +13,26 @@ fn so_far(page: &Path) -> Option<String> {
     Some(after.split_once("</p>")?.0.to_owned())
 }
 
+/// Single runs of the tripod one after another, which last long enough to be watched.
+const SHORT: [&str; 9] = [
+    "sweeps/tripod_floor.ron",
+    "--metric",
+    "rms",
+    "--duration",
+    "10",
+    "--score",
+    "single",
+    "--jobs=1",
+    "--no-audit",
+];
+
 /// The pages that a command leaves while it runs, each text once, and the last page.
 fn watched(words: &[&str]) -> (Vec<String>, String) {
     let folder = tempfile::tempdir().unwrap();
     let page = folder.path().join("live.html");
     let (out, file) = (folder.path().join("out"), page.to_str().unwrap());
     let places = ["-o", out.to_str().unwrap(), "--live", file];
-    let mut child = common::start(&[words, &places[..]].concat());
+    let mut child = common::start(&[words, &SHORT, &places].concat());
     let (begun, mut seen) = (Instant::now(), Vec::new());
     let status = loop {
         let is_renewed = std::fs::read_to_string(&page)
@@ -42,24 +55,7 @@ fn watched(words: &[&str]) -> (Vec<String>, String) {
 
 #[test]
 fn a_sweep_renews_a_page_with_its_map_and_ends_with_the_place_of_the_answer() {
-    let words = [
-        "sweep",
-        "sweeps/tripod_floor.ron",
-        "--metric",
-        "rms",
-        "--points",
-        "5",
-    ];
-    let more = [
-        "--duration",
-        "10",
-        "--score",
-        "single",
-        "--no-audit",
-        "--jobs",
-        "1",
-    ];
-    let (seen, last) = watched(&[&words[..], &more].concat());
+    let (seen, last) = watched(&["sweep", "--points", "5"]);
     assert!(seen[0].contains("The run begins"), "{seen:?}");
     assert!(seen.len() >= 2, "{seen:?}");
     assert!(
@@ -85,26 +81,7 @@ fn so_far_of(page: &str) -> Option<&str> {
 
 #[test]
 fn a_tuning_renews_a_page_with_its_trace() {
-    let words = [
-        "tune",
-        "sweeps/tripod_floor.ron",
-        "--metric",
-        "rms",
-        "--budget",
-        "24",
-    ];
-    let more = [
-        "--optimizer",
-        "nelder-mead",
-        "--duration",
-        "10",
-        "--score",
-        "single",
-        "--no-audit",
-        "--jobs",
-        "1",
-    ];
-    let (seen, last) = watched(&[&words[..], &more].concat());
+    let (seen, last) = watched(&["tune", "--optimizer", "nelder-mead", "--budget", "24"]);
     assert!(
         seen.iter().any(|said| said.contains(" of 24 points")),
         "{seen:?}"

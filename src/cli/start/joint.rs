@@ -2,71 +2,23 @@
 
 use realgap::calibration::{Commands, RunStart, Unmatched};
 use realgap::robot::morphology::{Freedom, Hinge, ServoLaw};
-use realgap::simulation::parameter::by_name;
 use realgap::trajectory::{Recording, Trajectory};
 
 use super::super::kit::*;
 use super::effort::Effort;
+use super::proposal::{ARMATURE_S2, DRIVE, FRICTION, MOST_DELAY_S, Proposal, budget, rounded};
 use super::{Draft, Drive, Subject, noise};
 
 /// Words that occur in the names of command columns.
 const GOALS: [&str; 5] = ["command", "goal", "target", "setpoint", "cmd"];
-/// Simulations per parameter in the budget of least squares: its steps are few, and each takes one run per parameter.
-const RUNS: usize = 8;
 /// Least number of steps between two samples, and the longest step, seconds.
 const STEPS: f64 = 2.0;
 const LONGEST_STEP_S: f64 = 0.01;
-/// The largest delay of a servo, seconds.
-const MOST_DELAY_S: f64 = 0.1;
-/// Largest inertia that only the joint feels, per torque of its servo, s²: with more, the servo could not reach 100 rad/s².
-const ARMATURE_S2: f64 = 0.01;
-/// Largest friction as a share of a joint's torque (dry), and of its torque per rad/s (viscous).
-const FRICTION: f64 = 0.15;
-/// The largest torque of a servo that fits a robot, as a multiple of the torque of its weight at its whole length.
-const SERVO: f64 = 2.0;
-
-/// A parameter to fit: its range, and its own value in the robot's file.
-struct Proposal {
-    name: String,
-    from: f64,
-    to: f64,
-    own: f64,
-}
-
 /// What bounds the ranges of a joint, beside its own values.
 struct Scales {
     effort: Effort,
     /// The torque that gravity may have about a joint, N m. The limit of a servo may be far above it, where a file states no limit.
     gravity_nm: f64,
-}
-
-impl Proposal {
-    /// The part of the range that the parameter allows.
-    fn within_bounds(self) -> Result<Self> {
-        let (low, high) = by_name(&self.name)?.bounds;
-        let (from, to) = (self.from.clamp(low, high), self.to.clamp(low, high));
-        Ok(Self {
-            from,
-            to,
-            own: self.own.clamp(from, to),
-            ..self
-        })
-    }
-
-    /// Its line in the study. The robot's file is weak knowledge: a parameter about which the recordings say nothing stays near
-    /// its own value, and does not wander to an end of its range.
-    fn line(&self) -> String {
-        let Self {
-            name,
-            from,
-            to,
-            own,
-        } = self;
-        let spread = rounded(0.5 * (to - from));
-        format!(
-            "        (name: {name:?}, from: {from:?}, to: {to:?}, prior: ({own:?}, {spread:?})),\n"
-        )
-    }
 }
 
 /// The study of servos and joints.
@@ -148,8 +100,10 @@ pub(super) fn draft(subject: &Subject, recordings: &[Recording], drive: &Drive) 
     ));
     let is_any_commanded = recorded.iter().any(|hinge| has_command(hinge));
     let commands = only.map(|column| (recorded[0].name.as_str(), column));
-    let budget = RUNS * (parameters.len() + 2);
-    let tune = format!("tune STUDY --optimizer gauss-newton --budget {budget}");
+    let tune = format!(
+        "tune STUDY --optimizer gauss-newton --budget {}",
+        budget(parameters.len())
+    );
     let (noise, clue) = noise::section(recordings, RunStart::Joints, &subject.robot);
     clues.push(clue);
     Ok(Draft {
@@ -245,7 +199,7 @@ fn proposal(name: &str, (from, to): (f64, f64), own: f64) -> Proposal {
         name: name.to_owned(),
         from,
         to,
-        own,
+        own: Some(own),
     }
 }
 
@@ -297,7 +251,7 @@ fn of_hinge(hinge: &Hinge, has_command: bool, drive: &Drive, scales: &Scales) ->
     let name = &hinge.name;
     let Scales { effort, gravity_nm } = *scales;
     let torque_nm = match hinge.actuator {
-        Some(actuator) => actuator.servo.max_torque_nm.min(SERVO * gravity_nm),
+        Some(actuator) => actuator.servo.max_torque_nm.min(DRIVE * gravity_nm),
         None => gravity_nm,
     };
     let bearing = &hinge.bearing;
@@ -380,9 +334,4 @@ fn only_command<'a>(recorded: &[&Hinge], strange: &[&'a str]) -> Option<&'a str>
 fn floored(value: f64) -> f64 {
     let digit = 10f64.powf(value.log10().floor() - 1.0);
     rounded((value / digit + 1e-9).floor() * digit)
-}
-
-/// Rounds to three digits, for readability.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.2e}").parse().unwrap_or(value)
 }

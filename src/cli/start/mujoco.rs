@@ -9,12 +9,10 @@ use realgap::trajectory::{Reading, Recording, read_all};
 
 use super::super::kit::*;
 use super::super::shell;
+use super::proposal::{Proposal, budget};
 use super::{Caller, Request, Started, file_text, in_study, reading_text};
 use model::Model;
-use parameter::Proposal;
 
-/// Simulations per parameter in the budget of least squares, as for robots of realgap.
-const RUNS: usize = 8;
 /// Recordings that are simulated before the study is written.
 const MOST: usize = 2;
 /// How files of models end that MuJoCo loads.
@@ -268,7 +266,7 @@ fn next(draft: &Draft) -> String {
     match draft.metric {
         "joints" => format!(
             "tune STUDY --optimizer gauss-newton --budget {} --allow-command",
-            RUNS * (draft.parameters.len() + 2)
+            budget(draft.parameters.len())
         ),
         _ => "sweep STUDY --allow-command".to_owned(),
     }

@@ -65,7 +65,7 @@ pub use kitti::Kitti;
 pub use log::{Mcap, Rosbag};
 pub use measured::MeasuredQuantity;
 pub use meta::{META_FILE, read_meta, read_meta_beside, write_meta};
-pub use parquet::Parquet;
+pub use parquet::PARQUET;
 pub use prepare::{POINTS, Prepared, prepare, prepare_as, turned};
 pub use reading::{Crop, Only, QuaternionOrder, Reading, Ticks};
 pub use recording::{Meta, Recording, Source};

@@ -17,7 +17,7 @@ use super::known_kind::known_kind;
 use super::levelling;
 use super::log::{Mcap, Rosbag};
 use super::meta::read_meta_beside;
-use super::parquet::Parquet;
+use super::parquet::PARQUET;
 use super::text::{MAX_FILE_BYTES, check_size};
 use super::tum::Tum;
 use super::{Meta, Reading, Recording, Trajectory, plausibility};
@@ -36,7 +36,7 @@ pub const FORMATS: &[&dyn Format] = &[
     &Kitti,
     &Mcap,
     &Rosbag,
-    &Parquet,
+    &PARQUET,
     &MOTIVE,
     &VICON,
     &DEEPLABCUT,

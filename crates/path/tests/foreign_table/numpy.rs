@@ -19,19 +19,25 @@ table = np.zeros(n, dtype=[('t_s', '<f8'), ('x_m', '<f4'), ('y_m', '<f8')])
 table['t_s'], table['x_m'], table['y_m'] = t, place[:, 0], place[:, 1]
 np.save('table.npy', table)
 np.save('bare.npy', place)
-np.savetxt('own.csv', np.stack([t, place[:, 0], place[:, 1]], axis=1), delimiter=',', header='t_s,x_m,y_m', comments='', fmt='%r')
+np.savetxt('own.csv', np.stack([t, place[:, 0], place[:, 1]], axis=1), delimiter=',', header='t_s,x_m,y_m', comments='', fmt='%.17g')
 ";
+
+/// A folder with the files of the script, where NumPy is installed.
+fn arrays() -> Option<tempfile::TempDir> {
+    let program = python_with("numpy")?;
+    let folder = tempfile::tempdir().unwrap();
+    let mut python = std::process::Command::new(program);
+    let done = python.args(["-c", SCRIPT]).current_dir(folder.path());
+    assert!(done.status().unwrap().success());
+    Some(folder)
+}
 
 #[test]
 fn arrays_of_numpy_are_the_same_numbers_as_csv() {
-    let Some(program) = python_with("numpy") else {
+    let Some(folder) = arrays() else {
         return;
     };
-    let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let mut python = std::process::Command::new(program);
-    let done = python.args(["-c", &SCRIPT.replace("'%r'", "'%.17g'")]);
-    assert!(done.current_dir(folder).status().unwrap().success());
     let csv = read(folder.join("own.csv"), Reading::default()).unwrap();
     let own = read(folder.join("own.npz"), Reading::default()).unwrap();
     assert_eq!(own.trajectory, csv.trajectory);
@@ -92,14 +98,10 @@ fn arrays_of_numpy_are_the_same_numbers_as_csv() {
 
 #[test]
 fn a_cut_archive_is_refused() {
-    let Some(program) = python_with("numpy") else {
+    let Some(folder) = arrays() else {
         return;
     };
-    let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let mut python = std::process::Command::new(program);
-    let done = python.args(["-c", &SCRIPT.replace("'%r'", "'%.17g'")]);
-    assert!(done.current_dir(folder).status().unwrap().success());
     let whole = std::fs::read(folder.join("packed.npz")).unwrap();
     for length in (0..whole.len()).step_by(37) {
         let path = super::put(folder, "cut.npz", &whole[..length]);

@@ -3,64 +3,22 @@
 use realgap::trajectory::Trajectory;
 
 use super::super::super::kit::*;
+use super::super::proposal::{ARMATURE_S2, DRIVE, FRICTION, MOST_DELAY_S, Proposal, rounded};
 use super::model::{Commanded, Joint, Model};
 
-/// The largest delay of a command, seconds.
-const MOST_DELAY_S: f64 = 0.1;
-/// Largest inertia that only the joint feels, per torque of its drive, s²: with more, it could not reach 100 rad/s².
-const ARMATURE_S2: f64 = 0.01;
-/// Largest friction as a share of a joint's torque (dry), and of its torque per rad/s (viscous).
-const FRICTION: f64 = 0.15;
-/// The largest torque that counts, as a multiple of the torque of the weight at the whole length.
-const LARGEST: f64 = 2.0;
 /// The largest friction of a contact.
 const MOST_FRICTION: f64 = 1.5;
-/// Points of a grid along each axis.
-const POINTS: usize = 11;
-
-/// A parameter to fit: a field, or several that a pattern ties; its range, and its own value.
-#[derive(Debug, Clone)]
-pub(super) struct Proposal {
-    pub name: String,
-    from: f64,
-    to: f64,
-    /// The model's own value, where it is weak knowledge.
-    own: Option<f64>,
-}
-
 /// Assumptions, each with its evidence.
 type Clues = Vec<(String, String)>;
 
-impl Proposal {
-    fn new(name: impl Into<String>, (from, to): (f64, f64), own: Option<f64>) -> Self {
-        let (from, to) = (rounded(from), rounded(to));
-        Self {
-            name: name.into(),
-            from,
-            to,
-            own: own.map(|own| own.clamp(from, to)),
-        }
-    }
-
-    /// Its line in the study.
-    pub fn line(&self) -> String {
-        let Self {
-            name,
-            from,
-            to,
-            own,
-        } = self;
-        match own {
-            None => {
-                format!("        (name: {name:?}, from: {from:?}, to: {to:?}, points: {POINTS}),\n")
-            }
-            Some(own) => {
-                let spread = rounded(0.5 * (to - from));
-                format!(
-                    "        (name: {name:?}, from: {from:?}, to: {to:?}, prior: ({own:?}, {spread:?})),\n"
-                )
-            }
-        }
+/// A field to fit, or several that a pattern ties.
+fn proposal(name: impl Into<String>, (from, to): (f64, f64), own: Option<f64>) -> Proposal {
+    let (from, to) = (rounded(from), rounded(to));
+    Proposal {
+        name: name.into(),
+        from,
+        to,
+        own: own.map(|own| own.clamp(from, to)),
     }
 }
 
@@ -88,7 +46,7 @@ pub(super) fn of_joints(
     let length_m = model.body_length_m.unwrap_or(1.0);
     let gravity_nm = model.mass_kg * 9.81 * length_m;
     let torque_nm = |joint: &Joint| {
-        let most_nm = LARGEST * gravity_nm;
+        let most_nm = DRIVE * gravity_nm;
         joint.limit.map_or(most_nm, |limit| limit.min(most_nm))
     };
     let mut all = Vec::new();
@@ -107,7 +65,7 @@ pub(super) fn of_joints(
                 .map(|joint| torque_nm(joint))
                 .fold(0.0, f64::max);
             let most = (times * own).max(share * torque_nm);
-            all.push(Proposal::new(name, (0.0, most), Some(own)));
+            all.push(proposal(name, (0.0, most), Some(own)));
         }
     }
     let is_position = |joint: &&&Joint| {
@@ -122,7 +80,7 @@ pub(super) fn of_joints(
             .as_ref()
             .map(|name| format!("actuator.{name}.kp"));
         if let Some((name, kp)) = gain.and_then(|name| Some((name.clone(), model.value(&name)?))) {
-            all.push(Proposal::new(name, (kp / 10.0, 4.0 * kp), Some(kp)));
+            all.push(proposal(name, (kp / 10.0, 4.0 * kp), Some(kp)));
         }
     }
     let has_angles = |joint: &&&Joint| {
@@ -133,21 +91,17 @@ pub(super) fn of_joints(
     for joint in recorded.iter().filter(has_angles) {
         let most = if joint.turns { 0.1 } else { 0.01 };
         let name = format!("joint.{}.zero", joint.name);
-        all.push(Proposal::new(name, (-most, most), Some(0.0)));
+        all.push(proposal(name, (-most, most), Some(0.0)));
     }
     if let Some((kp, _)) = gains {
         // Stated gains are numbers of the firmware; torque constants are seldom exact.
-        all.push(Proposal::new("pd.kp", (0.5 * kp, 2.0 * kp), Some(kp)));
+        all.push(proposal("pd.kp", (0.5 * kp, 2.0 * kp), Some(kp)));
     }
     if commanded
         .values()
         .any(|q| q.contains("position") || q.contains("velocity"))
     {
-        all.push(Proposal::new(
-            "command.delay",
-            (0.0, MOST_DELAY_S),
-            Some(0.0),
-        ));
+        all.push(proposal("command.delay", (0.0, MOST_DELAY_S), Some(0.0)));
     }
     let mut clues = vec![(
         "ranges begin around the model's own values".to_owned(),
@@ -233,11 +187,7 @@ pub(super) fn of_contacts(model: &Model, file: &Path) -> Result<(Vec<Proposal>, 
         .at_file(file)
         .hint("give those that touch a name: <geom name=\"floor\" .../>"));
     }
-    let mut all = vec![Proposal::new(
-        "geom.*.friction",
-        (0.05, MOST_FRICTION),
-        None,
-    )];
+    let mut all = vec![proposal("geom.*.friction", (0.05, MOST_FRICTION), None)];
     let mut clues = vec![(
         "friction and `solref` of all named geoms are fitted, each as one".to_owned(),
         "MuJoCo takes the larger friction of two geoms that touch, and mixes their solref"
@@ -251,7 +201,7 @@ pub(super) fn of_contacts(model: &Model, file: &Path) -> Result<(Vec<Proposal>, 
         .filter(|own| *own > 0.0)
     {
         let from = (own / 5.0).max(2.0 * model.timestep_s);
-        all.push(Proposal::new(
+        all.push(proposal(
             "geom.*.solref",
             (from, (5.0 * own).max(2.0 * from)),
             None,
@@ -267,9 +217,4 @@ pub(super) fn of_contacts(model: &Model, file: &Path) -> Result<(Vec<Proposal>, 
         ));
     }
     Ok((all, clues))
-}
-
-/// Rounds to three digits, for readability.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.2e}").parse().unwrap_or(value)
 }

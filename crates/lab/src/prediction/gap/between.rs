@@ -8,7 +8,7 @@ use rand::seq::SliceRandom;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::floor::Pairs;
+use super::floor::{Pairs, pairs_of};
 use super::{Sample, Scoring};
 use crate::claim::SIGNIFICANT;
 use realgap_core::random::Once;
@@ -117,8 +117,9 @@ impl Between {
         };
         let p = number(first.test.p_value);
         let by = format!("energy test by {}, p = {p}", first.metric);
+        let differ = first.test.p_value <= SIGNIFICANT;
         let (answer, text) = match first.finds_longer {
-            _ if first.test.p_value <= SIGNIFICANT => (
+            _ if differ => (
                 Alike::Differ,
                 format!(
                     "The two sets differ ({by}). Whether the floor, the robot or the starts differ, the test does not say."
@@ -190,13 +191,9 @@ fn longer(all: &[&Sample], runs: [usize; 2], scoring: &Scoring) -> Result<Option
         let both: Vec<&Sample> = all.iter().copied().chain(&stretched).collect();
         let basis = scoring.basis(both.iter().copied())?;
         let (pairs, _) = Pairs::measure(*metric, &scoring.context(basis.as_ref()), &both)?;
-        let distance = |i: usize, j: usize| {
-            let (low, high) = (i.min(j), i.max(j));
-            pairs.values[low * both.len() - low * (low + 1) / 2 + high - low - 1]
-        };
         let found = divisions.par_iter().enumerate().map(|(draw, chosen)| {
-            let pairs = (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j)));
-            let pairs: Vec<f64> = pairs.map(|(i, j)| distance(chosen[i], chosen[j])).collect();
+            let pairs = pairs_of(count).map(|(i, j)| pairs.of(chosen[i], chosen[j]));
+            let pairs: Vec<f64> = pairs.collect();
             let seed = scoring.seed.wrapping_add(draw as u64);
             Ok(energy_test(&pairs, runs[0], seed)?.p_value <= SIGNIFICANT)
         });

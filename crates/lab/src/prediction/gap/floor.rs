@@ -79,6 +79,13 @@ impl Pairs {
         Ok((Self { recordings, values }, all))
     }
 
+    /// The distance of two different recordings.
+    pub(super) fn of(&self, i: usize, j: usize) -> f64 {
+        let (low, high) = (i.min(j), i.max(j));
+        let before = low * self.recordings - low * (low + 1) / 2;
+        self.values[before + high - low - 1]
+    }
+
     fn mean(&self) -> f64 {
         self.values.iter().sum::<f64>() / self.values.len() as f64
     }
@@ -101,7 +108,8 @@ impl Pairs {
     }
 }
 
-fn pairs_of(recordings: usize) -> impl Iterator<Item = (usize, usize)> {
+/// All pairs of different recordings, in the order of [`Pairs`].
+pub(super) fn pairs_of(recordings: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..recordings).flat_map(move |i| (i + 1..recordings).map(move |j| (i, j)))
 }
 

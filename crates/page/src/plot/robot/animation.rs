@@ -262,10 +262,12 @@ impl Frame<'_> {
         let fixed = fixed.map(|surface| (surface.clone(), Look::Other));
         let all = fixed.chain(self.moment.solids.iter().cloned());
         let (surfaces, looks): (Vec<Surface>, Vec<Look>) = all.unzip();
-        for surface in surfaces.iter().filter(|_| self.room.has_floor) {
-            let below = shadow(surface).into_iter();
-            let below = below.map(|[x, y]| place([x, y, height + rise * x]));
-            canvas.polygon(&below.collect::<Vec<_>>(), SHADOW);
+        if self.room.has_floor {
+            for surface in &surfaces {
+                let below = shadow(surface).into_iter();
+                let below = below.map(|[x, y]| place([x, y, height + rise * x]));
+                canvas.polygon(&below.collect::<Vec<_>>(), SHADOW);
+            }
         }
         for index in far_first(&surfaces) {
             let colour = match looks[index] {
