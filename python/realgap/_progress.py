@@ -84,7 +84,9 @@ class Bar:
             parts.append(f"best {best:.4g}")
         new = done - self._first
         if new > 0 and done < total:
-            parts.append(f"{taken_s / new * (total - done):.0f} s left")
+            left_s = taken_s / new * (total - done)
+            # Nothing is left only at the end, so that a rounded zero would be wrong.
+            parts.append(f"{left_s:.0f} s left" if left_s >= 1.0 else "under 1 s left")
         return ", ".join(parts)
 
 

@@ -5,6 +5,7 @@ import pytest
 
 import realgap
 from conftest import PROJECT, STAND_INS, TRIPOD
+from realgap._progress import Bar
 
 TOSSES = PROJECT / "sweeps" / "cube_toss_fit.ron"
 BEST = PROJECT / "sweeps" / "cube_toss_best.ron"
@@ -153,6 +154,19 @@ def test_a_bar_counts_and_says_the_time_left(tripod, recordings, capsys):
     study.sweep(progress=True)
     said = capsys.readouterr().err.split("\r")
     assert any("/9" in line for line in said), said
-    assert not any(" 0 s left" in line for line in said[:2]), said
+    assert not any(" 0 s left" in line for line in said), said
     study.sweep(progress=False)
     assert capsys.readouterr().err == ""
+
+
+def test_a_bar_never_says_that_nothing_is_left_while_something_is():
+    lines = []
+    bar = Bar(lines.append, clock=iter([0.0, 0.0, 1.0, 1.5, 2.0]).__next__)
+    for done in (0, 30, 39, 40):
+        bar(done, 40, None, None)
+    assert [line.rpartition("/40")[2] for line in lines] == [", under 1 s left", ", under 1 s left", ""]
+    lines.clear()
+    bar = Bar(lines.append, clock=iter([0.0, 0.0, 1.0]).__next__)
+    bar(0, 40, None, None)
+    bar(4, 40, None, None)
+    assert lines[0].endswith(", 9 s left")
