@@ -174,8 +174,8 @@ pub mod guide {
     // table with the folder.
     pages! {
         pictures: aloha compare confidence convergence corner curves ensemble fitness gallery heatmap histograms joints map paths profile ride
-            robot seen sensitivity sensor so101_arm steps template time times tosses trajectories turtlebot3_burger unitree_a1 unitree_go2 visits
-            watched;
+            robot seen sensitivity sensor so101_arm steps template time times tosses trajectories turtlebot3_burger unitree_a1 unitree_go2 verdict
+            visits watched;
         pages: start concepts robots recordings control simulator simulator_examples scale cli files results python gallery limits compare design bibliography;
         headings: {
             [bibliography]:

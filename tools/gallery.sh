@@ -162,6 +162,7 @@ fi
 keep map.png map.png
 keep times.png times.png
 keep curves.png curves.png
+keep tosses/verdict.png verdict.png
 keep tosses/heatmap.png tosses.png
 keep tosses/corner.png corner.png
 keep sweep/heatmap.png heatmap.png

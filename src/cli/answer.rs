@@ -148,12 +148,6 @@ impl StudyOptions {
         folder.write_timing(self.jobs.count())?;
         let folder = folder.path();
         let report = &answer.report;
-        terminal::print_warnings(
-            report
-                .warnings
-                .iter()
-                .filter(|w| !study.warnings().contains(w)),
-        );
         self.print.answer(report, || format!(
                 "{answer}\n  {wall_s:.1} s on {}\n  results in {}: summary.json, best.ron, points.csv\n  pictures there: {}{}",
                 counted(self.jobs.count(), "thread"),
@@ -161,6 +155,10 @@ impl StudyOptions {
                 pictures(folder).join(", "),
                 page_said
             ))?;
+        // The verdict stands above warnings. It has said that no parameters explain the recordings.
+        let is_said =
+            |w: &&Warning| w.code == Code::ModelContradicted || study.warnings().contains(w);
+        terminal::print_warnings(report.warnings.iter().filter(|w| !is_said(w)));
         if answer.ending == Ending::Interrupted {
             return Err(Error::interrupted(format!(
                 "interrupted after {} of {} points; all of them are saved",

@@ -88,7 +88,6 @@ impl Evaluate {
         }
         let mut result =
             progress::during(total, "evaluating", run, |run| study.evaluate(&values, run))?;
-        terminal::print_warnings(&result.warnings);
         let mut odds = self.odds.odds(&study, &self.study, self.jobs.run())?;
         if !self.rows {
             result.rows.clear();
@@ -105,7 +104,10 @@ impl Evaluate {
         let found = Evaluated { result, odds };
         self.telling
             .write("evaluation", &self.study, &found, &text, self.odds.plot())?;
-        self.telling.print.answer(&found, || printed)
+        self.telling.print.answer(&found, || printed)?;
+        // The verdict stands above warnings.
+        terminal::print_warnings(&found.result.warnings);
+        Ok(())
     }
 
     /// Adds the error over whole runs to the error over windows.
@@ -124,7 +126,6 @@ impl Evaluate {
     }
 
     fn report_joints(&self, mut result: JointEvaluation) -> Result<()> {
-        terminal::print_warnings(&result.warnings);
         if !self.rows {
             result.rows.clear();
         }
@@ -133,7 +134,9 @@ impl Evaluate {
             .write("evaluation", &self.study, &result, &text, [])?;
         self.telling.print.answer(&result, || {
             words_of_joints(&result, terminal::stdout_wants_colour())
-        })
+        })?;
+        terminal::print_warnings(&result.warnings);
+        Ok(())
     }
 }
 

@@ -108,8 +108,9 @@ impl Gap {
         let found = self
             .between
             .compare(&overrides, &scoring, &self.jobs.run())?;
+        self.print.value(&found)?;
         terminal::print_warnings(&found.warnings);
-        self.print.value(&found)
+        Ok(())
     }
 
     /// How recordings without a study are compared.
@@ -195,7 +196,6 @@ impl Gap {
             .page
             .write(folder.path(), &results_page, || page::of_gap(&study));
         folder.write_timing(run.jobs)?;
-        terminal::print_warnings(&found.warnings);
         let pictures = if found.confidence.is_some() {
             "gap.json, rmse.png, confidence.png and .svg"
         } else {
@@ -208,6 +208,8 @@ impl Gap {
                 page_said
             )
         })?;
+        // The verdict stands above warnings.
+        terminal::print_warnings(&found.warnings);
         if !found.complete {
             return Err(Error::interrupted(
                 "interrupted before the last repeat; the results so far are marked as incomplete",

@@ -92,7 +92,6 @@ impl Identify {
             Some(_) => e,
             None => e.at_file(&self.study),
         })?;
-        terminal::print_warnings(&found.warnings);
         if let Some((output, file)) = self.output.as_ref().zip(found.file.as_ref()) {
             output::write_ron(output, &write_ron(file)?)?;
         }
@@ -104,6 +103,7 @@ impl Identify {
             IdentifiedKind::JointedFlight(flight) => self.print.answer(&**flight, text),
             IdentifiedKind::Joints(joints) => self.print.answer(&**joints, text),
         }?;
+        terminal::print_warnings(&found.warnings);
         if let Some(output) = &self.output {
             terminal::note(format!("written: {}", output.display()));
         }

@@ -119,7 +119,6 @@ impl Predict {
             .with_noise_from(noise_from)
             .with_growth(growth)
             .with_warnings(warnings);
-        terminal::print_warnings(&card.warnings);
         let mut page_said = "";
         if let Some(folder) = &folder {
             folder.check()?;
@@ -139,6 +138,8 @@ impl Predict {
             });
             card.to_string() + &written.unwrap_or_default()
         })?;
+        // The verdict stands above warnings.
+        terminal::print_warnings(&card.warnings);
         if !repeats.is_complete() {
             return Err(Error::interrupted(format!(
                 "interrupted after {} of {} repeats; the card covers only these",

@@ -81,17 +81,18 @@ pub fn follow(bar: &ProgressBar) -> impl Fn(Progress) + Sync + '_ {
                 // A full bar would look as if the program had stopped, so a spinner stands where nothing can be counted.
                 let pattern = match is_counted {
                     true => pattern(),
-                    false => "{msg} {spinner} {elapsed} so far",
+                    false => "{msg} {spinner} {so_far} so far",
                 };
-                if let Some(style) = style(pattern) {
-                    bar.set_style(style);
-                }
-                bar.set_message(what);
+                // Whoever looks between two of these calls sees no count of the step before.
+                bar.set_position(0);
                 match is_counted {
                     true => bar.set_length(progress.total as u64),
                     false => bar.unset_length(),
                 }
-                bar.set_position(0);
+                bar.set_message(what);
+                if let Some(style) = style(pattern) {
+                    bar.set_style(style);
+                }
                 bar.reset_eta();
             }
             // Threads report out of order.
@@ -122,9 +123,12 @@ fn pattern() -> &'static str {
 /// The look of a bar.
 fn style(pattern: &str) -> Option<ProgressStyle> {
     let style = ProgressStyle::with_template(pattern).ok()?;
+    let style = style.with_key("pace", |state: &ProgressState, out: &mut dyn Write| {
+        let _ = out.write_str(&pace(state.per_sec(), state.eta(), state.elapsed()));
+    });
     Some(
-        style.with_key("pace", |state: &ProgressState, out: &mut dyn Write| {
-            let _ = out.write_str(&pace(state.per_sec(), state.eta(), state.elapsed()));
+        style.with_key("so_far", |state: &ProgressState, out: &mut dyn Write| {
+            let _ = out.write_str(&time(state.elapsed().as_secs_f64()));
         }),
     )
 }
@@ -140,7 +144,7 @@ fn pace(per_s: f64, left: Duration, so_far: Duration) -> String {
 /// A spinner for the time in which another program works.
 pub fn spinner(what: &str) -> ProgressBar {
     let spinner = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(8));
-    if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}, {elapsed}") {
+    if let Some(style) = style("{spinner} {msg}, {so_far}") {
         spinner.set_style(style);
     }
     spinner.set_message(what.to_owned());

@@ -178,7 +178,7 @@ fn one_verdict(what: &str, out: &Path, answer: &Answer, page: &str) {
                 "{what}: {words}, and the verdict is {trust}"
             );
         }
-        let rejects = place.contains("NO PARAMETERS OF THIS MODEL");
+        let rejects = place.contains("No parameters of this model");
         assert_eq!(rejects, !explains, "{what}: {trust}");
     }
     assert_eq!(

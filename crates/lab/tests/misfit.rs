@@ -303,7 +303,13 @@ const KINDS: [&str; 3] = ["slide (drag)", "pendulum (viscous)", "arm (servo lag)
 fn said(answer: &Answer) -> String {
     let text = answer.to_string();
     let mut lines = text.lines();
-    let of_model = lines.find(|line| line.trim_start().starts_with("fits within"));
+    let starts = ["fits within", "No parameters of this model"];
+    let is_said = |line: &&str| {
+        starts
+            .iter()
+            .any(|start| line.trim_start().starts_with(start))
+    };
+    let of_model = lines.find(is_said);
     of_model.unwrap_or_default().to_owned()
 }
 
@@ -345,7 +351,7 @@ fn a_box_with_drag_is_no_box_with_more_friction_and_the_sentence_says_where() {
             .any(|w| w.code == realgap_core::Code::ModelContradicted)
     );
     assert!(
-        said(&answer).contains("NO PARAMETERS OF THIS MODEL EXPLAIN"),
+        said(&answer).contains("No parameters of this model explain"),
         "{}",
         said(&answer)
     );

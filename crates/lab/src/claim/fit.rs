@@ -17,7 +17,7 @@ pub(crate) fn model(fit: &Fit, recordings: usize) -> Claim {
         (false, ..) => (
             Conclusion::Rejected,
             "NOT explained",
-            "NO. NO PARAMETERS OF THIS MODEL EXPLAIN THESE RECORDINGS; intervals are widened by the remaining discrepancy",
+            "No parameters of this model explain these recordings; intervals are widened by the remaining discrepancy",
         ),
         (true, None, None) => (
             Conclusion::Supported,
@@ -55,7 +55,11 @@ pub(crate) fn model(fit: &Fit, recordings: usize) -> Claim {
         false => format!(" ({})", details.join("; ")),
     };
     let worst = fit.misfit.as_ref().map_or_else(String::new, worst);
-    let text = format!("fits within repeatability: {verdict}. {compared}{details}{worst}");
+    let asked = match fit.explains {
+        true => "fits within repeatability: ",
+        false => "",
+    };
+    let text = format!("{asked}{verdict}. {compared}{details}{worst}");
     let numbers = [
         ("noise_floors", noise_floors),
         ("p_value", fit.p_value.unwrap_or(f64::NAN)),

@@ -34,8 +34,8 @@ pub(super) fn residuals(fit: &ResidualFit, recordings: usize) -> Claim {
             Conclusion::Rejected,
             "NOT explained",
             format!(
-                "fits within the noise of the recordings: NO. NO PARAMETERS OF THIS MODEL EXPLAIN THESE RECORDINGS near the best point, and intervals hold only for a model that does. {}; {} ({rank})",
-                differs(channel, misfit),
+                "No parameters of this model explain these recordings near the best point ({rank}), so intervals hold only for a model that does. Misfit in {}: {}",
+                channel.channel,
                 looks(channel, misfit)
             ),
         ),

@@ -8,6 +8,7 @@
 //! | [`Cloud`] | recordings and simulations in the first two principal components ([`plane()`]) |
 //! | [`BarChart`] | how much each of several causes changes a result |
 //! | `ColumnChart` | a few values for each of several things |
+//! | `IntervalChart` | parameters within their searched ranges: what the recordings allow |
 //! | `Corner` | random draws of several quantities, each quantity against each other |
 //! | `Stack` | several quantities over one axis, one above the other |
 //! | `JointPlot` | recorded and simulated joint angles over time, and their residuals |
@@ -57,6 +58,7 @@ pub(crate) use chart::ensemble::{EnsembleBand, EnsembleGroup, EnsemblePlot};
 pub(crate) use chart::heatmap::HeatMap;
 #[cfg(feature = "papers")]
 pub(crate) use chart::heatmap::draw_heat_map;
+pub(crate) use chart::interval::{IntervalChart, ParameterInterval};
 pub(crate) use chart::joint::{JointPanel, JointPlot};
 pub(crate) use chart::line::BestPoint;
 pub use chart::line::{LinePlot, draw_lines};

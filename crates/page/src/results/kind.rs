@@ -68,7 +68,7 @@ impl Kind {
                     JOINTS,
                     BEST,
                 ],
-                "heatmap heatmap_fitness heatmap_uncertainty heatmap_runs curve trajectories convergence components corner joints",
+                "verdict heatmap heatmap_fitness heatmap_uncertainty heatmap_runs curve trajectories convergence components corner joints",
             ),
             Self::Search => (
                 &[SUMMARY, HISTORY, ARCHIVE],

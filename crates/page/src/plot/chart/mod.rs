@@ -6,6 +6,7 @@ pub(super) mod column;
 pub(super) mod corner;
 pub(super) mod ensemble;
 pub(super) mod heatmap;
+pub(super) mod interval;
 pub(super) mod joint;
 pub(super) mod line;
 pub(super) mod overlay;

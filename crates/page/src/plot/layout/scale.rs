@@ -114,17 +114,21 @@ impl Scale {
 
     /// What to add to the label of the scale, so that readers notice a colour bar that is not linear.
     pub(in crate::plot) fn remark(&self) -> String {
-        let shape = match (self.is_log, self.is_clipped) {
-            (false, false) => "",
-            (false, true) => ", scale ends at 98th percentile",
-            (true, false) => ", log scale",
-            (true, true) => ", log scale, lowest values cut",
-        };
         let end = match self.is_cut {
             true => ", last colour: so much or more",
             false => "",
         };
-        format!("{shape}{end}")
+        format!("{}{end}", self.shape_remark())
+    }
+
+    /// The same without what the last colour stands for, where a caption says that.
+    pub(in crate::plot) fn shape_remark(&self) -> &'static str {
+        match (self.is_log, self.is_clipped) {
+            (false, false) => "",
+            (false, true) => ", scale ends at 98th percentile",
+            (true, false) => ", log scale",
+            (true, true) => ", log scale, lowest values cut",
+        }
     }
 
     /// About `count` round values within the scale.

@@ -140,7 +140,7 @@ fn a_sweep_says_one_thing_in_every_place() {
         found.see("model rejected", is_rejected);
         found.see("model explains", explains == Some(true));
         for (place, text) in told.places() {
-            let says = text.contains("NO PARAMETERS OF THIS MODEL");
+            let says = text.contains("No parameters of this model");
             found.hold(&told, says == is_rejected, || {
                 format!("{place} of the model: {text}")
             });
@@ -160,7 +160,7 @@ fn a_sweep_says_one_thing_in_every_place() {
                 format!("{place} of the engine that explains: {text}")
             });
         }
-        let is_first = |text: &str| text.find("NO PARAMETERS") < text.find("comes nearest");
+        let is_first = |text: &str| text.find("No parameters") < text.find("comes nearest");
         found.hold(&told, !is_rejected || is_first(&told.answer), || {
             told.answer.clone()
         });

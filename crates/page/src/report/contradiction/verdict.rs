@@ -26,7 +26,7 @@ const TRUSTS: [(&str, &str); 6] = [
 
 /// Words that contradict an answer that may be trusted.
 const AGAINST: [&str; 5] = [
-    "NO PARAMETERS OF THIS MODEL",
+    "No parameters of this model",
     "CONTRADICTED",
     "NOT have the distribution",
     "leave the region of its repeats",

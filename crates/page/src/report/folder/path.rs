@@ -106,7 +106,7 @@ pub(super) fn over_time(
             Series::new("", SeriesKind::Line, distances)
         });
         let alt = "Distance to each recorded run at equal times";
-        let label = "distance to recorded";
+        let label = "distance";
         all.push(figure(
             "Distance to each recorded run",
             &chart(alt, "error", label, lines.collect()),

@@ -50,10 +50,12 @@ pub(super) fn content(
     let reproduced = report.reproduction.as_ref().map(fleet::reproduction);
     let is_plane = |stem: &str| stem == "components";
     let is_corner = |stem: &str| stem == "corner";
+    let is_verdict = |stem: &str| stem == "verdict";
     let is_drawn = move |stem: &str| {
         stem.starts_with("profile_")
             || is_plane(stem)
             || is_corner(stem)
+            || is_verdict(stem)
             || (has_joints && stem == "joints")
             || (has_map && (stem == "heatmap" || stem == "heatmap_uncertainty"))
             || (has_paths && stem == "trajectories")
@@ -66,7 +68,14 @@ pub(super) fn content(
     let robots_title = "Does the answer hold for a robot that it has not seen?";
     let reproduced_title = "How many robots do what was recorded with the shared answer?";
     let audit_title = "Numerical audit: what no recording can resolve";
-    let (verdicts, came) = (verdicts(report, found), convergence(report, found));
+    let at_a_glance = pictures
+        .section("verdicts", verdicts_title, is_verdict)
+        .html;
+    let verdicts = match verdicts(report, found) {
+        none if none.is_empty() => none,
+        verdicts => at_a_glance + &verdicts,
+    };
+    let came = convergence(report, found);
     let joints = Section::new("joints", "Joints over time", joints);
     let map_title = match is_of_joints {
         true => "Scores of the points",
@@ -161,7 +170,7 @@ fn maps(
     let uncertain = is_known.then(|| HeatMap {
         scores: halves,
         colours_to: None,
-        score_label: format!("{}, half of its 90 % interval", map.score_label),
+        score_label: "half of the 90 % interval".to_owned(),
         missing: "not known".to_owned(),
         // Only the map of scores chooses a point.
         table_rows: Vec::new(),
@@ -209,6 +218,10 @@ fn scores(
             None => "",
             Some(_) => " A colour is the mean score over all equally valid settings, as all runs together let expect; the table has the single runs.",
         };
+        let cut = match map.colours_to {
+            None => "",
+            Some(_) => " The darkest colour stands for its score and all that are higher.",
+        };
         let small = uncertain.as_ref().map_or_else(String::new, |uncertain| {
             let alt = format!("How far the mean score is known over {x} and {y}");
             let svg = uncertain.inline(&Inline::new(&alt));
@@ -217,7 +230,7 @@ fn scores(
             )
         });
         format!(
-            "<div><figure>{svg}<figcaption>Bright cells are near to the recordings. The star is the best point. The outline encloses the 95 % confidence set: values that fit as well as the best within the uncertainty.{mean}{choose} More recordings, or finer numerics where the audit says so, would make the set smaller.</figcaption></figure>{small}</div>"
+            "<div><figure>{svg}<figcaption>Bright cells are near to the recordings. The star is the best point. The outline encloses the 95 % confidence set: values that fit as well as the best within the uncertainty.{cut}{mean}{choose} More recordings, or finer numerics where the audit says so, would make the set smaller.</figcaption></figure>{small}</div>"
         )
     });
     format!(

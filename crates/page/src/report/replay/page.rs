@@ -291,7 +291,7 @@ impl Replay<'_> {
             let lines = ghosts.iter().map(|ghost| line(pairs(ghost)));
             (
                 "Distance between the run and each recorded run over time",
-                "distance to recorded",
+                "distance",
                 std::iter::once(band).chain(lines).collect(),
                 "How far the run is from each recorded run at the same time. Inside the band it is no farther than recorded runs are from each other.",
             )

@@ -6,6 +6,7 @@ pub(crate) mod chart;
 mod corner;
 pub(crate) mod data;
 mod fitted;
+mod interval;
 pub(crate) mod joint;
 mod picture;
 mod plane;

@@ -11,7 +11,7 @@ use realgap_optimization::{Grid, Range};
 use super::cell::{cells, in_set, is_alike};
 use super::chart::{self, ScoreName, short};
 use super::data::{Point, Points, StudyData};
-use super::{corner, joint, plane};
+use super::{corner, interval, joint, plane};
 use crate::results::draft::Draft;
 use crate::results::kind::file_stem;
 
@@ -26,6 +26,7 @@ pub(super) fn draw(
         return Ok(());
     }
     let map = Map::new(study, answer, data);
+    interval::draw(draft, study, answer, &map.subtitle)?;
     let ranges = study.definition().grid.ranges();
     if ranges.len() > 1 {
         map.draw_profiles(draft, data)?;

@@ -98,23 +98,40 @@ fn class(series: &Series) -> &'static str {
 
 impl InlineChart for LinePlot {
     fn inline(&self, inline: &Inline<'_>) -> String {
-        // Scripts find a chart by its identifier, and draw it again in the unit in which its data are stored.
-        let plot = match inline.id.is_empty() {
-            true => &in_display_unit(self),
-            false => self,
-        };
-        plot.drawn_inline(inline)
+        let unit = self.inline_unit();
+        in_unit(self, unit).drawn_inline(
+            inline,
+            [if is_map(self) { unit.factor } else { 1.0 }, unit.factor],
+        )
     }
 }
 
-/// The same chart with vertical values in the unit in which they read well: 0.004 rad becomes 4 mrad.
-fn in_display_unit(plot: &LinePlot) -> LinePlot {
-    let unit = plot.display_unit();
+impl LinePlot {
+    /// The unit in which the vertical values read well, and both coordinates of a map.
+    fn inline_unit(&self) -> DisplayUnit {
+        match is_map(self) {
+            false => self.display_unit(),
+            true => {
+                let both = finite_points(&self.series).flat_map(|(x, y)| [x, y]);
+                let largest = both.fold(0.0, |largest: f64, value| largest.max(value.abs()));
+                DisplayUnit::for_size(self.y_unit, largest)
+            }
+        }
+    }
+}
+
+/// The same chart with vertical values, and both coordinates of a map, in this unit: 0.004 rad becomes 4 mrad. Scripts that draw it
+/// again multiply the stored values by the factors in `data-factor`.
+fn in_unit(plot: &LinePlot, unit: DisplayUnit) -> LinePlot {
     let scaled = |value: f64| value * unit.factor;
     let mut plot = plot.clone();
+    let is_map = is_map(&plot);
     for series in &mut plot.series {
         for point in &mut series.points {
             point.1 = scaled(point.1);
+            if is_map {
+                point.0 = scaled(point.0);
+            }
         }
         if let SeriesKind::Band(high) = &mut series.kind {
             high.iter_mut().for_each(|value| *value = scaled(*value));
@@ -126,11 +143,14 @@ fn in_display_unit(plot: &LinePlot) -> LinePlot {
     plot.y_range = plot.y_range.map(|(low, high)| (scaled(low), scaled(high)));
     plot.y_label = unit.label(&plot.y_label);
     plot.y_unit = Unit::One;
+    if is_map {
+        plot.x = AxisSpec::new(unit.label(&plot.x.label), Unit::One);
+    }
     plot
 }
 
 impl LinePlot {
-    fn drawn_inline(&self, inline: &Inline<'_>) -> String {
+    fn drawn_inline(&self, inline: &Inline<'_>, factors: [f64; 2]) -> String {
         let places = places(self);
         let kind = match self.x.unit {
             _ if is_map(self) => "map",
@@ -141,13 +161,15 @@ impl LinePlot {
         let (left, right, bottom) = (places.left, places.right, HEIGHT - BOTTOM);
         let mut svg = format!(
             "<svg {}class=\"chart\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{}\" data-chart=\"{kind}\" \
-             data-x=\"{} {}\" data-y=\"{} {}\" data-box=\"{left} {TOP} {right} {bottom}\">",
+             data-x=\"{} {}\" data-y=\"{} {}\" data-factor=\"{} {}\" data-box=\"{left} {TOP} {right} {bottom}\">",
             inline.id_attribute(),
             html(inline.alt),
             places.x.low,
             places.x.high,
             places.y.low,
             places.y.high,
+            factors[0],
+            factors[1],
         );
         svg += &set(self, &places);
         svg += &axes(self, &places);

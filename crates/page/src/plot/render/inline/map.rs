@@ -183,7 +183,7 @@ impl<'a> Layout<'a> {
         });
         let name_x = beside + widest(&ticks) + 16.0;
         let up = TOP + 0.5 * TALL;
-        let name = self.unit.label(&self.map.score_label) + &self.scores.remark();
+        let name = self.unit.label(&self.map.score_label) + self.scores.shape_remark();
         let name = html(&super::short(&name, TALL));
         let name = format!(
             "<text class=\"axis\" transform=\"translate({name_x:.1} {up:.1}) rotate(-90)\" text-anchor=\"middle\">{name}</text>"

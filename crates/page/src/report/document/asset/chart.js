@@ -6,6 +6,8 @@ realgap.svg = (name, attributes, parent) => {
   for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
   return parent ? parent.appendChild(made) : made;
 };
+// What stored values are multiplied by in a chart: it may show millimetres of metres.
+realgap.factors = svg => (svg.dataset.factor || "1 1").split(" ").map(Number);
 // Tracks: { t, x, y, recorded, faint }, seconds and metres in the frame of the maps.
 realgap.live = (clock, svg, tracks) => {
   const numbers = name => svg.dataset[name].split(" ").map(Number);
@@ -14,12 +16,13 @@ realgap.live = (clock, svg, tracks) => {
   svg.replaceWith(holder);
   holder.appendChild(svg);
   const [, , wide, high] = svg.getAttribute("viewBox").split(" ").map(Number);
+  const [timesX, timesY] = realgap.factors(svg);
   // Places as shares of the chart, so that they hold at any size.
   const places = () => {
     const x = numbers("x"), y = numbers("y"), [left, top, right, bottom] = numbers("box");
     return {
-      x: v => (left + (v - x[0]) / (x[1] - x[0]) * (right - left)) / wide,
-      y: v => (bottom - (v - y[0]) / (y[1] - y[0]) * (bottom - top)) / high,
+      x: v => (left + (timesX * v - x[0]) / (x[1] - x[0]) * (right - left)) / wide,
+      y: v => (bottom - (timesY * v - y[0]) / (y[1] - y[0]) * (bottom - top)) / high,
       time: share => x[0] + (share * wide - left) / (right - left) * (x[1] - x[0]),
       top: top / high, bottom: bottom / high,
     };
@@ -61,6 +64,10 @@ realgap.live = (clock, svg, tracks) => {
 };
 // Draws a chart anew, in the manner of src/plot/render/inline/lines.rs.
 realgap.redraw = (svg, { lines, bands = [], map = false, fromZero = false }) => {
+  const [timesX, timesY] = realgap.factors(svg);
+  const scaled = (values, factor) => Array.from(values, value => factor * value);
+  lines = lines.map(line => ({ ...line, x: scaled(line.x, timesX), y: scaled(line.y, timesY) }));
+  bands = bands.map(band => ({ x: scaled(band.x, timesX), low: scaled(band.low, timesY), high: scaled(band.high, timesY) }));
   const [, , wide, high] = svg.getAttribute("viewBox").split(" ").map(Number);
   const [, top, , bottom] = svg.dataset.box.split(" ").map(Number);
   let x = [Infinity, -Infinity], y = fromZero ? [0, 0] : [Infinity, -Infinity];
