@@ -4,7 +4,7 @@ use super::{About, Claim, Conclusion};
 use crate::prediction::ensemble::Forecast;
 use crate::prediction::{Success, SuccessRange};
 use realgap_core::statistics::Proportion;
-use realgap_core::unit::{Unit, decimals, quantity};
+use realgap_core::unit::{Unit, decimals, percent_range, quantity};
 
 fn metres(m: f64) -> String {
     quantity(m, Unit::Metre)
@@ -62,9 +62,8 @@ pub(crate) fn success(success: &Success) -> Claim {
         .map_or_else(String::new, |range: &SuccessRange| {
             let (models, engine) = (range.models, range.other_engine);
             format!(
-                "; {} to {} over other models, {} with another engine",
-                whole(models.low),
-                whole(models.high),
+                "; {} over other models, {} with another engine",
+                percent_range(models.low, models.high),
                 whole(engine)
             )
         });

@@ -174,8 +174,13 @@ pub(in crate::report) fn distances(cases: &[Case]) -> String {
             };
             let spread = [found.mean, found.standard_deviation];
             let quantiles = [found.q05, found.q50, found.q95];
-            let numbers = spread.into_iter().chain(quantiles).map(Some);
-            let cells = numbers.chain([free]).map(|value| measured(value, unit));
+            let numbers = spread.into_iter().chain(quantiles).map(Some).chain([free]);
+            // People read degrees, as in the terminal.
+            let (factor, unit) = match unit {
+                "rad" => (1.0_f64.to_degrees(), "deg"),
+                unit => (1.0, unit),
+            };
+            let cells = numbers.map(|value| measured(value.map(|value| factor * value), unit));
             Some(std::iter::once(name).chain(cells).collect())
         })
     });

@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use super::claim::sentences;
 use super::content::PageContent;
-use crate::plot::Inline;
+use crate::plot::{Inline, LinePlot};
 use crate::report::document::picture::Pictures;
 use crate::report::document::section::{Section, chart_figure, figures};
 use crate::report::document::value::*;
@@ -136,11 +136,16 @@ fn over_time(report: &GapSummary) -> String {
     let mut all = Vec::new();
     let found = report.over_time.as_ref();
     let found = found.filter(|found| !found.times_s.is_empty());
+    // The titles above say what the axes show, so that their names may be short.
+    let named = |plot: LinePlot, name: &str| LinePlot {
+        y_label: name.to_owned(),
+        ..plot
+    };
     if let Some(plot) = found.and_then(over_time_chart) {
         let alt = "Distance to recorded runs over time, of the run without noise, of repeats, and of recorded runs among each other";
         all.push(chart_figure(
             "Distance to recorded runs",
-            &plot,
+            &named(plot, "RMS distance"),
             &Inline::new(alt),
             "While a simulated line is no higher than the line of the other recordings, the simulation is as near to a recorded run as a further recording would be.",
         ));
@@ -151,7 +156,7 @@ fn over_time(report: &GapSummary) -> String {
         let alt = "Share of recorded runs inside the predicted region over time";
         all.push(chart_figure(
             "Recorded runs inside the predicted region",
-            &confidence_chart(found),
+            &named(confidence_chart(found), "share inside"),
             &Inline::new(alt),
             "The interval of the share becomes narrower with more recordings.",
         ));

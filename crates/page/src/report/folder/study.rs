@@ -305,7 +305,12 @@ fn verdicts(report: &StudySummary, found: &StudyData) -> String {
     let table = titled("parameter | best | 90 % interval | verdict", rows);
     let score = score_name(report);
     let profiles = found.profiles.iter().map(|profile| {
-        let plot = chart::profile(profile, &score);
+        let mut plot = chart::profile(profile, &score);
+        // The title above has the whole name, and the note below says what is shown, so that both axes may be short.
+        plot.y_label = "lowest score".to_owned();
+        if let Some((_, last)) = plot.x.label.rsplit_once('.') {
+            plot.x.label = last.to_owned();
+        }
         let alt = format!("Lowest score over {}", profile.parameter);
         chart_figure(&profile.parameter, &plot, &Inline::new(&alt), "")
     });
