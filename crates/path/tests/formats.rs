@@ -403,3 +403,32 @@ fn a_file_is_written_completely_or_not_at_all() {
         .is_err()
     );
 }
+
+#[test]
+fn commanded_speeds_in_other_units_are_read_in_radians_per_second() {
+    let folder = tempfile::tempdir().unwrap();
+    let motion = |name: &str, header: &str, value: f64| {
+        let rows = (0..4).map(|k| format!("{},{},0,{value}\n", 0.1 * f64::from(k), k));
+        let file = folder.path().join(name);
+        std::fs::write(
+            &file,
+            format!("t_s,x_m,y_m,{header}\n{}", rows.collect::<String>()),
+        )
+        .unwrap();
+        realgap_path::trajectory::read(&file, realgap_path::trajectory::Reading::default()).unwrap()
+    };
+    let radians = motion("a.csv", "left_command_rad_s", std::f64::consts::TAU);
+    let turns = motion("b.csv", "left_command_rpm", 60.0);
+    let degrees = motion("c.csv", "left_command_deg_s", 360.0);
+    let speed = |of: &realgap_path::trajectory::Recording| {
+        let signal = of.trajectory.signal("left_command_rad_s").unwrap();
+        assert!(of.warnings.iter().all(|w| !w.message.contains("left")));
+        signal.values[2]
+    };
+    let all = [&radians, &turns, &degrees].map(speed);
+    assert!(
+        all.iter()
+            .all(|value| (value - std::f64::consts::TAU).abs() < 1e-12),
+        "{all:?}"
+    );
+}

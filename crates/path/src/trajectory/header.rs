@@ -219,7 +219,12 @@ impl<'c, 'a> Header<'c, 'a> {
             &mut layout.factors,
             self.reading.ticks,
         );
-        layout.signals = joint_column::find_signals(&names, &self.reading.unitless, &mut self.used);
+        layout.signals = joint_column::find_signals(
+            &names,
+            &self.reading.unitless,
+            &mut self.used,
+            &mut layout.factors,
+        );
     }
 
     /// The column with exactly this name, which is then marked as used.
@@ -392,7 +397,11 @@ impl<'c, 'a> Header<'c, 'a> {
 
     fn ignored_warning(&self) -> Option<Warning> {
         let ignored = self.unused();
+        // Forward speed and turn rate are used: the commanded speeds of the wheels follow from them.
+        let wheels = self.reading.wheels.as_ref();
+        let is_of_base = |name: &str| wheels.is_some_and(|w| name == w.forward || name == w.turn);
         let ignored = ignored.iter().map(|i| self.cells[*i].text);
+        let ignored = ignored.filter(|name| !is_of_base(name));
         // A column without a name is the count of rows that some programs write.
         let ignored: Vec<&str> = ignored.filter(|name| !name.is_empty()).collect();
         // The four columns of an orientation are often called q0 to q3, which does not say which one is the real part.

@@ -39,6 +39,12 @@ pub const COMMAND_SIGNALS: [&str; 5] = [
     "_command_duty",
     "_on",
 ];
+/// Endings of commanded speeds in other units, and the size of these in radians per second: such columns are read as
+/// `NAME_command_rad_s`.
+const OTHER_SPEEDS: [(&str, f64); 2] = [
+    ("_command_deg_s", std::f64::consts::PI / 180.0),
+    ("_command_rpm", std::f64::consts::TAU / 60.0),
+];
 /// Endings of commands that state no unit: nobody can tell whether such a column holds angles, torques or currents.
 pub const UNITLESS_COMMANDS: [&str; 6] = [
     COMMAND,
@@ -114,9 +120,30 @@ pub(super) fn find(
     joints
 }
 
-/// Finds the signals among the columns without a role, with those that are kept without a unit, and marks their columns as used.
-pub(super) fn find_signals(names: &[&str], unitless: &[String], used: &mut [bool]) -> Vec<usize> {
-    let is_command = |name: &str| COMMAND_SIGNALS.iter().any(|ending| name.ends_with(ending));
+/// The joint of a commanded speed in another unit than radians per second, and the size of that unit.
+fn other_speed(name: &str) -> Option<(&str, f64)> {
+    let mut units = OTHER_SPEEDS.iter();
+    units.find_map(|(ending, factor)| Some((name.strip_suffix(ending)?, *factor)))
+}
+
+/// Finds the signals among the columns without a role, with those that are kept without a unit, and marks their columns as used;
+/// columns in other units get the factors of these.
+pub(super) fn find_signals(
+    names: &[&str],
+    unitless: &[String],
+    used: &mut [bool],
+    factors: &mut [f64],
+) -> Vec<usize> {
+    // The same speed in two units: that in radians per second is read, and the other is reported as not used.
+    let is_read_in_rad = |name: &str| {
+        other_speed(name).is_some_and(|(joint, _)| {
+            names.contains(&format!("{joint}{}", COMMAND_SIGNALS[0]).as_str())
+        })
+    };
+    let is_command = |name: &str| {
+        let is_other = other_speed(name).is_some() && !is_read_in_rad(name);
+        is_other || COMMAND_SIGNALS.iter().any(|ending| name.ends_with(ending))
+    };
     // A command without a unit beside the angle of its joint is kept, so that it can be refused.
     let has_no_unit = |name: &str| {
         let mut joints = UNITLESS_COMMANDS
@@ -141,6 +168,9 @@ pub(super) fn find_signals(names: &[&str], unitless: &[String], used: &mut [bool
         .collect();
     for index in &found {
         used[*index] = true;
+        if let Some((_, factor)) = other_speed(names[*index]) {
+            factors[*index] = factor;
+        }
     }
     found
 }
@@ -161,7 +191,10 @@ pub(super) fn push(
     }
     if signals.is_empty() {
         signals.extend(signal_columns.iter().map(|column| Signal {
-            name: names[*column].clone(),
+            name: match other_speed(&names[*column]) {
+                Some((joint, _)) => format!("{joint}{}", COMMAND_SIGNALS[0]),
+                None => names[*column].clone(),
+            },
             values: Vec::new(),
         }));
     }

@@ -10,7 +10,7 @@ use super::super::joint_column::plain_name;
 use super::super::reading::Reading;
 use super::super::registry::{format_in, read_bytes};
 use super::Evidence;
-use name::{Column, Found, Quantity, Whose, columns, found, only_number};
+use name::{Column, Found, Quantity, SpeedUnit, Whose, columns, found, only_number};
 use realgap_core::error::{Advice, Error, Result};
 use realgap_core::unit::counted;
 use unit::{Unit, unit};
@@ -143,7 +143,13 @@ impl JointReading {
                     None => continue,
                 },
             };
-            let Some(name) = unit.name(joint, one.quantity) else {
+            let name = match one.speed_unit {
+                Some(speed) if one.quantity == Quantity::CommandedSpeed => {
+                    Some(format!("{joint}{}", speed.command_ending()))
+                }
+                _ => unit.name(joint, one.quantity),
+            };
+            let Some(name) = name else {
                 continue;
             };
             said.entry(one.quantity)
@@ -195,6 +201,13 @@ fn commands_alone(
     if !is_of_speeds || known.angle.is_some() {
         return None;
     }
+    let units: Vec<SpeedUnit> = (commands.iter())
+        .map(|one| one.speed_unit.unwrap_or(SpeedUnit::RadiansPerSecond))
+        .collect();
+    let unit = match units.split_first() {
+        Some((first, rest)) if rest.iter().all(|unit| unit == first) => first.words(),
+        _ => "each in its own unit",
+    };
     let mut made = JointReading {
         reading: known.clone(),
         evidence: Vec::new(),
@@ -204,7 +217,8 @@ fn commands_alone(
         let Whose::Named(joint) = one.joint else {
             return None;
         };
-        let name = format!("{}_command_rad_s", joints[joint]);
+        let ending = one.speed_unit.unwrap_or(SpeedUnit::RadiansPerSecond);
+        let name = format!("{}{}", joints[joint], ending.command_ending());
         if one.column.name != name {
             made.reading.names.insert(one.column.name.to_owned(), name);
             said.push(format!("{} from `{}`", joints[joint], one.column.label()));
@@ -214,7 +228,7 @@ fn commands_alone(
         return None;
     }
     made.evidence.push(Evidence {
-        finding: format!("commanded speeds of joints, rad/s: {}", said.join(", ")),
+        finding: format!("commanded speeds of joints, {unit}: {}", said.join(", ")),
         reason: match commands.iter().all(|one| is_named(one)) {
             true => "the names of the columns".to_owned(),
             false => "they stay as they are while the robot moves; a commanded angle that stays would stop the wheel".to_owned(),
@@ -358,6 +372,28 @@ mod tests {
                 let ours = format!("{ours}{expected}");
                 assert_eq!(made.reading.names.get(*theirs), Some(&ours), "{header}");
             }
+        }
+    }
+
+    #[test]
+    fn commanded_speeds_of_wheels_keep_the_unit_that_their_names_state() {
+        for (words, ending) in [
+            ("rpm_cmd", "rpm"),
+            ("cmd (rpm)", "rpm"),
+            ("speed_cmd_deg_s", "deg_s"),
+            ("cmd [deg/s]", "deg_s"),
+            ("cmd_rad_s", "rad_s"),
+            ("target velocity rad/s", "rad_s"),
+        ] {
+            let header = format!("t,x,pan {words},lift {words}");
+            let made = infer(&log(&header, &flat(9.0)), &Reading::default(), &[]).unwrap();
+            let names = made.unwrap_or_else(|| panic!("{header}")).reading.names;
+            let expected = format!("pan_command_{ending}");
+            assert_eq!(
+                names.get(&format!("pan {words}")),
+                Some(&expected),
+                "{header}"
+            );
         }
     }
 

@@ -65,10 +65,19 @@ pub(super) struct Column<'a> {
     pub(super) values: Vec<f64>,
 }
 
+/// The unit of a speed that a column's name states.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum SpeedUnit {
+    RadiansPerSecond,
+    DegreesPerSecond,
+    RevolutionsPerMinute,
+}
+
 /// A column that belongs to a joint: by the joint's name, or by its number.
 pub(super) struct Found<'c, 'a> {
     pub(super) column: &'c Column<'a>,
     pub(super) quantity: Quantity,
+    pub(super) speed_unit: Option<SpeedUnit>,
     pub(super) joint: Whose,
 }
 
@@ -76,6 +85,55 @@ pub(super) struct Found<'c, 'a> {
 pub(super) enum Whose {
     Named(usize),
     Numbered(usize),
+}
+
+impl SpeedUnit {
+    /// The unit at these words of a name, and the words without it: `rad_s`, `deg/s`, `dps`, `rpm`.
+    fn take(words: &[String]) -> (Vec<String>, Option<Self>) {
+        let mut rest = words.to_vec();
+        let pairs = [
+            ("rad", Self::RadiansPerSecond),
+            ("rads", Self::RadiansPerSecond),
+            ("deg", Self::DegreesPerSecond),
+        ];
+        for (unit, found) in pairs {
+            let at = rest
+                .windows(2)
+                .position(|two| two[0] == unit && two[1] == "s");
+            if let Some(at) = at {
+                rest.drain(at..at + 2);
+                return (rest, Some(found));
+            }
+        }
+        let singles = [
+            ("rpm", Self::RevolutionsPerMinute),
+            ("dps", Self::DegreesPerSecond),
+        ];
+        for (unit, found) in singles {
+            if let Some(at) = rest.iter().position(|word| word == unit) {
+                rest.remove(at);
+                return (rest, Some(found));
+            }
+        }
+        (rest, None)
+    }
+
+    /// The ending of a column of a commanded speed in this unit, in files of this program.
+    pub(super) fn command_ending(self) -> &'static str {
+        match self {
+            Self::RadiansPerSecond => "_command_rad_s",
+            Self::DegreesPerSecond => "_command_deg_s",
+            Self::RevolutionsPerMinute => "_command_rpm",
+        }
+    }
+
+    pub(super) fn words(self) -> &'static str {
+        match self {
+            Self::RadiansPerSecond => "rad/s",
+            Self::DegreesPerSecond => "deg/s",
+            Self::RevolutionsPerMinute => "revolutions per minute",
+        }
+    }
 }
 
 impl Quantity {
@@ -191,13 +249,8 @@ fn without_joint(column: &str, joint: &str) -> Option<String> {
         })
 }
 
-/// The quantity that these words of a column's name state; `None` for another quantity.
-fn quantity(words: &[String]) -> Option<Quantity> {
-    // `rad_s` is the unit of a speed.
-    let (words, is_per_second) = match words {
-        [before @ .., unit, second] if unit == "rad" && second == "s" => (before, true),
-        _ => (words, false),
-    };
+/// The quantity that these words of a column's name state, beside the unit of a speed; `None` for another quantity.
+fn quantity(words: &[String], is_per_second: bool) -> Option<Quantity> {
     let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
     let is_known = |word: &String| {
         let lists: [&[&str]; 7] = [
@@ -229,10 +282,12 @@ fn quantity(words: &[String]) -> Option<Quantity> {
 /// The joint and the quantity of a column.
 pub(super) fn found<'c, 'a>(column: &'c Column<'a>, joints: &[String]) -> Option<Found<'c, 'a>> {
     let make = |joint: Whose, rest: &str| {
-        let quantity = quantity(&words(rest))?;
+        let (words, speed_unit) = SpeedUnit::take(&words(rest));
+        let quantity = quantity(&words, speed_unit.is_some())?;
         Some(Found {
             column,
             quantity,
+            speed_unit,
             joint,
         })
     };
