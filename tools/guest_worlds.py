@@ -104,8 +104,9 @@ def serve(name, dt_s, with_settings):
         print(json.dumps(answer), flush=True)
 
 
-def world(program, name, seed, true_dt_s, dt_s, with_settings):
-    """Of each parameter whether its interval holds the truth, and the line that says so where it does not."""
+def world(program, name, seed, true_dt_s, dt_s, with_settings, budget):
+    """Of each parameter whether its interval holds the truth, and the lines that say so where it does not, with what the answer says
+    of itself."""
     draw = random.Random(seed)
     move, column, noise, first, metric, ranges = WORLDS[name]
     truth = {own: draw.uniform(*true_range) for own, (_, _, true_range) in ranges.items()}
@@ -121,6 +122,7 @@ def world(program, name, seed, true_dt_s, dt_s, with_settings):
         varied = ", ".join(f'(name: "{own}", from: {low}, to: {high})' for own, (_, (low, high), _) in ranges.items())
         (folder / "study.ron").write_text(STUDY % (", ".join(json.dumps(word) for word in words), metric, varied))
         command = [program, "tune", "study.ron", "--optimizer", "gauss-newton", "--allow-command"]
+        command += ["--budget", str(budget)] if budget else []
         command += ["--no-report", "--format", "json", "--jobs", "1", "-o", "out"]
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
         if done.returncode != 0:
@@ -132,7 +134,14 @@ def world(program, name, seed, true_dt_s, dt_s, with_settings):
         parts = [verdict["interval"]] if verdict["interval"] else verdict.get("intervals", [])
         held[own] = any(low <= truth[own] <= high for low, high in parts)
         if not held[own]:
-            said.append(f"  world {seed}: {own} is {truth[own]:.5f}, interval {parts}")
+            width = sum(high - low for low, high in parts)
+            outside = min(max(low - truth[own], truth[own] - high) for low, high in parts)
+            is_told = "determined" if verdict["identified"] else "not determined"
+            said.append(f"  world {seed}: {own} is {truth[own]:.5f}, interval {parts}, {outside / width:.1f} widths outside, {is_told}")
+    if said:
+        words = [claim["word"] for claim in answer["claims"] if claim["about"] == "trust"]
+        words += [warning["code"] for warning in answer["warnings"]]
+        said.append(f"  world {seed} says: {', '.join(words)}")
     return held, said
 
 
@@ -152,6 +161,7 @@ def main():
     parser.add_argument("--worlds", type=int, default=30)
     parser.add_argument("--true-dt", type=float, default=1e-4, help="timestep of the recordings, seconds")
     parser.add_argument("--dt", type=float, default=1e-3, help="timestep of the simulator, seconds")
+    parser.add_argument("--budget", type=int, help="runs of a fit (default: that of the program)")
     parser.add_argument("--settings", action="store_true", help="the simulator declares half and quarter of its timestep")
     parser.add_argument("--serve", type=float, help=argparse.SUPPRESS)
     given = parser.parse_args()
@@ -161,7 +171,7 @@ def main():
     seeds = range(given.first, given.first + given.worlds)
     all_held = []
     with concurrent.futures.ThreadPoolExecutor(given.jobs) as pool:
-        ask = lambda seed: world(program, given.world, seed, given.true_dt, given.dt, given.settings)  # noqa: E731
+        ask = lambda seed: world(program, given.world, seed, given.true_dt, given.dt, given.settings, given.budget)  # noqa: E731
         for seed, (held, said) in zip(seeds, pool.map(ask, seeds)):
             all_held.append(held)
             print(f"world {seed}: {sum(held.values())} of {len(held)} hold", file=sys.stderr, flush=True)

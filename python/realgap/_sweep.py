@@ -186,6 +186,9 @@ class Combination:
 class Agreement:
     """How good the posterior of least squares is: the next step in standard deviations, and runs at draws beside what it promises.
 
+    `systematic` is the size of the errors in sizes of their noise, `descents` how many descents ended at the best point (None for a
+    fit with one start): large errors where one alone ended may be those of a wrong minimum, and no parameter is called determined.
+
     >>> tuned.summary.tuning.agreement is None    # of gauss-newton only
     True
     """
@@ -194,6 +197,8 @@ class Agreement:
     checked: int
     effective: float
     excess: Optional[float]
+    systematic: Optional[float] = None
+    descents: Optional[int] = None
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ mod noise_field;
 mod posterior;
 mod profile;
 mod resample;
+mod rough;
 mod run_selection;
 mod scale;
 mod scored_run;
@@ -43,5 +44,6 @@ pub use least_squares::{
 pub use marginal::{Determination, Marginal};
 pub use posterior::{INTERVAL_LEVEL, POSSIBLE_LEVEL, PosteriorDraws};
 pub use profile::{BAND, Profile};
+pub use rough::rough_noise;
 pub use scored_run::ScoredRun;
 pub use variant_evidence::variant_probabilities;

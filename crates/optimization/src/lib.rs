@@ -14,7 +14,7 @@ pub use grid::{Grid, MAX_POINTS, Range};
 pub use minimise::minimise;
 pub use optimizer::{
     ErrorBlock, EvaluatedPoint, History, Linearisation, OPTIMIZERS, OptimizationProblem, Optimizer,
-    Proposal, UnitPoint, blocks_of, default_optimizer, minimum_within, optimizer_by_name,
-    robust_loss, robust_slope, slopes, space_filling, thin,
+    Proposal, UnitPoint, blocks_of, default_optimizer, error_scales, minimum_within,
+    optimizer_by_name, robust_loss, robust_slope, slopes, space_filling, thin,
 };
 pub use options::{Progress, RunOptions, Step, pool};

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use realgap_core::statistics::{jackknife_variance, student_quantile};
 use realgap_optimization::{
-    Linearisation, OptimizationProblem, UnitPoint, blocks_of, minimum_within,
+    Linearisation, OptimizationProblem, UnitPoint, blocks_of, error_scales, minimum_within,
 };
 
 use super::noise::ResidualNoise;
@@ -75,6 +75,17 @@ impl Laplace {
     pub fn move_to(&mut self, point: UnitPoint, errors: Vec<f64>) {
         self.lowest = self.deviance(&point, &errors);
         (self.centre, self.errors) = (point, errors);
+    }
+
+    /// Estimates the noise again from the errors at the centre, where the centre was moved to much smaller errors.
+    pub fn renew(&mut self, problem: &OptimizationProblem) {
+        let blocks = blocks_of(&problem.error_blocks, self.errors.len());
+        let scales = error_scales(&blocks, &self.errors);
+        let noise = ResidualNoise::new(&self.errors, &scales, &blocks, self.centre.len());
+        self.jacobian = self.noise.whitened_by(&noise, &self.jacobian);
+        self.noise = noise;
+        self.lowest = self.deviance(&self.centre, &self.errors);
+        self.decompose(&vec![0.0; self.centre.len()]);
     }
 
     /// The point at which the deviance was last found to be lowest.
@@ -231,6 +242,12 @@ impl Laplace {
             prior.map_or(RANGE_PRECISION, |(_, variance)| 1.0 / variance)
         };
         self.prior.iter().map(precision).collect()
+    }
+
+    /// How many times as large as their own noise the errors at the centre are; `far` is the size of errors far from it, of which a
+    /// small share is taken for noise.
+    pub fn systematic(&self, far: f64) -> f64 {
+        self.noise.systematic(&self.errors, far)
     }
 
     /// Variance of each error, as if errors were independent.

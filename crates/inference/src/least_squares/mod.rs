@@ -5,6 +5,7 @@
 //! descents that ended as low are modes of their own (`mode`). Draws are then run, and the agreement is part of the result: where no
 //! ridge was followed, draws whose errors are larger than promised get lower weights (importance sampling; Kloek & van Dijk 1978).
 
+mod agreement;
 mod combination;
 mod estimate;
 mod laplace;
@@ -15,20 +16,21 @@ mod runs;
 #[cfg(test)]
 mod tests;
 
-use rand::RngExt;
-use rand_distr::{Distribution, StandardNormal};
-use serde::Serialize;
-
 use crate::posterior::PosteriorDraws;
 use crate::resample::systematic;
 use laplace::Laplace;
 use mode::Mode;
+use rand::RngExt;
+use rand_distr::{Distribution, StandardNormal};
 use realgap_core::error::Result;
 use realgap_core::random::{Generator, Once};
-use realgap_core::statistics::{chi_squared_quantile, ends_of, mean, median, standard_deviation};
+use realgap_core::statistics::{
+    chi_squared_quantile, ends_of, mean_of, median, quantile, standard_deviation,
+};
 use realgap_optimization::{EvaluatedPoint, Grid, Linearisation, OptimizationProblem, UnitPoint};
 use runs::CheckRuns;
 
+pub use agreement::Agreement;
 pub use combination::Combination;
 pub use estimate::LeastSquaresEstimate;
 pub use runs::{Evaluate, Finer};
@@ -52,6 +54,12 @@ pub fn most_checks(parameters: usize, evaluated: usize) -> usize {
 
 /// A mode whose deviance is larger than the lowest by more than this is left out: its weight is below 0.003.
 const FARTHEST: f64 = 12.0;
+/// A run is obviously better than the centre of the best mode where its deviance is lower by so much (that of three standard
+/// deviations), and the posterior is made again around such a run at most so often.
+const BETTER: f64 = 9.0;
+const RESTARTS: usize = 3;
+/// Share of the evaluated points whose errors are smaller than those of a point far from the best one.
+const FAR: f64 = 0.9;
 /// The numerics move the truth by between these multiples of the shift to the limit of short timesteps. Reality has no timestep, so it
 /// is at about 1; how fast the method converges is known roughly only; the best point, at 0, lies within.
 const SHIFTS: (f64, f64) = (-0.25, 2.0);
@@ -61,57 +69,14 @@ const MOST_EXCESS: f64 = 50.0;
 const BISECTIONS: usize = 40;
 /// Weight of the median excess beside those of the draws that were run; a draw at the same place has 1.
 const NEARNESS: f64 = 0.1;
-/// Draws that are run agree with the approximation where the mean of the deviance above the promised one is below this for each
-/// parameter.
-const AGREEMENT: f64 = 1.0;
 /// Runs with half and with a quarter of the timestep, with which the fit is repeated.
 const REFITS: (usize, usize) = (2, 3);
 /// Runs of [`LeastSquaresPosterior::with_numerics`].
 pub const RUNS_OF_NUMERICS: usize = REFITS.0 + REFITS.1;
 /// A parameter that changes along an open ridge by more than this share of its interval is not determined.
 const OPEN: f64 = 0.25;
-/// A fit has converged where its next step would be shorter than so many standard deviations.
-const CONVERGED: f64 = 3.0;
 /// The truth is between these multiples of the remaining step from the point where the budget ended.
 const REMAINING: (f64, f64) = (-0.5, 2.0);
-
-/// What is known about how good the approximation of a posterior is.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Agreement {
-    /// Length of the step that the descent would have gone on with, in standard deviations of the posterior: large where the budget
-    /// ended before the fit did.
-    pub remaining: f64,
-    /// Draws that were run.
-    pub checked: usize,
-    /// Of these, the effective number once weighted by how well they fit (Kish 1965).
-    pub effective: f64,
-    /// Mean deviance beyond what was promised, for each parameter: 0 where the approximation holds; `None` where no draw was run.
-    pub excess: Option<f64>,
-}
-
-impl Agreement {
-    /// The same with the excess deviance of some draws that were run.
-    fn with_checks(self, excesses: &[f64], parameters: usize) -> Self {
-        let weights: Vec<f64> = excesses.iter().map(|e| libm::exp(-0.5 * e)).collect();
-        Self {
-            checked: excesses.len(),
-            effective: effective(&weights),
-            excess: Some(mean(excesses) / parameters as f64),
-            ..self
-        }
-    }
-
-    /// Whether the fit had ended when the budget did.
-    pub fn has_converged(&self) -> bool {
-        self.remaining < CONVERGED
-    }
-
-    /// Whether runs at draws confirm the approximation.
-    pub fn holds(&self) -> bool {
-        self.excess.is_none_or(|excess| excess < AGREEMENT)
-    }
-}
 
 /// A draw, before the numerics move it.
 #[derive(Debug, Clone)]
@@ -121,6 +86,22 @@ struct Draw {
     mode: usize,
     /// The deviance above that of the mode's centre that is promised for it, as if errors were independent.
     promised: f64,
+}
+
+/// Runs that a mode takes at least: differences to both sides, last steps, and draws that are run.
+fn runs_of_one_mode(parameters: usize) -> usize {
+    2 * parameters + CHECKED
+}
+
+/// Size of the errors of a point far from the best one: all but a tenth of the points have smaller ones.
+fn typical_size(evaluated: &[EvaluatedPoint]) -> f64 {
+    let known = evaluated.iter().filter(|one| !one.errors.is_empty());
+    let sizes = known.map(|one| mean_of(one.errors.iter().map(|error| error.abs())));
+    let sizes: Vec<f64> = sizes.filter(|size| size.is_finite()).collect();
+    match sizes.is_empty() {
+        true => 0.0,
+        false => quantile(&sizes, FAR),
+    }
 }
 
 /// The posterior of a fit by least squares.
@@ -148,17 +129,52 @@ impl LeastSquaresPosterior {
             return Ok(None);
         };
         let mut runs = CheckRuns::new(evaluate, most, first.errors.len());
+        let known = (problem, evaluated, linearisations);
+        let mut posterior = Self::around(known, None, &mut runs)?;
+        // A run that was made to check the posterior may be better than the point where the descent ended by more than a right
+        // approximation allows: then that end was no minimum, and everything is made again from there.
+        for _ in 0..RESTARTS {
+            let better = posterior.better_run(&runs);
+            if better.is_none() || !runs.has_left(runs_of_one_mode(problem.dimensions())) {
+                break;
+            }
+            posterior = Self::around(known, better, &mut runs)?;
+        }
+        if let Some((point, errors)) = posterior.better_run(&runs) {
+            posterior.agreement.remaining = posterior
+                .agreement
+                .remaining
+                .max(posterior.better(&point, &errors).sqrt());
+        }
+        Ok(Some(posterior))
+    }
+
+    /// The posterior around the ends of descents, the best first, or for the first of them around a better run.
+    fn around(
+        (problem, evaluated, linearisations): (
+            &OptimizationProblem,
+            &[EvaluatedPoint],
+            &[Linearisation],
+        ),
+        better: Option<(UnitPoint, Vec<f64>)>,
+        runs: &mut CheckRuns<'_>,
+    ) -> Result<Self> {
+        let errors = linearisations[0].errors.len();
         let mut modes: Vec<(Mode, f64)> = Vec::new();
         for known in linearisations {
             let mut laplace = Laplace::new(problem, known);
             if modes.is_empty() {
                 // The budget may end before there are differences around the last step.
                 let known = evaluated.iter().filter(|one| one.score.is_some());
-                let known = known.filter(|one| one.errors.len() == first.errors.len());
+                let known = known.filter(|one| one.errors.len() == errors);
                 let deviance = |one: &&EvaluatedPoint| laplace.deviance(&one.point, &one.errors);
                 let lowest = known.min_by(|a, b| deviance(a).total_cmp(&deviance(b)));
-                if let Some(lowest) = lowest {
-                    laplace.move_to(lowest.point.clone(), lowest.errors.clone());
+                let lowest = lowest.map(|one| (one.point.clone(), one.errors.clone()));
+                if let Some((point, errors)) = better.clone().or(lowest)
+                    && point != *laplace.centre()
+                {
+                    laplace.move_to(point, errors);
+                    laplace.renew(problem);
                 }
             }
             let (excess, is_new) = match modes.first() {
@@ -175,12 +191,14 @@ impl LeastSquaresPosterior {
                 None => (0.0, true),
             };
             if is_new && excess < FARTHEST {
-                modes.push((Mode::new(laplace, &mut runs)?, excess));
+                modes.push((Mode::new(problem, laplace, runs)?, excess));
             }
         }
         let mut posterior = Self {
             agreement: Agreement {
                 remaining: modes[0].0.remaining_deviations(),
+                systematic: modes[0].0.laplace.systematic(typical_size(evaluated)),
+                descents: None,
                 checked: 0,
                 effective: 0.0,
                 excess: None,
@@ -188,8 +206,27 @@ impl LeastSquaresPosterior {
             modes,
             draws: Vec::new(),
         };
-        posterior.check(problem.seed, &mut runs)?;
-        Ok(Some(posterior))
+        posterior.agreement.descents = problem.has_several_starts().then(|| {
+            let (best, _) = &posterior.modes[0];
+            let ended = linearisations.iter().map(|known| &known.at);
+            ended.filter(|at| !best.is_apart(at)).count()
+        });
+        posterior.check(problem.seed, runs)?;
+        Ok(posterior)
+    }
+
+    /// By how much the deviance of these errors is below that of the best mode's centre, in units of the mean inflation.
+    fn better(&self, point: &[f64], errors: &[f64]) -> f64 {
+        let laplace = &self.modes[0].0.laplace;
+        (laplace.lowest() - laplace.deviance(point, errors)) / laplace.mean_inflation()
+    }
+
+    /// The best of the runs that checked the posterior, where it is obviously better than the best mode's centre.
+    fn better_run(&self, runs: &CheckRuns<'_>) -> Option<(UnitPoint, Vec<f64>)> {
+        let known = runs.known().iter();
+        let known = known.map(|(point, errors)| (self.better(point, errors), point, errors));
+        let (better, point, errors) = known.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        (better > BETTER).then(|| (point.clone(), errors.clone()))
     }
 
     /// The share of each mode.

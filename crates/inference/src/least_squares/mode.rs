@@ -5,12 +5,12 @@ use rand::RngExt;
 use realgap_core::error::Result;
 use realgap_core::random::Generator;
 use realgap_core::statistics::truncated_normal_quantile;
-use realgap_optimization::UnitPoint;
+use realgap_optimization::{OptimizationProblem, UnitPoint};
 
-use super::CHECKED;
 use super::laplace::Laplace;
 use super::ridge::{Follower, Ridge, clamped, room};
 use super::runs::{CheckRuns, Finer};
+use super::{CHECKED, FEW};
 
 /// A direction with a larger standard deviation than this, as a share of a range, is followed by runs, and so is the least determined
 /// one; at most so many are.
@@ -25,6 +25,8 @@ const STEP: f64 = 0.01;
 const SHORT: f64 = 0.1;
 /// Steps of the last descent before the centre is taken as it is.
 const LAST_STEPS: usize = 3;
+/// How often the derivatives are taken again where these steps did not end.
+const ROUNDS: usize = 6;
 /// A step that promises to reduce the deviance by less is not made.
 const SMALL_GAIN: f64 = 0.1;
 /// Sweeps over all directions between two draws.
@@ -104,27 +106,51 @@ fn differences(laplace: &mut Laplace, runs: &mut CheckRuns<'_>) -> Result<()> {
     Ok(())
 }
 
+/// Moves the centre to the lowest deviance by a few steps with the derivatives as they are; whether a step more would gain little.
+fn last_steps(laplace: &mut Laplace, runs: &mut CheckRuns<'_>) -> Result<bool> {
+    for _ in 0..LAST_STEPS {
+        let step = laplace.step(laplace.centre(), laplace.errors());
+        if laplace.gain(&step) < SMALL_GAIN {
+            return Ok(true);
+        }
+        let target = clamped(&(DVector::from_column_slice(laplace.centre()) + step));
+        let Some(errors) = runs.run(vec![target.clone()])?.pop().flatten() else {
+            return Ok(false);
+        };
+        if laplace.deviance(&target, &errors) >= laplace.lowest() {
+            return Ok(false);
+        }
+        laplace.move_to(target, errors);
+    }
+    let step = laplace.step(laplace.centre(), laplace.errors());
+    Ok(laplace.gain(&step) < SMALL_GAIN)
+}
+
 impl Mode {
     /// Moves the centre to the lowest deviance and follows its ridges.
     ///
     /// # Errors
     /// Those of the runs.
-    pub fn new(mut laplace: Laplace, runs: &mut CheckRuns<'_>) -> Result<Self> {
+    pub fn new(
+        problem: &OptimizationProblem,
+        mut laplace: Laplace,
+        runs: &mut CheckRuns<'_>,
+    ) -> Result<Self> {
         let dimensions = laplace.centre().len();
         differences(&mut laplace, runs)?;
-        for _ in 0..LAST_STEPS {
-            let step = laplace.step(laplace.centre(), laplace.errors());
-            if laplace.gain(&step) < SMALL_GAIN {
+        let mut has_ended = last_steps(&mut laplace, runs)?;
+        // Of few parameters, a descent that its budget cut off is brought to its end, because nothing can be learned around a point
+        // that is no minimum.
+        for _ in 0..ROUNDS {
+            if has_ended
+                || dimensions > FEW
+                || !runs.has_left(2 * dimensions + LAST_STEPS + CHECKED)
+            {
                 break;
             }
-            let target = clamped(&(DVector::from_column_slice(laplace.centre()) + step));
-            let Some(errors) = runs.run(vec![target.clone()])?.pop().flatten() else {
-                break;
-            };
-            if laplace.deviance(&target, &errors) >= laplace.lowest() {
-                break;
-            }
-            laplace.move_to(target, errors);
+            laplace.renew(problem);
+            differences(&mut laplace, runs)?;
+            has_ended = last_steps(&mut laplace, runs)?;
         }
         let best_known = laplace.information(dimensions - 1);
         let is_weak = |k: usize| laplace.information(k) < WEAK * best_known;

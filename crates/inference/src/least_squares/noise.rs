@@ -3,10 +3,16 @@
 use nalgebra::{DMatrix, DVector};
 use realgap_optimization::{ErrorBlock, robust_loss, robust_slope};
 
+use crate::rough::rough_noise;
+
 /// Variance of values that are rounded to steps of 1.
 const ROUNDING: f64 = 1.0 / 12.0;
 /// The least variance of an error in squares of its typical size: errors that are all zero show no noise, but not that there is none.
 const LEAST_VARIANCE: f64 = 1e-4;
+/// Mean absolute value of a normal number of standard deviation 1.
+const NORMAL_MEAN: f64 = 0.797_88;
+/// Errors of this share of those far from the best point are as good as none.
+const NEGLIGIBLE: f64 = 0.003;
 /// Autocorrelations are summed up to at most this share of a block.
 const LARGEST_LAG: f64 = 0.25;
 
@@ -87,6 +93,36 @@ impl ResidualNoise {
             .collect()
     }
 
+    /// Mean size of the errors, each in sizes of the noise that differences of the errors of its block show; 1 for normal errors
+    /// without anything systematic. Noise is at least that of the sensor's steps, and a small share of `far`, the size of errors far
+    /// from the best point.
+    pub fn systematic(&self, errors: &[f64], far: f64) -> f64 {
+        let sizes = ranges(&self.blocks).map(|(block, range)| {
+            let own = &errors[range];
+            let rounding = ROUNDING.sqrt() * block.resolution;
+            let least = rounding.max(NEGLIGIBLE * far).max(f64::MIN_POSITIVE);
+            let noise = rough_noise(own).max(least);
+            own.iter().map(|error| error.abs()).sum::<f64>() / (NORMAL_MEAN * noise)
+        });
+        sizes.sum::<f64>() / errors.len().max(1) as f64
+    }
+
+    /// The factor by which each error is divided by its standard deviation.
+    fn whitening(&self) -> impl Iterator<Item = f64> {
+        let all = self.scales.iter().zip(&self.information);
+        all.map(|(scale, information)| information.sqrt() / scale)
+    }
+
+    /// Derivatives of errors that were whitened by this noise, whitened by another.
+    pub fn whitened_by(&self, other: &Self, jacobian: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut whitened = jacobian.clone();
+        let factors = self.whitening().zip(other.whitening());
+        for (mut row, (own, other)) in whitened.row_iter_mut().zip(factors) {
+            row *= other / own;
+        }
+        whitened
+    }
+
     /// Twice the negative log-likelihood of these errors, as if they were independent.
     pub fn deviance(&self, errors: &[f64]) -> f64 {
         let all = errors.iter().zip(&self.scales).zip(&self.likelihood);
@@ -96,18 +132,15 @@ impl ResidualNoise {
 
     /// The errors, each divided by its standard deviation.
     pub fn whitened_errors(&self, errors: &[f64]) -> DVector<f64> {
-        let factors = self.scales.iter().zip(&self.information);
-        let all = errors.iter().zip(factors);
-        let all = all.map(|(error, (scale, information))| error * information.sqrt() / scale);
-        DVector::from_iterator(errors.len(), all)
+        let all = errors.iter().zip(self.whitening());
+        DVector::from_iterator(errors.len(), all.map(|(error, factor)| error * factor))
     }
 
     /// The derivatives, each divided by the standard deviation of its error.
     pub fn whitened(&self, jacobian: &DMatrix<f64>) -> DMatrix<f64> {
         let mut whitened = jacobian.clone();
-        let factors = self.scales.iter().zip(&self.information);
-        for (mut row, (scale, information)) in whitened.row_iter_mut().zip(factors) {
-            row *= information.sqrt() / scale;
+        for (mut row, factor) in whitened.row_iter_mut().zip(self.whitening()) {
+            row *= factor;
         }
         whitened
     }

@@ -16,6 +16,8 @@ pub(super) struct CheckRuns<'a> {
     left: usize,
     /// Number of errors of a run.
     errors: usize,
+    /// The runs that were made, with their errors.
+    known: Vec<(UnitPoint, Vec<f64>)>,
 }
 
 impl<'a> CheckRuns<'a> {
@@ -24,6 +26,7 @@ impl<'a> CheckRuns<'a> {
             evaluate,
             left: most,
             errors,
+            known: Vec::new(),
         }
     }
 
@@ -41,6 +44,15 @@ impl<'a> CheckRuns<'a> {
         let found = (self.evaluate)(&points)?;
         let is_whole = |errors: &Vec<f64>| errors.len() == self.errors;
         let found = found.into_iter();
-        Ok(found.map(|errors| errors.filter(is_whole)).collect())
+        let found: Vec<Option<Vec<f64>>> = found.map(|errors| errors.filter(is_whole)).collect();
+        let whole = points.into_iter().zip(&found);
+        self.known
+            .extend(whole.filter_map(|(point, errors)| Some((point, errors.clone()?))));
+        Ok(found)
+    }
+
+    /// The runs that were made and did not diverge, with their errors.
+    pub fn known(&self) -> &[(UnitPoint, Vec<f64>)] {
+        &self.known
     }
 }

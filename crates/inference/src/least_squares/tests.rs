@@ -5,6 +5,8 @@
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
+mod budget;
+
 use super::*;
 use realgap_core::quantity::{Quantity, Scale};
 use realgap_core::unit::Unit;
@@ -33,6 +35,21 @@ fn fitted(
     blocks: Vec<ErrorBlock>,
     budget: usize,
 ) -> (Vec<LeastSquaresEstimate>, Agreement) {
+    let known = |posterior: LeastSquaresPosterior| posterior;
+    fitted_from(grid, model, recorded, (blocks, None), (budget, &known))
+}
+
+/// The same from own values, with what else is known of the posterior.
+fn fitted_from(
+    grid: &Grid,
+    model: &dyn Fn(&[f64]) -> Vec<f64>,
+    recorded: &[f64],
+    (blocks, own): (Vec<ErrorBlock>, Option<UnitPoint>),
+    (budget, with_more): (
+        usize,
+        &dyn Fn(LeastSquaresPosterior) -> LeastSquaresPosterior,
+    ),
+) -> (Vec<LeastSquaresEstimate>, Agreement) {
     let optimizer = optimizer_by_name("gauss-newton").unwrap();
     let problem = OptimizationProblem {
         points: vec![7; grid.ranges().len()],
@@ -40,7 +57,7 @@ fn fitted(
         seed: 1,
         priors: Vec::new(),
         error_blocks: blocks,
-        own: None,
+        own,
     };
     let errors = |point: &UnitPoint| -> Vec<f64> {
         let simulated = model(&grid.values_at(point));
@@ -75,7 +92,7 @@ fn fitted(
     let mut runs = |points: &[UnitPoint]| Ok(points.iter().map(|p| Some(errors(p))).collect());
     let posterior =
         LeastSquaresPosterior::new(&problem, &evaluated, &known, (&mut runs, most)).unwrap();
-    let posterior = posterior.unwrap();
+    let posterior = with_more(posterior.unwrap());
     let draws = posterior.posterior(grid, 1);
     (
         LeastSquaresEstimate::all(grid, &posterior, &draws),

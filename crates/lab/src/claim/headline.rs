@@ -80,6 +80,8 @@ pub(crate) fn gap(
 pub(crate) struct Ground<'a> {
     /// Whether the run came to its end.
     pub complete: bool,
+    /// Whether the fit ended where its method would have ended by itself.
+    pub has_converged: bool,
     /// Whether anything looked for misfit.
     pub is_audited: bool,
     /// Whether the model explains the fitted recordings.
@@ -95,6 +97,7 @@ pub(crate) struct Ground<'a> {
 pub(crate) fn trust(ground: &Ground<'_>) -> Claim {
     let Ground {
         complete,
+        has_converged,
         is_audited,
         fit,
         validation,
@@ -123,6 +126,9 @@ pub(crate) fn trust(ground: &Ground<'_>) -> Claim {
                 counted(held.held_out_recordings, "recording"),
                 number(held.held_out_score / held.fit_score)
             ),
+        ),
+        (None, None) if !has_converged => cannot(
+            "the fit has not converged, so other values may explain the recordings better; give it a larger budget",
         ),
         (_, Some((held, true))) => (
             Conclusion::Supported,
@@ -224,6 +230,7 @@ mod tests {
     fn words(fit: Option<&Fit>, validation: Option<&Validation>, complete: bool) -> String {
         let ground = Ground {
             complete,
+            has_converged: true,
             is_audited: true,
             fit,
             validation,
@@ -265,12 +272,18 @@ mod tests {
     fn what_cannot_be_told_says_what_would_tell() {
         let ground = Ground {
             complete: true,
+            has_converged: true,
             is_audited: false,
             fit: None,
             validation: None,
             recordings: 1,
         };
         assert!(trust(&ground).text.contains("audit it"));
+        let unfinished = Ground {
+            has_converged: false,
+            ..ground
+        };
+        assert!(trust(&unfinished).text.contains("larger budget"));
         let text = trust(&Ground {
             fit: Some(&fit(false, true)),
             is_audited: true,

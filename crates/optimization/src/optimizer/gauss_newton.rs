@@ -2,27 +2,28 @@
 
 mod bounded;
 mod channel;
+mod far;
 mod problem;
 mod robust;
 
 use super::random::space_filling;
 use super::replay::{Replay, Unknown};
 use super::{History, OptimizationProblem, Optimizer, Proposal, UnitPoint};
+use far::far_along_weakest;
 use problem::LinearisedProblem;
 use realgap_core::error::Result;
 use realgap_core::warning::{Code, Warning};
 
 pub use bounded::minimum_within;
-pub use channel::{ErrorBlock, blocks_of};
+pub use channel::{ErrorBlock, blocks_of, error_scales};
 pub use problem::{Linearisation, slopes};
 pub use robust::{robust_loss, robust_slope};
 
 /// Gauss–Newton with Marquardt's damping, from the own values and then from further space-filling points.
 pub(super) struct GaussNewton;
 
-/// Space-filling points of which the best is the start of a descent, and most parameters for which the first descent has them, too.
+/// Space-filling points of which the best is the start of a descent.
 const STARTS: usize = 12;
-const FEW: usize = 8;
 /// Step of the finite differences as a share of a range: the initial step, and the smallest step. Differences over smaller steps are
 /// dominated by the discrete steps of the solver and by stick and slip.
 const FIRST_STEP: f64 = 0.02;
@@ -59,11 +60,6 @@ struct SearchState {
     ended: Vec<Linearisation>,
     /// The last point of the current descent.
     last: Option<Linearisation>,
-}
-
-/// Whether the first descent starts from the best of several points.
-fn has_more_starts(problem: &OptimizationProblem) -> bool {
-    problem.dimensions() <= FEW && problem.priors.iter().all(Option::is_none)
 }
 
 /// The errors of these points, in order; `None` for a point without errors. All coordinates are within 0 to 1 already.
@@ -188,18 +184,22 @@ fn search(
     let mut begun = 0;
     loop {
         // The first start is the own values (or the medians of priors, or the middle of the ranges); of a few parameters without
-        // priors, the best of these, the middle and some space-filling points; each further one is the best of more such points. A descent costs several times
-        // as many runs as these do.
-        let starts = match begun {
-            0 => {
+        // priors, the best of these, the middle and some space-filling points. Each second further one lies far from the end of the
+        // last descent along the direction that is least determined there: a descent into a wrong minimum ends where one parameter
+        // does another's work, and more space-filling points often lead to the same place. The others are the best of more
+        // space-filling points. A descent costs several times as many runs as these do.
+        let ended = state.ended.last().filter(|_| begun % 2 == 1);
+        let starts = match (begun, ended) {
+            (0, _) => {
                 let mut starts = vec![problem.beginning()];
-                if has_more_starts(problem) {
+                if problem.has_several_starts() {
                     starts.push(problem.middle());
                     starts.extend(space_filling(dimensions, 0, STARTS, problem.seed));
                 }
                 starts
             }
-            n => space_filling(dimensions, n * STARTS, (n + 1) * STARTS, problem.seed),
+            (_, Some(ended)) => far_along_weakest(ended),
+            (n, None) => space_filling(dimensions, n * STARTS, (n + 1) * STARTS, problem.seed),
         };
         begun += 1;
         let known = match errors_of(&replay, &starts) {
@@ -250,7 +250,7 @@ impl Optimizer for GaussNewton {
     }
 
     fn batch(&self, problem: &OptimizationProblem) -> usize {
-        let first = match has_more_starts(problem) {
+        let first = match problem.has_several_starts() {
             // With fewer runs there would be no derivatives.
             true => 2 + STARTS,
             false => 1,

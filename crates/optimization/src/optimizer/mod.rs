@@ -26,7 +26,8 @@ use random::Random;
 
 pub use bayesian::thin;
 pub use gauss_newton::{
-    ErrorBlock, Linearisation, blocks_of, minimum_within, robust_loss, robust_slope, slopes,
+    ErrorBlock, Linearisation, blocks_of, error_scales, minimum_within, robust_loss, robust_slope,
+    slopes,
 };
 pub use random::space_filling;
 
@@ -69,10 +70,19 @@ pub struct OptimizationProblem {
     pub own: Option<UnitPoint>,
 }
 
+/// Most parameters for which least squares have several starts.
+const FEW: usize = 8;
+
 impl OptimizationProblem {
     /// Number of parameters.
     pub fn dimensions(&self) -> usize {
         self.points.len()
+    }
+
+    /// Whether least squares descend from the best of several points, and then from others: not for many parameters, where budgets
+    /// allow one descent, and not with priors, where what is known says where to begin.
+    pub fn has_several_starts(&self) -> bool {
+        self.dimensions() <= FEW && self.priors.iter().all(Option::is_none)
     }
 
     /// The point at which a fit begins: the medians of the priors, else the own values if they are known, else the middle. A

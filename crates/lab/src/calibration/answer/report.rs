@@ -430,6 +430,7 @@ impl Report {
         });
         let trust = claim::trust(&claim::Ground {
             complete: self.complete,
+            has_converged: self.tuning.as_ref().is_none_or(Tuned::has_converged),
             is_audited: !self.warnings.iter().any(|w| w.code == Code::NotAudited),
             fit: self.fit.as_ref(),
             validation: self.validation.as_ref(),

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use crate::calibration::exploration::information_gain::FitPrecision;
 use crate::calibration::exploration::wave::next_trial;
 use crate::calibration::{PosteriorDraws, Profile, Scores, Study, Uncertainty};
+use realgap_core::unit::number;
 use realgap_core::{Code, Result, Warning};
 use realgap_inference::{
     Agreement, LEVEL, LeastSquaresEstimate, LeastSquaresPosterior, RUNS_OF_NUMERICS, most_checks,
@@ -164,10 +165,17 @@ impl LeastSquaresFit {
     pub fn warnings(&self) -> Vec<Warning> {
         let agreement = self.agreement();
         let open = (!agreement.has_converged()).then(|| {
-            Code::NotConverged.warning(format!(
-                "the fit had not ended when its budget did: its next step would be {:.0} standard deviations long, so no parameter is called determined",
-                agreement.remaining
-            ))
+            let why = match agreement.may_be_local() {
+                true => format!(
+                    "the fit may have ended in a wrong minimum: its errors are {} times as large as the noise that the recordings show, and no second descent ended there",
+                    number(agreement.systematic)
+                ),
+                false => format!(
+                    "the fit had not ended when its budget did: its next step would be {:.0} standard deviations long",
+                    agreement.remaining
+                ),
+            };
+            Code::NotConverged.warning(format!("{why}, so no parameter is called determined; a larger budget tries more"))
         });
         let doubted = agreement.excess.filter(|_| !agreement.holds()).map(|excess| {
             Code::UnconfirmedPosterior.warning(format!(

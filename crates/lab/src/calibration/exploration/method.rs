@@ -18,7 +18,7 @@ impl Method {
     /// Whether the points end where the method would have ended by itself; false for least squares whose budget ended before.
     pub(in crate::calibration) fn has_converged(&self) -> bool {
         match self {
-            Self::Tune(tuned) => tuned.agreement.is_none_or(|known| known.has_converged()),
+            Self::Tune(tuned) => tuned.has_converged(),
             Self::Sweep => true,
         }
     }
@@ -76,4 +76,12 @@ pub struct Tuned {
     /// Information that each recording adds to the others, largest first; empty for other optimizers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub motions: Vec<InformationGain>,
+}
+
+impl Tuned {
+    /// Whether the fit ended where it would have ended by itself; false for least squares whose budget ended before, or that may have
+    /// ended in a wrong minimum.
+    pub(in crate::calibration) fn has_converged(&self) -> bool {
+        self.agreement.is_none_or(|known| known.has_converged())
+    }
 }

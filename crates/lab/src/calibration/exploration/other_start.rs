@@ -8,18 +8,13 @@ use crate::calibration::Study;
 use crate::calibration::recording::start_speed::StartSpeed;
 use realgap_core::Result;
 use realgap_core::random::Numbered;
-use realgap_core::statistics::median;
+use realgap_inference::rough_noise;
 use realgap_optimization::RunOptions;
 use realgap_path::trajectory::{JointTrack, Trajectory, resolution};
 use realgap_simulation::Experiment;
 
 /// Other starts that are run.
 const STARTS: u64 = 6;
-/// Orders of the differences that show noise.
-const LOWEST_ORDER: usize = 2;
-const HIGHEST_ORDER: usize = 6;
-/// Median of the absolute value of a normal number of standard deviation 1.
-const MEDIAN: f64 = 0.674_49;
 
 impl Study {
     /// Single errors at these values from some other starts, each drawn from the noise of the recorded joints; empty where no run
@@ -124,21 +119,8 @@ fn speed_noise_rad_s(joint: &JointTrack, angle_rad: f64, times_s: &[f64]) -> f64
 }
 
 /// Standard deviation of the noise of values that change smoothly, and at least that of rounding to the step of the sensor.
-///
-/// Differences of order k are taken, whose coefficients have squares that sum up to (2k)!/(k!)². A smooth signal contributes less the
-/// higher the order, and noise contributes the same, so the smallest estimate of several orders is taken (Gasser, Sroka &
-/// Jennen-Steinmetz 1986 take the second order).
 fn noise(values: &[f64]) -> f64 {
-    let (mut differences, mut squares) = (values.to_vec(), 1.0);
-    let mut rough = f64::INFINITY;
-    for order in 1..=HIGHEST_ORDER {
-        differences = differences.windows(2).map(|v| v[1] - v[0]).collect();
-        squares *= (4.0 * order as f64 - 2.0) / order as f64;
-        if order >= LOWEST_ORDER && !differences.is_empty() {
-            let sizes: Vec<f64> = differences.iter().map(|d| d.abs()).collect();
-            rough = rough.min(median(&sizes) / MEDIAN / squares.sqrt());
-        }
-    }
+    let rough = rough_noise(values);
     let rough = if rough.is_finite() { rough } else { 0.0 };
     match resolution(values) {
         // Differences of rounded values that change slowly are mostly 0, or one step.

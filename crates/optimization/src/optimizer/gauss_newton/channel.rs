@@ -35,7 +35,7 @@ pub fn blocks_of(stated: &[ErrorBlock], errors: usize) -> Vec<ErrorBlock> {
 
 /// Size of a typical error of each error's channel: the median absolute error, of the errors that are not zero where most are zero,
 /// and at least the step of the sensor. Positive.
-pub(super) fn scales(blocks: &[ErrorBlock], errors: &[f64]) -> Vec<f64> {
+pub fn error_scales(blocks: &[ErrorBlock], errors: &[f64]) -> Vec<f64> {
     let channels = blocks.iter().map(|block| block.channel + 1).max();
     let mut sizes: Vec<Vec<f64>> = vec![Vec::new(); channels.unwrap_or(0)];
     let mut resolutions = vec![0.0_f64; sizes.len()];
@@ -85,15 +85,15 @@ mod tests {
         let mut errors = vec![0.0; 60];
         errors.extend([0.02, -0.03, 0.01, 0.02]);
         let blocks = [block(0, 60, 0.0015), block(1, 4, 0.0015)];
-        let scales = scales(&blocks, &errors);
+        let scales = error_scales(&blocks, &errors);
         assert_eq!((scales[0], scales[63]), (0.0015, 0.02));
     }
 
     #[test]
     fn most_errors_of_zero_leave_the_scale_to_those_that_are_not() {
         let errors = [0.0, 0.0, 0.0, 0.004, -0.002];
-        assert_eq!(scales(&[block(0, 5, 0.0)], &errors)[0], 0.003);
-        assert!(scales(&[block(0, 5, 0.0)], &[0.0; 5])[0] > 0.0);
+        assert_eq!(error_scales(&[block(0, 5, 0.0)], &errors)[0], 0.003);
+        assert!(error_scales(&[block(0, 5, 0.0)], &[0.0; 5])[0] > 0.0);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::super::{OptimizationProblem, UnitPoint};
 use super::bounded::minimum_within;
-use super::channel::{blocks_of, scales};
+use super::channel::{blocks_of, error_scales};
 use super::robust::{robust_loss, robust_weight};
 
 /// The errors at a point and their derivatives with respect to every coordinate.
@@ -96,7 +96,7 @@ impl LinearisedProblem {
     ) -> Self {
         // The scale of each channel is its median absolute error, so that the loss is between least squares and least absolute
         // deviations in any unit, and a channel with small errors counts as much as one with large errors.
-        let scales = scales(&blocks_of(&problem.error_blocks, errors.len()), errors);
+        let scales = error_scales(&blocks_of(&problem.error_blocks, errors.len()), errors);
         let scaled = |errors: &[f64]| -> Vec<f64> {
             errors.iter().zip(&scales).map(|(e, s)| e / s).collect()
         };
