@@ -169,7 +169,7 @@ fn describe(
     (dynamics, consent): (usize, CommandConsent),
     robot: Option<&Path>,
 ) -> Result<Contents> {
-    if path.is_dir() {
+    if path.is_dir() && !trajectory::is_data_set(path) {
         let folder = path.display();
         return Err(
             Error::invalid("this is a folder, and files are checked one by one")

@@ -187,7 +187,9 @@ fn parquet(_listing: &Listing, _output: Option<&Path>) -> Result<Vec<u8>> {
     Err(
         Error::usage("this program was built without the feature `parquet`")
             .field("--format parquet")
-            .hint("build it with `cargo build --release --features parquet`, or use --format csv"),
+            .hint(
+                "build it with its default features (`cargo build --release`), or use --format csv",
+            ),
     )
 }
 

@@ -108,6 +108,16 @@ fn every_command_refuses_a_changed_digit_a_lost_line_and_a_lost_file() {
         }
         std::fs::write(&path, whole).unwrap();
     }
+    // The page is not made without what only `page.json` holds, unless this is accepted; the answer needs none of it.
+    let kept = std::fs::read(out.join("page.json")).unwrap();
+    std::fs::remove_file(out.join("page.json")).unwrap();
+    let (fine, said) = say(&["report", name]);
+    assert!(
+        !fine && said.contains("page.json") && said.contains("--accept"),
+        "{said}"
+    );
+    assert!(say(&["study", "results", name]).0);
+    std::fs::write(out.join("page.json"), kept).unwrap();
     // Without checksums, changes cannot be detected, so the folder is refused.
     std::fs::remove_file(out.join("SHA256SUMS")).unwrap();
     let (fine, said) = say(&["report", name]);

@@ -347,7 +347,7 @@ fn results_can_be_read_without_the_study() {
     let needed = if cfg!(feature = "parquet") {
         "--output"
     } else {
-        "--features parquet"
+        "default features"
     };
     assert!(text(&output.get_output().stderr).contains(needed));
     realgap()

@@ -7,7 +7,8 @@ use std::time::SystemTime;
 use rusqlite::{Connection, MAIN_DB};
 
 use super::connection::with_suffix;
-use super::log::damage_of;
+use super::journal::{Journal, journal_of};
+use super::log::{Rest, damage_of, rest_of};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::read_limited;
 
@@ -15,8 +16,11 @@ use realgap_core::file::read_limited;
 const SIGNATURE: &[u8] = b"SQLite format 3\0";
 /// Byte range of the header fields that say whether later changes are in a write-ahead log.
 const VERSIONS: std::ops::Range<usize> = 18..20;
+/// Byte range of the number by which a program may mark its databases, and the mark of a bag whose last change is left out.
+const MARK: std::ops::Range<usize> = 68..72;
+const UNFINISHED: &[u8; 4] = b"rgUF";
 
-fn refused(error: &rusqlite::Error) -> Error {
+pub(super) fn refused(error: &rusqlite::Error) -> Error {
     Error::invalid("the bag cannot be read as a database")
         .found(error)
         .hint("repair a truncated bag with `ros2 bag reindex`; decompress a compressed bag with `zstd -d`")
@@ -43,55 +47,104 @@ const UNCLOSED: [&str; 2] = ["-wal", "-journal"];
 /// SQLite applies the committed changes and rolls back the others. The files of the bag itself are not changed.
 ///
 /// # Errors
-/// A file that cannot be read; a bag that another process is writing; a damaged log; no disk space for the copy.
+/// A file that cannot be read; a bag that another process is writing; a log or journal that is damaged or cut off; no disk space for
+/// the copy.
 pub fn read_closed_bag(path: &Path, limit: u64) -> Result<Vec<u8>> {
-    let unclosed = || -> Vec<PathBuf> {
-        let beside = UNCLOSED.map(|suffix| with_suffix(path, suffix));
-        let is_there = |file: &PathBuf| std::fs::metadata(file).is_ok_and(|file| file.len() > 0);
-        beside.into_iter().filter(is_there).collect()
-    };
+    if unclosed(path).is_empty() {
+        return read_limited(path, limit, "bag");
+    }
+    let size = std::fs::metadata(path).map_or(0, |file| file.len());
+    if size > limit {
+        return read_limited(path, limit, "bag");
+    }
+    closed(path, |copy, is_unfinished| {
+        let mut bytes = std::fs::read(copy).map_err(|e| Error::io("read the bag", copy, &e))?;
+        if is_unfinished {
+            mark_unfinished(&mut bytes);
+        }
+        Ok(bytes)
+    })
+}
+
+/// Marks the bytes of a bag whose last change is left out; [`read_bag`] tells.
+pub(super) fn mark_unfinished(bytes: &mut [u8]) {
+    if let Some(mark) = bytes.get_mut(MARK) {
+        mark.copy_from_slice(UNFINISHED);
+    }
+}
+
+/// The files beside a bag that its recorder has not closed.
+pub(super) fn unclosed(path: &Path) -> Vec<PathBuf> {
+    let beside = UNCLOSED.map(|suffix| with_suffix(path, suffix));
+    let is_there = |file: &PathBuf| std::fs::metadata(file).is_ok_and(|file| file.len() > 0);
+    beside.into_iter().filter(is_there).collect()
+}
+
+/// Calls `read` with a closed copy of a bag that was not closed, and whether a change of it was left out.
+///
+/// # Errors
+/// The errors of [`read_closed_bag`] and of `read`.
+pub(super) fn closed<T>(path: &Path, read: impl FnOnce(&Path, bool) -> Result<T>) -> Result<T> {
     let state = || -> Vec<Option<(u64, Option<SystemTime>)>> {
-        let files = [path.to_path_buf()].into_iter().chain(unclosed());
+        let files = [path.to_path_buf()].into_iter().chain(unclosed(path));
         let seen = files.map(|file| std::fs::metadata(file).ok());
         seen.map(|file| file.map(|file| (file.len(), file.modified().ok())))
             .collect()
     };
     let before = state();
-    let bytes = read_limited(path, limit, "bag")?;
-    if bytes.len() as u64 > limit || unclosed().is_empty() {
-        return Ok(bytes);
-    }
-    if let Some(found) = damage_of(path)? {
-        return Err(Error::invalid("the log of the bag is damaged")
-            .at_file(with_suffix(path, "-wal"))
+    let damaged = |suffix: &str, what: &str, found: String, lost: &str| {
+        Error::invalid(what)
+            .at_file(with_suffix(path, suffix))
             .found(found)
             .allowed("exactly the bytes that its recorder wrote")
-            .hint(
-                "the last messages of the bag are in this file: copy it from the robot once more",
-            ));
+            .hint(format!(
+                "{lost}: copy it from the robot once more. Where it cannot be had, remove it from a copy of the bag, and `ros2 bag reindex` repairs what is there"
+            ))
+    };
+    let log = "the last messages of the bag are in this file";
+    if let Some(found) = damage_of(path)? {
+        return Err(damaged("-wal", "the log of the bag is damaged", found, log));
     }
+    let rest = rest_of(path)?;
+    if rest == Rest::Cut {
+        let found = "an end in the middle of a page".to_owned();
+        return Err(damaged("-wal", "the log of the bag is cut off", found, log));
+    }
+    let journal = journal_of(path)?;
+    if let Journal::Damaged(found) = journal {
+        return Err(damaged(
+            "-journal",
+            "the journal of the bag is damaged",
+            found,
+            "what the recorder's last change has overwritten is in this file",
+        ));
+    }
+    let is_unfinished = rest == Rest::Unfinished || journal == Journal::Whole;
     static COUNTER: AtomicU64 = AtomicU64::new(0);
     let number = COUNTER.fetch_add(1, Ordering::Relaxed);
     let folder = std::env::temp_dir().join(format!("realgap-bag-{}-{number}", std::process::id()));
-    let closed = close_copy(path, &bytes, &unclosed(), &folder);
+    let done = close_copy(path, &folder).and_then(|copy| {
+        // What another process has written meanwhile is in the copy, or it is not.
+        match state() == before {
+            true => read(&copy, is_unfinished),
+            false => Err(Error::conflict("another process is writing into this bag")
+                .at_file(path)
+                .hint("read the bag after its recorder has ended")),
+        }
+    });
     // An error is ignored, because a temporary folder that remains does no harm.
     let _left = std::fs::remove_dir_all(&folder);
-    if state() != before {
-        return Err(Error::conflict("another process is writing into this bag")
-            .at_file(path)
-            .hint("read the bag after its recorder has ended"));
-    }
-    closed
+    done
 }
 
-/// Copies a bag and its log or journal into `folder`, closes the copy there, and returns its bytes.
-fn close_copy(path: &Path, bytes: &[u8], beside: &[PathBuf], folder: &Path) -> Result<Vec<u8>> {
+/// Copies a bag with its log or journal into `folder`, and closes the copy there.
+fn close_copy(path: &Path, folder: &Path) -> Result<PathBuf> {
     let copy = folder.join("bag.db3");
     let fail = |e: std::io::Error| Error::io("copy the bag to close it", folder, &e);
     std::fs::create_dir(folder).map_err(fail)?;
-    std::fs::write(&copy, bytes).map_err(fail)?;
-    for file in beside {
-        let suffix = UNCLOSED.into_iter().find(|s| *file == with_suffix(path, s));
+    std::fs::copy(path, &copy).map_err(fail)?;
+    for file in unclosed(path) {
+        let suffix = UNCLOSED.into_iter().find(|s| file == with_suffix(path, s));
         std::fs::copy(file, with_suffix(&copy, suffix.unwrap_or_default())).map_err(fail)?;
     }
     let sql = |error: rusqlite::Error| refused(&error).at_file(path);
@@ -115,51 +168,63 @@ fn close_copy(path: &Path, bytes: &[u8], beside: &[PathBuf], folder: &Path) -> R
                 ),
         );
     }
-    drop(bag);
-    std::fs::read(&copy).map_err(fail)
+    Ok(copy)
 }
 
-/// Checks that a database has as many bytes as its header says, because SQLite reads the missing rest of a truncated last page as zeros.
-/// Format: <https://www.sqlite.org/fileformat2.html#the_database_header>.
-fn must_be_whole(bytes: &[u8]) -> Result<()> {
+/// Checks that a database of this size has as many bytes as its header says, because SQLite reads the missing rest of a truncated last
+/// page as zeros. Format: <https://www.sqlite.org/fileformat2.html#the_database_header>.
+pub(super) fn must_be_whole(header: &[u8], size: u64) -> Result<()> {
+    if !header.starts_with(SIGNATURE) {
+        return Err(Error::invalid("this file is no bag of ROS 2")
+            .found("other first bytes")
+            .allowed("a SQLite database"));
+    }
     let word = |at: usize| {
-        let bytes = bytes.get(at..at + 4).and_then(|four| four.try_into().ok());
+        let bytes = header.get(at..at + 4).and_then(|four| four.try_into().ok());
         bytes.map_or(0, u32::from_be_bytes)
     };
-    let page = match bytes.get(16..18) {
+    let page = match header.get(16..18) {
         Some([0, 1]) => 65_536,
-        Some([high, low]) => 256 * usize::from(*high) + usize::from(*low),
+        Some([high, low]) => 256 * u64::from(*high) + u64::from(*low),
         _ => 0,
     };
     // The number of pages in the header is valid only if the last change has written it.
     let pages = if word(24) == word(92) {
-        word(28) as usize
+        u64::from(word(28))
     } else {
         0
     };
-    if page < 512 || !bytes.len().is_multiple_of(page) || bytes.len() < pages * page {
+    if page < 512 || !size.is_multiple_of(page) || size < pages * page {
         return Err(Error::invalid("the bag is truncated")
-            .found(format!("{} bytes", bytes.len()))
+            .found(format!("{size} bytes"))
             .allowed(format!("{} pages of {page} bytes", pages.max(1)))
             .hint("copy it from the robot once more; `ros2 bag reindex` repairs the part that is there"));
     }
     Ok(())
 }
 
-/// Calls `each` with every message of the bag with these bytes, sorted by time.
+/// Refuses a database without the tables of a bag. Only tables are accepted: a view of an untrusted file could compute endlessly.
+pub(super) fn must_be_bag(bag: &Connection) -> Result<()> {
+    let tables = "SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name IN ('topics', 'messages')";
+    let count = bag.query_row(tables, [], |row| row.get::<_, i64>(0));
+    if count.map_err(|error| refused(&error))? != 2 {
+        return Err(Error::invalid("this database is no bag of ROS 2")
+            .allowed("the tables `topics` and `messages`"));
+    }
+    Ok(())
+}
+
+/// Calls `each` with every message of the bag with these bytes, sorted by time. True if its recorder has left a change unfinished, whose
+/// messages are not in the bag.
 ///
 /// # Errors
 /// Bytes that are not a bag, or a damaged one; errors of `each`.
 pub fn read_bag(
     mut bytes: Vec<u8>,
     each: &mut dyn FnMut(&BagMessage<'_>) -> Result<()>,
-) -> Result<()> {
-    if !bytes.starts_with(SIGNATURE) {
-        return Err(Error::invalid("this file is no bag of ROS 2")
-            .found("other first bytes")
-            .allowed("a SQLite database"));
-    }
-    must_be_whole(&bytes)?;
+) -> Result<bool> {
+    must_be_whole(&bytes, bytes.len() as u64)?;
+    let is_unfinished = bytes.get(MARK) == Some(UNFINISHED);
     // The header is set to "no write-ahead log", because a database in memory has no file beside it.
     if let Some(versions) = bytes.get_mut(VERSIONS) {
         versions.fill(1);
@@ -169,13 +234,7 @@ pub fn read_bag(
     bag.deserialize_read_exact(MAIN_DB, bytes.as_slice(), bytes.len(), true)
         .map_err(sql)?;
     drop(bytes);
-    // Only tables are accepted: a view of an untrusted file could compute endlessly.
-    let tables = "SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name IN ('topics', 'messages')";
-    let count: i64 = bag.query_row(tables, [], |row| row.get(0)).map_err(sql)?;
-    if count != 2 {
-        return Err(Error::invalid("this database is no bag of ROS 2")
-            .allowed("the tables `topics` and `messages`"));
-    }
+    must_be_bag(&bag)?;
     let messages = "SELECT t.name, t.type, t.serialization_format, m.timestamp, m.data \
                     FROM messages AS m JOIN topics AS t ON t.id = m.topic_id ORDER BY m.timestamp, m.id";
     let mut messages = bag.prepare(messages).map_err(sql)?;
@@ -197,5 +256,5 @@ pub fn read_bag(
             data,
         })?;
     }
-    Ok(())
+    Ok(is_unfinished)
 }

@@ -33,6 +33,7 @@ mod count;
 mod database;
 mod description;
 mod fingerprint;
+mod journal;
 mod listing;
 mod lock;
 mod log;
@@ -51,6 +52,7 @@ mod share;
 mod storage;
 #[cfg(test)]
 mod tests;
+mod thin_bag;
 mod trial;
 
 pub use bag::{read_bag, read_closed_bag};
@@ -71,4 +73,5 @@ pub use row::Table;
 pub use run::RunRow;
 pub use share::{MAX_SHARES, Share};
 pub use storage::{Memory, Storage};
+pub use thin_bag::read_thin_bag;
 pub use trial::{CaseOutcome, CaseResult, CaseRow, Trial, TrialScore};

@@ -45,6 +45,48 @@ pub(super) fn damage_of(database: &Path) -> Result<Option<String>> {
     }
 }
 
+/// What a killed writer has left behind the last change that it finished.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Rest {
+    Nothing,
+    /// Whole pages of a change that was not finished.
+    Unfinished,
+    /// A part of a page: the file was cut off.
+    Cut,
+}
+
+/// What is behind the last finished change in the log of a database.
+///
+/// # Errors
+/// A log that cannot be read.
+pub(super) fn rest_of(database: &Path) -> Result<Rest> {
+    let path = with_suffix(database, "-wal");
+    match std::fs::read(&path) {
+        Ok(log) => Ok(rest(&log)),
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(Rest::Nothing),
+        Err(e) => Err(Error::io("read the log", &path, &e)),
+    }
+}
+
+fn rest(log: &[u8]) -> Rest {
+    if log.len() < HEADER {
+        return match log.is_empty() {
+            true => Rest::Nothing,
+            false => Rest::Cut,
+        };
+    }
+    let frames = log[HEADER..].chunks_exact(FRAME_HEADER + (word(log, 8) as usize).max(512));
+    if !frames.remainder().is_empty() {
+        return Rest::Cut;
+    }
+    let own = frames.take_while(|frame| frame[8..16] == log[16..24]);
+    // The last page of a change states the size of the database.
+    match own.last() {
+        Some(last) if word(last, 4) == 0 => Rest::Unfinished,
+        _ => Rest::Nothing,
+    }
+}
+
 /// Describes the damage of a log; `None` if it is intact.
 fn damage(log: &[u8]) -> Option<String> {
     if log.len() < HEADER {
@@ -80,7 +122,7 @@ fn damage(log: &[u8]) -> Option<String> {
     None
 }
 
-fn word(bytes: &[u8], at: usize) -> u32 {
+pub(super) fn word(bytes: &[u8], at: usize) -> u32 {
     u32::from_be_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
 }
 

@@ -4,15 +4,20 @@ use bytes::Bytes;
 use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::{Field, Row};
+use parquet::schema::types::{Type, TypePtr};
 
 use realgap_core::error::{Error, Result};
 
 /// The columns of a Parquet file as CSV with their names in the first line: numbers with all their digits, an empty cell for a missing
-/// value, times as whole numbers in the file's own unit. At most `most_rows` rows are read.
+/// value, times as whole numbers in the file's own unit. At most `most_rows` rows are read, without the columns that are `left_out`.
 ///
 /// # Errors
 /// Bytes that are not a Parquet file, or that use an unsupported compression; more rows; columns with more than one value per row.
-pub fn parquet_table(bytes: Vec<u8>, most_rows: usize) -> Result<String> {
+pub fn parquet_table(
+    bytes: Vec<u8>,
+    most_rows: usize,
+    left_out: &dyn Fn(&str) -> bool,
+) -> Result<String> {
     let refused = |error: ParquetError| {
         Error::invalid("the Parquet file cannot be read")
             .found(error)
@@ -25,11 +30,18 @@ pub fn parquet_table(bytes: Vec<u8>, most_rows: usize) -> Result<String> {
             .found(rows)
             .allowed(format!("at most {most_rows}")));
     }
-    let fields = file.metadata().file_metadata().schema().get_fields();
+    let schema = file.metadata().file_metadata().schema();
+    let fields = schema.get_fields().iter();
+    let fields: Vec<TypePtr> = fields
+        .filter(|field| !left_out(field.name()))
+        .cloned()
+        .collect();
     let names: Vec<String> = fields.iter().map(|field| cell(field.name())).collect();
+    let kept = Type::group_type_builder(schema.name()).with_fields(fields);
+    let kept = kept.build().map_err(refused)?;
     let mut text = names.join(",");
     text.push('\n');
-    for row in file.get_row_iter(None).map_err(refused)? {
+    for row in file.get_row_iter(Some(kept)).map_err(refused)? {
         push_row(&mut text, &row.map_err(refused)?)?;
     }
     Ok(text)
@@ -132,12 +144,12 @@ mod tests {
         }
         group.close().unwrap();
         writer.close().unwrap();
-        let text = parquet_table(bytes.clone(), 100).unwrap();
+        let text = parquet_table(bytes.clone(), 100, &|_| false).unwrap();
         assert_eq!(text.lines().count(), 101);
         let mut rng = Once::Subset.generator(SEED);
         let cuts = (0..200).map(|_| rng.random_range(0..bytes.len()));
         for length in cuts.chain(bytes.len() - 20..bytes.len()) {
-            assert!(parquet_table(bytes[..length].to_vec(), 100).is_err());
+            assert!(parquet_table(bytes[..length].to_vec(), 100, &|_| false).is_err());
         }
     }
 }

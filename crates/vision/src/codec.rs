@@ -8,6 +8,7 @@ use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
+use super::jpeg_scan;
 use super::picture::{Grey, Picture, check_size};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{png_bytes, read_limited, write_atomic};
@@ -150,34 +151,54 @@ fn png_header(bytes: &[u8]) -> Result<png::Reader<Cursor<&[u8]>>> {
     Ok(reader)
 }
 
+/// Rows are converted one by one, so that a large picture is in memory once.
 fn decode_png(bytes: &[u8]) -> Result<Picture> {
     let mut reader = png_header(bytes)?;
     let (width, height) = (reader.info().width as usize, reader.info().height as usize);
-    let size = reader
-        .output_buffer_size()
-        .ok_or_else(|| broken("its size overflows"))?;
-    let mut pixels = vec![0; size];
-    let frame = reader.next_frame(&mut pixels).map_err(broken)?;
+    let (color, _) = reader.output_color_type();
+    let mut rgb = Vec::with_capacity(3 * width * height);
+    if reader.info().interlaced {
+        let size = reader
+            .output_buffer_size()
+            .ok_or_else(|| broken("its size overflows"))?;
+        let mut pixels = vec![0; size];
+        let frame = reader.next_frame(&mut pixels).map_err(broken)?;
+        push_rgb(&mut rgb, &pixels[..frame.buffer_size()], color);
+    } else {
+        while let Some(row) = reader.next_row().map_err(broken)? {
+            push_rgb(&mut rgb, row.data(), color);
+        }
+    }
     // The file is read to its end, because a file that is cut off may lack pixels, too.
     reader.finish().map_err(broken)?;
-    pixels.truncate(frame.buffer_size());
+    Picture::new(width, height, rgb)
+}
+
+/// Adds pixels with 8 bits for each channel.
+fn push_rgb(rgb: &mut Vec<u8>, pixels: &[u8], color: png::ColorType) {
     let over_white = |value: u8, alpha: u8| {
         let (value, alpha) = (u32::from(value), u32::from(alpha));
         ((value * alpha + 255 * (255 - alpha) + 127) / 255) as u8
     };
-    let rgb = match frame.color_type {
-        png::ColorType::Rgb | png::ColorType::Indexed => pixels,
-        png::ColorType::Grayscale => pixels.iter().flat_map(|v| [*v; 3]).collect(),
-        png::ColorType::GrayscaleAlpha => pixels
-            .chunks_exact(2)
-            .flat_map(|p| [over_white(p[0], p[1]); 3])
-            .collect(),
-        png::ColorType::Rgba => pixels
-            .chunks_exact(4)
-            .flat_map(|p| [p[0], p[1], p[2]].map(|v| over_white(v, p[3])))
-            .collect(),
-    };
-    Picture::new(width, height, rgb)
+    match color {
+        png::ColorType::Rgb | png::ColorType::Indexed => rgb.extend_from_slice(pixels),
+        png::ColorType::Grayscale => {
+            for value in pixels {
+                rgb.extend_from_slice(&[*value; 3]);
+            }
+        }
+        png::ColorType::GrayscaleAlpha => {
+            for pixel in pixels.chunks_exact(2) {
+                rgb.extend_from_slice(&[over_white(pixel[0], pixel[1]); 3]);
+            }
+        }
+        png::ColorType::Rgba => {
+            for pixel in pixels.chunks_exact(4) {
+                let over = [pixel[0], pixel[1], pixel[2]].map(|v| over_white(v, pixel[3]));
+                rgb.extend_from_slice(&over);
+            }
+        }
+    }
 }
 
 type Jpeg<'a> = JpegDecoder<ZCursor<&'a [u8]>>;
@@ -197,34 +218,10 @@ fn jpeg_header(bytes: &[u8]) -> Result<(Jpeg<'_>, usize, usize)> {
     Ok((decoder, width, height))
 }
 
-/// Whether a JPEG file is complete up to its end marker. The decoder fills missing parts with grey, as browsers do, which would give
-/// wrong results here.
-fn is_whole(bytes: &[u8]) -> bool {
-    let mut rest = &bytes[2..];
-    loop {
-        let Some(start) = rest.iter().position(|byte| *byte == 0xff) else {
-            return false;
-        };
-        rest = &rest[start + 1..];
-        match rest {
-            [0xd9, ..] => return true,
-            // A fill byte, a 0xff inside of the coded pixels, or a marker without a segment.
-            [0xff, ..] => {}
-            [0x00 | 0x01 | 0xd0..=0xd8, after @ ..] => rest = after,
-            [_, high, low, ..] => {
-                let length = usize::from(u16::from_be_bytes([*high, *low]));
-                rest = rest.get(1 + length..).unwrap_or_default();
-            }
-            _ => return false,
-        }
-    }
-}
-
 fn decode_jpeg(bytes: &[u8]) -> Result<Picture> {
     let (mut decoder, width, height) = jpeg_header(bytes)?;
-    if !is_whole(bytes) {
-        return Err(broken("a JPEG file that is cut off: it has no end marker")
-            .hint("copy the picture again from its source"));
+    if let Some(found) = jpeg_scan::fault(bytes) {
+        return Err(broken(found).hint("copy the picture again from its source"));
     }
     let pixels = decoder.decode().map_err(broken)?;
     let rgb = match decoder.output_colorspace() {

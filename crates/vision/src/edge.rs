@@ -2,11 +2,14 @@
 //! Figures 2 and 5 of paper 002.
 
 use super::extractor::{Extraction, Extractor, Feature, Measure, Sought, Step};
-use super::filter::{gauss, length, sobel};
+use super::filter::{gauss, slopes, steepness};
 use super::picture::Grey;
 use realgap_core::constant_methods;
 use realgap_core::error::Result;
 use realgap_core::warning::Code;
+
+/// The largest number of pixels of a step that is shown.
+const MOST_SHOWN: f64 = 4e6;
 
 /// Canny's edge detector.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,19 +35,37 @@ impl Edges {
         tolerance_px: 1.0,
     };
 
-    /// The pictures of all steps; the last one is 1 on edges and 0 elsewhere.
-    fn find(&self, picture: &Grey) -> [Grey; 5] {
+    /// The steps for people, and the picture that is 1 on edges and 0 elsewhere. Each step is dropped as soon as the next one is there,
+    /// because a large picture is in memory at every step.
+    fn find(&self, picture: &Grey) -> (Vec<Step>, Grey) {
+        let step = |name, picture: Grey| Step { name, picture };
+        let mut steps = vec![step("picture", shown(picture))];
         let smooth = gauss(picture, self.sigma_px);
-        let (dx, dy) = sobel(&smooth);
-        let steep = length(&dx, &dy);
-        let thin = thinned(&steep, &dx, &dy);
+        steps.push(step("Gauss", shown(&smooth)));
+        let steep = steepness(&smooth);
+        steps.push(step("Sobel", shown(&steep).stretched()));
+        let thin = thinned(&steep, &smooth);
+        drop((smooth, steep));
+        steps.push(step("non-maximum suppression", shown(&thin).stretched()));
         let edges = connected(&thin, self.low, self.high);
-        [picture.clone(), smooth, steep, thin, edges]
+        steps.push(step("hysteresis", shown(&edges)));
+        (steps, edges)
     }
 }
 
+/// The picture of a step as it is shown: large ones are reduced.
+fn shown(picture: &Grey) -> Grey {
+    let pixels = (picture.width() * picture.height()) as f64;
+    let scale = (MOST_SHOWN / pixels).sqrt();
+    if scale >= 1.0 {
+        return picture.clone();
+    }
+    let side = |pixels: usize| (scale * pixels as f64).round() as usize;
+    picture.resized(side(picture.width()), side(picture.height()))
+}
+
 /// Non-maximum suppression: keeps pixels whose gradient is largest along its own direction; the gradient of neighbours is interpolated.
-fn thinned(steep: &Grey, dx: &Grey, dy: &Grey) -> Grey {
+fn thinned(steep: &Grey, smooth: &Grey) -> Grey {
     let (width, height) = (steep.width(), steep.height());
     Grey::from_fn(width, height, |x, y| {
         // Pixels at the border have no neighbours on all sides, so they are never edges.
@@ -53,10 +74,10 @@ fn thinned(steep: &Grey, dx: &Grey, dy: &Grey) -> Grey {
         }
         let here = y * width + x;
         let value = steep.values()[here];
-        let (gx, gy) = (dx.values()[here], dy.values()[here]);
         if value <= 0.0 {
             return 0.0;
         }
+        let (gx, gy) = slopes(smooth, x, y);
         let (x, y) = (x as i64, y as i64);
         let (sx, sy) = (if gx < 0.0 { -1 } else { 1 }, if gy < 0.0 { -1 } else { 1 });
         let beside = |sign: i64| {
@@ -140,17 +161,10 @@ impl Extractor for Edges {
     }
 
     fn extract(&self, picture: &Grey, _: &Sought) -> Result<Extraction> {
-        let [grey, smooth, steep, thin, edges] = self.find(picture);
+        let (steps, edges) = self.find(picture);
         let on = edges.values().iter().filter(|v| **v > 0.0).count();
-        let step = |name, picture| Step { name, picture };
         Ok(Extraction {
-            steps: vec![
-                step("picture", grey),
-                step("Gauss", smooth),
-                step("Sobel", steep.stretched()),
-                step("non-maximum suppression", thin.stretched()),
-                step("hysteresis", edges.clone()),
-            ],
+            steps,
             remarks: vec![format!(
                 "{:.2} % of the pixels are on edges",
                 100.0 * on as f64 / edges.values().len() as f64

@@ -28,7 +28,8 @@ fn down(picture: &Grey, weights: &[f64]) -> Grey {
         let from = y.clamp(0, last) as usize * width;
         &picture.values()[from..from + width]
     };
-    let rows = (0..=last).map(|y| {
+    let rows = (0..picture.height()).map(|y| {
+        let y = y as i64;
         let mut sums = vec![0.0; width];
         for (weight, i) in weights.iter().zip(-reach..) {
             for (sum, value) in sums.iter_mut().zip(row(y + i)) {
@@ -61,34 +62,31 @@ fn across(picture: &Grey, weights: &[f64]) -> Grey {
     Grey::from_rows(width, rows)
 }
 
-/// The Sobel derivatives to the right and down, per pixel (the kernel divided by 8).
+/// The Sobel derivatives to the right and down at a pixel, per pixel (the kernel divided by 8).
+pub(super) fn slopes(picture: &Grey, x: usize, y: usize) -> (f32, f32) {
+    let (x, y) = (x as i64, y as i64);
+    let right = |i: i64| picture.at(x + 1, y + i) - picture.at(x - 1, y + i);
+    let down = |i: i64| picture.at(x + i, y + 1) - picture.at(x + i, y - 1);
+    (
+        0.125 * (right(-1) + 2.0 * right(0) + right(1)),
+        0.125 * (down(-1) + 2.0 * down(0) + down(1)),
+    )
+}
+
+/// The Sobel derivatives to the right and down at every pixel.
 pub fn sobel(picture: &Grey) -> (Grey, Grey) {
-    let make = |along_x: bool| {
-        Grey::from_fn(picture.width(), picture.height(), |x, y| {
-            let (x, y) = (x as i64, y as i64);
-            let step = |i: i64| {
-                if along_x {
-                    picture.at(x + 1, y + i) - picture.at(x - 1, y + i)
-                } else {
-                    picture.at(x + i, y + 1) - picture.at(x + i, y - 1)
-                }
-            };
-            0.125 * (step(-1) + 2.0 * step(0) + step(1))
-        })
-    };
-    (make(true), make(false))
+    let (width, height) = (picture.width(), picture.height());
+    (
+        Grey::from_fn(width, height, |x, y| slopes(picture, x, y).0),
+        Grey::from_fn(width, height, |x, y| slopes(picture, x, y).1),
+    )
 }
 
 /// The magnitude of the gradient at every pixel, from the two Sobel derivatives.
 pub fn steepness(picture: &Grey) -> Grey {
-    let (dx, dy) = sobel(picture);
-    length(&dx, &dy)
-}
-
-pub(super) fn length(dx: &Grey, dy: &Grey) -> Grey {
-    let width = dx.width();
-    Grey::from_fn(width, dx.height(), |x, y| {
-        dx.values()[y * width + x].hypot(dy.values()[y * width + x])
+    Grey::from_fn(picture.width(), picture.height(), |x, y| {
+        let (dx, dy) = slopes(picture, x, y);
+        dx.hypot(dy)
     })
 }
 

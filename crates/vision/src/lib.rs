@@ -34,6 +34,8 @@ mod edge;
 mod extractor;
 mod filter;
 mod glyph;
+mod jpeg_code;
+mod jpeg_scan;
 mod lettering;
 mod matching;
 mod option;

@@ -141,8 +141,11 @@ impl Grey {
     }
 
     /// A picture of rows of equal width, converted to the precision of a pixel; there must be at least one row.
-    pub(super) fn from_rows(width: usize, rows: impl Iterator<Item = Vec<f64>>) -> Self {
-        let values: Vec<f32> = rows.flatten().map(|value| value as f32).collect();
+    pub(super) fn from_rows(width: usize, rows: impl ExactSizeIterator<Item = Vec<f64>>) -> Self {
+        let mut values = Vec::with_capacity(width * rows.len());
+        for row in rows {
+            values.extend(row.into_iter().map(|value| value as f32));
+        }
         Self {
             width,
             height: values.len() / width,
@@ -247,14 +250,13 @@ impl Grey {
         let (width, height) = (width.max(1), height.max(1));
         let columns = shares(self.width, width);
         let rows = shares(self.height, height);
-        let narrow: Vec<f32> = (0..self.height)
-            .flat_map(|y| {
-                let row = &self.values[y * self.width..(y + 1) * self.width];
-                columns
-                    .iter()
-                    .map(move |parts| parts.iter().map(|(i, share)| row[*i] * share).sum())
-            })
-            .collect();
+        let mut narrow: Vec<f32> = Vec::with_capacity(width * self.height);
+        for row in self.values.chunks_exact(self.width) {
+            let sum = |parts: &Vec<(usize, f32)>| -> f32 {
+                parts.iter().map(|(i, share)| row[*i] * share).sum()
+            };
+            narrow.extend(columns.iter().map(sum));
+        }
         Self::from_fn(width, height, |x, y| {
             rows[y]
                 .iter()

@@ -67,6 +67,21 @@ fn a_hundred_megapixels_are_refused_before_memory_is_allocated() {
     assert!(error.contains("10000 x 10000"), "{error}");
 }
 
+/// A file of others: the second half of its codes is missing before the end marker, and browsers show a grey half.
+#[test]
+fn half_a_jpeg_with_an_end_marker_is_refused() {
+    let path = "../../../shared/cases/faults/half.jpg";
+    if !std::path::Path::new(path).is_file() {
+        println!("SKIPPED: {path} is not here");
+        return;
+    }
+    let error = Picture::read(path).unwrap_err().to_string();
+    assert!(
+        error.contains("half.jpg") && error.contains("coded pixels"),
+        "{error}"
+    );
+}
+
 #[test]
 fn sixteen_bits_grey_and_transparent_pictures_are_read() {
     use png::{BitDepth, ColorType};

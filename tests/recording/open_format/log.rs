@@ -222,6 +222,40 @@ fn a_bag_is_read_as_its_recorder_left_it_and_stays_as_it_is() {
     }
 }
 
+/// A journal that is cut off puts back only some of the pages, and a log only some of the messages; no length of them is silent.
+#[test]
+fn a_cut_log_or_journal_of_a_bag_is_refused_or_said() {
+    for (mode, suffix, sound) in [("WAL", "-wal", 220), ("DELETE", "-journal", 20)] {
+        let folder = tempfile::tempdir().unwrap();
+        let open = folder.path().join("open");
+        std::fs::create_dir(&open).unwrap();
+        let (path, _writer) = unclosed(&open, mode);
+        let left = killed(&path, &folder.path().join("killed"));
+        let beside = left.with_file_name(format!("bag.db3{suffix}"));
+        let whole = std::fs::read(&beside).unwrap();
+        for share in 1..30 {
+            // Lengths at the ends of pages, too.
+            let length = match share % 3 {
+                0 => 32 + 4120 * share.min((whole.len() - 32) / 4120 - 1),
+                _ => whole.len() * share / 30,
+            };
+            std::fs::write(&beside, &whole[..length]).unwrap();
+            match read(&left, Reading::default()) {
+                Err(error) => assert!(error.to_string().contains(suffix), "{error}"),
+                Ok(read) => {
+                    let said = read.warnings.iter().any(|w| w.message.contains("left out"));
+                    assert!(said, "{mode}, {length} of {}", whole.len());
+                }
+            }
+        }
+        std::fs::write(&beside, &whole).unwrap();
+        let read = read(&left, Reading::default()).unwrap();
+        assert_eq!(read.trajectory.len(), sound, "{mode}");
+        let said = read.warnings.iter().any(|w| w.message.contains("left out"));
+        assert_eq!(said, mode == "DELETE", "{mode}");
+    }
+}
+
 #[test]
 fn a_damaged_log_of_a_bag_or_that_of_another_is_refused() {
     let folder = tempfile::tempdir().unwrap();

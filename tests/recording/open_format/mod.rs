@@ -3,10 +3,13 @@
 
 use crate::common;
 mod joint_log;
+#[cfg(feature = "parquet")]
+mod lerobot;
 mod log;
 mod parquet;
 mod text;
 mod tool;
+mod ulog;
 
 use std::path::{Path, PathBuf};
 

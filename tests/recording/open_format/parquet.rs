@@ -11,7 +11,7 @@ fn without_the_feature_a_parquet_file_is_refused_with_what_to_do() {
     let path = put(folder.path(), "run.parquet", b"PAR1");
     let error = read(&path, Reading::default()).unwrap_err().to_string();
     assert!(
-        error.contains("run.parquet") && error.contains("--features parquet"),
+        error.contains("run.parquet") && error.contains("default features"),
         "{error}"
     );
 }

@@ -7,7 +7,7 @@
 use super::measured::MeasuredQuantity;
 use super::reading::Ticks;
 use super::{JointTrack, Signal};
-use realgap_core::error::Result;
+use realgap_core::error::{Error, Result};
 
 /// The columns of one joint.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +16,8 @@ pub(super) struct JointColumns {
     pub name: String,
     /// Column of the angle.
     pub angle: usize,
+    /// Column of the same angle in degrees, beside one in radians: not read, but it must be the same.
+    pub twin: Option<usize>,
     /// What is subtracted from the angle in radians: the angle of the encoder's zero.
     pub zero_rad: f64,
     /// Column of the speed.
@@ -70,6 +72,10 @@ pub(super) fn plain_name(name: &str) -> String {
         .collect()
 }
 
+/// The same angle in radians and in whole degrees is not farther apart.
+const MOST_APART_RAD: f64 = 0.01;
+const MOST_APART: f64 = 0.01;
+
 /// Finds the joints among the columns without a role; their columns are marked as used, and get the factors of their units.
 pub(super) fn find(
     names: &[&str],
@@ -110,8 +116,11 @@ pub(super) fn find(
             used[index] = true;
             factors[index] = unit;
         }
+        let in_degrees = format!("{name}{}", ANGLES[1].0);
+        let twin = names.iter().position(|other| *other == in_degrees);
         joints.push(JointColumns {
             name: name.to_owned(),
+            twin: twin.filter(|twin| *twin != angle && !used[*twin]),
             angle,
             zero_rad,
             speed,
@@ -199,6 +208,18 @@ pub(super) fn push(
         }));
     }
     for (joint, column) in joints.iter_mut().zip(joint_columns) {
+        if let Some(twin) = column.twin {
+            let (angle_rad, angle_deg) = (number(column.angle)?, number(twin)?);
+            let apart_rad = (angle_rad - angle_deg.to_radians()).abs();
+            if apart_rad > MOST_APART_RAD + MOST_APART * angle_rad.abs() {
+                return Err(
+                    Error::invalid("two columns state different angles of one joint")
+                        .field(names[twin].clone())
+                        .found(format!("{angle_deg} degrees beside {angle_rad} radians"))
+                        .allowed("the same angle in both units, or one of the columns"),
+                );
+            }
+        }
         joint
             .angles_rad
             .push(number(column.angle)? - column.zero_rad);

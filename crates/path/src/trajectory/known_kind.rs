@@ -14,11 +14,6 @@ const KINDS: &[Kind] = &[
         remedy: "convert it into a bag of ROS 2: pip install rosbags; rosbags-convert --src FILE.bag --dst FOLDER (a bag that was not closed first needs `rosbag reindex`)",
     },
     Kind {
-        extensions: &["ulg", "ulog"],
-        what: "a ULog of PX4",
-        remedy: "write its topics as CSV: pip install pyulog; ulog2csv -m vehicle_local_position FILE.ulg",
-    },
-    Kind {
         extensions: &["bin", "tlog"],
         what: "a log of ArduPilot",
         remedy: "write one kind of message as CSV: pip install pymavlink; mavlogdump.py --format csv --types POS FILE > FILE.csv",

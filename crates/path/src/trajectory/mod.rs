@@ -20,6 +20,7 @@ mod inferred_reading;
 mod joint_column;
 mod kitti;
 mod known_kind;
+mod lerobot;
 mod levelling;
 mod log;
 mod measured;
@@ -55,14 +56,17 @@ pub use crop::{clip, cut_out, cut_to_shortest};
 pub use csv::Csv;
 pub use distance::{mean_square_m2, rms_m};
 pub use euroc::Euroc;
-pub use foreign::{DEEPLABCUT, ForeignTable, JSON_LINES, MOTIVE, NPY, NPZ, QUALISYS, VICON};
+pub use foreign::{
+    DEEPLABCUT, ForeignTable, JSON_LINES, MOTIVE, NPY, NPZ, PLOTJUGGLER, QUALISYS, VICON,
+};
 pub use format::{Decoded, Format, Parsed, Rendered};
 pub use inferred_reading::{
     Ambiguity, Candidate, Evidence, InferredReading, JointReading, Question, odd_axes,
 };
 pub use joint_column::{COMMAND, COMMAND_SIGNALS, UNITLESS_COMMANDS, may_be_attitude};
 pub use kitti::Kitti;
-pub use log::{Mcap, Rosbag};
+pub use lerobot::is_data_set;
+pub use log::{Mcap, Rosbag, Ulog};
 pub use measured::MeasuredQuantity;
 pub use meta::{META_FILE, read_meta, read_meta_beside, write_meta};
 pub use parquet::PARQUET;

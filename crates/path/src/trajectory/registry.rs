@@ -10,12 +10,13 @@ use super::column::{Columns, Role};
 use super::crop::cropped;
 use super::csv::Csv;
 use super::euroc::Euroc;
-use super::foreign::{DEEPLABCUT, JSON_LINES, MOTIVE, NPY, NPZ, QUALISYS, VICON};
+use super::foreign::{DEEPLABCUT, JSON_LINES, MOTIVE, NPY, NPZ, PLOTJUGGLER, QUALISYS, VICON};
 use super::format::{Format, Parsed};
 use super::kitti::Kitti;
 use super::known_kind::known_kind;
+use super::lerobot::is_data_set;
 use super::levelling;
-use super::log::{Mcap, Rosbag};
+use super::log::{Mcap, Rosbag, Ulog};
 use super::meta::read_meta_beside;
 use super::parquet::PARQUET;
 use super::text::{MAX_FILE_BYTES, check_size};
@@ -36,10 +37,12 @@ pub const FORMATS: &[&dyn Format] = &[
     &Kitti,
     &Mcap,
     &Rosbag,
+    &Ulog,
     &PARQUET,
     &MOTIVE,
     &VICON,
     &DEEPLABCUT,
+    &PLOTJUGGLER,
     &QUALISYS,
     &JSON_LINES,
     &NPY,
@@ -60,11 +63,14 @@ pub(super) fn format_in(path: &Path, bytes: &[u8]) -> Result<&'static dyn Format
     Ok(own.unwrap_or(named))
 }
 
-/// The format for the extension of `path`; the first one if several formats have this extension.
+/// The format for the extension of `path`, or of the data set in this folder; the first one if several formats have this extension.
 ///
 /// # Errors
 /// An unknown extension, or none.
 pub fn format_of(path: &Path) -> Result<&'static dyn Format> {
+    if is_data_set(path) {
+        return Ok(&PARQUET);
+    }
     let extension = extension_of(path);
     let wanted = extension.as_deref().unwrap_or_default();
     FORMATS

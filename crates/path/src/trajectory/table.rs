@@ -6,7 +6,8 @@ use super::reading::{Only, Reading};
 use super::sample::{COPY_AGAIN, Layout};
 use super::text::{Cell, Separator, cells_of, cut, excerpt};
 use realgap_core::error::{Error, Result};
-use realgap_core::warning::Warning;
+use realgap_core::unit::counted;
+use realgap_core::warning::{Code, Warning};
 
 /// A CSV text with its interpreted header.
 pub(super) struct Table<'a> {
@@ -47,12 +48,21 @@ impl<'a> Table<'a> {
         };
         columns.add_joints(&mut layout);
         columns.must_be_unique()?;
-        let warnings = columns.warnings();
+        let mut warnings = columns.warnings();
         let width = cells.len();
+        // Files that were appended to each other.
+        let again = lines.clone().filter(|(_, line)| *line == header).count();
+        if again > 0 {
+            warnings.push(Code::ReadAs.warning(format!(
+                "the line of names is repeated {}, and is left out there",
+                counted(again, "time")
+            )));
+        }
         Ok(Self {
             unused: columns.unused(),
             rows: Rows {
                 lines,
+                header,
                 cells,
                 width,
                 separator,
@@ -149,6 +159,8 @@ fn units_below<'a>(
 /// The lines below the header.
 pub(super) struct Rows<'a> {
     lines: std::iter::Enumerate<std::str::Lines<'a>>,
+    /// The line of names, which may be repeated.
+    header: &'a str,
     cells: Vec<Cell<'a>>,
     /// The number of columns.
     width: usize,
@@ -167,7 +179,7 @@ impl<'a> Rows<'a> {
     pub(super) fn next(&mut self) -> Result<Option<(usize, &[Cell<'a>])>> {
         for (index, line) in self.lines.by_ref() {
             let start = line.trim_start();
-            if start.is_empty() || start.starts_with(COMMENTS) {
+            if start.is_empty() || start.starts_with(COMMENTS) || line == self.header {
                 continue;
             }
             cut(line, index + 1, self.separator, &mut self.cells)?;

@@ -6,6 +6,7 @@ use std::path::{Component, Path, PathBuf};
 use glob::{MatchOptions, Pattern};
 
 use realgap_core::{Error, Result};
+use realgap_path::trajectory::is_data_set;
 
 /// How names are matched: `*` does not match slashes (a name has none), and case matters.
 const OPTIONS: MatchOptions = MatchOptions {
@@ -126,10 +127,10 @@ fn entries(folder: &Path) -> Result<Vec<fs::DirEntry>> {
         .map_err(|e| Error::io("look for recordings", here, &e))
 }
 
-/// Checks that a match is a file; links are followed.
+/// Checks that a match is a file or a data set; links are followed.
 fn must_be_file(path: &Path) -> Result<()> {
     let what = match fs::metadata(path) {
-        Ok(metadata) if metadata.is_file() => return Ok(()),
+        Ok(metadata) if metadata.is_file() || is_data_set(path) => return Ok(()),
         Ok(metadata) if metadata.is_dir() => "a folder",
         Ok(_) => "a pipe or a device",
         Err(_) if path.is_symlink() => "a link that leads to no file",

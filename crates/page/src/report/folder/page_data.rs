@@ -5,8 +5,8 @@ use std::path::Path;
 use crate::report::folder::tree::read_json;
 use crate::report::replay::motion::ShownScene;
 use crate::results::kind::file;
-use realgap_core::error::{Error, ErrorKind, Result};
-use realgap_core::file::write_sealed;
+use realgap_core::error::{Advice, Error, ErrorKind, Result};
+use realgap_core::file::{SEAL_FILE, Seal, write_sealed};
 use realgap_core::text::escaped_json;
 use serde::{Deserialize, Serialize};
 
@@ -96,15 +96,28 @@ impl PageData {
     /// The data in a folder; `None` where no command has written any.
     ///
     /// # Errors
-    /// A file that cannot be read, or that holds something else.
+    /// A file that cannot be read, or that holds something else; a file that was written and is gone: without its paths and its
+    /// replay, the page would be a third of what it was.
     pub(in crate::report) fn read(folder: &Path) -> Result<Option<Self>> {
         let path = folder.join(Self::FILE);
         if !path.is_file() {
-            return Ok(None);
+            return match Seal::read(folder)? {
+                Some(seal) if seal.has(Self::FILE) => Err(Error::conflict(
+                    "the recorded paths and the replay of the page are gone",
+                )
+                .at_file(&path)
+                .found("no such file")
+                .allowed(format!("the file that {SEAL_FILE} lists"))
+                .hint("run the command that wrote the folder again: it keeps its runs")
+                .advise(Advice::AcceptFiles)),
+                _ => Ok(None),
+            };
         }
         let data: Self =
             read_json(&path, "the data of a page").map_err(|error| match error.kind() {
-                ErrorKind::Invalid => error.hint("remove the file: the page is made without it"),
+                ErrorKind::Invalid => error
+                    .hint("remove the file: the page is made without it")
+                    .advise(Advice::AcceptFiles),
                 _ => error,
             })?;
         // It stands inside of a script element as it is.

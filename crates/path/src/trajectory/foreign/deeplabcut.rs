@@ -13,7 +13,8 @@ pub const DEEPLABCUT: ForeignTable = ForeignTable {
     doc: "CSV files of DeepLabCut: body parts in pixels; rate and scale are asked for",
     extensions: &["csv"],
     recognises: |bytes| first_line(bytes).starts_with("scorer,"),
-    table,
+    table: |bytes, _| table(bytes),
+    beside: None,
 };
 
 /// The likelihood below which DeepLabCut's own plots leave a place out.

@@ -15,7 +15,8 @@ pub const JSON_LINES: ForeignTable = ForeignTable {
     doc: "JSON lines, or an array of JSON objects: one object for each sample",
     extensions: &["jsonl", "ndjson", "json"],
     recognises: |_| false,
-    table,
+    table: |bytes, _| table(bytes),
+    beside: None,
 };
 
 /// The deepest nesting of objects that is read.

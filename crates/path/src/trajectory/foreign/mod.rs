@@ -6,8 +6,11 @@ mod flat;
 mod json_lines;
 mod motive;
 mod numpy;
+mod plotjuggler;
 mod qualisys;
 mod vicon;
+
+use std::path::Path;
 
 use super::Trajectory;
 use super::csv::Csv;
@@ -15,11 +18,13 @@ use super::format::{Decoded, Format, Parsed, Rendered};
 use super::reading::{QuaternionOrder, Reading};
 use super::relabel::relabelled;
 use realgap_core::error::{Error, Result};
+use realgap_core::file::read_limited;
 
 pub use deeplabcut::DEEPLABCUT;
 pub use json_lines::JSON_LINES;
 pub use motive::MOTIVE;
 pub use numpy::{NPY, NPZ};
+pub use plotjuggler::PLOTJUGGLER;
 pub use qualisys::QUALISYS;
 pub use vicon::VICON;
 
@@ -30,9 +35,14 @@ pub struct ForeignTable {
     pub(super) extensions: &'static [&'static str],
     /// True if the first bytes of a file are those of this format.
     pub(super) recognises: fn(&[u8]) -> bool,
-    /// The table in a file.
-    pub(super) table: fn(Vec<u8>) -> Result<Decoded>,
+    /// The table in a file; the reading says which columns are to keep their names.
+    pub(super) table: fn(Vec<u8>, &Reading) -> Result<Decoded>,
+    /// Where other files may belong to a file: its bytes together with theirs, at most so many; `None` for a file that is alone.
+    pub(super) beside: Option<Beside>,
 }
+
+/// Reads a file together with the files that belong to it.
+pub(super) type Beside = fn(&Path, u64) -> Result<Option<Vec<u8>>>;
 
 impl Format for ForeignTable {
     fn name(&self) -> &'static str {
@@ -51,8 +61,19 @@ impl Format for ForeignTable {
         (self.recognises)(bytes)
     }
 
+    fn bytes(&self, path: &Path, limit: u64) -> Result<Vec<u8>> {
+        let together = match self.beside {
+            Some(read) => read(path, limit)?,
+            None => None,
+        };
+        match together {
+            Some(bytes) => Ok(bytes),
+            None => read_limited(path, limit, "trajectory"),
+        }
+    }
+
     fn decode(&self, bytes: Vec<u8>, reading: &Reading) -> Result<Decoded> {
-        let decoded = (self.table)(bytes)?;
+        let decoded = (self.table)(bytes, reading)?;
         Ok(Decoded {
             text: relabelled(decoded.text, reading)?,
             warnings: decoded.warnings,

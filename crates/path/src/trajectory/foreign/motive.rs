@@ -14,7 +14,8 @@ pub const MOTIVE: ForeignTable = ForeignTable {
     doc: "CSV exports of OptiTrack Motive: bodies or markers, with the units that the file states",
     extensions: &["csv"],
     recognises: |bytes| first_line(bytes).starts_with("Format Version,"),
-    table,
+    table: |bytes, _| table(bytes),
+    beside: None,
 };
 
 const PROGRAM: &str = "Motive";

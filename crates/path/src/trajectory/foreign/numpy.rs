@@ -16,7 +16,8 @@ pub const NPY: ForeignTable = ForeignTable {
     doc: "a structured array of NumPy, whose fields have names",
     extensions: &["npy"],
     recognises: |bytes| bytes.starts_with(array::MAGIC),
-    table: |bytes| table(arrays("array", &bytes)?),
+    table: |bytes, _| table(arrays("array", &bytes)?),
+    beside: None,
 };
 
 /// Arrays of NumPy with names, as `numpy.savez` and `numpy.savez_compressed` write them. An array of several numbers for each sample becomes
@@ -26,7 +27,8 @@ pub const NPZ: ForeignTable = ForeignTable {
     doc: "arrays of NumPy with names: one number, or one list of numbers, for each sample",
     extensions: &["npz"],
     recognises: |bytes| bytes.starts_with(b"PK"),
-    table: |bytes| {
+    beside: None,
+    table: |bytes, _| {
         let mut all = Vec::new();
         for (name, bytes) in read_zip(&bytes)? {
             if let Some(name) = name.strip_suffix(".npy") {

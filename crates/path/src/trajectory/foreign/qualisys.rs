@@ -15,7 +15,8 @@ pub const QUALISYS: ForeignTable = ForeignTable {
     doc: "TSV exports of Qualisys Track Manager: markers and rigid bodies, mm",
     extensions: &["tsv"],
     recognises: |bytes| first_line(bytes).starts_with("NO_OF_FRAMES\t"),
-    table,
+    table: |bytes, _| table(bytes),
+    beside: None,
 };
 
 const PROGRAM: &str = "Qualisys Track Manager";

@@ -13,8 +13,9 @@ pub const VICON: ForeignTable = ForeignTable {
     name: "vicon",
     doc: "CSV exports of Vicon Nexus and Tracker: bodies or markers, with the units that the file states",
     extensions: &["csv"],
-    recognises: |bytes| SECTIONS.contains(&first_line(bytes).trim_end_matches([',', ' '])),
-    table,
+    recognises: |bytes| section(first_line(bytes)).is_some(),
+    table: |bytes, _| table(bytes),
+    beside: None,
 };
 
 const PROGRAM: &str = "Vicon";
@@ -32,12 +33,19 @@ const SECTIONS: [&str; 9] = [
 ];
 const WITH_PLACES: usize = 4;
 
+/// The section whose first line this is; Workstation and the first versions of Nexus wrote it in capitals.
+fn section(line: &str) -> Option<&'static str> {
+    let name = line.trim_end_matches([',', ' ', '\r']);
+    let mut all = SECTIONS.into_iter();
+    all.find(|known| *known == name || known.to_uppercase() == name)
+}
+
 fn table(bytes: Vec<u8>) -> Result<Decoded> {
     let text = decode_text(bytes)?;
     let lines: Vec<&str> = text.lines().collect();
-    let name = |index: usize| lines[index].trim_end_matches([',', ' ', '\r']);
+    let name = |index: usize| section(lines[index]).unwrap_or_default();
     let starts: Vec<usize> = (0..lines.len())
-        .filter(|index| SECTIONS.contains(&name(*index)))
+        .filter(|index| section(lines[*index]).is_some())
         .collect();
     let with_places = SECTIONS[..WITH_PLACES].iter();
     let mut found = with_places.filter_map(|wanted| {
@@ -63,9 +71,14 @@ fn table(bytes: Vec<u8>) -> Result<Decoded> {
     let rate_hz = rate_hz.filter(|rate_hz| *rate_hz > 0.0);
     let rate_hz = rate_hz.ok_or_else(|| broken(PROGRAM, start + 2, "no rate"))?;
     let (bodies, axes, units) = (row(start + 2)?, row(start + 3)?, row(start + 4)?);
-    if axes.first() != Some(&"Frame") {
+    // Older exports number fields, which are frames, and have no line of units: theirs are millimetres.
+    let is_old = axes.first() == Some(&"Field #");
+    if !is_old && axes.first() != Some(&"Frame") {
         return Err(broken(PROGRAM, start + 4, "no line that begins with Frame"));
     }
+    let has_units = units
+        .first()
+        .is_none_or(|cell| cell.parse::<f64>().is_err());
     // The name of a body stands above the first of its columns.
     let mut whose = String::new();
     let (mut kept, mut turns) = (Vec::new(), Vec::new());
@@ -74,7 +87,11 @@ fn table(bytes: Vec<u8>) -> Result<Decoded> {
         if let Some(body) = bodies.get(index).filter(|body| !body.is_empty()) {
             whose = plain(body);
         }
-        let unit = units.get(index).copied().unwrap_or_default();
+        let unit = match has_units {
+            true => units.get(index).copied().unwrap_or_default(),
+            false if is_old => "mm",
+            false => "",
+        };
         let axis_name = match *axis {
             "X" | "Y" | "Z" => Some(*axis),
             "TX" => Some("X"),
@@ -100,6 +117,11 @@ fn table(bytes: Vec<u8>) -> Result<Decoded> {
     let names = kept.iter().map(|(_, name)| name.clone());
     let mut flat = Flat::new(std::iter::once("Time (s)".to_owned()).chain(names))?;
     flat.read_as(format!("times are frames at {rate_hz} samples per second"));
+    if is_old && !has_units {
+        flat.read_as(
+            "lengths are in millimetres, as in every export of Vicon that states no units",
+        );
+    }
     if !turns.is_empty() {
         flat.not_read(format!(
             "rotations of {} are not read, because the file does not say whether they are Euler angles or a helical axis: export quaternions",
@@ -111,7 +133,7 @@ fn table(bytes: Vec<u8>) -> Result<Decoded> {
     if !others.is_empty() {
         flat.not_read(format!("sections that are not read: {}", others.join(", ")));
     }
-    for index in start + 5..end {
+    for index in start + 4 + usize::from(has_units)..end {
         let row = row(index)?;
         let Some(frame) = row.first().and_then(|cell| cell.parse::<f64>().ok()) else {
             continue;

@@ -32,7 +32,7 @@ pub struct Mcap;
 const TOPIC: &str = "/pose";
 const FRAME: &str = "world";
 /// Of files beyond this size, bytes, only the messages that may be read are taken into memory: most of such a file are pictures.
-const LARGE: u64 = 32_000_000;
+pub(super) const LARGE: u64 = 32_000_000;
 
 /// The settings of `reading` that concern a log after its conversion into a table.
 pub(super) fn applied(reading: &Reading) -> Reading {

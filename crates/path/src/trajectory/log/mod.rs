@@ -4,6 +4,7 @@
 //! same way for all formats.
 
 mod cdr;
+mod chain;
 mod foxglove;
 mod joined;
 mod mcap;
@@ -14,6 +15,8 @@ mod ros;
 mod rosbag;
 mod series;
 mod stream;
+mod ulog;
 
 pub use mcap::Mcap;
 pub use rosbag::Rosbag;
+pub use ulog::Ulog;

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, HashMap};
 
 use super::cdr::Cdr;
+use super::chain;
 use super::joined::Joined;
 use super::message::{Column, Content, Frames, Quantity, Sample};
 use super::pose_stream::Stream;
@@ -13,6 +14,7 @@ use crate::trajectory::format::Decoded;
 use crate::trajectory::text::{MAX_ROWS, excerpt};
 use realgap_core::error::{Advice, Error, Result};
 use realgap_core::unit::counted;
+use realgap_core::warning::Code;
 
 /// The first bytes of what zstd compressed.
 const ZSTD: &[u8] = &[0x28, 0xb5, 0x2f, 0xfd];
@@ -183,8 +185,14 @@ impl<'a> Log<'a> {
     /// Adds one pose to its stream.
     fn push(&mut self, said: Said<'_>, frames: Frames, sample: Sample) {
         let child = self.reading.child_frame.as_deref();
-        let is_wanted = self.is_wanted(said.topic)
-            && child.is_none_or(|child| frames.as_ref().is_none_or(|(_, own)| own == child));
+        let is_wanted = match (&frames, chain::wanted(self.reading)) {
+            // Any transform may be on the way.
+            (Some(_), Some(_)) => true,
+            (frames, _) => {
+                self.is_wanted(said.topic)
+                    && child.is_none_or(|child| frames.as_ref().is_none_or(|(_, own)| own == child))
+            }
+        };
         let stream = self.stream(said, frames);
         stream.count += 1;
         if is_wanted {
@@ -213,6 +221,9 @@ impl<'a> Log<'a> {
     /// # Errors
     /// Nothing that can be read, or several recordings without a selection; the error lists them.
     pub(super) fn table(self) -> Result<Decoded> {
+        if let Some((child, parent)) = chain::wanted(self.reading) {
+            return self.chained(child, parent);
+        }
         let child = self.reading.child_frame.as_deref();
         let is_chosen = self.reading.topic.is_some() || child.is_some();
         let fits = |stream: &&Stream| {
@@ -258,10 +269,14 @@ impl<'a> Log<'a> {
                 };
                 let joints = joints.iter().map(|series| words_of(series));
                 let all: Vec<String> = joints.chain(several.iter().map(|s| s.words())).collect();
+                let has_frames = several.iter().any(|stream| stream.frames.is_some());
                 Err(Error::invalid(message)
                     .field(field)
                     .found(list(all.into_iter()))
-                    .allowed("one of them")
+                    .allowed(match has_frames {
+                        true => "one of them, or the pose of one frame in another that transforms connect with it: FRAME in OTHER",
+                        false => "one of them",
+                    })
                     .advise(Advice::Topic))
             }
         }
@@ -354,6 +369,24 @@ impl<'a> Log<'a> {
         joined.not_read(&self.unread(&is_read));
         let (names, rows) = stream.rows()?;
         joined.table(Some((&names, &rows)))
+    }
+
+    /// Poses of one frame in another, over the transforms between them.
+    fn chained(self, child: &str, parent: &str) -> Result<Decoded> {
+        if let Some(error) = self.broken {
+            return Err(error);
+        }
+        let stream = chain::poses(&self.streams, self.reading, child, parent)?;
+        let way = chain::way_in_words(&self.streams, self.reading, (child, parent));
+        let mut decoded = self.poses(&stream)?;
+        if let Some(way) = way {
+            decoded.warnings.push(Code::ReadAs.warning(format!(
+                "the pose of {} in {} follows from {way}",
+                excerpt(child),
+                excerpt(parent)
+            )));
+        }
+        Ok(decoded)
     }
 
     /// Refuses a topic of commands that the log does not have.

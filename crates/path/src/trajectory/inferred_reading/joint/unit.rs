@@ -121,7 +121,7 @@ pub(super) fn unit(found: &[Found<'_, '_>], known: &Reading) -> Result<(Unit, St
     Err(match largest <= 100.0 {
         true => error
             .allowed("degrees or radians; shares of a range from -100 to 100, as robot learning writes them, are no angles")
-            .hint("turn shares into angles with the calibration of the robot")
+            .hint("turn shares into angles with the calibration of the robot; of a data set of LeRobot, put the calibration file into its folder as meta/calibration.json")
             .advise(Advice::AngleUnit),
         false => error
             .allowed("degrees, radians, or counts of an encoder")
