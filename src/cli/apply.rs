@@ -4,29 +4,30 @@ use realgap::file::Source;
 use realgap::file::read_limited;
 use realgap::plot::number;
 use realgap::results::FittedStudy;
-use realgap::robot::import::{Options, is_foreign};
+use realgap::robot::import::Options;
 use realgap::simulation::export::{Calibrated, Fate, calibrate};
 
 use super::import::{MOST_BYTES, package};
 use super::kit::*;
 
-/// Put fitted values into your own URDF or MJCF, and hand on what they leave open
+/// Put fitted values into your own URDF, MJCF or RON, and hand on what they leave open
 ///
 /// Use it to take the answer of a sweep or a tuning to your own simulator. In the robot's file only the fitted numbers
 /// change, or appear where the file left a default; comments, order, blanks and included files stay, so that `diff` shows
-/// nothing else. A comment before each changed element says value, interval and study. What the file cannot say is
-/// listed, with the reason. The file is read back, and must say what was fitted. A value that was fitted in one engine is a
-/// value of that engine: friction and contact are not carried to another.
+/// nothing else. A comment before each changed element, or line of RON, says value, interval and study. What the file
+/// cannot say is listed, with the reason. The file is read back, and must say what was fitted. A value that was fitted in
+/// one engine is a value of that engine: friction and contact are not carried to another.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   realgap apply results/go2_fit go2.xml -o go2_calibrated.xml
+  realgap apply results/arm_fit arm.ron -o arm_calibrated.ron
   realgap apply results/go2_fit --ranges draws.json --card go2.md
   realgap apply results/go2_fit go2.xml -o go2_calibrated.xml --format json")]
 pub struct Apply {
     /// A folder that sweep or tune has written
     results: PathBuf,
-    /// The robot's URDF or MJCF, from which the study's robot was read
+    /// The robot's URDF, MJCF or RON, from which the study's robot was read
     model: Option<PathBuf>,
     /// Write the robot's file with the fitted values here, in the folder of the original where that names other files
     #[arg(short, long, value_name = "FILE", requires = "model")]
@@ -173,11 +174,6 @@ impl Apply {
     }
 
     fn write_model(&self, fitted: &FittedStudy, model: &Path, applied: &mut Applied) -> Result<()> {
-        if !is_foreign(model) {
-            return Err(Error::usage("this is no URDF or MJCF")
-                .at_file(model)
-                .hint("a robot in RON takes the values as they are: --parameters best.ron"));
-        }
         let bytes = read_limited(model, MOST_BYTES, "robot")?;
         let text = String::from_utf8(bytes).map_err(|_| {
             Error::invalid("the file is not UTF-8, so that its other bytes could not be kept")

@@ -27,6 +27,163 @@ const PENDULUM: &str = r#"<mujoco model="pendulum">
 </mujoco>
 "#;
 
+/// The same as a robot of bodies and as one of modules, as people write them.
+const OF_BODIES: &str = r#"// A pendulum with a servo that gives way.
+(
+    name: "pendulum", description: r"of the drawing, 2024 // not of the build",
+    bodies: [
+        (name: "stand", mass_kg: 1, shapes: [(form: Box(sides_m: (0.1, 0.1, 0.1)))]),
+        (name: "bob", mass_kg: 0.5, centre_of_mass_m: (0, 0, -0.3), inertia_kg_m2: (xx: 1e-3, yy: 1e-3, zz: 1e-3)),
+    ],
+    joints: [
+        (name: "pivot", parent: "stand", child: "bob", kind: Turn(axis: (0, 1, 0))), /* damping: not known */
+    ],
+    actuators: [(joint: "pivot", servo: (law: Torque(stiffness_nm_rad: 4e-1, damping_nm_s_rad: 0), max_torque_nm: 5))],
+    never_touch: [("stand", "bob")],
+    mount: (at_m: (0, 0, 1)),
+)
+"#;
+const OF_MODULES: &str = r#"(name: "pendulum", mount_m: (0, 0, 1),
+  modules: [
+    (name: "stand", kind: Passive(sides_m: (0.04, 0.03, 0.04), mass_kg: 0.1)),
+    (name: "bob", kind: Passive(side_m: 0.04, mass_kg: 0.5)), // weighed
+  ],
+  hinges: [
+    (name: "pivot", parent: "stand", child: "bob", anchor_m: (0, 0.04, 0), child_anchor_m: (0, 0, 0.3), axis: (0, 1, 0),
+      servo: (
+        // of the data sheet
+        max_torque_nm: 5,
+        law: Torque(stiffness_nm_rad: 0.4, damping_nm_s_rad: 0)
+      )
+    )
+  ])
+"#;
+
+#[test]
+fn a_robot_in_ron_gets_what_was_fitted_and_moves_as_the_fit_did() {
+    for (robot, stated, fixed, count) in [
+        (OF_BODIES, "stiffness_nm_rad: 4e-1", "", "2 of 3"),
+        (
+            OF_MODULES,
+            "stiffness_nm_rad: 0.4",
+            ", \"floor.friction\": 0.7",
+            "2 of 4",
+        ),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let here = |name: &str| folder.path().join(name);
+        std::fs::write(here("pendulum.ron"), robot).unwrap();
+        let parsed = Morphology::parse(&Source::new("pendulum.ron", robot)).unwrap();
+        let truth = [
+            ("hinge.pivot.viscous_nm_s_rad", 0.013),
+            ("servo.pivot.stiffness_nm_rad", 0.55),
+        ];
+        record_of(&parsed, &truth, folder.path());
+        let study = |robot: &str, more: &str| {
+            format!(
+                r#"(morphology: "{robot}", recordings: ["run_*.csv"], start: FromRecording, metric: "joints",
+                    set: {{"recording.length_scale": 1.02{more}}},
+                    parameters: [(name: "hinge.pivot.viscous_nm_s_rad", from: 0.001, to: 0.04),
+                        (name: "servo.pivot.stiffness_nm_rad", from: 0.1, to: 1)])"#
+            )
+        };
+        std::fs::write(here("study.ron"), study("pendulum.ron", fixed)).unwrap();
+        let at = |name: &str| here(name).display().to_string();
+        let run = |words: &[&str]| {
+            let output = realgap().args(words).output().unwrap();
+            assert!(
+                output.status.success(),
+                "{words:?}: {}",
+                text(&output.stderr)
+            );
+            (text(&output.stdout), text(&output.stderr))
+        };
+        let tune = [
+            "--optimizer",
+            "gauss-newton",
+            "--budget",
+            "25",
+            "--no-report",
+        ];
+        run(&[&["tune", &at("study.ron"), "-o", &at("out")][..], &tune].concat());
+        let (said, noted) = run(&[
+            "apply",
+            &at("out"),
+            &at("pendulum.ron"),
+            "-o",
+            &at("calibrated.ron"),
+        ]);
+        assert!(
+            said.contains(&format!("{count} fitted values in 2 numbers")),
+            "{said}"
+        );
+        // What the file cannot say is listed with the place where it belongs.
+        let scale = "not in the file: recording.length_scale=1.02: it describes the recordings";
+        assert!(
+            noted.contains(scale) && noted.contains("under `set`"),
+            "{noted}"
+        );
+        assert_eq!(
+            noted.contains("not in the file: floor.friction"),
+            !fixed.is_empty(),
+            "{noted}"
+        );
+        // Nothing but the numbers and their comments is new.
+        let calibrated = std::fs::read_to_string(here("calibrated.ron")).unwrap();
+        let is_comment = |line: &&str| line.trim_start().starts_with("// realgap: ");
+        let comments: Vec<&str> = calibrated.lines().filter(is_comment).collect();
+        for name in [
+            "hinge.pivot.viscous_nm_s_rad = 0.01",
+            "servo.pivot.stiffness_nm_rad = 0.5",
+        ] {
+            let of_it = comments.iter().find(|line| line.contains(name));
+            let of_it = of_it.unwrap_or_else(|| panic!("{name}: {calibrated}"));
+            assert!(
+                of_it.contains("90 % interval 0.") && of_it.ends_with("study study"),
+                "{of_it}"
+            );
+        }
+        let number = |key: &str| {
+            let at = calibrated
+                .find(key)
+                .unwrap_or_else(|| panic!("{key}: {calibrated}"));
+            let rest = &calibrated[at..];
+            let end = rest.find([',', ')']).unwrap();
+            (
+                rest[..end].to_owned(),
+                rest[key.len()..end].parse::<f64>().unwrap(),
+            )
+        };
+        let ((viscous, _), (stiffness, value)) =
+            (number("viscous_nm_s_rad: "), number("stiffness_nm_rad: "));
+        assert!((value - 0.55).abs() < 0.01, "{value}");
+        let plain: Vec<&str> = calibrated
+            .lines()
+            .filter(|line| !is_comment(line))
+            .collect();
+        let back = plain.join("\n").replace(&stiffness, stated) + "\n";
+        let back = back
+            .replace(&format!(", {viscous}"), "")
+            .replace(&format!(",\n      {viscous},"), "");
+        assert_eq!(back, robot);
+        // The written file is the robot of the fit.
+        std::fs::write(here("again.ron"), study("calibrated.ron", "")).unwrap();
+        let error = |words: &[&str]| {
+            let (json, _) = run(&[&["evaluate"], words, &["--format", "json"]].concat());
+            let json = answer("evaluate-joints", &json);
+            json["angle_mrad"]["mean"]
+                .as_f64()
+                .unwrap_or_else(|| panic!("{json}"))
+        };
+        let fitted = error(&[&at("study.ron"), "--parameters", &at("out/best.ron")]);
+        let written = error(&[&at("again.ron")]);
+        assert!(
+            (written / fitted - 1.0).abs() < 0.01,
+            "{written} against {fitted}"
+        );
+    }
+}
+
 /// Two recordings of the pendulum with a known damping.
 fn record(folder: &Path) {
     let source = Source::new("pendulum.xml", PENDULUM);
@@ -37,9 +194,15 @@ fn record(folder: &Path) {
     let robot = Morphology::import(&source, &options).unwrap().0;
     std::fs::write(folder.join("pendulum.ron"), robot.to_ron().unwrap()).unwrap();
     std::fs::write(folder.join("pendulum.xml"), PENDULUM).unwrap();
-    let truth: ParameterSet = [Assignment::new("hinge.pivot.viscous_nm_s_rad", 0.013).unwrap()]
-        .into_iter()
-        .collect();
+    record_of(&robot, &[("hinge.pivot.viscous_nm_s_rad", 0.013)], folder);
+}
+
+/// Two recordings of a robot with these hidden values.
+fn record_of(robot: &Morphology, truth: &[(&str, f64)], folder: &Path) {
+    let truth = truth
+        .iter()
+        .map(|(name, value)| Assignment::new(name, *value).unwrap());
+    let truth: ParameterSet = truth.collect();
     let mut experiment = truth.apply(&Experiment::new(robot.assemble()));
     experiment.duration_s = 2.0;
     experiment.sampling = Sampling::Rate(50.0);
@@ -49,11 +212,12 @@ fn record(folder: &Path) {
             speed_rad_s: 0.0,
         }];
         let motion = run(&experiment).unwrap().outcome.into_result().unwrap();
-        let mut table = "t_s,pivot_rad\n".to_owned();
-        let angles = &motion.joint("pivot").unwrap().angles_rad;
+        let mut table = "t_s,pivot_rad,pivot_rad_s\n".to_owned();
+        let pivot = motion.joint("pivot").unwrap();
+        let (angles, speeds) = (&pivot.angles_rad, pivot.speeds_rad_s.as_ref().unwrap());
         for (k, (t, angle)) in motion.times_s().iter().zip(angles).enumerate() {
             let noise = 1e-3 * (12.9898 * k as f64).sin();
-            let _ = writeln!(table, "{t},{}", angle + noise);
+            let _ = writeln!(table, "{t},{},{}", angle + noise, speeds[k]);
         }
         std::fs::write(folder.join(format!("run_{index}.csv")), table).unwrap();
     }

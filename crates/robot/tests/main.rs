@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 mod amendment;
+mod amendment_ron;
 #[path = "../../../tests/common/shared.rs"]
 mod common;
 mod compiled;

@@ -3,8 +3,9 @@
 use realgap_core::file::Source;
 use realgap_robot::import::Options;
 use realgap_robot::morphology::Morphology;
+use realgap_robot::morphology::amendment::largest_difference;
 use realgap_simulation::export::{Calibrated, Fate, calibrate};
-use realgap_simulation::parameter::{Assignment, ParameterSet};
+use realgap_simulation::parameter::{Assignment, ParameterSet, all, by_name, families};
 use realgap_simulation::{Experiment, run};
 
 const ARM: &str = r#"<mujoco model="arm">
@@ -120,4 +121,80 @@ fn what_no_file_says_is_named_with_the_reason_and_changes_nothing() {
     );
     assert_eq!(*fates[3], Fate::Unchanged);
     assert!(why(fates[4]).contains("no geom"), "{fates:?}");
+}
+
+/// The robot of an experiment as engines see it, and the world around it.
+fn seen(experiment: &Experiment) -> Experiment {
+    let mut seen = experiment.clone();
+    let mut robot = experiment.adjusted_assembly();
+    for (index, hinge) in robot.hinges.iter_mut().enumerate() {
+        if let Some(actuator) = &mut hinge.actuator {
+            actuator.servo.delay_s += experiment.hinge_adjustment(index).latency_s;
+        }
+    }
+    robot.surroundings = Default::default();
+    seen.assembly = std::sync::Arc::new(robot);
+    seen.adjustment = Default::default();
+    (seen.hinge_adjustments, seen.module_adjustments) = (Vec::new(), Default::default());
+    seen
+}
+
+#[test]
+fn every_parameter_of_shipped_robots_is_in_their_file_or_named_with_the_reason() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../morphologies");
+    let mut counts = (0, 0);
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let source = Source::read(&path, "robot").unwrap();
+        // The largest ones take seconds, and have no other kinds of parts.
+        if source.text().len() > 8000 {
+            continue;
+        }
+        let robot = Morphology::parse(&source).unwrap();
+        let before = Experiment::new(robot.assemble());
+        let module = before.assembly.module_names.last().unwrap().clone();
+        let all = all().map(|parameter| parameter.name.to_owned());
+        let members = families().map(|parameter| parameter.name.replace("NAME", &module));
+        for name in all.chain(members) {
+            let parameter = by_name(&name).unwrap();
+            let Some(value) = parameter.value(&before) else {
+                continue;
+            };
+            let moved = parameter.nudged(if value == 0.0 { 0.01 } else { 1.25 * value });
+            let Some(to) = moved.into_iter().flatten().next_back() else {
+                continue;
+            };
+            let set = set(&[(&name, to)]);
+            let after = set.apply(&before);
+            if after == before {
+                continue;
+            }
+            let remark = |value: &Assignment| format!("realgap: {} = 1", value.parameter.name);
+            let calibrated = calibrate(&source, &Options::default(), &set, remark).unwrap();
+            let read = Source::new(&path, calibrated.text.clone());
+            let again = Experiment::new(Morphology::parse(&read).unwrap().assemble());
+            let label = format!("{} of {}", name, path.display());
+            match &calibrated.values[0].1 {
+                Fate::Written(written) => {
+                    counts.0 += 1;
+                    assert!(!written.is_empty(), "{label}");
+                    let (again, after) = (seen(&again), seen(&after));
+                    let apart = largest_difference(&again.assembly, &after.assembly);
+                    assert!(apart < 1e-9, "{label}: {apart:e}");
+                    let rest = Experiment {
+                        assembly: after.assembly.clone(),
+                        ..again
+                    };
+                    assert!(rest == after, "{label}");
+                }
+                Fate::Unsaid(why) if why.starts_with("only in part") => counts.1 += 1,
+                Fate::Unsaid(_) => {
+                    counts.1 += 1;
+                    assert_eq!(calibrated.text, source.text(), "{label}");
+                }
+                Fate::Unchanged => panic!("{label}"),
+            }
+        }
+    }
+    assert!(counts.0 > 150 && counts.1 > 100, "{counts:?}");
 }

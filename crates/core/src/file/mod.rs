@@ -31,6 +31,7 @@
 mod bitmap;
 mod byte_reader;
 mod decode;
+mod editor;
 mod hash;
 mod input;
 mod json;
@@ -50,6 +51,7 @@ mod zip;
 pub use bitmap::{AnimatedPng, png_bytes};
 pub use byte_reader::ByteReader;
 pub use decode::{parse_ron, write_ron};
+pub use editor::{Replaced, RonEditor};
 pub use hash::sha256;
 pub use input::{read_limited, read_regular};
 pub use json::{SCHEMA_VERSION, versioned_json, versioned_value};

@@ -25,6 +25,17 @@ pub(super) struct Entry {
     pub(super) value: Range<usize>,
 }
 
+/// Everything that an editor of a text needs to know of its structure.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Outline {
+    /// Byte range of the whole value.
+    pub(super) root: Range<usize>,
+    /// The entries, inner ones before outer ones.
+    pub(super) entries: Vec<Entry>,
+    /// Byte ranges of strings and block comments: what stands in them is no structure, and a line may begin in one.
+    pub(super) opaque: Vec<Range<usize>>,
+}
+
 /// The reason why scanning ended early.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Stop {
@@ -86,6 +97,42 @@ pub(super) fn entry_at(text: &str, limit: usize, offset: usize) -> Option<Entry>
     best
 }
 
+/// The whole structure of a text.
+///
+/// # Errors
+/// A text that the scanner does not understand to its end.
+pub(super) fn outline(text: &str, limit: usize) -> Result<Outline, Stop> {
+    let mut scanner = Scanner::new(text, limit);
+    let mut entries = Vec::new();
+    scanner.document(&mut |steps, whole, value| {
+        entries.push(Entry {
+            path: path_text(steps),
+            whole,
+            value,
+        });
+    })?;
+    Ok(Outline {
+        root: scanner.root..scanner.position,
+        entries,
+        opaque: scanner.opaque,
+    })
+}
+
+/// The byte of the opening bracket of a value that has fields or elements.
+pub(super) fn opening(text: &str, value: &Range<usize>) -> Option<usize> {
+    let mut scanner = Scanner::new(&text[..value.end], usize::MAX);
+    scanner.position = value.start;
+    if scanner.raw_hashes().is_some() {
+        return None;
+    }
+    if !matches!(scanner.peek()?, '(' | '[' | '{') {
+        scanner.word().ok()?;
+        scanner.skip_blank().ok()?;
+    }
+    let is_open = matches!(scanner.peek()?, '(' | '[' | '{');
+    is_open.then_some(scanner.position)
+}
+
 type Visitor<'v> = dyn FnMut(&[Step<'_>], Range<usize>, Range<usize>) + 'v;
 
 fn visit(text: &str, limit: usize, visitor: &mut Visitor<'_>) {
@@ -116,6 +163,9 @@ struct Scanner<'a> {
     position: usize,
     limit: usize,
     steps: Vec<Step<'a>>,
+    /// First byte of the whole value.
+    root: usize,
+    opaque: Vec<Range<usize>>,
 }
 
 impl<'a> Scanner<'a> {
@@ -125,6 +175,8 @@ impl<'a> Scanner<'a> {
             position: 0,
             limit,
             steps: Vec::new(),
+            root: 0,
+            opaque: Vec::new(),
         }
     }
 
@@ -148,6 +200,7 @@ impl<'a> Scanner<'a> {
             self.skip_past("]")?;
             self.skip_blank()?;
         }
+        self.root = self.position;
         self.value(0, visitor)
     }
 
@@ -169,7 +222,7 @@ impl<'a> Scanner<'a> {
 
     /// Skips a block comment; RON's block comments can be nested.
     fn block_comment(&mut self) -> Result<(), Stop> {
-        let mut open = 0_usize;
+        let (start, mut open) = (self.position, 0_usize);
         loop {
             let rest = self.rest();
             let next = rest
@@ -185,6 +238,7 @@ impl<'a> Scanner<'a> {
                 open - 1
             };
             if open == 0 {
+                self.opaque.push(start..self.position);
                 return Ok(());
             }
         }
@@ -234,7 +288,9 @@ impl<'a> Scanner<'a> {
                 _ if escaped => escaped = false,
                 '\\' => escaped = true,
                 '"' => {
+                    let start = self.position;
                     self.position += index + 1;
+                    self.opaque.push(start..self.position);
                     return Ok(());
                 }
                 _ => {}
@@ -261,9 +317,12 @@ impl<'a> Scanner<'a> {
     }
 
     fn raw_string(&mut self) -> Result<(), Stop> {
+        let start = self.position;
         let hashes = self.raw_hashes().ok_or(Stop::Malformed)?;
         self.skip_past("\"")?;
-        self.skip_past(&format!("\"{}", "#".repeat(hashes)))
+        self.skip_past(&format!("\"{}", "#".repeat(hashes)))?;
+        self.opaque.push(start..self.position);
+        Ok(())
     }
 
     fn container(&mut self, depth: usize, visitor: &mut Visitor<'_>) -> Result<(), Stop> {

@@ -110,6 +110,7 @@
 //! stated hinge connects the two or `never_touch` names them.
 
 mod absent;
+pub mod amendment;
 mod assemble;
 mod assembly;
 mod attachment;

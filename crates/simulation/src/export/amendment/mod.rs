@@ -1,11 +1,13 @@
 //! Which numbers of a robot's own file fitted parameters change.
 
+mod ron;
+
 use realgap_core::error::Result;
 use realgap_core::file::Source;
-use realgap_robot::import::Options;
 use realgap_robot::import::amendment::{
     Amendment, BodyMass, JointQuantity, Outcome, Target, amend,
 };
+use realgap_robot::import::{Options, is_foreign};
 use realgap_robot::morphology::{Assembly, Hinge, Morphology, ServoLaw, Shape};
 
 use crate::Experiment;
@@ -33,17 +35,20 @@ pub enum Fate {
     Unsaid(String),
 }
 
-/// Writes fitted values into the URDF or MJCF from which a robot was read. `remark` is the comment that is put before an element for a
-/// parameter.
+/// Writes fitted values into the RON, URDF or MJCF from which a robot was read. `remark` is the comment that is put before an element,
+/// or before a line of RON, for a parameter.
 ///
 /// # Errors
-/// As [`Morphology::import`].
+/// As [`Morphology::import`] and [`Morphology::parse`].
 pub fn calibrate(
     source: &Source,
     options: &Options,
     set: &ParameterSet,
     remark: impl Fn(&Assignment) -> String,
 ) -> Result<Calibrated> {
+    if !is_foreign(source.path()) {
+        return ron::calibrate(source, set, remark);
+    }
     let before = Experiment::new(Morphology::import(source, options)?.0.assemble());
     let after = set.apply(&before);
     let (old, new) = (before.adjusted_assembly(), after.adjusted_assembly());
