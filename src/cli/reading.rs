@@ -65,7 +65,7 @@ pub struct ReadingOptions {
     /// The topic of the commands that are joined to them by the clock, e.g. /cmd_vel
     #[arg(long, value_name = "NAME", help_heading = READING)]
     command_topic: Vec<String>,
-    /// The frame whose transforms are read (MCAP, bags of ROS 2), e.g. base_link
+    /// The frame whose transforms are read (MCAP, bags of ROS 2), e.g. base_link, or its pose in another one: 'base_link in map'
     #[arg(long, value_name = "NAME", help_heading = READING)]
     child_frame: Vec<String>,
     /// Which way the axes of poses point: world (z up), camera (x right, y down, z forward), y-up or z-down

@@ -142,7 +142,40 @@ fn corpus() -> Vec<(PathBuf, Vec<u8>)> {
             "set.csv",
             "condition,run,t_s,x_m,y_m\na,1,0,0,0\na,1,1,1,1\na,1,2,2,1\nb,1,0,0,0\nb,1,1,1,0\nb,1,2,3,0\n",
         ),
+        (
+            "run.jsonl",
+            "{\"t\": 0, \"position\": [0, 1, 2], \"q\": {\"pan\": 1}}\n{\"t\": 0.1, \"position\": [0.1, 1, 2], \"q\": {\"pan\": 2}}\n",
+        ),
+        (
+            "juggled.csv",
+            "__time,/a/cmd,/odom/x,/odom/y\n0,,0,0\n0.1,1,,\n0.2,,1,1\n0.3,,2,2\n",
+        ),
+        (
+            "vicon.csv",
+            "TRAJECTORIES\n100,Hz\n,a:b,,\nField #,X,Y,Z\n1,1,2,3\n2,2,2,3\n3,3,2,3\n",
+        ),
     ];
+    // A log of PX4: header, one structure, one topic, two messages.
+    let mut log = b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0".to_vec();
+    let messages: [(u8, &[u8]); 4] = [
+        (
+            b'F',
+            b"vehicle_local_position:uint64_t timestamp;float x;float y;float z;",
+        ),
+        (b'A', b"\0\0\0vehicle_local_position"),
+        (b'D', &[0; 22]),
+        (
+            b'D',
+            &[
+                0, 0, 9, 9, 9, 0, 0, 0, 0, 0, 0, 0, 128, 63, 0, 0, 0, 64, 0, 0, 0, 0,
+            ],
+        ),
+    ];
+    for (kind, body) in messages {
+        log.extend([body.len() as u8, 0, kind]);
+        log.extend(body);
+    }
+    files.push((root.join("sweeps/run.ulg"), log));
     files.extend(
         more.map(|(name, text)| (root.join("sweeps").join(name), text.as_bytes().to_vec())),
     );
@@ -227,7 +260,19 @@ fn read(path: &Path, bytes: &[u8], simulates: bool) -> Vec<Error> {
     note(read_noise(path).map(drop));
     note(source().and_then(|source| Reading::parse(&source).map(drop)));
     note(read_meta(path).map(drop));
-    for name in ["run.csv", "run.tum", "run.kitti", "run.mcap", "run.db3"] {
+    for name in [
+        "run.csv",
+        "run.tum",
+        "run.kitti",
+        "run.mcap",
+        "run.db3",
+        "run.ulg",
+        "run.parquet",
+        "run.npy",
+        "run.npz",
+        "run.jsonl",
+        "run.tsv",
+    ] {
         let path = path.with_file_name(name);
         let reading = Reading {
             rate_hz: Some(10.0),

@@ -222,6 +222,29 @@ fn a_bag_is_read_as_its_recorder_left_it_and_stays_as_it_is() {
     }
 }
 
+/// Beyond 32 MB only the messages that may be read are taken into memory: with pictures the path is the same to the last bit.
+#[test]
+fn a_bag_that_is_large_because_of_pictures_is_read_like_a_small_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let poses: Vec<Vec<u8>> = (0..50).map(|i| pose_stamped(i, f64::from(i))).collect();
+    let path = bag(folder.path(), &[("/robot", POSE, poses.clone())]);
+    let small = read(&path, Reading::default()).unwrap().trajectory;
+    let pictures = vec![vec![7; 1_400_000]; 25];
+    let image = ("/image", "sensor_msgs/msg/Image", pictures);
+    let path = bag(folder.path(), &[image, ("/robot", POSE, poses)]);
+    assert!(std::fs::metadata(&path).unwrap().len() > 32_000_000);
+    assert_eq!(read(&path, Reading::default()).unwrap().trajectory, small);
+    // A name that SQLite would read as something else.
+    let odd = folder.path().join("a b%20?mode=rw#.db3");
+    std::fs::rename(&path, &odd).unwrap();
+    assert_eq!(read(&odd, Reading::default()).unwrap().trajectory, small);
+    // Cut off, it is refused as a small one is.
+    let file = std::fs::OpenOptions::new().write(true).open(&odd).unwrap();
+    file.set_len(33_000_001).unwrap();
+    let error = read(&odd, Reading::default()).unwrap_err().to_string();
+    assert!(error.contains("truncated"), "{error}");
+}
+
 /// A journal that is cut off puts back only some of the pages, and a log only some of the messages; no length of them is silent.
 #[test]
 fn a_cut_log_or_journal_of_a_bag_is_refused_or_said() {

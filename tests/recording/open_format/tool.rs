@@ -178,6 +178,82 @@ for plugin in (StoragePlugin.SQLITE3, StoragePlugin.MCAP):
 }
 
 #[test]
+fn the_pose_of_a_frame_in_another_follows_from_the_transforms_between_them() {
+    let Some(program) = python_with("rosbags") else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    // A map drifts against the odometry, at other times; a camera is mounted, as the static topic says.
+    let script = "
+from rosbags.rosbag2 import StoragePlugin, Writer
+def one(i, parent, child, p, q):
+    V, Q = cls('geometry_msgs/msg/Vector3'), cls('geometry_msgs/msg/Quaternion')
+    return cls('geometry_msgs/msg/TransformStamped')(header=header(i, parent), child_frame_id=child,
+        transform=cls('geometry_msgs/msg/Transform')(translation=V(*p), rotation=Q(*q)))
+def message(*all): return cls('tf2_msgs/msg/TFMessage')(transforms=list(all))
+half = math.sqrt(0.5)
+with Writer(Path('tree'), version=9, storage_plugin=StoragePlugin.SQLITE3) as writer:
+    kind = 'tf2_msgs/msg/TFMessage'
+    tf, static = (writer.add_connection(topic, kind, typestore=store) for topic in ('/tf', '/tf_static'))
+    put = lambda where, i, it: writer.write(where, log_ns(i), store.serialize_cdr(it, kind))
+    put(static, 0, message(one(0, 'base_link', 'camera', (0.5, 0.0, 0.25), (0.0, 0.0, half, half)), one(0, 'island', 'rock', (1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))))
+    for i in range(40):
+        p, q = numbers(i)
+        put(tf, i, message(one(i, 'odom', 'base_link', p, q)))
+        if i % 3 == 0:
+            put(tf, i, message(one(i, 'map', 'odom', (0.1 * i, 2.0, 0.0), (0.0, 0.0, 0.0, 1.0))))
+";
+    python(&program, folder, &format!("{MESSAGES}{script}"));
+    let file = folder.join("tree/tree.db3");
+    let frame = |child: &str| Reading {
+        child_frame: Some(child.to_owned()),
+        ..Reading::default()
+    };
+    must_be_the_path(
+        &read(&file, frame("base_link in odom")).unwrap().trajectory,
+        "one step",
+    );
+    let found = read(&file, frame("camera in map")).unwrap();
+    let motion = &found.trajectory;
+    assert_eq!(motion.len(), 40);
+    let turns = motion.orientations_world_from_body().unwrap();
+    for (i, (turn, place)) in turns.iter().zip(motion.positions_world_m()).enumerate() {
+        let s = i as f64 / 40.0;
+        let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 2.5 * s);
+        let wanted = Vector3::new(0.1 * i as f64, 2.0, 0.0)
+            + Vector3::new(s, s * s, 0.1 * s)
+            + yaw * Vector3::new(0.5, 0.0, 0.25);
+        assert!((place - wanted).norm() < 1e-9, "{i}: {place} {wanted}");
+        let quarter =
+            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::FRAC_PI_2);
+        assert!(turn.angle_to(&(yaw * quarter)) < 1e-7, "{i}");
+    }
+    let said: Vec<&str> = found.warnings.iter().map(|w| w.message.as_str()).collect();
+    assert!(
+        said.iter()
+            .any(|said| said.contains("/tf_static camera in base_link")),
+        "{said:?}"
+    );
+    // The other way round is the inverse.
+    let back = read(&file, frame("map in camera")).unwrap().trajectory;
+    let (turn, place) = (turns[20], motion.positions_world_m()[20]);
+    assert!((back.positions_world_m()[20] + turn.inverse() * place).norm() < 1e-9);
+    let refused = |child: &str| read(&file, frame(child)).unwrap_err().to_string();
+    let error = refused("rock in map");
+    assert!(
+        error.contains("rock in island") && error.contains("odom in map"),
+        "{error}"
+    );
+    assert!(refused("camera in base_link").contains("nothing moves"));
+    let error = read(&file, Reading::default()).unwrap_err().to_string();
+    assert!(
+        error.contains("base_link in odom") && error.contains("FRAME in OTHER"),
+        "{error}"
+    );
+}
+
+#[test]
 fn the_package_mcap_reads_what_is_written() {
     let Some(program) = python_with("mcap.reader") else {
         return;

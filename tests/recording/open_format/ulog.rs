@@ -67,7 +67,7 @@ fn flight(more: bool) -> Vec<u8> {
         data(1, time_us, &q);
         if k % 2 == 0 {
             let place = floats(&[2.0 * s, s, -0.5 * s, 2.0, 1.0, -0.5]);
-            data(0, time_us + 3, &[place.as_slice(), &[1, 1, 0, 0]].concat());
+            data(0, time_us + 3, &[place.as_slice(), &[1, 1]].concat());
             data(2, time_us + 1, &floats(&[0.5, 0.25, s, f32::NAN]));
             if more {
                 let own = [

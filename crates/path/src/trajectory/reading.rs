@@ -250,7 +250,8 @@ pub struct Reading {
     /// The topic of the commands that are joined to these poses or joints by the clock.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub command_topic: Option<String>,
-    /// The child frame whose transforms are read, in files with transforms of several frames.
+    /// The child frame whose transforms are read, in files with transforms of several frames; `base_link in map` reads the pose of one
+    /// frame in any other that transforms connect with it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub child_frame: Option<String>,
     /// Directions of the axes of poses.

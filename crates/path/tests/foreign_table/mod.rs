@@ -3,6 +3,7 @@
 mod motion_capture;
 mod named;
 mod numpy;
+mod old;
 mod open;
 mod stamped;
 

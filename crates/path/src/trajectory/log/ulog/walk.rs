@@ -12,6 +12,9 @@ const MOST_NESTED: usize = 8;
 /// Fields of one message, with those of its structures and lists.
 const MOST_FIELDS: usize = 4096;
 
+/// The start of the names of fields that only fill up.
+const PADDING: &str = "_padding";
+
 /// A number of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Number {
@@ -120,6 +123,13 @@ impl Structures {
     fn layout(&self, name: &str) -> Option<Layout> {
         let mut layout = Layout::default();
         self.push(name, "", 0, &mut layout)?;
+        // What fills up the end of a structure is not logged.
+        while let Some(last) = layout.fields.last()
+            && last.name.starts_with(PADDING)
+        {
+            layout.size = last.at;
+            layout.fields.pop();
+        }
         Some(layout)
     }
 
@@ -247,6 +257,9 @@ pub(super) fn walk(bytes: &[u8], each: &mut dyn FnMut(&Message<'_>) -> Result<()
                 let (topic, layout) = topics
                     .get(&number)
                     .ok_or_else(|| damaged(at, "a message of a topic that is not stated"))?;
+                if data.len() < layout.size {
+                    return Err(damaged(at, "a message that is shorter than its fields"));
+                }
                 each(&Message {
                     topic,
                     layout,
