@@ -415,7 +415,7 @@ fn commanded_speeds_in_other_units_are_read_in_radians_per_second() {
             format!("t_s,x_m,y_m,{header}\n{}", rows.collect::<String>()),
         )
         .unwrap();
-        realgap_path::trajectory::read(&file, realgap_path::trajectory::Reading::default()).unwrap()
+        read(&file, Reading::default()).unwrap()
     };
     let radians = motion("a.csv", "left_command_rad_s", std::f64::consts::TAU);
     let turns = motion("b.csv", "left_command_rpm", 60.0);
