@@ -229,12 +229,16 @@ class MujocoModel:
     def describe(self) -> Dict[str, Any]:
         """What `realgap start --engine mujoco` asks before it writes a study of this model."""
         model = self.model
+        carried = self._carried()
         joints: List[Dict[str, Any]] = []
         for name, _, dof, turns in self._joints:
-            own: Dict[str, Any] = {"name": name, "turns": turns, "actuator": None, "drive": None, "limit": None}
+            own: Dict[str, Any] = {"name": name, "turns": turns, "actuator": None, "drive": None, "limit": None, "gains": None}
+            # Every joint feels its own rotor already.
+            own["inertia_kg_m2"] = carried[dof] - float(model.dof_armature[dof])
             act = self._drive_of(int(model.dof_jntid[dof]))
             if act is not None:
                 own.update(actuator=self._name("actuator", act), drive=self._law(act), limit=self._limit(act))
+                own["gains"] = self._gains_at_joint(act)
             joints.append(own)
         touching = [geom for geom in range(model.ngeom) if model.geom_contype[geom] or model.geom_conaffinity[geom]]
         return {
@@ -262,6 +266,30 @@ class MujocoModel:
         """What the control of an actuator is: a position, a velocity, or a torque (of motors)."""
         bias = self.model.actuator_biasprm[act]
         return "position" if bias[1] != 0.0 else "velocity" if bias[2] != 0.0 else "motor"
+
+    def _carried(self) -> List[float]:
+        """The inertia that each degree of freedom feels where the model starts: in its first keyframe, if it has one."""
+        import numpy as np
+
+        model, data = self.model, self._mj.MjData(self.model)
+        if model.nkey:
+            self._mj.mj_resetDataKeyframe(model, data, 0)
+        self._mj.mj_forward(model, data)
+        # Products with unit vectors: versions of MuJoCo store the mass matrix in different ways.
+        product, unit, felt = np.empty(model.nv), np.zeros(model.nv), []
+        for dof in range(model.nv):
+            unit[dof] = 1.0
+            self._mj.mj_mulM(model, data, product, unit)
+            unit[dof] = 0.0
+            felt.append(float(product[dof]))
+        return felt
+
+    def _gains_at_joint(self, act: int) -> Optional[Tuple[float, float]]:
+        """Torque per angle and per speed with which an actuator that follows positions drives its joint."""
+        if self._law(act) != "position":
+            return None
+        bias, gear = self.model.actuator_biasprm[act], float(self.model.actuator_gear[act, 0])
+        return 0.0 - float(bias[1]) * gear * gear, 0.0 - float(bias[2]) * gear * gear
 
     def _limit(self, act: int) -> Optional[float]:
         """The largest torque of an actuator at its joint; `None` without a limit."""

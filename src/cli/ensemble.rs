@@ -8,7 +8,7 @@ use realgap::results::{Kind, write_ensemble};
 use realgap::simulation::Outcome;
 use realgap::trajectory;
 
-use super::kind::read_repeatable;
+use super::kind::{read_definition, read_repeatable};
 use super::kit::*;
 use super::option::{MOST_REPEATS, ModelErrorOption};
 use super::page;
@@ -80,9 +80,15 @@ impl Ensemble {
             metric: Some(comparison::by_name("rms")?),
             ..self.values.over(self.recordings.overrides()?)?
         };
-        let study = read_repeatable(&self.study, &overrides)?;
+        let study = read_of_paths(&self.study, &overrides)?;
         let (noise, noise_from) = match &self.noise {
             Some(file) => (read_noise(file)?, file),
+            // Repeats may differ by the draws of a fit, or by the random numbers of the user's own simulator.
+            None if !study.definition.draws.is_empty()
+                || study.definition.own_simulator.is_some() =>
+            {
+                (study.definition.noise.unwrap_or_default(), &self.study)
+            }
             None => (study.noise()?, &self.study),
         };
         let options = EnsembleOptions {
@@ -143,6 +149,35 @@ impl Ensemble {
         }
         Ok(())
     }
+}
+
+/// Reads a study for repeats, whose paths are judged.
+pub fn read_of_paths(path: &Path, overrides: &Overrides) -> Result<Repeatable> {
+    let study = read_repeatable(path, overrides).map_err(|error| {
+        let own = Overrides {
+            metric: None,
+            ..overrides.clone()
+        };
+        match read_definition(path, &own) {
+            Ok(definition) if definition.is_of_joints() => {
+                Error::invalid("repeats are judged by their paths, and no recording has one")
+                    .at_file(path)
+                    .found("joints or channels alone")
+                    .allowed("recordings with x_m and y_m")
+                    .hint("`realgap gap` compares joints and channels")
+            }
+            _ => error,
+        }
+    })?;
+    let mut cases = study.cases.iter();
+    if cases.any(|case| case.experiment.assembly.body_length_m <= 0.0) {
+        return Err(Error::invalid(
+            "what repeats do is told apart by the body's length, and the simulator states none",
+        )
+        .at_file(path)
+        .allowed("`body_length_m` in its answer to hello, more than 0 (docs/simulator.md)"));
+    }
+    Ok(study)
 }
 
 /// Simulates one repeat alone and writes its motion.

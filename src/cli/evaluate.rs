@@ -147,7 +147,16 @@ impl Evaluate {
 /// Recordings without orientations.
 pub fn metric_of(definition: &Definition, others: &str) -> Result<&'static dyn Metric> {
     if definition.is_of_joints() {
-        return Ok(&Joints);
+        let mut recordings = definition.recordings.iter();
+        return match recordings.find(|r| r.trajectory.joints().is_empty()) {
+            None => Ok(&Joints),
+            Some(without) => Err(Error::invalid(
+                "errors of joints need joints, and this recording has channels alone",
+            )
+            .at_file(&without.path)
+            .allowed("columns NAME_rad")
+            .hint(format!("for channels use: {others}"))),
+        };
     }
     let has_orientations = |r: &Recording| r.trajectory.orientations_world_from_body().is_some();
     let mut recordings = definition.recordings.iter();

@@ -119,6 +119,7 @@ impl Gap {
             metrics: self.metrics(by_name(DEFAULT_METRIC)?)?,
             components: Components::default(),
             body_length_m: None,
+            channels: None,
             seed: 1,
         })
     }
@@ -165,8 +166,14 @@ impl Gap {
         self.metrics(by_name(DEFAULT_METRIC)?)?;
         let study = read_study(path, &overrides)?;
         let definition = study.definition();
+        let mut recordings = definition.recordings.iter();
+        let has_joints = recordings.all(|r| !r.trajectory.joints().is_empty());
         let options = GapOptions {
-            metrics: self.metrics(definition.metric)?,
+            metrics: match definition.is_of_joints() && !has_joints {
+                // Recordings of channels alone have nothing else to compare.
+                true => vec![definition.metric],
+                false => self.metrics(definition.metric)?,
+            },
             noise: match &self.noise {
                 Some(file) => Some(read_noise(file)?),
                 None => definition.noise,

@@ -166,6 +166,15 @@ pub fn is_study(path: &Path) -> bool {
     kind == Some(Kind::Study) || (kind == Some(Kind::Parameters) && study_of(path).is_some())
 }
 
+/// Whether a file is a study of the user's own simulator.
+pub fn is_of_own_simulator(path: &Path) -> bool {
+    let named = |path: &Path| {
+        let source = Source::read(path, "file").ok();
+        source.is_some_and(|source| source.has("simulator"))
+    };
+    is_study(path) && (named(path) || study_of(path).is_some_and(|study| named(&study)))
+}
+
 /// Reads a search.
 pub fn read_search(path: &Path, overrides: &search::Overrides) -> Result<Search> {
     Search::read(path, overrides).map_err(|error| explain(path, Kind::Search, error))

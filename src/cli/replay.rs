@@ -125,6 +125,13 @@ impl ReplayCommand {
 
     /// The run of a study.
     fn of_study(&self) -> Result<()> {
+        if kind::is_of_own_simulator(&self.run) {
+            return Err(Error::usage(
+                "a replay shows bodies, and the study names its own simulator",
+            )
+            .at_file(&self.run)
+            .hint("`realgap sweep` and `realgap tune` draw its paths, joints and channels beside the recorded ones"));
+        }
         let against = self.against.iter().map(|path| path.display().to_string());
         let mut overrides = Overrides {
             recordings: against.collect(),

@@ -23,7 +23,7 @@ const ARM: &str = r#"<mujoco>
     </body>
   </worldbody>
   <actuator>
-    <motor name="hip_motor" joint="left_hip"/><position name="knee_servo" joint="left_knee" kp="2"/><motor joint="right_hip"/>
+    <motor name="hip_motor" joint="left_hip" forcerange="-.3 .3"/><position name="knee_servo" joint="left_knee" kp="2"/><motor joint="right_hip" forcerange="-.3 .3"/>
   </actuator>
   <keyframe><key name="raised" qpos="0.5 0 0.5"/></keyframe>
 </mujoco>"#;
@@ -127,6 +127,50 @@ fn a_model_of_mujoco_and_a_log_become_a_study_that_finds_a_changed_damping() {
         assert!(study.contains(words), "{words}: {study}");
     }
     assert!(!study.contains("hold: true"), "{study}");
+    // Ranges hold what a joint carries, and half of the torque that its drive exerts.
+    let described = Command::new(&python)
+        .args(["-m", "realgap.mujoco", "arm.xml", "--describe"])
+        .env("PYTHONPATH", here.join("packages"))
+        .current_dir(here)
+        .output();
+    let described = text(&described.unwrap().stdout);
+    let described: serde_json::Value = serde_json::from_str(&described).unwrap();
+    let carried = |joint: usize| {
+        described["joints"][joint]["inertia_kg_m2"]
+            .as_f64()
+            .unwrap()
+    };
+    let of_rod = |mass_kg: f64, length_m: f64| mass_kg * length_m * length_m / 3.0;
+    // Capsules of 2 cm are a little more than rods.
+    assert!(
+        (carried(2) / of_rod(0.2, 0.3) - 1.0).abs() < 0.05,
+        "{described}"
+    );
+    assert!(
+        (carried(1) / of_rod(0.1, 0.2) - 1.0).abs() < 0.05,
+        "{described}"
+    );
+    assert!(carried(0) > 3.0 * carried(2), "{described}");
+    assert_eq!(
+        described["joints"][1]["gains"],
+        serde_json::json!([2.0, 0.0])
+    );
+    let most = |name: &str| -> f64 {
+        let line = study
+            .lines()
+            .find(|line| line.contains(&format!("\"{name}\"")))
+            .unwrap();
+        let to = line.split("to: ").nth(1).unwrap().split(',').next();
+        to.unwrap().parse().unwrap()
+    };
+    let armature = most("joint.*_hip.armature");
+    assert!(
+        (armature / carried(0) - 1.0).abs() < 0.01,
+        "{armature}: {described}"
+    );
+    // By the limit of the motor alone, 0.3 N m, it would be 0.045 N m.
+    let dry_nm = most("joint.*_hip.frictionloss");
+    assert!((0.1..0.15).contains(&dry_nm), "{dry_nm}");
     let tune = [
         "tune",
         "study.ron",

@@ -222,3 +222,90 @@ fn every_kind_of_recorded_command_is_told_and_what_no_simulator_reads_is_refused
         "{said}"
     );
 }
+
+#[test]
+fn a_simulator_of_named_numbers_alone_is_fitted_and_one_of_paths_predicts() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = study(folder.path(), "");
+    let awk = folder.path().join("spring.awk");
+    let run = |words: &[&str]| {
+        let done = realgap()
+            .current_dir(folder.path())
+            .args(words)
+            .output()
+            .unwrap();
+        (
+            done.status.success(),
+            text(&done.stdout),
+            text(&done.stderr),
+        )
+    };
+    // What the answers of a path say without a recording; a stiffness decides where the run ends.
+    let predict = [
+        "predict",
+        "study.ron",
+        "--repeats",
+        "10",
+        "--success-m",
+        "0.01",
+    ];
+    let consented = [&predict[..], &["--allow-command"]].concat();
+    let (done, _, error) = run(&consented);
+    assert!(
+        !done && error.contains("`body_length_m` in its answer"),
+        "{error}"
+    );
+    let own = std::fs::read_to_string(&awk).unwrap();
+    let sized = own.replace(
+        r#"{\"realgap\":1,"#,
+        r#"{\"realgap\":1,\"body_length_m\":0.02,"#,
+    );
+    assert_ne!(own, sized);
+    std::fs::write(&awk, sized).unwrap();
+    let (done, said, error) = run(&consented);
+    assert!(done && said.contains("study"), "{error}");
+    assert!(
+        error.contains("the simulator's own random numbers alone"),
+        "{error}"
+    );
+    let (done, _, error) = run(&predict);
+    assert!(!done && error.contains("--allow-command"), "{error}");
+    // Recordings and answers with columns of other names only.
+    let own = std::fs::read_to_string(&awk).unwrap();
+    std::fs::write(&awk, own.replace("x_m", "load").replace("y_m", "heat")).unwrap();
+    for index in 0..2 {
+        let file = folder.path().join(format!("run_{index}.csv"));
+        let table = std::fs::read_to_string(&file).unwrap();
+        std::fs::write(file, table.replace("x_m,y_m", "load,heat")).unwrap();
+    }
+    let text = std::fs::read_to_string(&path).unwrap();
+    let channels = "metric: \"joints\", channels: [(columns: \"loa*\", noise: 0.001)],";
+    let text = text
+        .replace("metric: \"rms\",", channels)
+        .replace("align: World,", "");
+    std::fs::write(&path, text).unwrap();
+    let tune = [
+        "tune",
+        "study.ron",
+        "--optimizer",
+        "gauss-newton",
+        "--budget",
+        "20",
+        "--allow-command",
+    ];
+    let (done, _, error) = run(&[&tune[..], &["-o", "out", "--no-report"]].concat());
+    assert!(done, "{error}");
+    let best = summary(&folder.path().join("out"))["best"]["parameters"]["sim.k"].as_f64();
+    assert!((best.unwrap() - 42.0).abs() < 0.5, "{best:?}");
+    // What needs paths or joints says so.
+    for (command, part) in [
+        ("evaluate", "errors of joints need joints"),
+        ("ensemble", "judged by their paths"),
+        ("predict", "judged by their paths"),
+    ] {
+        let (done, _, error) = run(&[command, "study.ron", "--allow-command"]);
+        assert!(!done && error.contains(part), "{command}: {error}");
+    }
+    let (done, said, error) = run(&["gap", "study.ron", "--allow-command", "-o", "gap"]);
+    assert!(done && said.contains("away from reality"), "{error}");
+}

@@ -12,6 +12,7 @@ fn scoring(metric: &str) -> Scoring {
         metrics: vec![by_name(metric).unwrap()],
         components: Components::default(),
         body_length_m: None,
+        channels: None,
         seed: 1,
     }
 }

@@ -25,6 +25,7 @@ fn scoring(metrics: &[&str]) -> Scoring {
         metrics: metrics.iter().map(|name| by_name(name).unwrap()).collect(),
         components: Components::default(),
         body_length_m: Some(BODY_M),
+        channels: None,
         seed: 1,
     }
 }

@@ -5,8 +5,8 @@ use realgap::robot::morphology::{Freedom, Hinge, ServoLaw};
 use realgap::trajectory::{Recording, Trajectory};
 
 use super::super::kit::*;
-use super::effort::Effort;
-use super::proposal::{ARMATURE_S2, DRIVE, FRICTION, MOST_DELAY_S, Proposal, budget, rounded};
+use super::effort::{Effort, Scales};
+use super::proposal::{MOST_DELAY_S, Proposal, budget, rounded};
 use super::{Draft, Drive, Subject, noise};
 
 /// Words that occur in the names of command columns.
@@ -14,12 +14,6 @@ const GOALS: [&str; 5] = ["command", "goal", "target", "setpoint", "cmd"];
 /// Least number of steps between two samples, and the longest step, seconds.
 const STEPS: f64 = 2.0;
 const LONGEST_STEP_S: f64 = 0.01;
-/// What bounds the ranges of a joint, beside its own values.
-struct Scales {
-    effort: Effort,
-    /// The torque that gravity may have about a joint, N m. The limit of a servo may be far above it, where a file states no limit.
-    gravity_nm: f64,
-}
 
 /// The study of servos and joints.
 ///
@@ -85,10 +79,10 @@ pub(super) fn draft(subject: &Subject, recordings: &[Recording], drive: &Drive) 
     }
     let scales = |hinge: &Hinge| {
         let at = hinges.iter().position(|known| known.name == hinge.name);
-        Scales {
-            effort: at.map(|at| efforts[at]).unwrap_or_default(),
-            gravity_nm: summary.mass_kg * 9.81 * summary.body_length_m,
-        }
+        let effort = at.map(|at| efforts[at]).unwrap_or_default();
+        let limit_nm = hinge.actuator.map(|actuator| actuator.servo.max_torque_nm);
+        let gravity_nm = summary.mass_kg * 9.81 * summary.body_length_m;
+        Scales::new(effort, limit_nm, gravity_nm)
     };
     let parameters: Vec<Proposal> = proposals(&recorded, has_command, drive, scales)
         .into_iter()
@@ -249,15 +243,10 @@ fn of_servo(hinge: &Hinge, has_command: bool, drive: &Drive) -> Vec<Proposal> {
 /// The parameters of a joint's bearing, and of its zero.
 fn of_hinge(hinge: &Hinge, has_command: bool, drive: &Drive, scales: &Scales) -> Vec<Proposal> {
     let name = &hinge.name;
-    let Scales { effort, gravity_nm } = *scales;
-    let torque_nm = match hinge.actuator {
-        Some(actuator) => actuator.servo.max_torque_nm.min(DRIVE * gravity_nm),
-        None => gravity_nm,
-    };
     let bearing = &hinge.bearing;
-    let up_to = |parameter: &str, value: f64, times: f64, least: f64| {
-        let most = rounded((times * value).max(least));
-        proposal(&format!("hinge.{name}.{parameter}"), (0.0, most), value)
+    let up_to = |parameter: &str, value: f64, most: f64| {
+        let name = format!("hinge.{name}.{parameter}");
+        proposal(&name, (0.0, rounded(most)), value)
     };
     let mut all = Vec::new();
     let feels_inertia = matches!(
@@ -265,12 +254,8 @@ fn of_hinge(hinge: &Hinge, has_command: bool, drive: &Drive, scales: &Scales) ->
         Some(ServoLaw::Torque { .. } | ServoLaw::Direct | ServoLaw::Throttle)
     );
     if feels_inertia {
-        all.push(up_to(
-            "armature_kg_m2",
-            bearing.armature_kg_m2,
-            20.0,
-            (ARMATURE_S2 * torque_nm).max(effort.inertia_kg_m2),
-        ));
+        let own = bearing.armature_kg_m2;
+        all.push(up_to("armature_kg_m2", own, scales.most_armature(own)));
     }
     // Viscous friction and the damping of a servo whose command stands still are one.
     let is_damped = matches!(
@@ -279,15 +264,11 @@ fn of_hinge(hinge: &Hinge, has_command: bool, drive: &Drive, scales: &Scales) ->
     );
     let is_covered = has_unknown_gains(hinge, has_command, drive) || (has_command && is_damped);
     if !is_covered {
-        all.push(up_to(
-            "viscous_nm_s_rad",
-            bearing.viscous_nm_s_rad,
-            5.0,
-            (FRICTION * torque_nm).max(effort.viscous_nm_s_rad),
-        ));
+        let own = bearing.viscous_nm_s_rad;
+        all.push(up_to("viscous_nm_s_rad", own, scales.most_viscous(own)));
     }
-    let most_dry_nm = (FRICTION * torque_nm).max(effort.dry_nm);
-    all.push(up_to("dry_nm", bearing.dry_nm, 5.0, most_dry_nm));
+    let own = bearing.dry_nm;
+    all.push(up_to("dry_nm", own, scales.most_dry(own)));
     // A zero shifts angles, which neither torques nor speeds are.
     let follows_angles = |law: ServoLaw| law != ServoLaw::Direct && !law.follows_speeds();
     if has_command && law(hinge).is_none_or(follows_angles) {

@@ -171,7 +171,7 @@ impl Request {
                 .hint("give the body a <freejoint/>, or write the study by hand, with `track` in its MujocoModel"));
         }
         let (parameters, found) = match is_of_joints {
-            true => parameter::of_joints(model, &first.trajectory, &commands, gains)?,
+            true => parameter::of_joints(model, recordings, &commands, gains)?,
             false => parameter::of_contacts(model, file)?,
         };
         clues.extend(found);

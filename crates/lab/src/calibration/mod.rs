@@ -85,7 +85,9 @@ pub use study::Study;
 pub use study::basis::BasisRule;
 pub use study::builder::StudyBuilder;
 pub use study::case::{Case, Target};
-pub use study::command_file::{BetweenCommands, CommandColumn, Commands, Off, RecordedCommand};
+pub use study::command_file::{
+    BetweenCommands, CommandColumn, Commands, Off, RecordedCommand, commanded,
+};
 pub use study::definition::{BaseRule, Definition, ScoreRule, StartRule, StartUsed};
 #[cfg(feature = "schema")]
 pub use study::file::StudyFile;

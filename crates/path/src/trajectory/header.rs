@@ -7,6 +7,7 @@ use super::reading::Reading;
 use super::sample::{Clock, Layout};
 use super::text::{Cell, Separator, excerpt};
 use realgap_core::error::{Advice, Error, Result};
+use realgap_core::text::fits;
 use realgap_core::unit::{AngleUnit, LengthUnit, TimeUnit};
 use realgap_core::warning::{Code, Warning};
 
@@ -64,8 +65,8 @@ impl<'c, 'a> Header<'c, 'a> {
     pub(super) fn layout(&mut self, group_columns: &[&str]) -> Result<Layout> {
         let clock = self.clock()?;
         let places = [self.optional(Role::X)?, self.optional(Role::Y)?];
-        let place = if places == [None, None] && self.has_joints() {
-            // The recording has joints only.
+        let place = if places == [None, None] && (self.has_joints() || self.has_kept()) {
+            // The recording has joints only, or columns that are kept as they are.
             None
         } else {
             Some([self.required(Role::X)?, self.required(Role::Y)?])
@@ -208,6 +209,13 @@ impl<'c, 'a> Header<'c, 'a> {
         let names: Vec<&str> = self.cells.iter().map(|cell| cell.text).collect();
         let factors = &mut self.factors.clone();
         !joint_column::find(&names, &mut self.used.clone(), factors, self.reading.ticks).is_empty()
+    }
+
+    /// True if the reading keeps any column as it is.
+    fn has_kept(&self) -> bool {
+        let kept = &self.reading.unitless;
+        let mut names = self.cells.iter().map(|cell| cell.text);
+        names.any(|name| kept.iter().any(|kept| fits(kept, name)))
     }
 
     /// Adds the joints and signals among the columns without a role.

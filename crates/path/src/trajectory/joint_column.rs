@@ -8,6 +8,7 @@ use super::measured::MeasuredQuantity;
 use super::reading::Ticks;
 use super::{JointTrack, Signal};
 use realgap_core::error::{Error, Result};
+use realgap_core::text::fits;
 
 /// The columns of one joint.
 #[derive(Debug, Clone, PartialEq)]
@@ -168,7 +169,7 @@ pub(super) fn find_signals(
         })
     };
     let is_signal = |name: &str| {
-        let is_kept = unitless.iter().any(|kept| kept == name);
+        let is_kept = unitless.iter().any(|kept| fits(kept, name));
         let is_known = is_command(name) || MeasuredQuantity::of_column(name).is_some();
         is_kept || is_known || has_no_unit(name)
     };

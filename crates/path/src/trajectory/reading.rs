@@ -198,8 +198,8 @@ pub struct Reading {
     /// Commanded forward speed and turn rate, and the wheels whose commanded speeds follow from them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wheels: Option<WheelCommands>,
-    /// Columns without a unit that are kept as they are, because they command joints (`throttle`) or switch them (`enabled`). A study
-    /// adds those that its `commands` name.
+    /// Columns without a unit that are kept as they are, because they command joints (`throttle`) or switch them (`enabled`); `*` stands
+    /// for any letters. A study adds those that its `commands` name, and with a simulator of its own those of its `channels`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub unitless: Vec<String>,
     /// Unit of lengths (and of velocities, per second) whose columns do not state a unit.

@@ -329,9 +329,9 @@ impl Trajectory {
         self.angular_velocities_body_rad_s.as_deref()
     }
 
-    /// True if only joints were recorded: there are no orientations, and all positions are the origin.
+    /// True if only joints or signals were recorded: there are no orientations, and all positions are the origin.
     pub fn is_of_joints(&self) -> bool {
-        !self.joints.is_empty()
+        (!self.joints.is_empty() || !self.signals.is_empty())
             && self.orientations_world_from_body.is_none()
             && self
                 .positions_world_m

@@ -1,19 +1,14 @@
 //! What MuJoCo says of a model: joints, actuators, keyframes and fields.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::process::Command;
 
+use realgap::calibration::commanded;
+use realgap::simulation::Quantity;
 use realgap::trajectory::Recording;
 use serde::Deserialize;
 
 use super::super::super::kit::*;
-
-/// How command columns end, and the quantity that they hold.
-const COMMANDS: [(&str, &str); 3] = [
-    ("_command_rad_s", "velocity"),
-    ("_command_rad", "position"),
-    ("_command_nm", "motor"),
-];
 
 /// A model, as the Python package describes it.
 #[derive(Debug, Deserialize)]
@@ -40,6 +35,11 @@ pub(super) struct Joint {
     pub drive: Option<String>,
     /// The largest torque of the actuator, N m.
     pub limit: Option<f64>,
+    /// Torque per angle and per speed of an actuator that follows positions, at the joint, N m/rad and N m s/rad.
+    pub gains: Option<(f64, f64)>,
+    /// Inertia of all that the joint carries, about its axis, where the model starts, without the joint's own armature, kg m² (of a slide
+    /// its mass, kg).
+    pub inertia_kg_m2: f64,
 }
 
 /// A number of the model.
@@ -49,7 +49,12 @@ pub(super) struct Field {
 }
 
 /// Recorded commands: of each joint, the quantities.
-pub(super) type Commanded = BTreeMap<String, BTreeSet<&'static str>>;
+pub(super) type Commanded = BTreeMap<String, Vec<Quantity>>;
+
+/// Whether commands of these quantities are angles or speeds, which a motor follows only with gains.
+pub(super) fn follows_motion(quantities: &[Quantity]) -> bool {
+    quantities.contains(&Quantity::Position) || quantities.contains(&Quantity::Velocity)
+}
 
 impl Model {
     /// Asks MuJoCo.
@@ -106,7 +111,7 @@ impl Model {
     /// # Errors
     /// A command of a joint without actuator, or of one that the model does not have.
     pub fn commands(&self, recordings: &[Recording]) -> Result<Commanded> {
-        let mut commanded = Commanded::new();
+        let mut all = Commanded::new();
         for recording in recordings {
             let motion = &recording.trajectory;
             let signals = motion.signals().iter().map(|signal| signal.name.as_str());
@@ -114,12 +119,16 @@ impl Model {
             // A column NAME_command_rad is read as the angle of a joint NAME_command.
             let angles: Vec<String> = joints.map(|joint| format!("{}_rad", joint.name)).collect();
             for column in signals.chain(angles.iter().map(String::as_str)) {
-                let quantity = COMMANDS
-                    .into_iter()
-                    .find_map(|(ending, quantity)| Some((column.strip_suffix(ending)?, quantity)));
-                let Some((name, quantity)) = quantity else {
+                let Some((name, quantity)) = commanded(column) else {
                     continue;
                 };
+                if matches!(quantity, Quantity::Current | Quantity::Duty) {
+                    return Err(Error::usage("a model of MuJoCo gets no currents and no duties")
+                        .at_file(&recording.path)
+                        .field(column)
+                        .allowed("NAME_command_rad, NAME_command_rad_s or NAME_command_nm")
+                        .hint("turn it into a torque, or leave it out: --reading FILE with `names`"));
+                }
                 let joint = self.joint(name).filter(|joint| joint.actuator.is_some());
                 let joint = joint.ok_or_else(|| {
                     let driven = self.joints.iter().filter(|joint| joint.actuator.is_some());
@@ -130,13 +139,13 @@ impl Model {
                         .allowed(format!("joints with an actuator: {}", driven.join(", ")))
                         .hint("rename the column (--reading FILE, `names`), or give the joint an actuator")
                 })?;
-                commanded
-                    .entry(joint.name.clone())
-                    .or_default()
-                    .insert(quantity);
+                let known = all.entry(joint.name.clone()).or_default();
+                if !known.contains(&quantity) {
+                    known.push(quantity);
+                }
             }
         }
-        Ok(commanded)
+        Ok(all)
     }
 
     /// Refuses commanded angles of motors without gains, and gains where no motor gets angles.
@@ -146,8 +155,7 @@ impl Model {
     pub fn check_gains(&self, commanded: &Commanded, has_gains: bool, file: &Path) -> Result<()> {
         let needs = |joint: &&Joint| {
             let quantities = commanded.get(&joint.name);
-            let follows =
-                quantities.is_some_and(|q| q.contains("position") || q.contains("velocity"));
+            let follows = quantities.is_some_and(|q| follows_motion(q));
             follows && joint.drive.as_deref() == Some("motor")
         };
         let motors: Vec<&str> = self

@@ -1,10 +1,13 @@
 //! Which fields of a model are fitted, and in which ranges.
 
-use realgap::trajectory::Trajectory;
+use realgap::robot::morphology::CommandScale;
+use realgap::simulation::Quantity;
+use realgap::trajectory::Recording;
 
 use super::super::super::kit::*;
-use super::super::proposal::{ARMATURE_S2, DRIVE, FRICTION, MOST_DELAY_S, Proposal, rounded};
-use super::model::{Commanded, Joint, Model};
+use super::super::effort::{Driven, Effort, Scales};
+use super::super::proposal::{MOST_DELAY_S, Proposal, rounded};
+use super::model::{Commanded, Joint, Model, follows_motion};
 
 /// The largest friction of a contact.
 const MOST_FRICTION: f64 = 1.5;
@@ -28,10 +31,11 @@ fn proposal(name: impl Into<String>, (from, to): (f64, f64), own: Option<f64>) -
 /// A model without any of these joints.
 pub(super) fn of_joints(
     model: &Model,
-    motion: &Trajectory,
+    recordings: &[Recording],
     commanded: &Commanded,
     gains: Option<(f64, f64)>,
 ) -> Result<(Vec<Proposal>, Clues)> {
+    let motion = &recordings[0].trajectory;
     let recorded: Vec<&Joint> = model
         .joints
         .iter()
@@ -43,35 +47,31 @@ pub(super) fn of_joints(
             .allowed(format!("columns NAME_rad of the joints {}", names.collect::<Vec<_>>().join(", ")))
             .hint("map the names in a file, e.g. (names: {\"theirs\": \"NAME_rad\"}), and give it with --reading FILE"));
     }
-    let length_m = model.body_length_m.unwrap_or(1.0);
-    let gravity_nm = model.mass_kg * 9.81 * length_m;
-    let torque_nm = |joint: &Joint| {
-        let most_nm = DRIVE * gravity_nm;
-        joint.limit.map_or(most_nm, |limit| limit.min(most_nm))
+    let gravity_nm = model.mass_kg * 9.81 * model.body_length_m.unwrap_or(1.0);
+    let scales = |joint: &Joint| {
+        let driven = driven(joint, gains);
+        let limit_nm = driven.as_ref().map(|driven| driven.limit_nm);
+        let effort = Effort::of(joint.inertia_kg_m2, driven.as_ref(), recordings);
+        Scales::new(effort, limit_nm, gravity_nm)
     };
+    let most: [(&str, fn(&Scales, f64) -> f64); 3] = [
+        ("armature", Scales::most_armature),
+        ("damping", Scales::most_viscous),
+        ("frictionloss", Scales::most_dry),
+    ];
     let mut all = Vec::new();
-    for (quantity, times, share) in [
-        ("armature", 20.0, ARMATURE_S2),
-        ("damping", 5.0, FRICTION),
-        ("frictionloss", 5.0, FRICTION),
-    ] {
+    for (quantity, most) in most {
         for (name, members) in tied(model, &recorded, quantity) {
-            let own = members
-                .iter()
-                .filter_map(|joint| model.value(&field(joint, quantity)));
-            let own = own.fold(0.0, f64::max);
-            let torque_nm = members
-                .iter()
-                .map(|joint| torque_nm(joint))
-                .fold(0.0, f64::max);
-            let most = (times * own).max(share * torque_nm);
-            all.push(proposal(name, (0.0, most), Some(own)));
+            let own = |joint: &Joint| model.value(&field(joint, quantity)).unwrap_or_default();
+            let each = members.iter().map(|joint| most(&scales(joint), own(joint)));
+            let own = members.iter().map(|joint| own(joint)).fold(0.0, f64::max);
+            all.push(proposal(name, (0.0, each.fold(0.0, f64::max)), Some(own)));
         }
     }
     let is_position = |joint: &&&Joint| {
         let follows = commanded
             .get(&joint.name)
-            .is_some_and(|q| q.contains("position"));
+            .is_some_and(|q| q.contains(&Quantity::Position));
         follows && joint.drive.as_deref() == Some("position")
     };
     for joint in recorded.iter().filter(is_position) {
@@ -86,7 +86,7 @@ pub(super) fn of_joints(
     let has_angles = |joint: &&&Joint| {
         commanded
             .get(&joint.name)
-            .is_some_and(|q| q.contains("position"))
+            .is_some_and(|q| q.contains(&Quantity::Position))
     };
     for joint in recorded.iter().filter(has_angles) {
         let most = if joint.turns { 0.1 } else { 0.01 };
@@ -97,10 +97,7 @@ pub(super) fn of_joints(
         // Stated gains are numbers of the firmware; torque constants are seldom exact.
         all.push(proposal("pd.kp", (0.5 * kp, 2.0 * kp), Some(kp)));
     }
-    if commanded
-        .values()
-        .any(|q| q.contains("position") || q.contains("velocity"))
-    {
+    if commanded.values().any(|q| follows_motion(q)) {
         all.push(proposal("command.delay", (0.0, MOST_DELAY_S), Some(0.0)));
     }
     let mut clues = vec![(
@@ -122,6 +119,19 @@ pub(super) fn of_joints(
         ));
     }
     Ok((all, clues))
+}
+
+/// What drives a joint; a motor with the gains of its controller, if it has one.
+fn driven(joint: &Joint, gains: Option<(f64, f64)>) -> Option<Driven<'_>> {
+    let actuator = joint.actuator.as_deref()?;
+    let is_motor = joint.drive.as_deref() == Some("motor");
+    Some(Driven {
+        joint: &joint.name,
+        names: vec![&joint.name, actuator],
+        gains: if is_motor { gains } else { joint.gains },
+        limit_nm: joint.limit.unwrap_or(f64::INFINITY),
+        command: CommandScale::default(),
+    })
 }
 
 fn field(joint: &Joint, quantity: &str) -> String {

@@ -8,7 +8,7 @@ use crate::calibration::recording::file_pattern::name_matches;
 use crate::calibration::study::command_check::check_commands;
 use realgap_core::file::unknown_name;
 use realgap_core::{Error, Result};
-use realgap_path::trajectory::{COMMAND, Recording, Trajectory};
+use realgap_path::trajectory::{COMMAND, COMMAND_SIGNALS, Recording, Trajectory};
 use realgap_robot::morphology::{Actuator, Hinge};
 use realgap_simulation::{Between, CommandTrack, Experiment, Quantity};
 
@@ -63,11 +63,32 @@ pub struct CommandColumn {
 /// Endings of a command column after the name of the joint, and the quantity that is commanded.
 const ENDINGS: [(&str, Quantity); 5] = [
     (COMMAND, Quantity::Position),
-    ("_command_rad_s", Quantity::Velocity),
-    ("_command_nm", Quantity::Torque),
-    ("_command_a", Quantity::Current),
-    ("_command_duty", Quantity::Duty),
+    (COMMAND_SIGNALS[0], Quantity::Velocity),
+    (COMMAND_SIGNALS[1], Quantity::Torque),
+    (COMMAND_SIGNALS[2], Quantity::Current),
+    (COMMAND_SIGNALS[3], Quantity::Duty),
 ];
+
+/// What a column of commands is called after, and the quantity that it commands; `None` for another column. The name of a column of angles
+/// ends in `_rad`, as it does in files.
+///
+/// ```
+/// use realgap_lab::calibration::commanded;
+/// use realgap_simulation::Quantity;
+///
+/// assert_eq!(commanded("knee_command_rad"), Some(("knee", Quantity::Position)));
+/// assert_eq!(commanded("knee_command_nm"), Some(("knee", Quantity::Torque)));
+/// assert_eq!(commanded("knee_rad"), None);
+/// ```
+pub fn commanded(column: &str) -> Option<(&str, Quantity)> {
+    ENDINGS.iter().find_map(|(ending, quantity)| {
+        let column = match quantity {
+            Quantity::Position => column.strip_suffix("_rad")?,
+            _ => column,
+        };
+        Some((column.strip_suffix(ending)?, *quantity))
+    })
+}
 
 /// A column that is called after a joint of a robot and commands it, whether or not the joint has a servo.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -81,21 +102,28 @@ pub struct RecordedCommand {
 }
 
 impl RecordedCommand {
-    /// The commands of these joints in a recording; of several columns for one joint, angles come before speeds,
-    /// torques, currents and duties.
-    pub fn all_of(hinges: &[Hinge], motion: &Trajectory) -> Vec<Self> {
-        let of = |hinge: &Hinge| {
-            let mut endings = ENDINGS.iter();
-            endings.find_map(|(ending, quantity)| {
-                let column = format!("{}{ending}", hinge.name);
-                with_unit(motion, &column).map(|_| Self {
-                    hinge: hinge.name.clone(),
-                    column,
-                    quantity: *quantity,
-                })
+    /// The command of the joint of this name in a recording; of several columns for one joint, angles come before speeds, torques,
+    /// currents and duties.
+    pub fn of(name: &str, motion: &Trajectory) -> Option<Self> {
+        ENDINGS.iter().find_map(|(ending, quantity)| {
+            let column = format!("{name}{ending}");
+            with_unit(motion, &column).map(|_| Self {
+                hinge: name.to_owned(),
+                column,
+                quantity: *quantity,
             })
-        };
-        hinges.iter().filter_map(of).collect()
+        })
+    }
+
+    /// The commands of these joints in a recording, as [`RecordedCommand::of`].
+    pub fn all_of(hinges: &[Hinge], motion: &Trajectory) -> Vec<Self> {
+        let each = hinges.iter().map(|hinge| Self::of(&hinge.name, motion));
+        each.flatten().collect()
+    }
+
+    /// The recorded numbers.
+    pub fn values<'a>(&self, motion: &'a Trajectory) -> Option<&'a [f64]> {
+        with_unit(motion, &self.column).map(|(values, _)| values)
     }
 }
 

@@ -386,6 +386,11 @@ impl Definition {
         let mut reading = file.reading.clone();
         let unitless = file.commands.iter().flat_map(Commands::unitless);
         reading.unitless.extend(unitless);
+        if own_simulator.is_some() {
+            reading
+                .unitless
+                .extend(scored_columns::names_of_their_own(&file.channels));
+        }
         let truth = values(&file.truth, own).map_err(|e| source.at("truth", e))?;
         let mut definition = Self {
             path: Some(path.to_path_buf()),

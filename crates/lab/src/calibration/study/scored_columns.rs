@@ -26,6 +26,18 @@ pub struct ScoredColumns {
 const COLUMNS: &str =
     "name a recorded column: `reading: (names: {\"theirs\": \"NAME_torque_nm\"})` renames one";
 
+/// The names, or their forms, that state no quantity: such columns are channels of somebody else's simulator only.
+pub(in crate::calibration) fn names_of_their_own(
+    entries: &[ScoredColumns],
+) -> impl Iterator<Item = String> {
+    let names = entries.iter().map(|entry| &entry.columns);
+    let states = |name: &str| {
+        let is_of_joint = name.ends_with("_rad") || name.ends_with("_rad_s");
+        is_of_joint || MeasuredQuantity::of_column(name).is_some()
+    };
+    names.filter(move |name| !states(name)).cloned()
+}
+
 /// The channels that these entries name in these recordings; columns with names of their own are among them where the study has its
 /// own simulator.
 ///

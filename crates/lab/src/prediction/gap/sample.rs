@@ -1,7 +1,7 @@
 //! Samples that are compared, and how they are compared.
 
 use realgap_core::{Result, Warning};
-use realgap_path::comparison::{Basis, Components, Context, Metric, Pair};
+use realgap_path::comparison::{Basis, ChannelSet, Components, Context, Metric, Pair};
 use realgap_path::trajectory::{Prepared, Trajectory, prepare};
 
 /// One run, real or simulated, raw and prepared.
@@ -50,6 +50,8 @@ pub struct Scoring {
     pub components: Components,
     /// Edge length of the robot's body, metres, for metrics that need it.
     pub body_length_m: Option<f64>,
+    /// Channels of a study, for the metric that is made of them.
+    pub channels: Option<ChannelSet>,
     /// Seed of the permutations.
     pub seed: u64,
 }
@@ -67,12 +69,12 @@ impl Scoring {
         Basis::fit(&prepared, self.components).map(Some)
     }
 
-    pub(super) fn context<'a>(&self, basis: Option<&'a Basis>) -> Context<'a> {
+    pub(super) fn context<'a>(&'a self, basis: Option<&'a Basis>) -> Context<'a> {
         Context {
             basis,
             spread: None,
             body_length_m: self.body_length_m,
-            channels: None,
+            channels: self.channels.as_ref(),
         }
     }
 }

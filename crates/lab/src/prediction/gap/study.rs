@@ -280,6 +280,7 @@ fn study_gap(
         metrics: options.metrics.clone(),
         components: definition.components,
         body_length_m: Some(body_length_m),
+        channels: Some(definition.channels.clone()),
         seed: options.seed,
     };
     let found = distances(&real, &cases, &scoring)?;

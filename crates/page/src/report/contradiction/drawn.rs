@@ -495,6 +495,7 @@ fn gap(real: Vec<Sample>, repeats: Vec<Sample>, ideal: Sample, source: Source) -
         metrics: metrics.to_vec(),
         components: comparison::Components::default(),
         body_length_m: Some(BODY_M),
+        channels: None,
         seed: 1,
     };
     let found = distances(&real, &cases, &scoring).unwrap();
