@@ -186,3 +186,34 @@ fn code_that_shows_a_report_makes_no_claims_of_its_own() {
     }
     assert!(offences.is_empty(), "{}", offences.join("\n"));
 }
+
+#[test]
+fn tests_that_ci_does_not_run_again_exist_and_are_those_of_every_build() {
+    let mut files = Vec::new();
+    for folder in ["tests/command", "tests/page"] {
+        library(&common::project().join(folder), &mut files);
+    }
+    let listed = std::fs::read_to_string(common::project().join(".ci/ran_above")).unwrap();
+    let names: Vec<&str> = listed
+        .lines()
+        .filter(|line| !line.starts_with('#'))
+        .collect();
+    assert!(!names.is_empty());
+    for name in names {
+        let (module, test) = name.split_once("::").unwrap();
+        let file = files
+            .iter()
+            .find(|file| file.file_stem().unwrap() == module);
+        let text = std::fs::read_to_string(file.unwrap_or_else(|| panic!("{name}"))).unwrap();
+        let from = text
+            .find(&format!("fn {test}()"))
+            .unwrap_or_else(|| panic!("{name}"));
+        let body = &text[from..];
+        let body = &body[..body.find("\n}\n").unwrap()];
+        let is_of_one_build = ["is_long_run", "shared(", "cfg!(feature"];
+        assert!(
+            is_of_one_build.iter().all(|word| !body.contains(word)),
+            "{name}"
+        );
+    }
+}
