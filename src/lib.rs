@@ -214,7 +214,7 @@ pub mod guide {
             [validation contact]:
                 "against-other-engines" "the-table" "what-do-timestep-and-substeps-cost" "which-joints";
             [validation intervals]:
-                "fits-of-joints-by-least-squares";
+                "bands-of-predictions" "fits-of-joints-by-least-squares";
             [validation radio]:
                 "what-it-costs";
             [validation verification]:

@@ -129,6 +129,38 @@ class Fold:
 
 
 @dataclass(frozen=True)
+class ChannelBand:
+    """What predictions of one column leave open: what fitted recordings have more than the best run, and how bands hold.
+
+    >>> ChannelBand("hip_rad", "rad", -0.01, 0.01, 0.9, 100).channel
+    'hip_rad'
+    """
+
+    channel: str
+    unit: str
+    rest_low: float
+    rest_high: float
+    held_out_share: float
+    held_out_samples: int
+
+
+@dataclass(frozen=True)
+class Bands:
+    """Bands of predictions of least squares (draws of the posterior, and what the fit leaves), and the share of samples in them.
+
+    >>> answer.summary.validation is None    # where nothing is held out
+    True
+    """
+
+    level: float
+    draws: int
+    held_out_share: float
+    fitted_share: float
+    held_out_runs: int
+    channels: Tuple[ChannelBand, ...]
+
+
+@dataclass(frozen=True)
 class Validation:
     """The scores of the fit on recordings that were held out.
 
@@ -142,6 +174,7 @@ class Validation:
     difference_standard_error: float
     held_out_recordings: int
     folds: Tuple[Fold, ...]
+    bands: Optional[Bands] = None
 
 
 @dataclass(frozen=True)

@@ -190,6 +190,37 @@ impl Laplace {
         })
     }
 
+    /// The errors at the centre as they would be if the fit had not seen the group of each: one linear step for each group that is left
+    /// out. `groups` has the number of its group for every error.
+    pub fn left_out(&self, groups: &[usize]) -> Vec<f64> {
+        let dimensions = self.centre.len();
+        let slopes = self.noise.slopes(&self.errors);
+        let count = groups.iter().map(|group| group + 1).max().unwrap_or(0);
+        let mut rows = vec![Vec::new(); count];
+        for (row, group) in groups.iter().enumerate() {
+            rows[*group].push(row);
+        }
+        let mut all = self.jacobian.tr_mul(&self.jacobian);
+        for (axis, precision) in self.prior_precisions().into_iter().enumerate() {
+            all[(axis, axis)] += precision;
+        }
+        let mut errors = self.errors.clone();
+        let factors = self.noise.whitening_factors();
+        for rows in rows.iter().filter(|rows| !rows.is_empty()) {
+            let own = self.jacobian.select_rows(rows);
+            let pull = own.tr_mul(&slopes.select_rows(rows));
+            let rest = (&all - own.tr_mul(&own)).cholesky();
+            let shift = rest.map_or_else(|| DVector::zeros(dimensions), |rest| rest.solve(&pull));
+            let within = self.centre.iter().zip(shift.iter());
+            let within = within.map(|(at, by)| (at + by).clamp(0.0, 1.0) - at);
+            let moved = own * DVector::from_iterator(dimensions, within);
+            for (row, by) in rows.iter().zip(moved.iter()) {
+                errors[*row] += by / factors[*row];
+            }
+        }
+        errors
+    }
+
     /// Precision along each direction; 0 where nothing is known but the range.
     pub fn precision(&self, direction: usize) -> f64 {
         self.information[direction] / self.inflation[direction]

@@ -298,6 +298,16 @@ impl LeastSquaresPosterior {
         (laplace.variances(), laplace.mean_inflation())
     }
 
+    /// The errors of the best point as they would be if the fit had not seen the group of each, to first order; `groups` has the number
+    /// of its group for every error. What a fit leaves of what it has seen is less than what it leaves of what it has not.
+    pub fn left_out_errors(&self, groups: &[usize]) -> Vec<f64> {
+        let laplace = &self.modes[0].0.laplace;
+        match groups.len() == laplace.errors().len() {
+            true => laplace.left_out(groups),
+            false => laplace.errors().to_vec(),
+        }
+    }
+
     /// Precision of each coordinate before the recordings.
     pub fn prior_precisions(&self) -> Vec<f64> {
         self.modes[0].0.laplace.prior_precisions()

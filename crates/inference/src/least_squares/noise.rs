@@ -113,6 +113,11 @@ impl ResidualNoise {
         all.map(|(scale, information)| information.sqrt() / scale)
     }
 
+    /// The factors by which errors are divided by their standard deviations.
+    pub fn whitening_factors(&self) -> Vec<f64> {
+        self.whitening().collect()
+    }
+
     /// Derivatives of errors that were whitened by this noise, whitened by another.
     pub fn whitened_by(&self, other: &Self, jacobian: &DMatrix<f64>) -> DMatrix<f64> {
         let mut whitened = jacobian.clone();

@@ -48,6 +48,7 @@ pub use answer::uncertainty::{Uncertainty, UncertaintySource};
 pub(crate) use answer::values::by_name;
 pub use answer::values::{BestFile, Fitted, read_best, read_parameters, study_of};
 pub use answer::verdict::{Tables, Verdict};
+pub use evaluation::band::{Bands, ChannelBand};
 pub use evaluation::channels::ChannelSummary;
 pub use evaluation::determination::{Determination, Determined, FurtherMotion, Trade};
 pub use evaluation::joints::{JointErrors, JointEvaluation};

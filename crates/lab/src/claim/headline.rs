@@ -224,6 +224,7 @@ mod tests {
             difference_standard_error: 0.1,
             held_out_recordings: 2,
             folds: Vec::new(),
+            bands: None,
         }
     }
 

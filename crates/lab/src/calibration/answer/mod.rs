@@ -161,7 +161,12 @@ impl Answer {
             engines,
             audit,
             fit,
-            validation: Validation::new(study, &scores, refits)?,
+            validation: Validation::new(study, &scores, refits)?.map(|held| Validation {
+                bands: least_squares
+                    .as_ref()
+                    .and_then(|fitted| fitted.bands.clone()),
+                ..held
+            }),
             reproduction,
         };
         let report = Report::new(study, &evidence)?;

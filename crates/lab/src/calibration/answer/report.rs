@@ -287,6 +287,9 @@ impl fmt::Display for Report {
                 quantity(validation.held_out_score - validation.fit_score, self.unit),
                 quantity(validation.difference_standard_error, self.unit),
             )?;
+            if let Some(bands) = &validation.bands {
+                write!(f, "\n  {}", bands.sentence())?;
+            }
         }
         if let Some(transfer) = &self.transfer {
             write!(

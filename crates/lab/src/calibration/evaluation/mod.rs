@@ -1,6 +1,7 @@
 //! Evaluation of given parameter values on recordings that they may not have been fitted on: pose errors, flips and resting
 //! faces.
 
+pub(in crate::calibration) mod band;
 pub(in crate::calibration) mod channels;
 pub(super) mod determination;
 pub(super) mod joints;

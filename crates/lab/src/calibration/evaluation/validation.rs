@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::calibration::evaluation::band::Bands;
 use crate::calibration::study::split::fold;
 use crate::calibration::{PointScore, Scores, Split, Study};
 use realgap_core::statistics::{least_by, mean, mean_of, standard_deviation};
@@ -23,6 +24,9 @@ pub struct Validation {
     pub held_out_recordings: usize,
     /// One entry per fold; empty for a single hold-out.
     pub folds: Vec<Fold>,
+    /// How many samples of what was held out lie in the bands of the predictions of least squares; `None` for other methods.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bands: Option<Bands>,
 }
 
 /// One fold: fitted without some recordings, and checked with these.
@@ -74,6 +78,7 @@ impl Validation {
             difference_standard_error: (variance(&fitted) + variance(&held_out)).sqrt(),
             held_out_recordings: held_out.len(),
             folds: Vec::new(),
+            bands: None,
         }
     }
 
@@ -121,6 +126,7 @@ impl Validation {
                 / (differences.len() as f64).sqrt(),
             held_out_recordings: differences.len(),
             folds: rows,
+            bands: None,
         })
     }
 

@@ -33,13 +33,13 @@ pub struct InformationGain {
 }
 
 /// The errors of one recording at a point.
-struct LogErrors<'a> {
-    path: &'a Path,
-    name: &'a str,
-    is_fitted: bool,
-    errors: Vec<f64>,
+pub(in crate::calibration) struct LogErrors<'a> {
+    pub path: &'a Path,
+    pub name: &'a str,
+    pub is_fitted: bool,
+    pub errors: Vec<f64>,
     /// The joints of the errors, in their order; the channel is the number of the robot's joint.
-    blocks: Vec<ErrorBlock>,
+    pub blocks: Vec<ErrorBlock>,
 }
 
 /// Name of a recording, whether it is fitted, and its information matrix.
@@ -57,7 +57,7 @@ pub(in crate::calibration) struct FitPrecision {
 impl Study {
     /// Single errors by recording; windows of one recording are not independent and are put together. `None` where a case has no
     /// errors.
-    fn logs_of(&self, trial: &Trial) -> Option<Vec<LogErrors<'_>>> {
+    pub(in crate::calibration) fn logs_of(&self, trial: &Trial) -> Option<Vec<LogErrors<'_>>> {
         let definition = self.definition();
         let mut logs: Vec<LogErrors<'_>> = Vec::new();
         for (case, row) in self.cases().iter().zip(&trial.cases) {

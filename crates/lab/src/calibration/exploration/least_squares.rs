@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use crate::calibration::evaluation::band::Bands;
 use crate::calibration::exploration::information_gain::FitPrecision;
 use crate::calibration::exploration::wave::next_trial;
 use crate::calibration::{PosteriorDraws, Profile, Scores, Study, Uncertainty};
@@ -28,6 +29,8 @@ pub(in crate::calibration) struct LeastSquaresFit {
     pub estimates: Vec<LeastSquaresEstimate>,
     /// The scores with the runs that checked the posterior; the best point is that of the smallest robust loss.
     pub scores: Scores,
+    /// Where recordings that were held out should lie.
+    pub bands: Option<Bands>,
     /// For the information of each recording.
     pub precision: FitPrecision,
     /// Values of the simulated points that belong to the confidence set.
@@ -111,6 +114,12 @@ impl LeastSquaresFit {
         let chosen = scores.points.iter().position(|point| point.values == best);
         scores.best = chosen.or(scores.best);
         let draws = posterior.posterior(grid, problem.seed);
+        let bands = match ending {
+            Ending::Complete if study.is_audited() => {
+                Bands::new((study, run), (&best, &draws), &posterior)?
+            }
+            _ => None,
+        };
         let in_set = known
             .iter()
             .filter(|one| posterior.is_in_set(&one.point, &one.errors, LEVEL));
@@ -121,6 +130,7 @@ impl LeastSquaresFit {
             posterior,
             draws,
             scores,
+            bands,
             in_set,
         }))
     }

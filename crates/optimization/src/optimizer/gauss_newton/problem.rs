@@ -37,6 +37,8 @@ pub(super) struct LinearisedProblem {
     prior: Vec<Option<(f64, f64)>>,
     /// Weight of the prior in the loss: twice the loss of a coordinate that is one standard deviation from its median.
     prior_share: f64,
+    /// Approximate Hessian and gradient of the loss, including the priors; a few steps ask for them, and many errors make them dear.
+    normal: (DMatrix<f64>, DVector<f64>),
 }
 
 /// Number of consecutive errors that contain as much information as one independent error: 1 + 2 times the sum of the
@@ -111,15 +113,18 @@ impl LinearisedProblem {
         let variance = errors.map(|e| robust_weight(e) * e * e).mean();
         let mut prior = problem.priors.clone();
         prior.resize(at.len(), None);
-        Self {
+        let mut linearised = Self {
             at: at.clone(),
+            normal: (DMatrix::zeros(0, 0), DVector::zeros(0)),
             weights: errors.map(robust_weight),
             prior,
             prior_share: variance * correlation(&errors),
             jacobian,
             errors,
             scales,
-        }
+        };
+        linearised.normal = linearised.normal_equations();
+        linearised
     }
 
     /// The robust loss of these errors at a point, including the priors.
@@ -148,7 +153,7 @@ impl LinearisedProblem {
     }
 
     /// Approximate Hessian and gradient of the loss, including the priors.
-    fn normal(&self) -> (DMatrix<f64>, DVector<f64>) {
+    fn normal_equations(&self) -> (DMatrix<f64>, DVector<f64>) {
         let mut weighted = self.jacobian.clone();
         for (mut row, weight) in weighted.row_iter_mut().zip(self.weights.iter()) {
             row *= *weight;
@@ -167,7 +172,7 @@ impl LinearisedProblem {
     /// The end point of a damped step. A coordinate that the step would move beyond a bound is set to that bound, and the step of
     /// the others is computed again.
     pub fn step(&self, point: &UnitPoint, damping: f64) -> UnitPoint {
-        let (mut curvature, slope) = self.normal();
+        let (mut curvature, slope) = self.normal.clone();
         let held = curvature.diagonal().iter().map(|d| *d <= 0.0).collect();
         for axis in 0..point.len() {
             curvature[(axis, axis)] *= 1.0 + damping;
@@ -178,7 +183,7 @@ impl LinearisedProblem {
     /// Decrease of the loss on the way to a point that the quadratic approximation predicts.
     pub fn gain(&self, point: &UnitPoint, to: &UnitPoint) -> f64 {
         let step = DVector::from_fn(point.len(), |axis, _| to[axis] - point[axis]);
-        let (curvature, slope) = self.normal();
+        let (curvature, slope) = &self.normal;
         -slope.dot(&step) - 0.5 * step.dot(&(curvature * &step))
     }
 }

@@ -178,6 +178,7 @@ impl Swept {
             difference_standard_error: 0.01,
             held_out_recordings: 1 + draw.below(5),
             folds: Vec::new(),
+            bands: None,
         });
         let names = ranges.iter().map(|range| range.parameter.name.to_owned());
         report.best = Some(Best {

@@ -357,8 +357,15 @@ fn validation(held: &Validation, unit: &str) -> String {
         ("difference standard error", measured(error, unit)),
         ("held out recordings", held.held_out_recordings.to_string()),
     ];
+    let bands = held.bands.iter().map(|bands| {
+        let name = format!(
+            "samples held out within bands of {} %",
+            number(100.0 * bands.level)
+        );
+        vec![name, format!("{} %", number(100.0 * bands.held_out_share))]
+    });
     let rows = rows.map(|(name, value)| vec![name.to_owned(), value]);
-    table(&["", "value"], rows)
+    table(&["", "value"], rows.into_iter().chain(bands))
 }
 
 fn audit(report: &StudySummary) -> String {

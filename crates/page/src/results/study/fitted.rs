@@ -71,7 +71,8 @@ struct Ranges<'a> {
     columns: Vec<&'a str>,
     /// Draws of all parameters together, equally likely.
     draws: Vec<Vec<f64>>,
-    /// Scores of the fitted recordings and of those that were held out, where some were.
+    /// Scores of the fitted recordings and of those that were held out, where some were, with the share of samples held out that lie
+    /// within the bands of their predictions.
     held_out: Option<&'a Validation>,
 }
 
@@ -292,6 +293,9 @@ impl FittedStudy {
                     rounded(held.held_out_score),
                     rounded(held.fit_score),
                 );
+                if let Some(bands) = &held.bands {
+                    let _ = writeln!(card, "- {}", bands.sentence());
+                }
             }
         }
         card += "\n## Data and versions\n\n";
