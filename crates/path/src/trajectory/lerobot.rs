@@ -109,16 +109,15 @@ pub(super) fn bytes(path: &Path, limit: u64) -> Result<Option<Vec<u8>>> {
     Ok(Some(all))
 }
 
+/// Reads one Parquet file but for the columns of which the function says so.
+pub(super) type Table = dyn Fn(Vec<u8>, &dyn Fn(&str) -> bool) -> Result<String>;
+
 /// The table of a data set whose bytes are those of [`bytes`]; `None` for other bytes. `table` reads one Parquet file, but
 /// for some columns.
 ///
 /// # Errors
 /// A description or a calibration that is none; files with different columns; errors of `table`.
-pub(super) fn decoded(
-    bytes: &[u8],
-    reading: &Reading,
-    table: &dyn Fn(Vec<u8>, &dyn Fn(&str) -> bool) -> Result<String>,
-) -> Result<Option<Decoded>> {
+pub(super) fn decoded(bytes: &[u8], reading: &Reading, table: &Table) -> Result<Option<Decoded>> {
     let Some(mut rest) = bytes.strip_prefix(MAGIC) else {
         return Ok(None);
     };

@@ -23,8 +23,7 @@ pub const PARQUET: ForeignTable = ForeignTable {
 };
 
 fn table(bytes: Vec<u8>, reading: &Reading) -> Result<Decoded> {
-    let of_data_set = |bytes: Vec<u8>, left_out: &dyn Fn(&str) -> bool| rows(bytes, left_out);
-    match lerobot::decoded(&bytes, reading, &of_data_set)? {
+    match lerobot::decoded(&bytes, reading, &rows)? {
         Some(decoded) => Ok(decoded),
         None => rows(bytes, &|_| false).map(Decoded::from),
     }

@@ -250,12 +250,17 @@ impl Reading {
             .text;
         let columns = format.columns(&text, &plain);
         let mapped = self.columns.iter().map(|(_, column)| column.name.as_str());
-        let renamed = self
-            .names
-            .keys()
-            .chain(self.lists.keys())
-            .map(String::as_str);
-        Ok(mapped.chain(renamed).any(|name| columns.contains(&name)))
+        let renamed = self.names.keys().map(String::as_str);
+        // The lists of a data set are columns already, whose names begin with that of the list.
+        let is_list = |name: &String| {
+            let mut columns = columns.iter();
+            columns.any(|column| {
+                let rest = column.strip_prefix(name.as_str());
+                rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+            })
+        };
+        Ok(mapped.chain(renamed).any(|name| columns.contains(&name))
+            || self.lists.keys().any(is_list))
     }
 }
 

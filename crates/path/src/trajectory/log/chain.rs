@@ -22,6 +22,9 @@ pub(super) fn wanted(reading: &Reading) -> Option<(&str, &str)> {
     Some((child.trim(), parent.trim()))
 }
 
+/// Poses with their times, nanoseconds.
+type Track = Vec<(i64, Isometry3<f64>)>;
+
 /// One transform on the way, `is_up` if it leads from the frame to its parent.
 struct Step<'a> {
     stream: &'a Stream,
@@ -70,7 +73,7 @@ pub(super) fn poses(
         false => sample.log_ns,
     };
     let sorted = |stream: &Stream| {
-        let mut all: Vec<(i64, Isometry3<f64>)> = stream
+        let mut all: Track = stream
             .samples
             .iter()
             .map(|sample| (time(sample), isometry(sample)))
@@ -78,19 +81,16 @@ pub(super) fn poses(
         all.sort_by_key(|(time_ns, _)| *time_ns);
         all
     };
-    let tracks: Vec<(bool, bool, Vec<(i64, Isometry3<f64>)>)> = steps
-        .iter()
-        .map(|step| (step.is_up, is_static(step.stream), sorted(step.stream)))
-        .collect();
+    let tracks: Vec<Track> = steps.iter().map(|step| sorted(step.stream)).collect();
     let at = |time_ns: i64| {
         let mut pose = Isometry3::identity();
-        for (is_up, is_static, track) in &tracks {
-            let own = match is_static {
+        for (step, track) in steps.iter().zip(&tracks) {
+            let own = match is_static(step.stream) {
                 true => track.first()?.1,
                 false => between(track, time_ns)?,
             };
             // From the child upwards: each transform stands before what is known so far.
-            pose = if *is_up {
+            pose = if step.is_up {
                 own * pose
             } else {
                 own.inverse() * pose
