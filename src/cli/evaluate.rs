@@ -155,7 +155,7 @@ pub fn metric_of(definition: &Definition, others: &str) -> Result<&'static dyn M
             )
             .at_file(&without.path)
             .allowed("columns NAME_rad")
-            .hint(format!("for channels use: {others}"))),
+            .hint("`realgap gap` compares channels")),
         };
     }
     let has_orientations = |r: &Recording| r.trajectory.orientations_world_from_body().is_some();

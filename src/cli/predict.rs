@@ -138,24 +138,18 @@ impl Predict {
             experiment.duration_s = duration_s;
             experiment.sampling = Sampling::Rate(RATE_HZ);
         }
-        let mut warnings = study.warnings.clone();
+        let warnings = study.warnings.clone();
         let noise = match (&self.noise, study.definition.noise) {
             (Some(file), _) => (read_noise(file)?, file.display().to_string()),
             (None, Some(noise)) => (noise, self.morphology.display().to_string()),
             (None, None) => (Noise::default(), "none".to_owned()),
         };
-        let draws = &study.definition.draws;
-        if draws.is_empty() && noise.0.is_zero() {
-            warnings.push(Code::NoNoise.warning(
-                "repeats differ by the simulator's own random numbers alone; --parameters FOLDER/best.ron of a fit makes them differ by what it left open, too",
-            ));
-        }
         Ok(Subject {
             name: study.definition.name.clone(),
             experiment,
             robot: None,
             values: study.definition.set.clone(),
-            uncertain: UncertainParameters::of_draws(draws),
+            uncertain: UncertainParameters::of_draws(&study.definition.draws),
             noise,
             warnings,
         })

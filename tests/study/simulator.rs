@@ -264,10 +264,30 @@ fn a_simulator_of_named_numbers_alone_is_fitted_and_one_of_paths_predicts() {
     std::fs::write(&awk, sized).unwrap();
     let (done, said, error) = run(&consented);
     assert!(done && said.contains("study"), "{error}");
-    assert!(
-        error.contains("the simulator's own random numbers alone"),
-        "{error}"
-    );
+    assert!(error.contains("all repeats are the same run"), "{error}");
+    // With the draws of a fit, they differ, and lie where the recordings are, which are compared as they are.
+    let fit = [
+        "tune",
+        "study.ron",
+        "--optimizer",
+        "cma-es",
+        "--budget",
+        "30",
+    ];
+    let (done, _, error) =
+        run(&[&fit[..], &["--allow-command", "--no-report", "-o", "fit"]].concat());
+    assert!(done, "{error}");
+    let drawn = [
+        "ensemble",
+        "study.ron",
+        "--parameters",
+        "fit/best.ron",
+        "--repeats",
+        "20",
+    ];
+    let (done, said, error) = run(&[&drawn[..], &["--allow-command", "-o", "drawn"]].concat());
+    assert!(done && !said.contains("not predicted"), "{said}{error}");
+    assert!(!error.contains("all repeats are the same run"), "{error}");
     let (done, _, error) = run(&predict);
     assert!(!done && error.contains("--allow-command"), "{error}");
     // Recordings and answers with columns of other names only.

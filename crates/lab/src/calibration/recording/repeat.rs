@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::calibration::{Definition, Overrides, StartRule, Study};
 use realgap_core::file::Source;
 use realgap_core::{Code, Error, Result, Warning};
-use realgap_path::trajectory::Prepared;
+use realgap_path::trajectory::{Alignment, Prepared, prepare};
 use realgap_simulation::parameter::ParameterSet;
 use realgap_simulation::{Experiment, Noise, Sampling};
 
@@ -136,7 +136,12 @@ impl Study {
                     .map(|target| {
                         let name = self.definition().recordings[target.recording].name.clone();
                         let target = target.in_true_lengths(experiment.recording_length_scale)?;
-                        Ok((name, target.prepared.clone()))
+                        // Repeats are turned by their own displacement, whatever the study's metric compares.
+                        let path = match self.definition().align == Alignment::default() {
+                            true => target.prepared.clone(),
+                            false => prepare(&target.motion)?,
+                        };
+                        Ok((name, path))
                     })
                     .collect::<Result<Vec<_>>>()?;
                 let name = match real.first() {

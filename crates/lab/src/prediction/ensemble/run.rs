@@ -272,7 +272,12 @@ fn outcome(run: Run) -> Result<(Outcome<Motion>, Duration)> {
 fn warnings(ensemble: &Ensemble) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let count = ensemble.repeats.len();
-    if ensemble.noise.is_zero() {
+    let motions = ensemble.motions();
+    let mut nets_m = motions.map(|(_, motion)| motion.net_displacement_m());
+    let first_m = nets_m.next();
+    // Draws of a fit, and simulators with random numbers of their own, differ without any noise.
+    let is_one_run = nets_m.all(|net_m| Some(net_m) == first_m);
+    if ensemble.noise.is_zero() && is_one_run {
         warnings.push(Code::NoNoise.warning(
             "the noise is zero, so all repeats are the same run: nothing follows from this about how sure the prediction is",
         ));
