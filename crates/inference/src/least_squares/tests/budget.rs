@@ -9,6 +9,9 @@ const STEP_S: f64 = 2e-3;
 const SAMPLES: usize = 150;
 const SAMPLE_S: f64 = 0.02;
 
+/// The first speed, the acceleration for each unit of place and of speed, and the deceleration by dry friction.
+type Motion = (f64, [f64; 2], f64);
+
 /// A world of one coordinate, of which two runs are recorded.
 struct World {
     ranges: [(&'static str, f64, f64); 3],
@@ -16,8 +19,7 @@ struct World {
     truths: [(f64, f64); 3],
     first_m: (f64, f64),
     noise_m: f64,
-    /// Of the values: the first speed, the acceleration for each unit of place and of speed, and the deceleration by dry friction.
-    motion: fn(&[f64]) -> (f64, [f64; 2], f64),
+    motion: fn(&[f64]) -> Motion,
 }
 
 /// A mass on a spring, with viscous and dry friction: at the wrong minimum one does the work of the other.
