@@ -91,11 +91,14 @@ fn controller(path: &Path) -> Result<()> {
     must_be_finite(&experiment.with_controller(controller)?)
 }
 
+/// Reads a file and uses what is in it.
+type Used = dyn Fn(&Path, &Source) -> Result<()>;
+
 /// A kind of file: its text, the name under which it is written, and what reads and uses it.
 struct Kind {
     name: &'static str,
     text: String,
-    used: Box<dyn Fn(&Path, &Source) -> Result<()>>,
+    used: Box<Used>,
 }
 
 fn shipped(name: &'static str, used: impl Fn(&Path, &Source) -> Result<()> + 'static) -> Kind {
@@ -299,7 +302,6 @@ fn every_number_with(values: impl Fn(usize) -> Vec<&'static str>) {
         }
         std::fs::write(&path, &kind.text).unwrap();
     }
-    println!("{tries} files");
     assert!(tries > 400, "{tries}");
     assert!(
         wrong.is_empty(),

@@ -76,7 +76,7 @@ pub(super) fn bytes(path: &Path, limit: u64) -> Result<Option<Vec<u8>>> {
     if files.is_empty() {
         return Err(Error::invalid("the data set holds no Parquet files")
             .at_file(path.join("data"))
-            .allowed("the files that LeRobot has recorded; `huggingface-cli download --repo-type dataset NAME` fetches them"));
+            .allowed("the files that LeRobot has recorded: a copy from Hugging Face may hold only its description"));
     }
     let mut all = MAGIC.to_vec();
     let mut push = |content: Vec<u8>, file: &Path| {

@@ -48,6 +48,7 @@ pub(super) fn poses(
             is_up: true,
         },
     ] = steps.as_slice()
+        && !is_static(stream)
     {
         return Ok((*stream).clone());
     }
