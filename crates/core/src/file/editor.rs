@@ -32,7 +32,7 @@ pub struct RonEditor<'t> {
     /// New values of entries, by the first byte of the value.
     replaced: BTreeMap<usize, (Range<usize>, Node)>,
     /// New entries, by the opening bracket of what they are in; with the whole value.
-    added: BTreeMap<usize, (Range<usize>, Vec<(String, Node)>)>,
+    added: BTreeMap<usize, (Range<usize>, Fields)>,
     /// Comments, by the first byte of the line before which they stand.
     remarks: BTreeMap<usize, Vec<String>>,
     /// Lines that were changed since the last comment.
@@ -48,11 +48,14 @@ pub struct Replaced {
     pub before: Option<String>,
 }
 
+/// New values by their keys.
+type Fields = Vec<(String, Node)>;
+
 /// A new value.
 #[derive(Debug, Clone)]
 enum Node {
     Leaf(String),
-    Group(Vec<(String, Node)>),
+    Group(Fields),
 }
 
 impl Node {
@@ -78,7 +81,7 @@ impl Node {
     }
 }
 
-fn put(fields: &mut Vec<(String, Node)>, key: &str, rest: &[&str], value: &str) {
+fn put(fields: &mut Fields, key: &str, rest: &[&str], value: &str) {
     let known = fields.iter().position(|(known, _)| known == key);
     let place = known.unwrap_or_else(|| {
         fields.push((key.to_owned(), Node::Group(Vec::new())));

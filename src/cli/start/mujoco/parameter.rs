@@ -11,6 +11,8 @@ use super::model::{Commanded, Joint, Model, follows_motion};
 
 /// The largest friction of a contact.
 const MOST_FRICTION: f64 = 1.5;
+/// The largest value of a quantity that is searched, for the joint's own.
+type Most = fn(&Scales, f64) -> f64;
 /// Assumptions, each with its evidence.
 type Clues = Vec<(String, String)>;
 
@@ -54,7 +56,7 @@ pub(super) fn of_joints(
         let effort = Effort::of(joint.inertia_kg_m2, driven.as_ref(), recordings);
         Scales::new(effort, limit_nm, gravity_nm)
     };
-    let most: [(&str, fn(&Scales, f64) -> f64); 3] = [
+    let most: [(&str, Most); 3] = [
         ("armature", Scales::most_armature),
         ("damping", Scales::most_viscous),
         ("frictionloss", Scales::most_dry),
