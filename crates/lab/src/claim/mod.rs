@@ -137,6 +137,15 @@ impl Claim {
         }
     }
 
+    /// The part of the word before its reason, without "narrowed down to": for a row whose bar shows the interval.
+    pub fn brief(&self) -> &str {
+        let word = self.word.as_str();
+        let word = word.strip_prefix("narrowed down to ").unwrap_or(word);
+        let marks = [": ", ", but ", ", no closer"].into_iter();
+        let end = marks.filter_map(|mark| word.find(mark)).min();
+        &word[..end.unwrap_or(word.len())]
+    }
+
     fn of(mut self, name: impl Into<String>) -> Self {
         self.name = name.into();
         self
@@ -175,5 +184,42 @@ fn listed(all: &[String]) -> String {
         [] => String::new(),
         [one] => one.clone(),
         [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_brief_word_is_the_interval_or_that_there_is_none() {
+        let short = [
+            (
+                "narrowed down to 0.17 to 0.20 (90 %)",
+                "0.17 to 0.20 (90 %)",
+            ),
+            (
+                "not determined: the 90 % interval 0 to 1 covers half",
+                "not determined",
+            ),
+            (
+                "narrowed down to 1 to 2 (90 %), but values from 1",
+                "1 to 2 (90 %)",
+            ),
+            (
+                "narrowed down to 1 to 2 (90 %), no closer: numerical",
+                "1 to 2 (90 %)",
+            ),
+            ("at most 0.3", "at most 0.3"),
+        ];
+        for (whole, expected) in short {
+            let claim = Claim::new(
+                About::Parameter,
+                Conclusion::Supported,
+                whole,
+                String::new(),
+            );
+            assert_eq!(claim.brief(), expected);
+        }
     }
 }

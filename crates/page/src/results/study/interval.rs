@@ -70,46 +70,6 @@ fn row(range: &Range, verdict: &Verdict, truth: Option<f64>) -> ParameterInterva
         best: range.coordinate(verdict.best),
         truth: truth.map(|truth| range.coordinate(truth)),
         is_determined: verdict.identified,
-        word: short_word(&verdict.claim.word),
-    }
-}
-
-/// The part of a claim's word before its reason, without "narrowed down to", which the bar shows.
-fn short_word(word: &str) -> String {
-    let word = word.strip_prefix("narrowed down to ").unwrap_or(word);
-    let ends = [": ", ", but ", ", no closer"]
-        .iter()
-        .filter_map(|mark| word.find(mark));
-    word[..ends.min().unwrap_or(word.len())].to_owned()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_row_says_the_interval_or_that_there_is_none() {
-        let short = [
-            (
-                "narrowed down to 0.17 to 0.20 (90 %)",
-                "0.17 to 0.20 (90 %)",
-            ),
-            (
-                "not determined: the 90 % interval 0 to 1 covers half",
-                "not determined",
-            ),
-            (
-                "narrowed down to 1 to 2 (90 %), but values from 1",
-                "1 to 2 (90 %)",
-            ),
-            (
-                "narrowed down to 1 to 2 (90 %), no closer: numerical",
-                "1 to 2 (90 %)",
-            ),
-            ("at most 0.3", "at most 0.3"),
-        ];
-        for (whole, expected) in short {
-            assert_eq!(short_word(whole), expected);
-        }
+        word: verdict.claim.brief().to_owned(),
     }
 }
