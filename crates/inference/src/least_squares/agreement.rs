@@ -48,9 +48,14 @@ impl Agreement {
         }
     }
 
-    /// Whether the fit had ended when the budget did, in a minimum that is not doubted.
+    /// Whether the fit had ended when the budget did.
+    pub fn has_ended(&self) -> bool {
+        self.remaining < CONVERGED
+    }
+
+    /// Whether it had ended, in a minimum that is not doubted.
     pub fn has_converged(&self) -> bool {
-        self.remaining < CONVERGED && !self.may_be_local()
+        self.has_ended() && !self.may_be_local()
     }
 
     /// Whether the best point leaves more than noise.

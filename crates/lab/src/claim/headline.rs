@@ -127,7 +127,7 @@ pub(crate) fn trust(ground: &Ground<'_>) -> Claim {
                 number(held.held_out_score / held.fit_score)
             ),
         ),
-        (None, None) if !has_converged => cannot(
+        (_, None) if !has_converged => cannot(
             "the fit has not converged, so other values may explain the recordings better; give it a larger budget",
         ),
         (_, Some((held, true))) => (

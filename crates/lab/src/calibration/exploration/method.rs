@@ -16,9 +16,9 @@ pub enum Method {
 
 impl Method {
     /// Whether the points end where the method would have ended by itself; false for least squares whose budget ended before.
-    pub(in crate::calibration) fn has_converged(&self) -> bool {
+    pub(in crate::calibration) fn has_ended(&self) -> bool {
         match self {
-            Self::Tune(tuned) => tuned.has_converged(),
+            Self::Tune(tuned) => tuned.agreement.is_none_or(|known| known.has_ended()),
             Self::Sweep => true,
         }
     }

@@ -86,8 +86,9 @@ impl Fit {
         scores: &Scores,
         method: &Method,
     ) -> Result<Option<Self>> {
-        // Where a fit has not ended, better parameters may explain the recordings.
-        let Some(best) = scores.best.filter(|_| method.has_converged()) else {
+        // Where a fit has not ended, better parameters may explain the recordings. One that ended in a minimum that is doubted is judged:
+        // what is said is said of the best point.
+        let Some(best) = scores.best.filter(|_| method.has_ended()) else {
             return Ok(None);
         };
         if study.definition().start == StartRule::FromRecording {
