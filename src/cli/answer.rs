@@ -148,17 +148,17 @@ impl StudyOptions {
         folder.write_timing(self.jobs.count())?;
         let folder = folder.path();
         let report = &answer.report;
-        self.print.answer(report, || format!(
+        // The verdict has said that no parameters explain the recordings.
+        let is_said =
+            |w: &&Warning| w.code == Code::ModelContradicted || study.warnings().contains(w);
+        let warnings = report.warnings.iter().filter(|w| !is_said(w));
+        self.print.answer_above(warnings, report, || format!(
                 "{answer}\n  {wall_s:.1} s on {}\n  results in {}: summary.json, best.ron, points.csv\n  pictures there: {}{}",
                 counted(self.jobs.count(), "thread"),
                 folder.display(),
                 pictures(folder).join(", "),
                 page_said
             ))?;
-        // The verdict stands above warnings. It has said that no parameters explain the recordings.
-        let is_said =
-            |w: &&Warning| w.code == Code::ModelContradicted || study.warnings().contains(w);
-        terminal::print_warnings(report.warnings.iter().filter(|w| !is_said(w)));
         if answer.ending == Ending::Interrupted {
             return Err(Error::interrupted(format!(
                 "interrupted after {} of {} points; all of them are saved",

@@ -124,16 +124,17 @@ impl Ensemble {
             .page
             .write(folder.path(), &results_page, || page::of_repeats(&study));
         folder.write_timing(run.jobs)?;
-        self.print.answer(&report, || {
+        let warnings = report
+            .warnings
+            .iter()
+            .filter(|w| !study.warnings.contains(w));
+        self.print.answer_above(warnings, &report, || {
             format!(
                 "{report}\n  results in {}: ensemble.json, repeats.csv, ensemble.png and .svg{}",
                 folder.path().display(),
                 page_said
             )
         })?;
-        // The verdict stands above warnings.
-        let mut said = report.warnings.iter();
-        terminal::print_warnings(said.by_ref().filter(|w| !study.warnings.contains(w)));
         if !report.complete {
             return Err(Error::interrupted(format!(
                 "interrupted after {} of {total} repeats; the results so far are marked as incomplete",

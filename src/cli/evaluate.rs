@@ -104,10 +104,8 @@ impl Evaluate {
         let found = Evaluated { result, odds };
         self.telling
             .write("evaluation", &self.study, &found, &text, self.odds.plot())?;
-        self.telling.print.answer(&found, || printed)?;
-        // The verdict stands above warnings.
-        terminal::print_warnings(&found.result.warnings);
-        Ok(())
+        let print = self.telling.print;
+        print.answer_above(&found.result.warnings, &found, || printed)
     }
 
     /// Adds the error over whole runs to the error over windows.
@@ -132,11 +130,10 @@ impl Evaluate {
         let text = words_of_joints(&result, false);
         self.telling
             .write("evaluation", &self.study, &result, &text, [])?;
-        self.telling.print.answer(&result, || {
+        let print = self.telling.print;
+        print.answer_above(&result.warnings, &result, || {
             words_of_joints(&result, terminal::stdout_wants_colour())
-        })?;
-        terminal::print_warnings(&result.warnings);
-        Ok(())
+        })
     }
 }
 

@@ -108,9 +108,8 @@ impl Gap {
         let found = self
             .between
             .compare(&overrides, &scoring, &self.jobs.run())?;
-        self.print.value(&found)?;
-        terminal::print_warnings(&found.warnings);
-        Ok(())
+        self.print
+            .answer_above(&found.warnings, &found, || found.to_string())
     }
 
     /// How recordings without a study are compared.
@@ -208,15 +207,13 @@ impl Gap {
         } else {
             "gap.json, rmse.png and .svg"
         };
-        self.print.answer(&found, || {
+        self.print.answer_above(&found.warnings, &found, || {
             format!(
                 "{found}\n  results in {}: {pictures}{}",
                 folder.path().display(),
                 page_said
             )
         })?;
-        // The verdict stands above warnings.
-        terminal::print_warnings(&found.warnings);
         if !found.complete {
             return Err(Error::interrupted(
                 "interrupted before the last repeat; the results so far are marked as incomplete",

@@ -56,6 +56,18 @@ impl Print {
         Ok(())
     }
 
+    /// As [`Print::answer`], with the warnings below, so that an answer begins with its verdict.
+    pub fn answer_above<'a>(
+        self,
+        warnings: impl IntoIterator<Item = &'a Warning>,
+        answer: &impl Answer,
+        text: impl FnOnce() -> String,
+    ) -> Result<()> {
+        self.answer(answer, text)?;
+        terminal::print_warnings(warnings);
+        Ok(())
+    }
+
     /// As [`Print::answer`], for an answer that implements `Display`.
     pub fn value(self, answer: &(impl Answer + Display)) -> Result<()> {
         self.answer(answer, || answer.to_string())

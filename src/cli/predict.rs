@@ -226,7 +226,7 @@ impl Predict {
                 });
             folder.write_timing(run.jobs)?;
         }
-        self.print.answer(&card, || {
+        self.print.answer_above(&card.warnings, &card, || {
             let written = folder.as_ref().map(|folder| {
                 format!(
                     "\n  results in {}: prediction.json, repeats.csv, prediction.png and .svg{}",
@@ -236,8 +236,6 @@ impl Predict {
             });
             card.to_string() + &written.unwrap_or_default()
         })?;
-        // The verdict stands above warnings.
-        terminal::print_warnings(&card.warnings);
         if !repeats.is_complete() {
             return Err(Error::interrupted(format!(
                 "interrupted after {} of {} repeats; the card covers only these",

@@ -144,7 +144,7 @@ impl Search {
             }
         });
         folder.write_timing(options.jobs)?;
-        self.print.answer(&summary, || {
+        self.print.answer_above(&summary.warnings, &summary, || {
             let wall_s = started.elapsed().as_secs_f64();
             let head = format!("{wall_s:.1} s on {}", counted(options.jobs, "thread"));
             format!(
@@ -154,8 +154,6 @@ impl Search {
                 page_said
             )
         })?;
-        // The verdict stands above warnings.
-        terminal::print_warnings(&summary.warnings);
         let go_on = format!(
             "go on with: realgap search {} --resume (and the same options)",
             self.search.display()

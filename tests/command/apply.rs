@@ -59,6 +59,17 @@ const OF_MODULES: &str = r#"(name: "pendulum", mount_m: (0, 0, 1),
   ])
 "#;
 
+/// Runs the program, which must succeed; returns what it printed and what it noted.
+fn command(words: &[&str]) -> (String, String) {
+    let output = realgap().args(words).output().unwrap();
+    assert!(
+        output.status.success(),
+        "{words:?}: {}",
+        text(&output.stderr)
+    );
+    (text(&output.stdout), text(&output.stderr))
+}
+
 #[test]
 fn a_robot_in_ron_gets_what_was_fitted_and_moves_as_the_fit_did() {
     for (robot, stated, fixed, count) in [
@@ -89,15 +100,6 @@ fn a_robot_in_ron_gets_what_was_fitted_and_moves_as_the_fit_did() {
         };
         std::fs::write(here("study.ron"), study("pendulum.ron", fixed)).unwrap();
         let at = |name: &str| here(name).display().to_string();
-        let run = |words: &[&str]| {
-            let output = realgap().args(words).output().unwrap();
-            assert!(
-                output.status.success(),
-                "{words:?}: {}",
-                text(&output.stderr)
-            );
-            (text(&output.stdout), text(&output.stderr))
-        };
         let tune = [
             "--optimizer",
             "gauss-newton",
@@ -105,8 +107,8 @@ fn a_robot_in_ron_gets_what_was_fitted_and_moves_as_the_fit_did() {
             "25",
             "--no-report",
         ];
-        run(&[&["tune", &at("study.ron"), "-o", &at("out")][..], &tune].concat());
-        let (said, noted) = run(&[
+        command(&[&["tune", &at("study.ron"), "-o", &at("out")][..], &tune].concat());
+        let (said, noted) = command(&[
             "apply",
             &at("out"),
             &at("pendulum.ron"),
@@ -169,7 +171,7 @@ fn a_robot_in_ron_gets_what_was_fitted_and_moves_as_the_fit_did() {
         // The written file is the robot of the fit.
         std::fs::write(here("again.ron"), study("calibrated.ron", "")).unwrap();
         let error = |words: &[&str]| {
-            let (json, _) = run(&[&["evaluate"], words, &["--format", "json"]].concat());
+            let (json, _) = command(&[&["evaluate"], words, &["--format", "json"]].concat());
             let json = answer("evaluate-joints", &json);
             json["angle_mrad"]["mean"]
                 .as_f64()
@@ -235,19 +237,10 @@ fn a_fit_ends_in_the_user_s_file_and_a_diff_shows_only_its_number() {
     )
     .unwrap();
     let at = |name: &str| here(name).display().to_string();
-    let run = |words: &[&str]| {
-        let output = realgap().args(words).output().unwrap();
-        assert!(
-            output.status.success(),
-            "{words:?}: {}",
-            text(&output.stderr)
-        );
-        (text(&output.stdout), text(&output.stderr))
-    };
-    run(&["sweep", &at("study.ron"), "-o", &at("out"), "--no-report"]);
+    command(&["sweep", &at("study.ron"), "-o", &at("out"), "--no-report"]);
     let (model, written) = (at("pendulum.xml"), at("calibrated.xml"));
     let (ranges, table, card) = (at("draws.json"), at("draws.csv"), at("card.md"));
-    let (said, _) = run(&[
+    let (said, _) = command(&[
         "apply",
         &at("out"),
         &model,
@@ -258,10 +251,10 @@ fn a_fit_ends_in_the_user_s_file_and_a_diff_shows_only_its_number() {
         "--card",
         &card,
     ]);
-    run(&["apply", &at("out"), "--ranges", &table]);
+    command(&["apply", &at("out"), "--ranges", &table]);
     // The same as JSON, whose numbers are those of the file.
     let again = at("again.xml");
-    let (json, _) = run(&[
+    let (json, _) = command(&[
         "apply",
         &at("out"),
         &model,

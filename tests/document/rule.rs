@@ -210,7 +210,12 @@ fn tests_that_ci_does_not_run_again_exist_and_are_those_of_every_build() {
             .unwrap_or_else(|| panic!("{name}"));
         let body = &text[from..];
         let body = &body[..body.find("\n}\n").unwrap()];
-        let is_of_one_build = ["is_long_run", "shared(", "cfg!(feature"];
+        let is_of_one_build = [
+            "is_long_run",
+            "shared_data(",
+            "python_with(",
+            "cfg!(feature",
+        ];
         assert!(
             is_of_one_build.iter().all(|word| !body.contains(word)),
             "{name}"

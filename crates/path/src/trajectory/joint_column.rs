@@ -44,7 +44,7 @@ pub const COMMAND_SIGNALS: [&str; 5] = [
 ];
 /// Endings of commanded speeds in other units, and the size of these in radians per second: such columns are read as
 /// `NAME_command_rad_s`.
-const OTHER_SPEEDS: [(&str, f64); 2] = [
+pub(super) const OTHER_SPEEDS: [(&str, f64); 2] = [
     ("_command_deg_s", std::f64::consts::PI / 180.0),
     ("_command_rpm", std::f64::consts::TAU / 60.0),
 ];

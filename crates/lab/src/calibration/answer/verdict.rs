@@ -63,6 +63,14 @@ pub struct Tables<'a> {
 }
 
 impl Verdict {
+    /// The parts of the 90 % interval, increasing.
+    pub fn parts(&self) -> &[(f64, f64)] {
+        match self.intervals.as_slice() {
+            [] => self.interval.as_slice(),
+            many => many,
+        }
+    }
+
     fn new(range: &Range, ends: (f64, f64, f64), parts: Vec<(f64, f64)>, claim: Claim) -> Self {
         let (best, low, high) = ends;
         let (interval, intervals) = match parts[..] {

@@ -60,10 +60,7 @@ fn parameters(found: &mut Tally, told: &RenderedTexts, drawn: &Swept) {
     for verdict in &drawn.report.verdicts {
         let name = verdict.parameter.as_str();
         let is_known = verdict.identified;
-        let parts = match verdict.intervals.as_slice() {
-            [] => verdict.interval.as_slice(),
-            many => many,
-        };
+        let parts = verdict.parts();
         let axis = drawn.names().position(|known| known == name).unwrap();
         let is_widened = told
             .text

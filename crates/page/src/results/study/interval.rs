@@ -56,14 +56,11 @@ pub(super) fn draw(
 fn row(range: &Range, verdict: &Verdict, truth: Option<f64>) -> ParameterInterval {
     let unit = range.parameter.unit.symbol();
     let end = |value: f64| format!("{} {unit}", number(value)).trim_end().to_owned();
-    let parts: Vec<(f64, f64)> = match verdict.interval {
-        Some(one) => vec![one],
-        None => verdict.intervals.clone(),
-    };
     ParameterInterval {
         name: verdict.parameter.clone(),
         ends: [range.from, range.to].map(end),
-        intervals: parts
+        intervals: verdict
+            .parts()
             .iter()
             .map(|(low, high)| (range.coordinate(*low), range.coordinate(*high)))
             .collect(),

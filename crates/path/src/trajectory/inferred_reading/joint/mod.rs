@@ -201,9 +201,8 @@ fn commands_alone(
     if !is_of_speeds || known.angle.is_some() {
         return None;
     }
-    let units: Vec<SpeedUnit> = (commands.iter())
-        .map(|one| one.speed_unit.unwrap_or(SpeedUnit::RadiansPerSecond))
-        .collect();
+    let unit_of = |one: &Found<'_, '_>| one.speed_unit.unwrap_or(SpeedUnit::RadiansPerSecond);
+    let units: Vec<SpeedUnit> = commands.iter().map(|one| unit_of(one)).collect();
     let unit = match units.split_first() {
         Some((first, rest)) if rest.iter().all(|unit| unit == first) => first.words(),
         _ => "each in its own unit",
@@ -217,8 +216,7 @@ fn commands_alone(
         let Whose::Named(joint) = one.joint else {
             return None;
         };
-        let ending = one.speed_unit.unwrap_or(SpeedUnit::RadiansPerSecond);
-        let name = format!("{}{}", joints[joint], ending.command_ending());
+        let name = format!("{}{}", joints[joint], unit_of(one).command_ending());
         if one.column.name != name {
             made.reading.names.insert(one.column.name.to_owned(), name);
             said.push(format!("{} from `{}`", joints[joint], one.column.label()));

@@ -1,5 +1,6 @@
 //! The columns of a log, and which joint and quantity their names state.
 
+use super::super::super::joint_column::{COMMAND_SIGNALS, OTHER_SPEEDS};
 use super::super::super::reading::Reading;
 use super::super::super::relabel::{numbers, split};
 use super::super::super::table::header_line;
@@ -90,40 +91,29 @@ pub(super) enum Whose {
 impl SpeedUnit {
     /// The unit at these words of a name, and the words without it: `rad_s`, `deg/s`, `dps`, `rpm`.
     fn take(words: &[String]) -> (Vec<String>, Option<Self>) {
-        let mut rest = words.to_vec();
-        let pairs = [
-            ("rad", Self::RadiansPerSecond),
-            ("rads", Self::RadiansPerSecond),
-            ("deg", Self::DegreesPerSecond),
+        let units: [(&[&str], Self); 5] = [
+            (&["rad", "s"], Self::RadiansPerSecond),
+            (&["rads", "s"], Self::RadiansPerSecond),
+            (&["deg", "s"], Self::DegreesPerSecond),
+            (&["dps"], Self::DegreesPerSecond),
+            (&["rpm"], Self::RevolutionsPerMinute),
         ];
-        for (unit, found) in pairs {
-            let at = rest
-                .windows(2)
-                .position(|two| two[0] == unit && two[1] == "s");
+        for (unit, found) in units {
+            let at = words.windows(unit.len()).position(|part| part == unit);
             if let Some(at) = at {
-                rest.drain(at..at + 2);
+                let rest = [&words[..at], &words[at + unit.len()..]].concat();
                 return (rest, Some(found));
             }
         }
-        let singles = [
-            ("rpm", Self::RevolutionsPerMinute),
-            ("dps", Self::DegreesPerSecond),
-        ];
-        for (unit, found) in singles {
-            if let Some(at) = rest.iter().position(|word| word == unit) {
-                rest.remove(at);
-                return (rest, Some(found));
-            }
-        }
-        (rest, None)
+        (words.to_vec(), None)
     }
 
     /// The ending of a column of a commanded speed in this unit, in files of this program.
     pub(super) fn command_ending(self) -> &'static str {
         match self {
-            Self::RadiansPerSecond => "_command_rad_s",
-            Self::DegreesPerSecond => "_command_deg_s",
-            Self::RevolutionsPerMinute => "_command_rpm",
+            Self::RadiansPerSecond => COMMAND_SIGNALS[0],
+            Self::DegreesPerSecond => OTHER_SPEEDS[0].0,
+            Self::RevolutionsPerMinute => OTHER_SPEEDS[1].0,
         }
     }
 
