@@ -71,7 +71,7 @@ class Result(Generic[N, S]):
         """The pictures as PNG, by name.
 
         >>> sorted(answer.pictures())
-        ['components', 'curve', 'trajectories']
+        ['components', 'curve', 'trajectories', 'verdict']
         """
         return drawn(self._native.write)
 

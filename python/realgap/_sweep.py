@@ -132,7 +132,7 @@ class Fold:
 class ChannelBand:
     """What predictions of one column leave open: what fitted recordings have more than the best run, and how bands hold.
 
-    >>> ChannelBand("hip_rad", "rad", -0.01, 0.01, 0.9, 100).channel
+    >>> realgap.answer.ChannelBand("hip_rad", "rad", -0.01, 0.01, 0.9, 100).channel
     'hip_rad'
     """
 

@@ -276,7 +276,8 @@ class MujocoModel:
             self._mj.mj_resetDataKeyframe(model, data, 0)
         self._mj.mj_forward(model, data)
         # Products with unit vectors: versions of MuJoCo store the mass matrix in different ways.
-        product, unit, felt = np.empty(model.nv), np.zeros(model.nv), []
+        product, unit = np.empty(model.nv), np.zeros(model.nv)
+        felt: List[float] = []
         for dof in range(model.nv):
             unit[dof] = 1.0
             self._mj.mj_mulM(model, data, product, unit)
