@@ -15,7 +15,8 @@ const REMARK: &str = "// realgap: ";
 /// use realgap_core::file::{RonEditor, Source};
 ///
 /// let text = "(\n    sides: (1, 2), // in metres\n    mass: Some(0.5)\n)";
-/// let mut editor = RonEditor::new(&Source::new("box.ron", text)).unwrap();
+/// let source = Source::new("box.ron", text);
+/// let mut editor = RonEditor::new(&source).unwrap();
 /// editor.set("sides[1]", "2.5")?;
 /// editor.set("mass", "0.6")?;
 /// editor.set("joint.friction", "0.1")?;
