@@ -57,6 +57,7 @@ fn arc(name: &str, height_m: f64) -> Result<Recording> {
         name: name.to_owned(),
         path: name.into(),
         trajectory: Trajectory::new(times_s, positions)?,
+        log: None,
         bodies: Vec::new(),
         meta: None,
         reading: Reading::default(),

@@ -37,6 +37,7 @@ impl Trajectory {
                 name: name.to_owned(),
                 path: PathBuf::from(name),
                 trajectory,
+                log: None,
                 bodies: Vec::new(),
                 meta: None,
                 reading: Reading::default(),

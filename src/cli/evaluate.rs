@@ -1,6 +1,8 @@
 //! `realgap evaluate`: how well one setting predicts recordings.
 
-use realgap::calibration::{Average, Definition, Evaluation, JointEvaluation, Overrides};
+use realgap::calibration::{
+    Average, Definition, Evaluation, HorizonError, JointEvaluation, Overrides,
+};
 use realgap::claim::verdict_lines;
 use realgap::comparison::{Joints, Metric, Pose};
 use realgap::identification::StartState;
@@ -241,6 +243,28 @@ fn channel_table(result: &JointEvaluation) -> TextTable {
     table
 }
 
+/// How errors grow over the windows of each recording.
+fn horizon_table(all: &[HorizonError], colour: bool) -> String {
+    let thirds = all[0]
+        .thirds()
+        .map(|(time_s, _)| format!("after {} s", number(time_s)));
+    let [first, second, last] = &thirds;
+    let mut table = TextTable::new([
+        ("median position error, mm", Side::Left),
+        ("windows", Side::Right),
+        (first, Side::Right),
+        (second, Side::Right),
+        (last, Side::Right),
+    ]);
+    for one in all {
+        let [first, second, last] = one.thirds().map(|(_, m)| format!("{:.0}", 1e3 * m));
+        let windows = one.windows.to_string();
+        table.push([one.recording.clone(), windows, first, second, last]);
+    }
+    let whole = all.last().map(HorizonError::sentence).unwrap_or_default();
+    format!("{}\n{whole}\n", table.render(colour).trim_end())
+}
+
 /// For people.
 pub fn words(result: &Evaluation, colour: bool) -> String {
     let mut table = TextTable::new([
@@ -284,8 +308,12 @@ pub fn words(result: &Evaluation, colour: bool) -> String {
             odds.both.to_string(),
         ]);
     }
+    let horizon = match result.over_horizon.is_empty() {
+        true => String::new(),
+        false => horizon_table(&result.over_horizon, colour),
+    };
     let found = format!(
-        "{}{}, start: {}\n{}\n{} of {} end over 45 deg off; {:.2} CPU ms per simulated second\n{}",
+        "{}{}, start: {}\n{}\n{horizon}{} of {} end over 45 deg off; {:.2} CPU ms per simulated second\n{}",
         verdict_lines(&result.claims),
         counted(result.recordings, "recording"),
         result.start,
@@ -356,6 +384,7 @@ mod tests {
             final_rotation_deg,
             final_hinge_deg: None,
             over_45_deg: (share(&mut state) * recordings as f64) as usize,
+            over_horizon: Vec::new(),
             resting_faces: Vec::new(),
             cpu_ms_per_s: 1.0,
             start: StartUsed::Settled,

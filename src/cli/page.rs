@@ -255,6 +255,7 @@ fn recorded(
             seen.push(Recording {
                 trajectory: target.motion.clone(),
                 // Bodies are left out, because they last as long as the file, and the motion only as long as the study.
+                log: None,
                 bodies: Vec::new(),
                 ..recording.clone()
             });
@@ -278,6 +279,7 @@ pub fn recordings_of(study: &Repeatable, case: &RepeatCase) -> Vec<Recording> {
         .filter_map(|recording| {
             Some(Recording {
                 trajectory: recording.trajectory.scaled(1.0 / scale).ok()?,
+                log: None,
                 bodies: Vec::new(),
                 ..recording.clone()
             })

@@ -199,6 +199,7 @@ codes! {
     Unresolved "unresolved" "Numerical settings change a score as much as a parameter does." "use finer numerics, another gait or another metric; more recordings will not help";
     UnsynchronisedClocks "unsynchronised-clocks" "Joints move before their command, or with a growing delay." "stamp commands and angles with one clock";
     VelocitiesLate "velocities-late" "Recorded velocities belong to an earlier moment." "let `realgap study identify` correct the lag, or record velocities without a filter";
+    WindowsLeftOut "windows-left-out" "Some windows of recordings are not simulated, as the study asks." "nothing, or change `windows` in the study";
     WrappedAngle "wrapped-angle" "A joint's angle jumps by a full turn." "unwrap the angles before they are read, e.g. with `numpy.unwrap`";
 }
 

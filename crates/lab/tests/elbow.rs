@@ -52,6 +52,7 @@ pub fn recorded(name: &str, trajectory: Trajectory) -> Recording {
         name: name.to_owned(),
         path: name.into(),
         trajectory,
+        log: None,
         bodies: Vec::new(),
         meta: None,
         reading: Default::default(),

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use realgap_core::file::Source;
-use realgap_lab::calibration::{Overrides, Study};
-use realgap_optimization::RunOptions;
+use realgap_lab::calibration::{Answer, Overrides, Study, TuneOptions};
+use realgap_optimization::{RunOptions, optimizer_by_name};
 use realgap_path::trajectory::{State, Trajectory};
 use realgap_robot::morphology::Morphology;
 use realgap_simulation::parameter::ParameterSet;
@@ -34,8 +34,8 @@ fn times() -> Vec<f64> {
     (0..SAMPLES).map(|k| STEP_S * k as f64).collect()
 }
 
-/// The path of the car on a floor of [`FRICTION`].
-fn driven() -> Trajectory {
+/// The path of the car on a floor of [`FRICTION`], whose steering is off by `trim_rad`.
+fn driven(trim_rad: f64) -> Trajectory {
     let robot = Morphology::parse(&Source::new("car.ron", CAR)).unwrap();
     let mut experiment = Experiment::new(robot.assemble());
     experiment.floor.friction = FRICTION;
@@ -64,13 +64,23 @@ fn driven() -> Trajectory {
             (experiment.commands).insert(format!("steer_{name}"), Arc::new(track));
         }
     }
+    let trim: ParameterSet = [format!("command.steer_*.offset={trim_rad}")
+        .parse()
+        .unwrap()]
+    .into_iter()
+    .collect();
+    let experiment = trim.apply(&experiment);
     run(&experiment).unwrap().outcome.completed().unwrap()
 }
 
 /// Writes robot and log; the logged throttle is multiplied by `gain`.
 fn recorded(folder: &Path, gain: f64) {
     std::fs::write(folder.join("car.ron"), CAR).unwrap();
-    let path = driven();
+    std::fs::write(folder.join("log.csv"), log_of(&driven(0.0), gain)).unwrap();
+}
+
+/// The log of a path.
+fn log_of(path: &Trajectory, gain: f64) -> String {
     let mut text = "t_s,x_m,y_m,heading_rad,throttle,steering,enabled\n".to_owned();
     let turns = path.orientations_world_from_body().unwrap();
     for (k, t) in times().into_iter().enumerate() {
@@ -85,7 +95,7 @@ fn recorded(folder: &Path, gain: f64) {
             f64::from(is_enabled(t))
         );
     }
-    std::fs::write(folder.join("log.csv"), text).unwrap();
+    text
 }
 
 fn columns(switch: &str) -> String {
@@ -152,4 +162,80 @@ fn switches_and_columns_that_cannot_be_meant_are_refused() {
         said.contains("steering") && said.contains("command: (factor"),
         "{said}"
     );
+}
+
+/// A study of two runs between which the trim of the steering was changed, fitted by least squares.
+fn fitted(folder: &Path, more: &str) -> realgap_core::Result<Answer> {
+    std::fs::write(folder.join("car.ron"), CAR).unwrap();
+    for (name, trim_rad) in TRIMS {
+        let file = folder.join(format!("{name}.csv"));
+        std::fs::write(file, log_of(&driven(trim_rad), 1.0)).unwrap();
+    }
+    let path = folder.join("study.ron");
+    let columns = columns("enabled");
+    let text = format!(
+        r#"Study(morphology: "car.ron", recordings: ["smooth*.csv"], reading: (columns: (heading: "heading_rad")), start: FromRecording,
+            horizon: (0.8, 0.4), windows: (from_m_s: 0.2, on: Some("enabled"), gap_s: Some(0.1)), align: World,
+            timestep_s: 0.005, set: {{"floor.restitution": 0}}, metric: "pose", score: Single,
+            commands: Commands(columns: [{columns}]), parameters: [{more}])"#
+    );
+    std::fs::write(&path, text).unwrap();
+    let study = Study::read(path, &Overrides::default())?;
+    let options = TuneOptions {
+        optimizer: optimizer_by_name("gauss-newton").unwrap(),
+        budget: 60,
+        patience: None,
+    };
+    study.tune(&options, &RunOptions::default())
+}
+
+const TRIMS: [(&str, f64); 2] = [("smooth 1", 0.03), ("smooth 2", -0.05)];
+
+#[test]
+fn least_squares_on_windows_of_paths_find_the_floor_and_the_trim_of_each_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let answer = fitted(
+        folder.path(),
+        r#"(name: "floor.friction", from: 0.1, to: 1.2), (name: "command.steer_*.offset", from: -0.2, to: 0.2, each: Run)"#,
+    )
+    .unwrap();
+    let report = &answer.report;
+    let verdicts = report.verdicts.iter();
+    let names: Vec<&str> = verdicts.map(|verdict| verdict.parameter.as_str()).collect();
+    let runs = [
+        "run.smooth_1.command.steer_*.offset",
+        "run.smooth_2.command.steer_*.offset",
+    ];
+    assert_eq!(names, ["floor.friction", runs[0], runs[1]]);
+    let truths = [FRICTION, TRIMS[0].1, TRIMS[1].1];
+    let best = report.best.as_ref().unwrap();
+    for (name, truth) in names.into_iter().zip(truths) {
+        assert!(
+            (best.parameters[name] - truth).abs() < 0.02,
+            "{name}: {} for {truth}",
+            best.parameters[name]
+        );
+    }
+}
+
+#[test]
+fn a_parameter_of_a_run_that_was_not_recorded_or_of_an_unknown_kind_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = fitted(
+        folder.path(),
+        r#"(name: "run.rough_1.floor.friction", from: 0.1, to: 1.2)"#,
+    )
+    .unwrap_err()
+    .to_string();
+    assert!(
+        said.contains("no recording of this name") && said.contains("smooth_1, smooth_2"),
+        "{said}"
+    );
+    let said = fitted(
+        folder.path(),
+        r#"(name: "run.smooth_1.floor.friction", from: 0.1, to: 1.2, each: Run)"#,
+    )
+    .unwrap_err()
+    .to_string();
+    assert!(said.contains("cannot be another run's"), "{said}");
 }

@@ -1,6 +1,6 @@
 //! Adjustments: changes that a study makes to a robot, its joints and its modules, relative to the robot's file.
 
-use nalgebra::Vector3;
+use nalgebra::{Isometry3, Vector3};
 
 use super::inertia::InertiaChange;
 use realgap_robot::morphology::{Assembly, Role};
@@ -24,6 +24,10 @@ pub struct Adjustment {
     pub pusher_offset_m: Vector3<f64>,
     /// Friction between robot and every driven body of the scene, in place of the scene's.
     pub pusher_friction: Option<f64>,
+    /// Shift of the tracked point along the axes of its own frame, metres: where the markers of a recording really are.
+    pub track_offset_m: Vector3<f64>,
+    /// Turn of the tracked frame about its own z axis, radians: the heading of the markers on a robot that looks along x.
+    pub track_heading_rad: f64,
 }
 
 impl Default for Adjustment {
@@ -37,6 +41,8 @@ impl Default for Adjustment {
             amplitude_scale: 1.0,
             pusher_offset_m: Vector3::zeros(),
             pusher_friction: None,
+            track_offset_m: Vector3::zeros(),
+            track_heading_rad: 0.0,
         }
     }
 }
@@ -58,6 +64,10 @@ impl Adjustment {
             };
             actuator.gait.frequency_hz *= self.frequency_scale;
             actuator.gait.amplitude_rad *= self.amplitude_scale;
+        }
+        if self.track_offset_m != Vector3::zeros() || self.track_heading_rad != 0.0 {
+            let turn = Vector3::z() * self.track_heading_rad;
+            robot.robot_from_track *= Isometry3::new(self.track_offset_m, turn);
         }
         robot
     }

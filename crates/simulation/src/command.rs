@@ -117,9 +117,10 @@ impl CommandTrack {
             .map(|value| scale.apply(*value))
             .collect();
         let is_held = self.between == Between::Held;
+        let times_s: Vec<f64> = self.times_s.iter().map(|t| t + scale.delay_s).collect();
         Self {
-            lag: (scale.lag_s > 0.0)
-                .then(|| Lag::new(scale.lag_s, &self.times_s, &values, is_held)),
+            lag: (scale.lag_s > 0.0).then(|| Lag::new(scale.lag_s, &times_s, &values, is_held)),
+            times_s,
             values,
             ..self.clone()
         }

@@ -52,12 +52,13 @@ impl<'a> CommandSource<'a> {
     }
 
     /// The command for the step from `from_s` to `to_s` of a servo with the latency `latency_s`. Before the first command
-    /// arrives, the servo follows the command of time 0.
+    /// arrives, the servo follows it; a gait before time 0 is at its command of time 0.
     pub fn over(&self, from_s: f64, to_s: f64, latency_s: f64) -> f64 {
         match self {
             Self::Track(track) if track.between() == Between::Held => {
-                track.mean((from_s - latency_s).max(0.0), (to_s - latency_s).max(0.0))
+                track.mean(from_s - latency_s, to_s - latency_s)
             }
+            Self::Track(track) => track.value(0.5 * (from_s + to_s) - latency_s),
             _ => self.value((0.5 * (from_s + to_s) - latency_s).max(0.0)),
         }
     }

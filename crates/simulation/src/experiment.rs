@@ -350,6 +350,8 @@ pub struct Experiment {
     pub module_adjustments: BTreeMap<String, ModuleAdjustment>,
     /// Deviations from the intended experiment.
     pub perturbation: Perturbation,
+    /// Name of the recording of this run, where parameters differ between runs ([`super::parameter::run_name`]).
+    pub run: Option<Arc<str>>,
     /// Ratio of recorded to true lengths. The run itself is in true lengths.
     pub recording_length_scale: f64,
     /// If stated, the run computes its energy balance ([`super::EnergyBalance`]) from this time on, seconds. This does not change
@@ -397,6 +399,7 @@ impl Experiment {
             hinge_adjustments: Vec::new(),
             module_adjustments: BTreeMap::new(),
             perturbation: Perturbation::default(),
+            run: None,
             recording_length_scale: 1.0,
             energy_from_s: None,
         }

@@ -21,6 +21,7 @@ mod objects;
 mod parameter_contract;
 mod rest;
 mod rolling;
+mod run_parameters;
 mod scene;
 mod servo;
 mod simulation;

@@ -94,6 +94,7 @@ fn toss(robot: &Experiment, tracker: &Tracker, seed: u64) -> Toss {
             name: format!("toss_{seed:02}"),
             path: PathBuf::from(format!("toss_{seed:02}.csv")),
             trajectory,
+            log: None,
             bodies: Vec::new(),
             meta: None,
             reading: Reading::default(),

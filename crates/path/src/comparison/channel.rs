@@ -380,6 +380,7 @@ impl Metric for Channels {
             ..Needs::default()
         };
         is_symmetric: bool = false;
+        has_errors: bool = true;
     }
 
     fn measure(&self, pair: &Pair<'_>, context: &Context<'_>) -> Result<Measurement> {

@@ -26,6 +26,7 @@ impl Metric for Joints {
             ..Needs::default()
         };
         is_symmetric: bool = false;
+        has_errors: bool = true;
     }
 
     fn errors(&self, pair: &Pair<'_>, most: usize) -> Result<Option<Vec<f64>>> {
@@ -110,7 +111,7 @@ pub(super) fn error_at_rad(
 }
 
 /// Simulated angle minus recorded angle, radians, wrapped to half a turn.
-fn difference_rad(
+pub(super) fn difference_rad(
     (recorded, simulated): &(&JointTrack, &JointTrack),
     at: &mut Interpolator<'_>,
     since_start_s: f64,

@@ -168,6 +168,10 @@ pub trait Metric: Sync {
     /// Trajectories that this metric cannot compare.
     fn measure(&self, pair: &Pair<'_>, context: &Context<'_>) -> Result<Measurement>;
 
+    /// True if the distance is made of single errors ([`Metric::errors`]), which least squares need.
+    fn has_errors(&self) -> bool {
+        false
+    }
     /// The single errors (residuals) from which the distance is computed, for least squares: about `most` residuals, the same number for every
     /// run, in an order in which neighbouring residuals are similar. `None` for a metric that has no residuals.
     ///

@@ -16,6 +16,7 @@ mod metric;
 mod pca;
 mod pointwise;
 mod pose;
+mod pose_residual;
 mod registry;
 mod residual;
 mod saved_basis;
@@ -46,6 +47,7 @@ pub use metric::{Context, Measurement, Metric, Needs, Pair, Score};
 pub use pca::Pca;
 pub use pointwise::{Displacement, Rms};
 pub use pose::{Pose, PoseErrors, Rotation, pose_errors};
+pub use pose_residual::{PoseQuantity, PoseSeries, pose_error_series};
 pub use registry::{DEFAULT_METRIC, METRICS, by_name};
 pub use residual::Shape;
 #[cfg(feature = "schema")]

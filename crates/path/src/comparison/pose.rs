@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::evo::orientations;
 use super::joint;
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
+use super::pose_residual::pose_residuals;
 use crate::trajectory::{Interpolator, Trajectory};
 use realgap_core::constant_methods;
 use realgap_core::error::{Error, Result};
@@ -66,6 +67,11 @@ impl Metric for Pose {
         };
         is_symmetric: bool = false;
         is_pose: bool = true;
+        has_errors: bool = true;
+    }
+
+    fn errors(&self, pair: &Pair<'_>, most: usize) -> Result<Option<Vec<f64>>> {
+        Ok(pose_residuals(pair, most))
     }
 
     fn measure(&self, pair: &Pair<'_>, context: &Context<'_>) -> Result<Measurement> {

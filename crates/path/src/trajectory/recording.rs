@@ -1,6 +1,7 @@
 //! A recording: the trajectory of a run with its name, file and metadata.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
@@ -78,6 +79,8 @@ pub struct Recording {
     pub path: PathBuf,
     /// The trajectory of the robot.
     pub trajectory: Trajectory,
+    /// The whole recording on the same clock, where this one is a window of it: what was commanded before a window acts in it, too.
+    pub log: Option<Arc<Trajectory>>,
     /// The trajectories of other bodies in the same file, by name: columns `NAME_x_m` and so on.
     pub bodies: Vec<(String, Trajectory)>,
     /// Metadata, if there is a `meta.ron` beside the file.

@@ -466,6 +466,7 @@ impl<'a> File<'a> {
             name,
             path: self.path.to_path_buf(),
             trajectory,
+            log: None,
             bodies: Vec::new(),
             meta: self.meta.clone(),
             reading: self.reading.clone(),

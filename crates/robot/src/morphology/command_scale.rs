@@ -6,7 +6,7 @@ use super::flaw::{Checked, Flaw, Range};
 use realgap_core::Error;
 
 /// How a recorded command becomes the command of a joint: the command is clamped to `range`, loses its dead zone, is bent,
-/// multiplied and shifted, and lags behind.
+/// multiplied and shifted, turned into the angle of a steered wheel, and lags behind.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default, rename = "command")]
@@ -26,6 +26,14 @@ pub struct CommandScale {
     /// How strongly large commands are compressed, one over the unit of the recording: c becomes tanh(b c) / b; 0 for none.
     #[serde(skip_serializing_if = "super::absent::is_zero")]
     pub bend: f64,
+    /// Ackermann steering: how far the steered wheel is to the left of the robot's middle, over the wheelbase; 0 for a wheel that
+    /// turns by the command. The command is then the angle a of a wheel in the middle, and this wheel turns by
+    /// atan(tan a / (1 - r tan a)), so that all wheels roll about one point.
+    #[serde(skip_serializing_if = "super::absent::is_zero")]
+    pub ackermann: f64,
+    /// How much later than it was recorded a command takes effect, seconds; below 0 where a recorder is late.
+    #[serde(skip_serializing_if = "super::absent::is_zero")]
+    pub delay_s: f64,
     /// Time constant of the lag with which the actuator follows (first order), seconds.
     #[serde(skip_serializing_if = "super::absent::is_zero")]
     pub lag_s: f64,
@@ -45,13 +53,15 @@ impl Default for CommandScale {
             range: None,
             dead_zone: 0.0,
             bend: 0.0,
+            ackermann: 0.0,
+            delay_s: 0.0,
             lag_s: 0.0,
         }
     }
 }
 
 impl CommandScale {
-    /// Largest lag, seconds.
+    /// Largest lag and delay, seconds.
     pub const LONGEST_LAG_S: f64 = 10.0;
 
     /// Whether commands stay as they are.
@@ -68,7 +78,14 @@ impl CommandScale {
             true => (self.bend * beyond).tanh() / self.bend,
             false => beyond,
         };
-        self.factor * bent + self.offset
+        let asked = self.factor * bent + self.offset;
+        match self.ackermann == 0.0 {
+            true => asked,
+            false => {
+                let (sine, cosine) = asked.sin_cos();
+                sine.atan2(cosine - self.ackermann * sine)
+            }
+        }
     }
 
     /// Checks the range of every value; `at` is the path in the file.
@@ -77,7 +94,9 @@ impl CommandScale {
         Range::within(-1e9, 1e9, "").check(self.offset, &format!("{at}.offset"))?;
         Range::within(0.0, 1e9, "").check(self.dead_zone, &format!("{at}.dead_zone"))?;
         Range::within(0.0, 1e9, "").check(self.bend, &format!("{at}.bend"))?;
+        Range::within(-10.0, 10.0, "").check(self.ackermann, &format!("{at}.ackermann"))?;
         let longest_s = Self::LONGEST_LAG_S;
+        Range::within(-longest_s, longest_s, "s").check(self.delay_s, &format!("{at}.delay_s"))?;
         Range::within(0.0, longest_s, "s").check(self.lag_s, &format!("{at}.lag_s"))?;
         if self.factor == 0.0 {
             let error = Error::invalid("with a factor of 0, commands have no effect").found(0);
@@ -145,5 +164,21 @@ mod tests {
         };
         assert!((steering.apply(1e-3) - 0.5e-3).abs() < 1e-8);
         assert!((steering.apply(-1.0) + 0.25 * 2.0_f64.tanh()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn steered_wheels_of_one_axle_roll_about_one_point() {
+        // A car with a wheelbase of 1 m and wheels 0.3 m to the left and right turns left by 0.4 rad.
+        let wheel = |left_m: f64| CommandScale {
+            ackermann: left_m,
+            ..CommandScale::default()
+        };
+        let radius_m = 1.0 / 0.4_f64.tan();
+        for left_m in [0.3, -0.3] {
+            // The centre of the turn is on the rear axle, so that the wheel is perpendicular to the way to it.
+            let right = (1.0 / (radius_m - left_m)).atan();
+            assert!((wheel(left_m).apply(0.4) - right).abs() < 1e-12);
+            assert!((wheel(left_m).apply(-0.4) + wheel(-left_m).apply(0.4)).abs() < 1e-12);
+        }
     }
 }

@@ -132,6 +132,10 @@ impl ParameterSet {
             if !a.parameter.is_about(experiment) {
                 return Some(format!("the robot is `{}`", robot.name));
             }
+            if !a.parameter.is_of_run(experiment.run.as_deref()) {
+                // It is another run's; whether there is such a run, the study checks.
+                return None;
+            }
             match a.parameter.group() {
                 group
                     if OF_JOINTS.contains(&group)
@@ -204,11 +208,47 @@ impl ParameterSet {
         Self(precise.copied().collect())
     }
 
+    /// For every parameter of single runs that has no value for this run, the mean of its values for other runs: what was found of some
+    /// runs is the best that is known of a further one.
+    fn of_other_runs(&self, run: Option<&str>) -> Vec<Assignment> {
+        let mut means: Vec<(&'static Parameter, Vec<f64>)> = Vec::new();
+        let single = |a: &&Assignment| a.parameter.run().is_some_and(|name| !name.contains('*'));
+        for assignment in self.0.iter().filter(single) {
+            let of_all = assignment.parameter.of_all();
+            match means.iter_mut().find(|(known, _)| *known == of_all) {
+                Some((_, values)) => values.push(assignment.value),
+                None => means.push((of_all, vec![assignment.value])),
+            }
+        }
+        let is_known = |of_all: &Parameter| {
+            let mut own = self.0.iter().filter(|a| a.parameter.run().is_some());
+            let is_own =
+                |a: &Assignment| a.parameter.is_of_run(run) && a.parameter.of_all() == of_all;
+            run.is_some() && own.any(is_own)
+        };
+        let unknown = means.into_iter().filter(|(of_all, _)| !is_known(of_all));
+        unknown
+            .map(|(parameter, values)| Assignment {
+                parameter,
+                value: values.iter().sum::<f64>() / values.len() as f64,
+            })
+            .collect()
+    }
+
     /// A new experiment with every assignment applied. If two assignments refer to one joint, the more specific one holds,
-    /// otherwise the later one.
+    /// otherwise the later one. Parameters of runs (`run.NAME.floor.friction`) hold for the run of the experiment; a run without a value
+    /// of its own has the mean of the others.
     pub fn apply(&self, experiment: &Experiment) -> Experiment {
         let mut changed = experiment.clone();
-        let mut assignments = self.0.clone();
+        let run = experiment.run.as_deref();
+        let of_this = self
+            .0
+            .iter()
+            .filter(|a| a.parameter.run().is_none() || run.is_some());
+        let mut assignments: Vec<Assignment> = of_this.copied().collect();
+        if self.0.iter().any(|a| a.parameter.run().is_some()) {
+            assignments.extend(self.of_other_runs(run));
+        }
         assignments.sort_by_key(|a| a.parameter.rank());
         for assignment in &assignments {
             assignment.parameter.put(&mut changed, assignment.value);

@@ -36,6 +36,8 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         "Recorded commands up to this size have no effect, and larger ones that much less.", dead_zone),
     command!("command.bend", One, (0.0, 1e6), Linear, Nudge::Share(0.1),
         "How strongly large recorded commands are compressed: c becomes tanh(b c) / b.", bend),
+    command!("command.delay_s", Second, (-CommandScale::LONGEST_LAG_S, CommandScale::LONGEST_LAG_S), Linear, Nudge::Absolute(0.01),
+        "How much later than it was recorded every command takes effect; below 0 where a recorder is late.", delay_s),
     command!("command.lag_s", Second, (0.0, CommandScale::LONGEST_LAG_S), Linear, Nudge::Absolute(0.01),
         "Time constant of the lag of first order with which every actuator follows its recorded commands.", lag_s),
 ];

@@ -20,6 +20,7 @@ mod recording;
 mod sensor;
 mod servo;
 mod solver;
+mod track;
 mod tyre;
 mod vehicle;
 
@@ -33,7 +34,7 @@ use std::sync::{LazyLock, Mutex};
 
 use crate::Experiment;
 use member::{OF_JOINTS, OF_WHEELS};
-use realgap_core::error::{Advice, Result};
+use realgap_core::error::{Advice, Error, Result};
 use realgap_core::file::unknown_name;
 use realgap_core::quantity::Quantity;
 use realgap_core::unit::Unit;
@@ -151,6 +152,7 @@ pub static PARAMETERS: &[&[Parameter]] = &[
     servo::PARAMETERS,
     motor::PARAMETERS,
     mount::PARAMETERS,
+    track::PARAMETERS,
     tyre::PARAMETERS,
     command::PARAMETERS,
     gait::PARAMETERS,
@@ -197,15 +199,49 @@ fn usual(name: &str) -> String {
         .join(".")
 }
 
-/// Splits a name that refers to one robot of several, `robot.NAME.servo.gain`, into the robot's name and the rest.
-fn scoped(name: &str) -> Option<(&str, &str)> {
-    let (robot, rest) = name.strip_prefix("robot.")?.split_once('.')?;
-    let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-    let is_robot = (1..=LONGEST).contains(&robot.len()) && robot.chars().all(is_name);
-    (is_robot && !rest.starts_with("robot.")).then_some((robot, rest))
+/// What a name refers to, where it begins with a robot or a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Scope {
+    /// One robot of several: `robot.NAME.servo.gain`.
+    Robot(&'static str),
+    /// The runs of some recordings: `run.NAME.floor.friction`, where `*` in the name stands for any letters.
+    Run(&'static str),
 }
 
-/// Longest name of a robot, module or joint, in bytes.
+/// Splits a name that begins with `robot.NAME.` or `run.NAME.` into its scope and the rest.
+fn scoped(name: &str) -> Option<(&str, &str, bool)> {
+    let (of_run, rest) = match name.strip_prefix("robot.") {
+        Some(rest) => (false, rest),
+        None => (true, name.strip_prefix("run.")?),
+    };
+    let (owner, rest) = rest.split_once('.')?;
+    let is_name =
+        |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-' || (of_run && c == '*');
+    let is_owner = (1..=LONGEST_OWNER).contains(&owner.len()) && owner.chars().all(is_name);
+    let is_nested = rest.starts_with("robot.") || rest.starts_with("run.");
+    (is_owner && !is_nested).then_some((owner, rest, of_run))
+}
+
+/// Longest name of a robot or run before a parameter, in bytes.
+const LONGEST_OWNER: usize = 128;
+
+/// How a recording is called in the names of parameters of its run, `run.NAME.floor.friction`: other characters than ASCII letters,
+/// digits and `-` become `_`.
+///
+/// ```
+/// use realgap_simulation::parameter::run_name;
+///
+/// assert_eq!(run_name("tiles 2.1"), "tiles_2_1");
+/// ```
+pub fn run_name(recording: &str) -> String {
+    let letters = recording.chars().map(|c| match c {
+        c if c.is_ascii_alphanumeric() || c == '-' => c,
+        _ => '_',
+    });
+    letters.take(LONGEST_OWNER).collect()
+}
+
+/// Longest name of a module or joint, in bytes.
 const LONGEST: usize = 64;
 
 /// Parameters of the groups [`OF_JOINTS`].
@@ -238,9 +274,10 @@ fn interned(name: String, subject: &str, family: &Parameter) -> &'static Paramet
     })
 }
 
-/// The parameter restricted to one robot of several.
-fn of_robot(robot: &str, all: &'static Parameter) -> &'static Parameter {
-    interned(format!("robot.{robot}.{}", all.name), all.subject, all)
+/// The parameter restricted to one robot of several, or to the runs of some recordings.
+fn of_owner((owner, of_run): (&str, bool), all: &'static Parameter) -> &'static Parameter {
+    let kind = if of_run { "run" } else { "robot" };
+    interned(format!("{kind}.{owner}.{}", all.name), all.subject, all)
 }
 
 /// The parameter of a name with a module or joint: group `.` name of the module or joint `.` quantity.
@@ -267,8 +304,8 @@ fn member(name: &str) -> Option<&'static Parameter> {
 /// An unknown name; the error lists the nearest known ones.
 pub fn by_name(name: &str) -> Result<&'static Parameter> {
     let asked = name;
-    if let Some((robot, rest)) = scoped(name) {
-        return Ok(of_robot(robot, by_name(rest)?));
+    if let Some((owner, rest, of_run)) = scoped(name) {
+        return Ok(of_owner((owner, of_run), by_name(rest)?));
     }
     if let Some(own) = foreign::own_name(name) {
         return Ok(foreign_parameter(&Declared::unknown(own)));
@@ -294,9 +331,48 @@ pub fn by_name(name: &str) -> Result<&'static Parameter> {
 }
 
 impl Parameter {
+    fn scope(&self) -> Option<Scope> {
+        scoped(self.name).map(|(owner, _, of_run)| match of_run {
+            true => Scope::Run(owner),
+            false => Scope::Robot(owner),
+        })
+    }
+
     /// Name of the robot that the parameter refers to in a study of several robots; `None` if it refers to all of them.
     pub fn robot(&self) -> Option<&'static str> {
-        scoped(self.name).map(|(robot, _)| robot)
+        match self.scope()? {
+            Scope::Robot(name) => Some(name),
+            Scope::Run(_) => None,
+        }
+    }
+
+    /// Name of the run that the parameter refers to ([`run_name`]), with `*` for any letters; `None` if it refers to all runs.
+    pub fn run(&self) -> Option<&'static str> {
+        match self.scope()? {
+            Scope::Run(name) => Some(name),
+            Scope::Robot(_) => None,
+        }
+    }
+
+    /// The same parameter of all robots and runs.
+    pub fn of_all(&'static self) -> &'static Self {
+        let rest = scoped(self.name).and_then(|(_, rest, _)| by_name(rest).ok());
+        rest.unwrap_or(self)
+    }
+
+    /// The same parameter of the runs of this name alone.
+    ///
+    /// # Errors
+    /// A parameter that refers to a robot or a run already.
+    pub fn of_run(&'static self, run: &str) -> Result<&'static Self> {
+        match self.scope() {
+            None => Ok(of_owner((run, true), self)),
+            Some(_) => Err(Error::invalid(
+                "a parameter of one robot or run cannot be another run's",
+            )
+            .field(self.name)
+            .hint("name the parameter itself")),
+        }
     }
 
     /// Whether the parameter refers to the robot of this experiment.
@@ -305,9 +381,17 @@ impl Parameter {
         self.robot().is_none_or(|robot| robot == own)
     }
 
-    /// The group: the part of the name before the first dot, without the robot.
+    /// Whether the parameter refers to this run; an experiment that belongs to no run is about all of them.
+    fn is_of_run(&self, run: Option<&str>) -> bool {
+        match (self.run(), run) {
+            (Some(form), Some(run)) => member::matches(form, run),
+            _ => true,
+        }
+    }
+
+    /// The group: the part of the name before the first dot, without the robot or run.
     fn group(&self) -> &'static str {
-        let name = scoped(self.name).map_or(self.name, |(_, rest)| rest);
+        let name = scoped(self.name).map_or(self.name, |(_, rest, _)| rest);
         name.split('.').next().unwrap_or(name)
     }
 
@@ -346,11 +430,12 @@ impl Parameter {
             form if form.contains('*') => 1,
             _ => 2,
         };
-        // A parameter of one robot overrides a parameter of all robots.
-        if self.robot().is_some() {
-            specificity + 3
-        } else {
-            specificity
+        // A parameter of one robot overrides a parameter of all robots, and one of a run what holds for several runs.
+        match self.scope() {
+            None => specificity,
+            Some(Scope::Robot(_)) => specificity + 3,
+            Some(Scope::Run(form)) if form.contains('*') => specificity + 6,
+            Some(Scope::Run(_)) => specificity + 9,
         }
     }
 
@@ -392,7 +477,7 @@ impl Parameter {
     }
 
     fn put(&self, experiment: &mut Experiment, value: f64) {
-        if !self.is_about(experiment) {
+        if !self.is_about(experiment) || !self.is_of_run(experiment.run.as_deref()) {
             return;
         }
         (self.set)(experiment, self.subject, value);

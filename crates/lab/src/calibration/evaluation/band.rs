@@ -18,6 +18,7 @@ use realgap_core::statistics::quantile;
 use realgap_core::unit::{Unit, counted};
 use realgap_inference::{INTERVAL_LEVEL, LeastSquaresPosterior};
 use realgap_optimization::RunOptions;
+use realgap_path::comparison::PoseQuantity;
 
 /// Bands of predictions and the samples within them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -33,7 +34,7 @@ pub struct Bands {
     pub fitted_share: f64,
     /// Runs that were held out: recordings, or windows of them.
     pub held_out_runs: usize,
-    /// Each joint.
+    /// Each joint, or each direction of a path and its rotation.
     pub channels: Vec<ChannelBand>,
 }
 
@@ -176,7 +177,10 @@ impl Bands {
                 drawn.push(errors);
             }
         }
-        let names = study.simulator().joints(&study.cases()[0].experiment);
+        let joints = study.simulator().joints(&study.cases()[0].experiment);
+        let joints = joints.into_iter().map(|name| format!("{name}_rad"));
+        let pose = PoseQuantity::ALL.map(|quantity| quantity.column().to_owned());
+        let names: Vec<String> = joints.chain(pose).collect();
         let left_out = posterior.left_out_errors(&groups(&here));
         Ok(Self::of(&here, &left_out, &drawn, &names))
     }
@@ -248,9 +252,14 @@ impl Bands {
             let more: Vec<f64> = own
                 .flat_map(|(_, own)| own.iter().map(|rest| -rest))
                 .collect();
+            let channel = names.get(*channel).map_or("", String::as_str);
+            let unit = match channel.ends_with("_m") {
+                true => Unit::Metre,
+                false => Unit::Radian,
+            };
             ChannelBand {
-                channel: format!("{}_rad", names.get(*channel).map_or("", String::as_str)),
-                unit: Unit::Radian.label().to_owned(),
+                channel: channel.to_owned(),
+                unit: unit.label().to_owned(),
                 rest_low: quantile(&more, tail),
                 rest_high: quantile(&more, 1.0 - tail),
                 held_out_share: count.share(),
@@ -326,7 +335,7 @@ mod tests {
             here.iter().map(moved).collect()
         });
         let drawn: Vec<Vec<Vec<f64>>> = drawn.collect();
-        Bands::of(&here, &here[0].errors, &drawn, &["hip".to_owned()]).unwrap()
+        Bands::of(&here, &here[0].errors, &drawn, &["hip_rad".to_owned()]).unwrap()
     }
 
     #[test]

@@ -4,6 +4,7 @@
 pub(in crate::calibration) mod band;
 pub(in crate::calibration) mod channels;
 pub(super) mod determination;
+pub(in crate::calibration) mod horizon_error;
 pub(super) mod joints;
 pub(super) mod prior_run;
 pub(super) mod reproduction;
@@ -16,6 +17,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use crate::calibration::evaluation::horizon_error::{HorizonError, WindowError};
 use crate::calibration::evaluation::resting::face_at_end;
 use crate::calibration::{
     Definition, FaceOdds, PoseErrors, StartUsed, Study, by_name, few_recordings,
@@ -76,6 +78,9 @@ pub struct RecordingErrors {
     pub simulated_s: f64,
     /// CPU seconds.
     pub cpu_s: f64,
+    /// The error over time, of a window.
+    #[serde(skip)]
+    pub(in crate::calibration) window: Option<WindowError>,
 }
 
 /// Pose errors over recordings. Lengths are true ones ([`Experiment::recording_length_scale`]).
@@ -100,6 +105,9 @@ pub struct Evaluation {
     pub final_hinge_deg: Option<Average>,
     /// Recordings that end more than 45° off; diverged simulations count.
     pub over_45_deg: usize,
+    /// How errors grow over the windows of each recording, where the study has a horizon.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub over_horizon: Vec<HorizonError>,
     /// Which face ends down.
     pub resting_faces: Vec<FaceOdds>,
     /// CPU milliseconds per simulated second.
@@ -244,6 +252,8 @@ fn evaluate_case(
                 simulated_face_down: simulated.and_then(face_at_end),
                 simulated_s: experiment.duration_s,
                 cpu_s: run.cpu.as_secs_f64(),
+                window: simulated
+                    .and_then(|motion| WindowError::new(recording, &target.motion, motion)),
             };
             Ok((target.recording, row))
         })
@@ -297,6 +307,13 @@ fn summarise(study: &Study, set: &ParameterSet, rows: Vec<RecordingErrors>) -> R
         final_rotation_deg: average(|row| row.final_rotation_deg)?,
         final_hinge_deg: Average::of(rows.iter().filter_map(|row| row.final_hinge_deg).collect()),
         over_45_deg: over.count(),
+        over_horizon: HorizonError::all(
+            &rows
+                .iter()
+                .filter_map(|row| row.window.clone())
+                .collect::<Vec<_>>(),
+            study.cases()[0].body_length_m().unwrap_or(0.0),
+        ),
         resting_faces: FaceOdds::count(&ends.collect::<Vec<_>>()),
         cpu_ms_per_s: 1e3 * cpu_s / simulated_s,
         start: definition.start_used(),

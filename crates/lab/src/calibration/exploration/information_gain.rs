@@ -12,7 +12,8 @@ use crate::calibration::study::case::Case;
 use crate::calibration::{Horizon, Study};
 use realgap_inference::added_information;
 use realgap_optimization::{ErrorBlock, UnitPoint, slopes};
-use realgap_path::comparison::joint_error_series;
+use realgap_path::comparison::{PoseSeries, joint_error_series, pose_error_series};
+use realgap_path::trajectory::resolution;
 use realgap_store::Trial;
 
 /// Information that one recording adds to all others that are fitted, as if errors were independent noise and linear in the
@@ -105,6 +106,9 @@ impl Study {
         }
         let joints = self.simulator().joints(&case.experiment);
         let channel = |name: &str| joints.iter().position(|joint| joint == name);
+        if self.definition().metric.is_pose() {
+            return self.pose_blocks(case, channel);
+        }
         let blocks = case.targets.iter().flat_map(|target| {
             let is_simulated = |name: &str| channel(name).is_some();
             let series = joint_error_series(&target.motion, is_simulated, self.most_errors());
@@ -116,6 +120,33 @@ impl Study {
             })
         });
         blocks.collect()
+    }
+
+    /// The quantities of a pose and the joints beside it whose errors a case has: the channels of joints come first.
+    fn pose_blocks(&self, case: &Case, channel: impl Fn(&str) -> Option<usize>) -> Vec<ErrorBlock> {
+        let joints = self.simulator().joints(&case.experiment).len();
+        let mut blocks = Vec::new();
+        for target in &case.targets {
+            let is_simulated = |name: &str| channel(name).is_some();
+            let (series, count) =
+                pose_error_series(&target.motion, is_simulated, self.most_errors());
+            blocks.extend(series.into_iter().map(|one| {
+                let (channel, resolution) = match one {
+                    PoseSeries::Pose(quantity) => (joints + quantity.number(), 0.0),
+                    PoseSeries::Joint(joint) => (
+                        channel(&joint.name).unwrap_or(0),
+                        resolution(&joint.angles_rad).unwrap_or(0.0),
+                    ),
+                };
+                ErrorBlock {
+                    channel,
+                    log: 0,
+                    count,
+                    resolution,
+                }
+            }));
+        }
+        blocks
     }
 
     /// Single errors of the fitted recordings in one list, with their joints and recordings; `None` where a case has none.

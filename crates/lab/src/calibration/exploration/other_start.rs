@@ -2,16 +2,19 @@
 
 use std::sync::Arc;
 
+use nalgebra::{UnitQuaternion, Vector3};
 use rand_distr::{Distribution, StandardNormal};
 
 use crate::calibration::Study;
 use crate::calibration::recording::start_speed::StartSpeed;
+use crate::calibration::study::horizon::velocity_noise_1_s;
 use realgap_core::Result;
 use realgap_core::random::Numbered;
+use realgap_identification::StartState;
 use realgap_inference::rough_noise;
 use realgap_optimization::RunOptions;
-use realgap_path::trajectory::{JointTrack, Trajectory, resolution};
-use realgap_simulation::Experiment;
+use realgap_path::trajectory::{JointTrack, State, Trajectory, resolution};
+use realgap_simulation::{Experiment, Start};
 
 /// Other starts that are run.
 const STARTS: u64 = 6;
@@ -35,7 +38,9 @@ impl Study {
                 |case, experiment| {
                     let real = &self.cases()[case].targets[0].motion;
                     let seed = self.definition().seed.wrapping_add(case as u64);
-                    disturb(experiment, real, seed, number);
+                    // A start that was fitted to many samples is better known than a single sample.
+                    let is_first_sample = self.definition().start_state == StartState::FirstSample;
+                    disturb(experiment, real, is_first_sample, (seed, number));
                 },
                 true,
             )?;
@@ -70,8 +75,47 @@ impl Study {
     }
 }
 
-/// Moves the start of each recorded joint by its noise.
-fn disturb(experiment: &mut Experiment, real: &Trajectory, seed: u64, number: u64) {
+/// Moves the start of the body by the noise of its recorded path.
+fn disturb_pose(state: &mut State, real: &Trajectory, normal: &mut impl FnMut() -> f64) {
+    let Some(turns) = real.orientations_world_from_body() else {
+        return;
+    };
+    let turned = turns
+        .iter()
+        .map(|turn| (turns[0].inverse() * turn).scaled_axis());
+    let turned: Vec<Vector3<f64>> = turned.collect();
+    let of = |vectors: &[Vector3<f64>]| -> Vector3<f64> {
+        let axis = |k: usize| noise(&vectors.iter().map(|vector| vector[k]).collect::<Vec<_>>());
+        Vector3::from_fn(|k, _| axis(k))
+    };
+    let (place_m, turn_rad) = (of(real.positions_world_m()), of(&turned));
+    // Velocities that are differences of neighbouring samples are noisier than that of the start, which is a slope through several.
+    let slope_1_s = velocity_noise_1_s(real.times_s());
+    let [linear_m_s, angular_rad_s] = [
+        (real.velocities_world_m_s(), place_m),
+        (real.angular_velocities_body_rad_s(), turn_rad),
+    ]
+    .map(|(velocities, values)| {
+        let own = velocities.map(of);
+        Vector3::from_fn(|k, _| {
+            own.map_or(f64::INFINITY, |own| own[k])
+                .min(slope_1_s * values[k])
+        })
+    });
+    let mut drawn = |sd: Vector3<f64>| sd.map(|sd| sd * normal());
+    state.position_world_m += drawn(place_m);
+    state.orientation_world_from_body *= UnitQuaternion::from_scaled_axis(drawn(turn_rad));
+    state.velocity_world_m_s += drawn(linear_m_s);
+    state.angular_velocity_body_rad_s += drawn(angular_rad_s);
+}
+
+/// Moves the start of each recorded joint by its noise, and that of a body that moves freely.
+fn disturb(
+    experiment: &mut Experiment,
+    real: &Trajectory,
+    is_first_sample: bool,
+    (seed, number): (u64, u64),
+) {
     let times_s = real.times_s();
     if times_s.len() < 3 {
         return;
@@ -92,6 +136,12 @@ fn disturb(experiment: &mut Experiment, real: &Trajectory, seed: u64, number: u6
             move_by("_rad", angle_rad);
             move_by("_rad_s", speed_noise_rad_s(joint, angle_rad, times_s));
         }
+    }
+    if let Start::State(state) = &mut experiment.start
+        && is_first_sample
+    {
+        let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+        disturb_pose(state, real, &mut normal);
     }
     for (hinge, start) in experiment
         .assembly

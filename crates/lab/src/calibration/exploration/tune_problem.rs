@@ -39,7 +39,7 @@ fn check_errors(study: &Study, options: &TuneOptions) -> Result<()> {
                 .allowed("gauss-newton, or a study without `prior`"),
         );
     }
-    if definition.metric.needs().joints {
+    if definition.metric.has_errors() {
         return Ok(());
     }
     Err(Error::usage(format!(
@@ -47,7 +47,7 @@ fn check_errors(study: &Study, options: &TuneOptions) -> Result<()> {
     ))
     .field("metric")
     .found(definition.metric.name())
-    .allowed("joints"))
+    .allowed("joints, pose"))
 }
 
 /// The coordinates of the values that the robot and the floor have without a fit, within the ranges; the middle of the range of a

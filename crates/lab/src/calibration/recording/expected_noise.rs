@@ -225,6 +225,7 @@ mod tests {
                 name: format!("drive {number}"),
                 path: format!("drive_{number}.csv").into(),
                 trajectory: motion.with_orientations(vec![turn; 100]).unwrap(),
+                log: None,
                 bodies: Vec::new(),
                 meta: None,
                 reading: Reading::default(),

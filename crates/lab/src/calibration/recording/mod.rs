@@ -15,6 +15,7 @@ use std::collections::BTreeSet;
 use std::hash::{DefaultHasher, Hasher as _};
 use std::path::{Path, PathBuf};
 
+use crate::calibration::WindowRule;
 use crate::calibration::recording::file_pattern::matching_files;
 use crate::calibration::{BaseRule, Definition, Horizon, Overrides};
 use realgap_core::file::sha256;
@@ -39,8 +40,12 @@ pub(in crate::calibration) struct Found {
 }
 
 impl Found {
-    /// Cuts every recording into windows.
-    pub(crate) fn cut_into(&mut self, horizon: Horizon) -> Result<()> {
+    /// Cuts every recording into windows and keeps those that the rule admits; a warning says how many it does not.
+    pub(crate) fn cut_into(
+        &mut self,
+        horizon: Horizon,
+        rule: &WindowRule,
+    ) -> Result<Option<Warning>> {
         let whole = std::mem::take(self);
         for (recording, sha256) in whole.recordings.iter().zip(whole.sha256) {
             for window in horizon.windows(recording)? {
@@ -48,7 +53,15 @@ impl Found {
                 self.sha256.push(sha256.clone());
             }
         }
-        Ok(())
+        if *rule == WindowRule::default() {
+            return Ok(None);
+        }
+        let (admitted, warning) = rule.of(&self.recordings)?;
+        let mut is_in = admitted.iter();
+        self.recordings.retain(|_| is_in.next() == Some(&true));
+        let mut is_in = admitted.iter();
+        self.sha256.retain(|_| is_in.next() == Some(&true));
+        Ok(warning)
     }
 
     /// Leaves out recordings in which something still moves at the end, with a warning.

@@ -232,6 +232,7 @@ mod tests {
             name: "a".to_owned(),
             path: "a.csv".into(),
             trajectory: trajectory.unwrap(),
+            log: None,
             bodies: Vec::new(),
             meta: None,
             reading: Reading::default(),

@@ -85,6 +85,7 @@ impl StudyBuilder {
             path: PathBuf::from(&name),
             name,
             trajectory,
+            log: None,
             bodies: Vec::new(),
             meta: None,
             reading: Reading::default(),

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use nalgebra::Vector3;
 
@@ -17,6 +17,7 @@ use realgap_path::trajectory::{
     Alignment, Prepared, Recording, State, Trajectory, clip, prepare_as,
 };
 use realgap_simulation::{Experiment, Sampling, Start};
+use realgap_store::CaseRow;
 
 /// One recording in the form that is compared: cut to the simulated duration, and prepared.
 #[derive(Debug, Clone)]
@@ -57,9 +58,70 @@ pub struct Case {
     pub targets: Vec<Target>,
     /// The free flight that was identified last from the recording, kept as a cache for the next identification.
     pub(in crate::calibration) flight: Arc<Mutex<Option<KnownFlight>>>,
+    /// The last rows, where parameters differ between runs: a parameter of another run does not change this one.
+    known: Arc<Mutex<Vec<KnownRow>>>,
 }
 
+/// A run that was simulated.
+#[derive(Debug)]
+struct KnownRow {
+    experiment: Experiment,
+    has_errors: bool,
+    row: CaseRow,
+}
+
+/// Rows that are kept of a case: of a point, and of others that are simulated at the same time.
+const KNOWN_ROWS: usize = 4;
+
 impl Case {
+    pub(in crate::calibration) fn new(experiment: Experiment, targets: Vec<Target>) -> Self {
+        Self {
+            experiment,
+            targets,
+            flight: Arc::default(),
+            known: Arc::default(),
+        }
+    }
+
+    /// The row of an experiment of this case, which is `made` unless it is one of the last. Only where parameters differ between runs
+    /// are rows kept.
+    ///
+    /// # Errors
+    /// Those of `made`.
+    pub(in crate::calibration) fn row(
+        &self,
+        experiment: &Experiment,
+        has_errors: bool,
+        made: impl FnOnce() -> Result<CaseRow>,
+    ) -> Result<CaseRow> {
+        if experiment.run.is_none() {
+            return made();
+        }
+        let lock = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_same =
+            |one: &KnownRow| one.has_errors == has_errors && one.experiment == *experiment;
+        {
+            let mut known = lock();
+            if let Some(place) = known.iter().position(is_same) {
+                let found = known.remove(place);
+                let row = found.row.clone();
+                known.push(found);
+                return Ok(row);
+            }
+        }
+        let row = made()?;
+        let mut known = lock();
+        if known.len() >= KNOWN_ROWS {
+            known.remove(0);
+        }
+        known.push(KnownRow {
+            experiment: experiment.clone(),
+            has_errors,
+            row: row.clone(),
+        });
+        Ok(row)
+    }
+
     /// Body length of the robot, metres; `None` where nobody states it.
     pub fn body_length_m(&self) -> Option<f64> {
         let stated_m = self.experiment.assembly.body_length_m;
@@ -152,6 +214,7 @@ fn settled(definition: &Definition, base: &Experiment) -> Result<(Vec<Case>, Vec
     for (index, recording) in definition.recordings.iter().enumerate() {
         let target = target(definition, (index, recording), duration_s, &mut warnings)?;
         let mut own = experiment.clone();
+        definition.name_run(&mut own, recording);
         scored_columns::instruments(&mut own, recording, &definition.channels)
             .map_err(|e| definition.at_file(e))?;
         warnings.extend(scored_columns::not_scored(recording, &definition.channels));
@@ -170,11 +233,7 @@ fn settled(definition: &Definition, base: &Experiment) -> Result<(Vec<Case>, Vec
             warnings.extend(joints::unused_commands(&own, recording));
         }
         alike.push(cases.len());
-        cases.push(Case {
-            experiment: own,
-            targets: vec![target],
-            flight: Arc::default(),
-        });
+        cases.push(Case::new(own, vec![target]));
     }
     Ok((cases, warnings))
 }
@@ -195,6 +254,7 @@ fn from_recordings(
         )?;
         let times_s = target.motion.times_s();
         let mut experiment = base.clone();
+        definition.name_run(&mut experiment, recording);
         if definition.base == BaseRule::Recorded {
             let led = experiment.lead_base(&recording.trajectory);
             led.map_err(|e| e.field("base").at_file(&recording.path))?;
@@ -222,11 +282,7 @@ fn from_recordings(
         experiment
             .check()
             .map_err(|e| doubted(e, std::slice::from_ref(recording)).at_file(&recording.path))?;
-        cases.push(Case {
-            experiment,
-            targets: vec![target],
-            flight: Arc::default(),
-        });
+        cases.push(Case::new(experiment, vec![target]));
     }
     warnings.extend(start_state_warnings(definition, &cases)?);
     let doubts = cases.iter().zip(&definition.recordings);

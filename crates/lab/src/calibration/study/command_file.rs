@@ -127,6 +127,9 @@ impl RecordedCommand {
     }
 }
 
+/// Commands so long before and after a window are part of its run, seconds.
+const AROUND_S: f64 = 1.0;
+
 /// Ending of a switch column after the name of the joint.
 pub(in crate::calibration) const ON: &str = "_on";
 
@@ -207,8 +210,13 @@ impl Commands {
         experiment: &mut Experiment,
         recording: &Recording,
     ) -> Result<()> {
-        let motion = &recording.trajectory;
-        let start_s = motion.times_s()[0];
+        let (own, whole) = (&recording.trajectory, recording.log.as_deref());
+        let motion = whole.unwrap_or(own);
+        let start_s = own.times_s()[0];
+        // Commands before and after a window matter as long as actuators lag and commands are late or early.
+        let (from_s, to_s) = (start_s - AROUND_S, start_s + own.duration_s() + AROUND_S);
+        let span = motion.times_s().partition_point(|t| *t < from_s)
+            ..motion.times_s().partition_point(|t| *t <= to_s);
         let mut off = self.off.iter();
         let off = off.find(|off| name_matches(&off.recordings, &recording.name));
         let columns = self.columns_of(&experiment.assembly.hinges, motion);
@@ -234,6 +242,7 @@ impl Commands {
                     .at_file(&recording.path)
                     .or_hint("a command stands in a column NAME_rad, NAME_command_rad_s, NAME_command_nm, NAME_command_a or NAME_command_duty"));
             };
+            let values = &values[span.clone()];
             let passed: Vec<f64> = match quantity == Quantity::of(&actuator.servo.law) {
                 true => values.iter().map(|v| actuator.command.apply(*v)).collect(),
                 false => values.to_vec(),
@@ -241,7 +250,10 @@ impl Commands {
             check_commands(&actuator.servo, quantity, (hinge, &passed))
                 .map_err(|e| e.at_file(&recording.path).field(column))?;
             let mut track = CommandTrack::new(
-                motion.times_s().iter().map(|t| t - start_s).collect(),
+                motion.times_s()[span.clone()]
+                    .iter()
+                    .map(|t| t - start_s)
+                    .collect(),
                 values.to_vec(),
                 off.map(|off| off.from_s - start_s),
             )
@@ -253,7 +265,7 @@ impl Commands {
             });
             let switch = on.clone().unwrap_or_else(|| format!("{hinge}{ON}"));
             match motion.signal(&switch) {
-                Some(signal) => track = track.switched(&signal.values),
+                Some(signal) => track = track.switched(&signal.values[span.clone()]),
                 None if on.is_none() => {}
                 None => {
                     let signals = motion.signals().iter().map(|signal| signal.name.as_str());

@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize, Serializer};
 use crate::calibration::study::file::prior_of;
 use crate::calibration::study::simulator_file::is_of_recordings;
 use crate::calibration::{
-    BasisRule, Commands, Horizon, Member, OwnSimulator, ScoredColumns, Split, Steering,
+    BasisRule, Commands, Each, Horizon, Member, OwnSimulator, ScoredColumns, Split, Steering,
+    WindowRule,
 };
 use realgap_core::file::sha256;
 use realgap_core::range::Range;
@@ -110,6 +111,8 @@ pub struct Definition {
     pub left_out: Vec<String>,
     /// Windows into which recordings are cut, each a recording of its own.
     pub horizon: Option<Horizon>,
+    /// Which of the windows are simulated.
+    pub windows: WindowRule,
     /// Length of the runs, seconds; `None` for runs as long as the recordings.
     pub duration_s: Option<f64>,
     /// How the recordings' files are read.
@@ -124,6 +127,8 @@ pub struct Definition {
     pub grid: Grid,
     /// The parameters of [`Definition::grid`], in its order.
     pub parameters: Vec<&'static Parameter>,
+    /// What shares one value of each parameter; empty where that is settled.
+    pub each: Vec<Each>,
     /// Prior knowledge of each parameter: median and variance of its coordinate between the ends of its range.
     pub priors: Vec<Option<(f64, f64)>>,
     /// The metric: the distance of two trajectories.
@@ -206,6 +211,7 @@ impl Definition {
             commands: None,
             left_out: Vec::new(),
             horizon: None,
+            windows: WindowRule::default(),
             duration_s: None,
             reading: Reading::default(),
             set: ParameterSet::new(),
@@ -213,6 +219,7 @@ impl Definition {
             draws: Vec::new(),
             grid: Grid::default(),
             parameters: Vec::new(),
+            each: Vec::new(),
             priors: Vec::new(),
             metric: &Pca,
             scored: Vec::new(),
@@ -258,6 +265,9 @@ impl Definition {
         let noise = self.noise.and_then(|noise| noise.fault());
         if let Some((field, error)) = self.base_fault() {
             return Some((field.to_owned(), error));
+        }
+        if let Some((field, error)) = self.windows.fault() {
+            return Some((format!("windows.{field}"), error));
         }
         components
             .map(|error| ("components".to_owned(), error))

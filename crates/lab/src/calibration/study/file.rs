@@ -13,8 +13,8 @@ use crate::calibration::study::scene_file::BodyFile;
 use crate::calibration::study::scored_columns;
 use crate::calibration::study::simulator_file::SimulatorFile;
 use crate::calibration::{
-    BaseRule, BasisRule, Commands, Definition, Horizon, Overrides, OwnSimulator, ScoreRule,
-    ScoredColumns, StartRule, recording,
+    BaseRule, BasisRule, Commands, Definition, Each, Horizon, Overrides, OwnSimulator, ScoreRule,
+    ScoredColumns, StartRule, WindowRule, recording,
 };
 use realgap_core::file::{Source, name_of_file, parse_ron, sha256, unique_keys};
 use realgap_core::{Error, Result};
@@ -76,6 +76,9 @@ pub struct StudyFile {
     left_out: Vec<String>,
     /// `(length_s, every_s)`: runs start again and again from what was recorded, every so often, and last so long.
     horizon: Option<Horizon>,
+    /// Which windows of a horizon are simulated; all of them where nothing is stated.
+    #[serde(default)]
+    windows: WindowRule,
     /// Time of each run, seconds; else as long as the recordings.
     duration_s: Option<f64>,
     /// Timestep, seconds; the same as `set: { "timestep_s": ... }`.
@@ -168,6 +171,9 @@ struct RangeFile {
     /// What is known beforehand, e.g. from a data sheet: median and standard deviation, in the parameter's unit. For least squares
     /// (`--optimizer gauss-newton`).
     prior: Option<(f64, f64)>,
+    /// Whether every run has a value of its own.
+    #[serde(default)]
+    each: Each,
 }
 
 impl RangeFile {
@@ -288,25 +294,29 @@ impl Definition {
         let has_own = definition.own_simulator.is_some();
         let channels = scored_columns::channels(&definition.scored, &found.recordings, has_own)
             .map_err(|e| e.at_file(path))?;
+        let mut left_out = None;
         if let Some(horizon) = definition.horizon {
-            found.cut_into(horizon)?;
+            left_out = found
+                .cut_into(horizon, &definition.windows)
+                .map_err(|e| e.at_file(path))?;
         }
         let robot = match definition.own_simulator {
             Some(_) => None,
             None => Some(&definition.morphology),
         };
         let mut warnings = recording::warnings_for(robot, &found.recordings, definition.base);
-        warnings.extend(moving);
+        warnings.extend(moving.into_iter().chain(left_out));
         let seen_by_fit = seen_by_fit(&found.recordings, &overrides.fitted_on);
         warnings.extend(in_sample(&found.recordings, seen_by_fit));
-        Ok(Self {
+        let whole = Self {
             warnings,
             seen_by_fit,
             channels,
             recordings: found.recordings,
             recordings_sha256: found.sha256,
             ..definition
-        })
+        };
+        whole.with_runs().map_err(|e| e.at_file(path))
     }
 
     /// Reads a study and its morphology but not its recordings, to check the file itself.
@@ -342,6 +352,12 @@ impl Definition {
         };
         let set = file.fixed(source, own)?.with_all(&stated);
         let (grid, parameters) = file.varied(source, overrides, own)?;
+        let each: Vec<Each> = file.parameters.iter().map(|range| range.each).collect();
+        if !file.robots.is_empty() && each.contains(&Each::Run) {
+            let error = Error::invalid("parameters of single runs are for studies of one robot")
+                .hint("leave `each` out, or make a study of each robot");
+            return Err(source.at("parameters", error));
+        }
         let priors = file.parameters.iter().zip(grid.ranges()).enumerate();
         let priors = priors
             .map(|(index, (range, on_grid))| {
@@ -386,6 +402,7 @@ impl Definition {
         let mut reading = file.reading.clone();
         let unitless = file.commands.iter().flat_map(Commands::unitless);
         reading.unitless.extend(unitless);
+        reading.unitless.extend(file.windows.on.clone());
         if own_simulator.is_some() {
             reading
                 .unitless
@@ -408,6 +425,7 @@ impl Definition {
             commands: file.commands,
             left_out: file.left_out,
             horizon: file.horizon.filter(|_| !overrides.whole_runs),
+            windows: file.windows,
             duration_s: overrides.duration_s.or(file.duration_s),
             reading: overrides.reading.clone().or(&reading),
             set,
@@ -415,6 +433,7 @@ impl Definition {
             draws: overrides.draws.clone(),
             grid,
             parameters,
+            each,
             priors,
             metric,
             scored: file.channels,

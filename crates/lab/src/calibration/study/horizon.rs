@@ -1,9 +1,12 @@
 //! Short horizons: a recording is cut into windows, and each run starts from the measured state at the beginning of a window, so
 //! that an early error does not affect the rest.
 
+use std::sync::Arc;
+
 use serde::Deserialize;
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::Vector3;
+use realgap_core::statistics::mean;
 use realgap_core::{Error, Result};
 use realgap_path::trajectory::{JointTrack, Recording, Trajectory, cut_out};
 
@@ -23,8 +26,9 @@ impl Horizon {
 
     /// The windows of a recording, as recordings of their own that are named after the time at which they begin: half an interval
     /// after the recording begins, and every interval from then on. Joints start at measured angles, with the mean of seven
-    /// measured speeds, or else with the slope of a line through seven angles. A path without velocities starts with the slope of a
-    /// parabola through the samples of the last tenth of a second before the window, so that nothing of the window itself is used.
+    /// measured speeds, or else with the slope of a line through seven angles. A path without velocities starts 0.05 s before its
+    /// window, in the middle of the tenth of a second that is past when the window begins, with the slope of a line through the samples
+    /// of that time: nothing of the window itself is used, and noise hardly matters.
     ///
     /// # Errors
     /// Times that are not positive numbers, or a recording that is too short for one window.
@@ -47,11 +51,16 @@ impl Horizon {
                 .found(format!("({length_s}, {every_s}) of {:.3} s", motion.duration_s()))
                 .allowed("(length_s, every_s), so that the first window, half an interval late, ends within the recording"));
         }
+        let log = Arc::new(motion.clone());
+        let lead_s = match needs_velocity(motion) {
+            true => 0.5 * PAST_S,
+            false => 0.0,
+        };
         let window = |from_s: f64| {
             let first = motion
                 .times_s()
-                .partition_point(|t| t - motion.times_s()[0] < from_s - 1e-6);
-            let part = cut_out(motion, first, length_s)?;
+                .partition_point(|t| t - motion.times_s()[0] < from_s - lead_s - 1e-6);
+            let part = cut_out(motion, first, length_s + lead_s)?;
             let joints = part.joints().to_vec();
             let joints = joints.into_iter().zip(motion.joints());
             let joints =
@@ -60,6 +69,7 @@ impl Horizon {
             Ok(Recording {
                 name: format!("{}@{from_s}s", recording.name),
                 trajectory: with_past_velocity(part, motion, first)?,
+                log: Some(Arc::clone(&log)),
                 bodies: Vec::new(),
                 ..recording.clone()
             })
@@ -73,31 +83,37 @@ impl Horizon {
     }
 }
 
-/// The velocity at the start of a window is that of this time before it, seconds.
+/// The velocity with which the run of a window starts is that of this time before the window, seconds.
 const PAST_S: f64 = 0.1;
 
-/// The path of a window with the velocity at its start, from the samples up to its first one; unchanged where velocities were recorded,
-/// or where there are no orientations.
+/// Whether a path says how the body is turned, but not how fast it moves.
+fn needs_velocity(motion: &Trajectory) -> bool {
+    motion.orientations_world_from_body().is_some() && motion.velocities_world_m_s().is_none()
+}
+
+/// The samples within half of [`PAST_S`] of a sample; at least two.
+fn around(times_s: &[f64], middle: usize) -> std::ops::Range<usize> {
+    let reach_s = 0.5 * PAST_S + 1e-6;
+    let from = times_s.partition_point(|t| *t < times_s[middle] - reach_s);
+    let to = times_s.partition_point(|t| *t <= times_s[middle] + reach_s);
+    // Two samples make a line.
+    from.min(middle.saturating_sub(1))..to.max((middle + 1).min(times_s.len()))
+}
+
+/// The path of a window with velocities, the first of which is the slope of the samples around it; unchanged where velocities were
+/// recorded, or where there are no orientations.
 fn with_past_velocity(part: Trajectory, whole: &Trajectory, first: usize) -> Result<Trajectory> {
-    let (Some(turns), None) = (
-        whole.orientations_world_from_body(),
-        whole.velocities_world_m_s(),
-    ) else {
+    let Some(turns) = whole
+        .orientations_world_from_body()
+        .filter(|_| needs_velocity(whole))
+    else {
         return Ok(part);
     };
-    let now_s = whole.times_s()[first];
-    let from = whole
-        .times_s()
-        .partition_point(|t| *t < now_s - PAST_S - 1e-6);
-    // Two samples make a line.
-    let past = from.min(first.saturating_sub(1))..first + 1;
-    let times_s: Vec<f64> = whole.times_s()[past.clone()]
-        .iter()
-        .map(|t| t - now_s)
-        .collect();
+    let near = around(whole.times_s(), first);
+    let times_s = &whole.times_s()[near.clone()];
     let turned = |k: usize| (turns[first].inverse() * turns[k]).scaled_axis();
-    let linear = slope_at_end(&times_s, past.clone().map(|k| whole.positions_world_m()[k]));
-    let angular = slope_at_end(&times_s, past.map(turned));
+    let linear = slope(times_s, near.clone().map(|k| whole.positions_world_m()[k]));
+    let angular = slope(times_s, near.map(turned));
     let (mut linear_m_s, mut angular_rad_s) = (vec![linear], vec![angular]);
     let turns = part.orientations_world_from_body().unwrap_or_default();
     let steps = part
@@ -112,26 +128,28 @@ fn with_past_velocity(part: Trajectory, whole: &Trajectory, first: usize) -> Res
     part.clone().with_velocities(linear_m_s, angular_rad_s)
 }
 
-/// The slope at time 0 of the least-squares parabola through vectors over time, of a line through two of them.
-fn slope_at_end(times_s: &[f64], vectors: impl Iterator<Item = Vector3<f64>>) -> Vector3<f64> {
-    let terms = times_s.len().min(3);
-    let rows = times_s.iter().map(|t| {
-        let t = t / PAST_S;
-        [1.0, t, t * t]
-    });
-    let (mut square, mut product) = (DMatrix::zeros(terms, terms), DMatrix::zeros(terms, 3));
-    for (row, vector) in rows.zip(vectors) {
-        let row = DVector::from_column_slice(&row[..terms]);
-        square += &row * row.transpose();
-        product += &row * vector.transpose();
-    }
-    match square.cholesky() {
-        Some(factors) => {
-            let fitted = factors.solve(&product);
-            fitted.row(1).transpose().fixed_rows::<3>(0) / PAST_S
-        }
-        None => Vector3::zeros(),
-    }
+/// The slope of the least-squares line through vectors over time.
+fn slope(times_s: &[f64], vectors: impl Iterator<Item = Vector3<f64>>) -> Vector3<f64> {
+    let middle_s = mean(times_s);
+    let product = times_s.iter().zip(vectors);
+    let product = product.fold(Vector3::zeros(), |sum, (t, v)| sum + v * (t - middle_s));
+    product / squared_spread(times_s)
+}
+
+/// Sum of squared deviations from the mean.
+fn squared_spread(values: &[f64]) -> f64 {
+    let middle = mean(values);
+    values.iter().map(|value| (value - middle).powi(2)).sum()
+}
+
+/// Noise of the first velocity of a window over that of its positions or angles, 1/s.
+pub(in crate::calibration) fn velocity_noise_1_s(times_s: &[f64]) -> f64 {
+    // The samples before the first are as dense as those behind it.
+    let behind = around(times_s, 0);
+    let offsets_s: Vec<f64> = behind.map(|k| times_s[k] - times_s[0]).collect();
+    let before = offsets_s.iter().skip(1).map(|t| -t);
+    let all: Vec<f64> = before.chain(offsets_s.iter().copied()).collect();
+    squared_spread(&all).sqrt().recip()
 }
 
 /// The joint of a window, with a start speed that measurement noise hardly affects.

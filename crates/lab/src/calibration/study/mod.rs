@@ -15,11 +15,13 @@ pub(super) mod mujoco_file;
 pub(super) mod overrides;
 pub(super) mod own_case;
 pub(super) mod robot_file;
+pub(super) mod run_parameters;
 pub(super) mod scene_file;
 pub(super) mod scored_columns;
 pub(super) mod simulator_file;
 pub(super) mod split;
 pub(super) mod steering;
+pub(super) mod window_rule;
 
 use std::path::Path;
 
@@ -433,6 +435,17 @@ impl Study {
     }
 
     fn simulate_case(
+        &self,
+        case: usize,
+        experiment: &Experiment,
+        has_errors: bool,
+    ) -> Result<CaseRow> {
+        self.cases[case].row(experiment, has_errors, || {
+            self.simulate_anew(case, experiment, has_errors)
+        })
+    }
+
+    fn simulate_anew(
         &self,
         case: usize,
         experiment: &Experiment,

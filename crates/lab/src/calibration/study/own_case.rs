@@ -30,6 +30,7 @@ pub(in crate::calibration) fn own_cases(
     let mut cases: Vec<Case> = Vec::new();
     for (index, recording) in recordings {
         let mut experiment = base.clone();
+        definition.name_run(&mut experiment, recording);
         let own_s = recording.trajectory.duration_s();
         let duration_s = match definition.start {
             StartRule::Settled => shortest_s,
@@ -52,11 +53,7 @@ pub(in crate::calibration) fn own_cases(
         experiment.check().map_err(|e| e.at_file(&recording.path))?;
         match cases.iter_mut().find(|case| case.experiment == experiment) {
             Some(shared) => shared.targets.push(target),
-            None => cases.push(Case {
-                experiment,
-                targets: vec![target],
-                flight: Arc::default(),
-            }),
+            None => cases.push(Case::new(experiment, vec![target])),
         }
     }
     Ok((cases, warnings))
