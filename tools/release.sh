@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds everything that is released, in one folder with check sums: the command as one static file, a container image with it, the
-# wheel, and the library's source. Each is tested as a user would use it.
+# wheel, the library's source, and the documentation as a static site. Each is tested as a user would use it.
 #
 #   tools/release.sh [FOLDER]        # target/handout unless named
 #
@@ -87,6 +87,10 @@ python3 -m venv "$work/user"
 
 say "the source"
 git archive --format=tar.gz --prefix="realgap-$version/" -o "$folder/realgap-$version.tar.gz" HEAD
+
+say "the site of the documentation"
+bash tools/site.sh "$work/realgap-$version-site"
+tar -C "$work" --sort=name --owner=0 --group=0 --numeric-owner -cf - "realgap-$version-site" | gzip -n -9 >"$folder/realgap-$version-site.tar.gz"
 
 cd "$folder"
 sha256sum -- * >SHA256SUMS
