@@ -7,7 +7,9 @@ pub mod report;
 mod scene;
 mod sensing;
 
-use realgap::calibration::{CommandConsent, Definition, Overrides, OwnSimulator, read_parameters};
+use realgap::calibration::{
+    CommandConsent, Definition, Each, Overrides, OwnSimulator, read_parameters,
+};
 use realgap::file::Source;
 use realgap::robot::genome::Individual;
 use realgap::robot::import::is_foreign;
@@ -350,9 +352,13 @@ fn study(path: &Path, consent: CommandConsent) -> Result<Contents> {
         .as_ref()
         .is_none_or(|own| own.guest().is_some());
     let mut ranges = Vec::new();
-    for range in study.grid.ranges() {
+    for (index, range) in study.grid.ranges().iter().enumerate() {
+        let each = match study.each.get(index) {
+            Some(Each::Run) => ", for every run",
+            _ => "",
+        };
         lines.push(format!(
-            "  {:<24} {} to {}, {} points",
+            "  {:<24} {} to {}, {} points{each}",
             range.parameter.label(),
             range.from,
             range.to,

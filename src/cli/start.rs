@@ -1,6 +1,7 @@
 //! `realgap start`: makes a study of the user's files, and prints every guess with its evidence.
 
 mod drive;
+mod driven;
 mod effort;
 mod gains;
 mod joint;
@@ -25,6 +26,7 @@ use super::kit::*;
 use super::question::answer;
 use super::shell;
 use drive::Drive;
+pub use driven::Commanded;
 pub use gains::Gains;
 use rehearsal::{Rehearsed, rehearse};
 
@@ -65,12 +67,16 @@ pub struct Start {
     /// `linear` and `angular`) [default: that of the robot's file]
     #[arg(long, value_name = "METRES")]
     track: Option<f64>,
+    /// A recorded column that commands joints, and the column that switches their servos, e.g. 'drive_*=throttle:enabled' (repeatable).
+    /// The path is then fitted in windows, by least squares; what the numbers mean, `command` of the actuators in the robot's file says
+    #[arg(long, value_name = "JOINT=COLUMN[:SWITCH]", conflicts_with_all = ["cube", "track", "own_gait"])]
+    command: Vec<Commanded>,
     /// The recorded robot ran the gait of its own file; needed for wheels without recorded commands
     #[arg(long)]
     own_gait: bool,
     /// Simulate the model as it is in this engine of its own, in place of a robot read from it: starts Python, with the packages
     /// realgap and mujoco (docs/simulator.md)
-    #[arg(long, value_enum, value_name = "ENGINE", conflicts_with_all = ["cube", "track", "own_gait"])]
+    #[arg(long, value_enum, value_name = "ENGINE", conflicts_with_all = ["cube", "track", "own_gait", "command"])]
     engine: Option<ForeignEngine>,
     /// The Python that has these packages, which the study names, too [default: python3]
     #[arg(long, value_name = "PYTHON", requires = "engine")]
@@ -125,6 +131,7 @@ impl Start {
             joints: self.joints,
             pd: self.pd,
             track: self.track,
+            commanded: self.command,
             own_gait: self.own_gait,
             engine: self.engine,
             python: self.python,
@@ -150,6 +157,8 @@ pub struct Request {
     pub pd: Vec<Gains>,
     /// Distance between the left and the right wheels, metres.
     pub track: Option<f64>,
+    /// Recorded columns that command joints.
+    pub commanded: Vec<Commanded>,
     /// Whether the recorded robot ran the gait of its own file.
     pub own_gait: bool,
     /// The engine that simulates the model as it is.
@@ -220,28 +229,33 @@ impl Request {
         let size_m = subject.robot.summary().body_length_m;
         let hinges = subject.robot.assemble().hinges;
         let joints: Vec<String> = hinges.into_iter().map(|hinge| hinge.name).collect();
-        let guess = self.inferred(
+        let mut guess = self.inferred(
             &subject.recordings,
             (&joints, Some(size_m)),
             caller,
             |known| wheels::find(&subject, known, self.track),
         )?;
+        if !self.commanded.is_empty() {
+            // Windows that begin while the robot stands are left out, in every recording by itself.
+            guess.leave_crop(&self.reading);
+        }
         let mut recordings = Vec::new();
         for path in &subject.recordings {
             recordings.extend(read_all(path, &guess.reading)?);
         }
-        let drive = Drive::find(
-            &mut subject,
-            &recordings,
-            &self.output,
-            self.own_gait,
-            &self.pd,
-        )?;
-        let mut draft = match recordings.iter().all(|r| r.trajectory.is_of_joints()) {
-            true => joint::draft(&subject, &recordings, &drive)?,
-            false => path::draft(&subject, &recordings, guess.has_free_fall, &drive)?,
+        let mut draft = match self.commanded.is_empty() {
+            false => driven::draft(&subject, &recordings, &self.commanded)?,
+            true => {
+                let (file, gains) = (&self.output, &self.pd);
+                let drive = Drive::find(&mut subject, &recordings, file, self.own_gait, gains)?;
+                let mut draft = match recordings.iter().all(|r| r.trajectory.is_of_joints()) {
+                    true => joint::draft(&subject, &recordings, &drive)?,
+                    false => path::draft(&subject, &recordings, guess.has_free_fall, &drive)?,
+                };
+                draft.clues.splice(0..0, drive.clues);
+                draft
+            }
         };
-        draft.clues.splice(0..0, drive.clues);
         let (count, alike) = (recordings.len(), alike(&recordings));
         // The study reads the recordings again; thousands of them would be in memory twice.
         drop(recordings);
@@ -291,6 +305,11 @@ impl Request {
         wheels: impl FnOnce(&Reading) -> Result<Option<(WheelCommands, String)>>,
     ) -> Result<InferredReading> {
         let mut known = self.reading.clone();
+        for column in driven::columns(&self.commanded) {
+            if !known.unitless.contains(&column) {
+                known.unitless.push(column);
+            }
+        }
         let named = JointReading::infer(&recordings[0], &known, joints, &self.joints)?;
         let named = named.unwrap_or_else(|| JointReading {
             reading: known.clone(),

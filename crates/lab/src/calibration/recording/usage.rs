@@ -94,7 +94,9 @@ impl Recorded {
     /// The recording with the values of these columns doubled; switches are turned over.
     fn doubled_in(&self, recording: &Recording) -> Result<Recording> {
         let motion = recording.trajectory.clone();
-        let double = |values: &[f64]| values.iter().map(|value| 2.0 * value).collect::<Vec<f64>>();
+        // A constant is added, because the double of 0 is 0.
+        let double =
+            |values: &[f64]| -> Vec<f64> { values.iter().map(|value| 2.0 * value + 0.1).collect() };
         let places = |of: fn(nalgebra::Vector3<f64>) -> nalgebra::Vector3<f64>,
                       motion: &Trajectory| {
             motion.positions_world_m().iter().map(|p| of(*p)).collect()
@@ -277,6 +279,11 @@ impl Study {
         let Some(first) = definition.recordings.first() else {
             return Ok(Vec::new());
         };
+        // What is doubled is the recording itself: of a window, what surrounds it in its log would remain.
+        let first = &Recording {
+            log: None,
+            ..first.clone()
+        };
         // Thousands of recordings are not copied once more for every column.
         let alone = Definition {
             recordings: Vec::new(),
@@ -288,7 +295,12 @@ impl Study {
             return Ok(Vec::new());
         };
         let mut found: Vec<UnusedColumns> = Vec::new();
+        let switches = definition.switches();
         for quantity in Recorded::all_in(first) {
+            // A switch that is on all the time is used as well.
+            if matches!(&quantity, Recorded::Signal(name) if switches.contains(name)) {
+                continue;
+            }
             let doubled = quantity.doubled_in(first)?;
             // A value that the study refuses is used.
             let Some(changed) = run_of(&alone, &doubled) else {

@@ -50,7 +50,7 @@ pub enum BetweenCommands {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CommandColumn {
-    /// Name of the hinge.
+    /// Name of the hinge, or of several: `*` stands for any letters.
     pub hinge: String,
     /// Name of the column, without `_rad` where it holds angles. A column whose name states no unit holds commands of the
     /// actuator's own kind (angles, torques, or shares of a throttle), which `command` of the actuator states in the robot's file.
@@ -58,6 +58,24 @@ pub struct CommandColumn {
     /// Name of a column that switches the servo: it is on where the value is not 0. Without it, that is NAME_on.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub on: Option<String>,
+}
+
+impl CommandColumn {
+    /// The commands of every hinge with a servo that the name fits; this one where none does, so that the name is refused later.
+    fn of_all(&self, hinges: &[Hinge]) -> Vec<Self> {
+        let servos = hinges.iter().filter(|hinge| hinge.actuator.is_some());
+        let named = servos.filter(|hinge| name_matches(&self.hinge, &hinge.name));
+        let mut all: Vec<Self> = named
+            .map(|hinge| Self {
+                hinge: hinge.name.clone(),
+                ..self.clone()
+            })
+            .collect();
+        if all.is_empty() {
+            all.push(self.clone());
+        }
+        all
+    }
 }
 
 /// Endings of a command column after the name of the joint, and the quantity that is commanded.
@@ -184,7 +202,11 @@ impl Commands {
     /// The columns of a recording that command hinges of a robot.
     pub fn columns_of(&self, hinges: &[Hinge], motion: &Trajectory) -> Vec<CommandColumn> {
         if !self.columns.is_empty() {
-            return self.columns.clone();
+            return self
+                .columns
+                .iter()
+                .flat_map(|one| one.of_all(hinges))
+                .collect();
         }
         let is_servo = |name: &str| {
             let mut hinges = hinges.iter();

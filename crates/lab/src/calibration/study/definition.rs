@@ -275,6 +275,13 @@ impl Definition {
             .or_else(|| noise.map(|(field, error)| (format!("noise.{field}"), error)))
     }
 
+    /// Columns that the study names as switches: of servos, and of windows.
+    pub(in crate::calibration) fn switches(&self) -> Vec<String> {
+        let commands = self.commands.iter().flat_map(|commands| &commands.columns);
+        let of_servos = commands.filter_map(|column| column.on.clone());
+        of_servos.chain(self.windows.on.clone()).collect()
+    }
+
     /// The start of the runs, for reports.
     pub(crate) fn start_used(&self) -> StartUsed {
         match self.start {

@@ -401,8 +401,11 @@ impl Definition {
         }
         let mut reading = file.reading.clone();
         let unitless = file.commands.iter().flat_map(Commands::unitless);
-        reading.unitless.extend(unitless);
-        reading.unitless.extend(file.windows.on.clone());
+        for name in unitless.chain(file.windows.on.clone()) {
+            if !reading.unitless.contains(&name) {
+                reading.unitless.push(name);
+            }
+        }
         if own_simulator.is_some() {
             reading
                 .unitless

@@ -52,7 +52,16 @@ struct Content {
     text: Option<String>,
 }
 
+/// What is said of a standstill before the motion.
+const BEGINS: &str = "recordings begin at";
+
 impl InferredReading {
+    /// Recordings are read from their beginning, or as far as `known` says, although they stand still at first.
+    pub fn leave_crop(&mut self, known: &Reading) {
+        self.reading.crop = known.crop;
+        self.evidence.retain(|one| !one.finding.starts_with(BEGINS));
+    }
+
     /// Infers how these files are to be read, mainly from the first file. Settings of `known` are kept; `body_m` is the size of the robot,
     /// metres.
     ///
@@ -375,7 +384,7 @@ impl InferredReading {
             let from_s = ((from_s - times_s[0]) * 100.0).floor() / 100.0;
             self.reading.crop = Some(Crop { from_s, to_s: None });
             self.conclude(
-                format!("recordings begin at {from_s} s"),
+                format!("{BEGINS} {from_s} s"),
                 format!(
                     "the robot does not move before this time; the recording lasts {:.2} s",
                     recording.trajectory.duration_s()
