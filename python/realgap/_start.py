@@ -27,6 +27,7 @@ WORDS = (
     ("--pd", "pd="),
     ("--track METRES", "track_m=METRES"),
     ("--track", "track_m="),
+    ("--command", "commands="),
     ("--joints NAME,NAME,...", 'joints=["NAME", ...]'),
     ("--joints", "joints="),
     ("--reading FILE", "reading={...}"),
@@ -69,6 +70,7 @@ def start(
     joints: Sequence[str] = (),
     pd: Union[Gain, Mapping[str, Gain], None] = None,
     track_m: Optional[float] = None,
+    commands: Optional[Mapping[str, str]] = None,
     own_gait: bool = False,
     reading: Optional[Mapping[str, Given]] = None,
     output: Path = "study.ron",
@@ -78,7 +80,8 @@ def start(
 
     `recordings` are files or globs; `robot` is a RON, URDF or MJCF file, or `cube` is (edge in metres, mass in kilograms). `joints`
     names numbered columns in their order; `pd` are known gains (KP, KD), or these by joint; `track_m` is the distance of the wheels
-    for recorded speeds and turn rates; `own_gait` says that the robot ran the gait of its file; `reading` has the fields of a
+    for recorded speeds and turn rates; `commands` are recorded columns by the joints that they command, with the column that switches
+    these (`{"drive_*": "throttle:enabled"}`), and the path is then fitted in windows; `own_gait` says that the robot ran the gait of its file; `reading` has the fields of a
     study's `reading`, for what the files leave open.
 
     >>> started = realgap.start("real_trajectories/cube_tosses/toss_0[0-3]*.csv", cube=(0.1, 0.37), output=folder / "tosses.ron")
@@ -95,6 +98,7 @@ def start(
         joints=list(joints),
         pd=_gains(pd),
         track_m=track_m,
+        commanded=[f"{joints}={columns}" for joints, columns in (commands or {}).items()],
         own_gait=own_gait,
         reading=dict(reading or {}),
         output=path_name(output, "output"),

@@ -24,6 +24,8 @@ struct Said {
     /// Gains as the command takes them: `JOINT=KP,KD`.
     pd: Vec<String>,
     track_m: Option<f64>,
+    /// Commands as the command takes them: `JOINT=COLUMN:SWITCH`.
+    commanded: Vec<String>,
     own_gait: bool,
     reading: Reading,
     output: PathBuf,
@@ -59,7 +61,12 @@ pub fn start(py: Python<'_>, said: &str, progress: Option<Bound<'_, PyAny>>) -> 
             let wrong = |why: String| Error::usage(why).field("pd").found(text);
             text.parse().map_err(wrong)
         });
+        let commanded = said.commanded.iter().map(|text| {
+            let wrong = |why: String| Error::usage(why).field("commands").found(text);
+            text.parse().map_err(wrong)
+        });
         let request = Request {
+            commanded: commanded.collect::<Result<_>>()?,
             pd: gains.collect::<Result<_>>()?,
             files: said.files,
             cube: said.cube.map(|cube| cube.to_vec()),

@@ -195,3 +195,80 @@ fn a_modular_robot_that_a_camera_tracked_in_pixels_is_compared_in_its_own_length
     let (verdict, _) = swept(&study);
     assert!(!verdict.contains("px"), "{verdict}");
 }
+
+#[test]
+fn a_car_is_studied_by_the_columns_that_drove_it_and_its_runs_have_a_trim_each() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = folder.path().join("study.ron");
+    let data = common::project().join("real_trajectories/dart_car");
+    let begin = || {
+        let mut command = realgap();
+        command.arg("start").arg(data.join("rubber_free_02.csv"));
+        command.arg(data.join("rubber_ramps_06.csv"));
+        command.arg(common::project().join("morphologies/dart_car.ron"));
+        command.arg("-o").arg(&study);
+        command
+    };
+    let refused = begin().output().unwrap();
+    assert!(!refused.status.success());
+    assert!(
+        text(&refused.stderr).contains("nothing drives"),
+        "{}",
+        text(&refused.stderr)
+    );
+    let mut started = begin();
+    started.args([
+        "--command",
+        "drive_*=throttle:enabled",
+        "--command",
+        "steer_*=steering",
+    ]);
+    let said = started.output().unwrap();
+    assert!(said.status.success(), "{}", text(&said.stderr));
+    let shown = text(&said.stdout);
+    assert!(
+        shown.contains("optimizer gauss-newton") && !shown.contains("not used:"),
+        "{shown}"
+    );
+    let written = std::fs::read_to_string(&study).unwrap();
+    for part in [
+        r#"(name: "tyre.f*.slip_stiffness_1_rad""#,
+        r#"(name: "command.steer_*.offset", from: -0.1, to: 0.1, each: Run)"#,
+        r#"windows: (from_m_s: 0.2, on: Some("enabled")"#,
+    ] {
+        assert!(written.contains(part), "{part} is not in {written}");
+    }
+    // The robot's own numbers, with nothing fitted, already say how far a prediction reaches, and twice the throttle says less.
+    let errors = |more: &[&str]| -> Vec<f64> {
+        let mut evaluate = realgap();
+        evaluate
+            .arg("evaluate")
+            .arg(&study)
+            .args(["--format", "json"])
+            .args(more);
+        let found = evaluate.output().unwrap();
+        assert!(found.status.success(), "{}", text(&found.stderr));
+        let found: serde_json::Value = serde_json::from_slice(&found.stdout).unwrap();
+        let runs = found["over_horizon"].as_array().unwrap();
+        let names: Vec<&str> = runs
+            .iter()
+            .map(|run| run["recording"].as_str().unwrap())
+            .collect();
+        assert_eq!(names, ["rubber_free_02", "rubber_ramps_06", "all"]);
+        let all = runs[2]["median_m"].as_array().unwrap();
+        all.iter().map(|error| error.as_f64().unwrap()).collect()
+    };
+    let own = errors(&["--set", "floor.friction=0.85"]);
+    assert!(own.is_sorted() && own[11] < 0.6, "{own:?}");
+    let without_grip = errors(&["--set", "floor.friction=0.3"]);
+    assert!(without_grip[11] > 2.0 * own[11], "{own:?} {without_grip:?}");
+    let wrong = begin()
+        .args(["--command", "wheel_*=throttle"])
+        .output()
+        .unwrap();
+    let said = text(&wrong.stderr);
+    assert!(
+        !wrong.status.success() && said.contains("drive_front_left"),
+        "{said}"
+    );
+}

@@ -1,0 +1,134 @@
+#!/usr/bin/env python3
+"""Judges the study of the car (sweeps/dart_car_fit.ron) on runs and halves of runs that no fit has seen.
+
+    python3 tools/car_floors.py DATA FIT [--realgap target/release/realgap] [--output results/car]
+
+DATA holds all runs of the car (github.com/Lorenzo-Lyons/DART as CSV files), FIT is a results folder of the study, fitted on
+rubber_free_02, rubber_ramps_03, rubber_ramps_06 and both runs on tiles. Rubber is judged on the other runs with FIT as it is. On the
+other floors, friction, torque, dead zone and trim (on the slippery ones the steering, too) are fitted again on other runs or on the other
+half of the run, and everything else stays. Prints, for every run, the number of windows (every 0.5 s, as the authors'
+tables have them) and the median position error after 0.5, 1.0 and 1.5 s.
+"""
+
+import argparse
+import csv
+import json
+import pathlib
+import re
+import subprocess
+
+WHEELS = '(hinge: "drive_*", column: "throttle", on: "enabled"), (hinge: "steer_*", column: "steering")'
+AGAIN = {
+    "floor.friction": (0.1, 1.6, ""),
+    "servo.drive_*.max_torque_nm": (0.0275, 0.44, ""),
+    "command.drive_*.dead_zone": (0.0, 0.33, ", each: Run"),
+    "command.steer_*.offset": (-0.1, 0.1, ", each: Run"),
+}
+STEERING = {
+    "command.steer_*.factor": (0.125, 2.0, ""),
+    "command.steer_*.delay_s": (-0.1, 0.15, ""),
+}
+
+
+def study(folder, name, runs, every_s, values, varied, crop=""):
+    """Writes a study of these runs; `values` are fixed unless they are varied."""
+    fixed = {key: value for key, value in values.items() if key not in varied}
+    fixed["floor.restitution"] = 0
+    ranges = [
+        f'(name: "{key}", from: {low}, to: {high}{more})' for key, (low, high, more) in varied.items()
+    ] or ['(name: "floor.friction", from: 0.1, to: 1.6)']
+    text = f"""Study(
+    morphology: "{pathlib.Path('morphologies/dart_car.ron').resolve()}",
+    recordings: [{', '.join(f'"{run}"' for run in runs)}],
+    reading: (columns: (heading: "heading_rad in rad"){crop}),
+    start: FromRecording, align: World, horizon: (1.5, {every_s}),
+    windows: (from_m_s: 0.2, on: Some("enabled"), gap_s: Some(0.1)),
+    commands: Commands(columns: [{WHEELS}]),
+    set: {{{', '.join(f'"{key}": {value}' for key, value in fixed.items())}}},
+    timestep_s: 0.004, metric: "pose", score: Single,
+    parameters: [{', '.join(ranges)}],
+)
+"""
+    path = folder / f"{name}.ron"
+    path.write_text(text)
+    return path
+
+
+def values_of(path):
+    """The fitted values of a results folder; values of single runs become their mean, and those of rubber hold for all."""
+    found = {}
+    for name, value in re.findall(r'"([^"]+)": (-?[0-9.e-]+)', (path / "best.ron").read_text()):
+        run = re.match(r"run\.([^.]+)\.(.+)", name)
+        if run and run[1].startswith("tiles_*"):
+            continue
+        found.setdefault(run[2] if run else name, []).append(float(value))
+    return {name: sum(values) / len(values) for name, values in found.items() if not name.startswith("solver")}
+
+
+def fit(realgap, path, budget):
+    out = path.with_suffix("")
+    command = [realgap, "tune", path, "--optimizer", "gauss-newton", "--budget", str(budget), "--no-audit", "-o", out, "--restart"]
+    subprocess.run([str(part) for part in command], check=True, capture_output=True)
+    return values_of(out)
+
+
+def judged(realgap, path, parameters=None):
+    """Errors of each recording."""
+    more = ["--parameters", str(parameters)] if parameters else []
+    command = [realgap, "evaluate", path, "--format", "json", *more]
+    found = json.loads(subprocess.run([str(part) for part in command], check=True, capture_output=True, text=True).stdout)
+    return {one["recording"]: one for one in found["over_horizon"]}
+
+
+def row(name, one, friction=None):
+    thirds = [one["median_m"][len(one["times_s"]) * k // 3 - 1] for k in (1, 2, 3)]
+    errors = " / ".join(f"{1e3 * error:.0f}" for error in thirds)
+    said = "" if friction is None else f"   friction {friction:.3f}"
+    print(f"{name:22} {one['windows']:4} windows  {errors}{said}", flush=True)
+
+
+def middle_s(run):
+    with open(run) as lines:
+        times = [float(line["t_s"]) for line in csv.DictReader(lines)]
+    return round(0.5 * (times[0] + times[-1]), 2)
+
+
+def main():
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("data", type=pathlib.Path)
+    p.add_argument("fit", type=pathlib.Path)
+    p.add_argument("--realgap", default="target/release/realgap")
+    p.add_argument("--output", type=pathlib.Path, default=pathlib.Path("results/car"))
+    options = p.parse_args()
+    data, folder = options.data.resolve(), options.output
+    folder.mkdir(parents=True, exist_ok=True)
+    values = values_of(options.fit)
+    runs = {path.stem: path for path in sorted(data.glob("*.csv"))}
+
+    unseen = ["rubber_free_03", "rubber_circles_01", "rubber_ramps_04", "rubber_ramps_07"]
+    path = study(folder, "rubber", [runs[name] for name in unseen], 0.5, {}, {})
+    for name, one in judged(options.realgap, path, options.fit / "best.ron").items():
+        if name != "all":
+            row(name, one)
+    laps = [name for name in runs if name.startswith("slippery_laps")]
+    on_slippery = AGAIN | STEERING
+    begin = values | {"floor.friction": 0.4, "command.steer_*.delay_s": 0.05}
+    for name in laps:
+        others = [runs[other] for other in laps if other != name]
+        found = fit(options.realgap, study(folder, f"without_{name}", others, 1.0, begin, on_slippery), 80)
+        path = study(folder, name, [runs[name]], 0.5, begin | found, {})
+        row(name, judged(options.realgap, path)[name], found["floor.friction"])
+    for name in ["slippery_notape_01", "tiles_circles_01", "tiles_drift_01"]:
+        start = begin if name.startswith("slippery") else values | {"floor.friction": 0.4}
+        varied = on_slippery if name.startswith("slippery") else AGAIN
+        at_s = middle_s(runs[name])
+        halves = [f", crop: (to_s: {at_s})", f", crop: (from_s: {at_s})"]
+        for half, other in ((0, 1), (1, 0)):
+            path = study(folder, f"{name}_half_{half}", [runs[name]], 0.5, start, varied, halves[half])
+            found = fit(options.realgap, path, 60)
+            path = study(folder, f"{name}_judged_{other}", [runs[name]], 0.5, start | found, {}, halves[other])
+            row(f"{name} half {other + 1}", judged(options.realgap, path)[name], found["floor.friction"])
+
+
+if __name__ == "__main__":
+    main()
