@@ -121,9 +121,16 @@ fn unpack(packed: &Bytes, plain: usize) -> Result<Bytes> {
     if !values.is_empty() {
         let decoder =
             ruzstd::decoding::StreamingDecoder::new_with_max_window_size(values, MOST_WINDOW);
-        let decoder = decoder.map_err(|_| refused("is damaged"))?;
-        let unpacked = decoder.take(MOST_IN_PAGE + 1).read_to_end(&mut all);
-        unpacked.map_err(|_| refused("is damaged"))?;
+        let mut decoder = decoder.map_err(|_| refused("is damaged"))?;
+        let mut limited = (&mut decoder).take(MOST_IN_PAGE + 1);
+        let unpacked = limited.read_to_end(&mut all);
+        let length = unpacked.map_err(|_| refused("is damaged"))? as u64;
+        // Writers state the size, and nothing follows.
+        let stated = decoder.decoder.content_size();
+        let is_whole = stated == 0 || stated == length;
+        if length <= MOST_IN_PAGE && !(is_whole && decoder.get_ref().is_empty()) {
+            return Err(refused("is damaged"));
+        }
     }
     match all.len() as u64 > MOST_IN_PAGE {
         true => Err(refused("is larger than 64 MB when unpacked")),

@@ -81,8 +81,10 @@ pd.DataFrame({'t_s': [0.0, 1.0], 'x_m': [[1, 2], [3]], 'y_m': [0.0, 1.0]}).to_pa
             refused("gzip.parquet")
         );
         let mut damaged = std::fs::read(folder.join("zstd.parquet")).unwrap();
-        // Behind the header of the first page.
-        damaged[60..90].fill(0);
+        // The mark of a packed page.
+        let mark = [0x28, 0xb5, 0x2f, 0xfd];
+        let at = damaged.windows(4).position(|bytes| bytes == mark).unwrap();
+        damaged[at + 1] ^= 1;
         let path = put(folder, "damaged.parquet", &damaged);
         let error = read(path, Reading::default()).unwrap_err().to_string();
         assert!(error.contains("cannot be read"), "{error}");

@@ -253,16 +253,27 @@ fn lines_of_numbers_without_names_are_refused_with_what_to_write_above_them() {
             f64::from(k) / 240.0
         )
     };
-    let text: String = (0..20).map(row).collect();
-    let folder = tempfile::tempdir().unwrap();
-    let path = put(folder.path(), "optitrack_data.csv", &text);
-    let error = InferredReading::of_file(&path, &Reading::default())
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("the first line holds numbers") && error.contains("t_s,x_m"),
-        "{error}"
-    );
+    // `ros2 topic echo --csv /joint_states` writes texts among the numbers.
+    let joints = |k: i32| {
+        format!(
+            "1700000000,{},,pan,lift,0.5,0.25,0.0,0.0,0.0,0.0\n",
+            20_000_000 * k
+        )
+    };
+    for text in [
+        (0..20).map(row).collect::<String>(),
+        (0..20).map(joints).collect(),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let path = put(folder.path(), "optitrack_data.csv", &text);
+        let error = InferredReading::of_file(&path, &Reading::default())
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("the first line holds numbers") && error.contains("t_s,x_m"),
+            "{error}"
+        );
+    }
 }
 
 #[test]

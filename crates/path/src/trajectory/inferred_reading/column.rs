@@ -84,8 +84,10 @@ pub(super) fn infer_columns(text: &str, guess: &mut InferredReading) -> Result<(
     };
     let is_mapped = |role: Role| guess.reading.columns.get(role).is_some();
     let has = |role: Role| found.iter().any(|column| column.role == role) || is_mapped(role);
-    let is_number = |name: &&str| Separator::of_header(name).number(name).is_some();
-    if names.len() > 1 && names.iter().filter(|name| !name.is_empty()).all(is_number) {
+    let is_number = |name: &str| Separator::of_header(name).number(name).is_some();
+    let filled = names.iter().filter(|name| !name.is_empty()).count();
+    let numbers = names.iter().filter(|name| is_number(name)).count();
+    if filled > 1 && 3 * numbers >= 2 * filled {
         return Err(lacks("anything")
             .hint("the first line holds numbers: write a line with the names of the columns above it, e.g. t_s,x_m,y_m,z_m,qw,qx,qy,qz or t_s,JOINT_rad,JOINT_command_rad; if the names stand further below")
             .advise(Advice::SkipLines));

@@ -412,6 +412,18 @@ mod tests {
     }
 
     #[test]
+    fn raw_speeds_of_servos_that_count_angles_are_not_read() {
+        let counts =
+            |q: [f64; 4]| format!("{},{}", 2048 + (600.0 * q[0]) as i32, (90.0 * q[1]) as i32);
+        let text = log("time_ms,id1_present_position,id1_present_velocity", &counts);
+        let joints = ["joint1".to_owned()];
+        let made = JointReading::of_text(&text, &Reading::default(), &joints, &[]);
+        let names = made.unwrap().unwrap().reading.names;
+        assert_eq!(names["id1_present_position"], "joint1_ticks");
+        assert!(!names.contains_key("id1_present_velocity"), "{names:?}");
+    }
+
+    #[test]
     fn the_only_joint_of_a_robot_needs_no_name() {
         let joints = ["knee".to_owned()];
         for (header, angle, command) in [
