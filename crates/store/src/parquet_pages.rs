@@ -3,7 +3,6 @@
 //! The crate `parquet` unpacks zstd with a library in C. Here it is told that such pages are not compressed, and what it returns is
 //! unpacked by a decoder in Rust.
 
-use std::io::Read as _;
 use std::sync::Arc;
 
 use bytes::Bytes;
@@ -17,10 +16,10 @@ use parquet::file::serialized_reader::SerializedPageReader;
 use parquet::record::reader::RowIter;
 use parquet::schema::types::Type;
 
+use realgap_core::file::read_zstd;
+
 /// The largest page, unpacked: writers make pages of about 1 MB.
 const MOST_IN_PAGE: u64 = 64_000_000;
-/// The largest window of zstd, as in other files.
-const MOST_WINDOW: u64 = 1 << 27;
 
 /// The rows of one group of a file.
 pub(super) struct Group<'a> {
@@ -113,27 +112,12 @@ fn unpacked(mut page: Page) -> Result<Page> {
 
 /// Unpacks what follows behind the first bytes; nothing is an empty page.
 fn unpack(packed: &Bytes, plain: usize) -> Result<Bytes> {
-    let refused = |what: &str| ParquetError::General(format!("a page of zstd that {what}"));
-    let (levels, values) = packed
-        .split_at_checked(plain)
-        .ok_or_else(|| refused("is cut off"))?;
+    let refused =
+        || ParquetError::General("a page of zstd that is damaged, or larger than 64 MB".to_owned());
+    let (levels, values) = packed.split_at_checked(plain).ok_or_else(refused)?;
     let mut all = levels.to_vec();
     if !values.is_empty() {
-        let decoder =
-            ruzstd::decoding::StreamingDecoder::new_with_max_window_size(values, MOST_WINDOW);
-        let mut decoder = decoder.map_err(|_| refused("is damaged"))?;
-        let mut limited = (&mut decoder).take(MOST_IN_PAGE + 1);
-        let unpacked = limited.read_to_end(&mut all);
-        let length = unpacked.map_err(|_| refused("is damaged"))? as u64;
-        // Writers state the size, and nothing follows.
-        let stated = decoder.decoder.content_size();
-        let is_whole = stated == 0 || stated == length;
-        if length <= MOST_IN_PAGE && !(is_whole && decoder.get_ref().is_empty()) {
-            return Err(refused("is damaged"));
-        }
+        all.extend(read_zstd(values, MOST_IN_PAGE).ok_or_else(refused)?);
     }
-    match all.len() as u64 > MOST_IN_PAGE {
-        true => Err(refused("is larger than 64 MB when unpacked")),
-        false => Ok(Bytes::from(all)),
-    }
+    Ok(Bytes::from(all))
 }

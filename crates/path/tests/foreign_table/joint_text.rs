@@ -94,7 +94,7 @@ fn echoed_joints_have_their_names_in_both_styles_of_ros() {
     let shortened = ros_2(0) + &ros_2(1).replace("- -0.5\n", "");
     let error = error("joints.csv", &shortened);
     assert!(
-        error.contains("position") && error.contains("--full-length"),
+        error.contains("position") && error.contains("record a bag"),
         "{error}"
     );
 }

@@ -169,7 +169,7 @@ fn joints(message: &Map<String, Value>, line: usize) -> Result<Option<Vec<(Strin
                 .field(quantity)
                 .found(counted(values.len(), "number"))
                 .allowed(counted(names.len(), "number"))
-                .hint("`ros2 topic echo --full-length` does not shorten lists; a bag never does"));
+                .hint("lists that are shortened cannot be read: record a bag, which never shortens them"));
         }
         let of = names.iter().zip(values);
         cells.extend(of.map(|(name, value)| {
