@@ -74,6 +74,7 @@ fn option(advice: &Advice) -> String {
         Advice::AngleUnit => {
             "state the unit with --angle-unit UNIT, or the counts of encoders with --ticks 4096".to_owned()
         }
+        Advice::NameRobot => "give both to realgap start: realgap start FILE robot.urdf".to_owned(),
         Advice::JointOrder => "name them with --joints NAME,NAME,... in the order of the numbers".to_owned(),
         Advice::UnpaddedStamps => "read 12.5 as 12 s and 5 ns with --unpadded-stamps".to_owned(),
         Advice::Axes => "say which way axes point with --axes world, y-up, z-down or camera".to_owned(),

@@ -2,6 +2,7 @@
 
 mod controller;
 mod dynamics;
+mod joints;
 pub mod report;
 #[cfg(feature = "papers")]
 mod scene;
@@ -18,6 +19,7 @@ use realgap::sensing::arena::Arena;
 use realgap::text::shown;
 use realgap::trajectory::Reading;
 use realgap::verification::known_limits;
+use realgap::warning::Code;
 use realgap::{results::draw_arena, results::portrait, trajectory};
 
 use super::consent::ConsentOption;
@@ -536,12 +538,22 @@ fn motion(path: &Path, reading: &Reading) -> Result<Contents> {
             _ => "positions",
         };
         let net_m = motion.net_displacement_world_m().xy().norm();
+        let is_of_joints = motion.is_of_joints();
+        let path = format!(
+            "{columns}; net displacement {net_m:.4} m, path {:.4} m",
+            motion.path_length_xy_m()
+        );
+        let joints = joints::shown_joints(motion);
+        let what = match (is_of_joints, joints) {
+            (true, Some(joints)) => joints,
+            (false, Some(joints)) => format!("{path}; {joints}"),
+            (_, None) => path,
+        };
         lines.push(format!(
-            "  {}: {} over {:.3} s, {columns}; net displacement {net_m:.4} m, path {:.4} m",
+            "  {}: {} over {:.3} s, {what}",
             shown(&recording.name, SHOWN),
             counted(motion.len(), "sample"),
             motion.duration_s(),
-            motion.path_length_xy_m(),
         ));
         recordings.push(Motion {
             name: recording.name.clone(),
@@ -557,6 +569,8 @@ fn motion(path: &Path, reading: &Reading) -> Result<Contents> {
                 .warnings
                 .iter()
                 .chain(prepared.warnings())
+                // Joints alone have no path whose heading could be missed.
+                .filter(|warning| !is_of_joints || warning.code != Code::UndefinedHeading)
                 .cloned(),
         );
     }

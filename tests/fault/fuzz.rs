@@ -5,18 +5,24 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common;
+use crate::corpus::corpus;
 
+use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 use rand::{Rng, RngExt};
 use realgap::calibration::{Definition, Overrides, read_noise, read_parameters};
 use realgap::file::Source;
-use realgap::robot::genome::{Genome, Individual};
+use realgap::robot::genome::Individual;
+use realgap::robot::import::{self, Options};
 use realgap::robot::morphology::Morphology;
 use realgap::search::{Search, generator};
-use realgap::simulation::{Experiment, run};
-use realgap::trajectory::{self, Reading, prepare, read_meta};
+use realgap::sensing::arena::Arena;
+use realgap::simulation::{Controller, Experiment, Vehicle, run};
+use realgap::trajectory::{self, InferredReading, Reading, prepare, read_meta};
+use realgap::vision::Picture;
+use realgap::vision::camera::{Camera, Scene};
 use realgap::{Error, Result};
 
 /// Rounds that once found a fault.
@@ -82,105 +88,6 @@ const TOKENS: &[&str] = &[
     "PosX",
     "NegZ",
 ];
-
-/// The largest file of the corpus, bytes; of longer ones the start.
-const LONGEST: usize = 6000;
-
-fn corpus() -> Vec<(PathBuf, Vec<u8>)> {
-    let root = common::project();
-    let mut files = Vec::new();
-    for folder in [
-        "morphologies",
-        "sweeps",
-        "real_trajectories",
-        "real_trajectories/tripod_standin",
-    ] {
-        let mut paths: Vec<PathBuf> = std::fs::read_dir(root.join(folder))
-            .unwrap()
-            .map(|entry| entry.unwrap().path())
-            .filter(|path| {
-                path.extension()
-                    .is_some_and(|e| e == "ron" || e == "csv" || e == "tum")
-            })
-            .collect();
-        paths.sort();
-        paths.truncate(12);
-        for path in paths {
-            let mut bytes = std::fs::read(&path).unwrap();
-            if bytes.len() > LONGEST {
-                let end = bytes[..LONGEST].iter().rposition(|b| *b == b'\n').unwrap();
-                bytes.truncate(end + 1);
-            }
-            files.push((path, bytes));
-        }
-    }
-    let genome = Genome::random(4, &mut generator(1, 0)).unwrap();
-    let genome = Individual::new("four", genome).to_ron().unwrap();
-    files.push((root.join("sweeps/genome.ron"), genome.into_bytes()));
-    let more = [
-        (
-            "best.ron",
-            "(description: \"best\", parameters: {\"floor.friction\": 0.4, \"gravity_m_s2\": 9.8})",
-        ),
-        (
-            "noise.ron",
-            "(start_heading_rad: Normal(0.02), servo_latency_s: Uniform(0.0, 0.02), mass_relative: LogNormal(0.02))",
-        ),
-        (
-            "run.tum",
-            "0 0 0 0 0 0 0 1\n0.1 0.1 0 0 0 0 0 1\n0.2 0.2 0 0 0 0 0 1\n",
-        ),
-        (
-            "poses.kitti",
-            "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n",
-        ),
-        (
-            "data.csv",
-            "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []\n0,1,2,3,1,0,0,0\n2000,1,2,4,1,0,0,0\n",
-        ),
-        (
-            "set.csv",
-            "condition,run,t_s,x_m,y_m\na,1,0,0,0\na,1,1,1,1\na,1,2,2,1\nb,1,0,0,0\nb,1,1,1,0\nb,1,2,3,0\n",
-        ),
-        (
-            "run.jsonl",
-            "{\"t\": 0, \"position\": [0, 1, 2], \"q\": {\"pan\": 1}}\n{\"t\": 0.1, \"position\": [0.1, 1, 2], \"q\": {\"pan\": 2}}\n",
-        ),
-        (
-            "juggled.csv",
-            "__time,/a/cmd,/odom/x,/odom/y\n0,,0,0\n0.1,1,,\n0.2,,1,1\n0.3,,2,2\n",
-        ),
-        (
-            "vicon.csv",
-            "TRAJECTORIES\n100,Hz\n,a:b,,\nField #,X,Y,Z\n1,1,2,3\n2,2,2,3\n3,3,2,3\n",
-        ),
-    ];
-    // A log of PX4: header, one structure, one topic, two messages.
-    let mut log = b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0".to_vec();
-    let messages: [(u8, &[u8]); 4] = [
-        (
-            b'F',
-            b"vehicle_local_position:uint64_t timestamp;float x;float y;float z;",
-        ),
-        (b'A', b"\0\0\0vehicle_local_position"),
-        (b'D', &[0; 22]),
-        (
-            b'D',
-            &[
-                0, 0, 9, 9, 9, 0, 0, 0, 0, 0, 0, 0, 128, 63, 0, 0, 0, 64, 0, 0, 0, 0,
-            ],
-        ),
-    ];
-    for (kind, body) in messages {
-        log.extend([body.len() as u8, 0, kind]);
-        log.extend(body);
-    }
-    files.push((root.join("sweeps/run.ulg"), log));
-    files.extend(
-        more.map(|(name, text)| (root.join("sweeps").join(name), text.as_bytes().to_vec())),
-    );
-    files
-}
 
 /// A part of a text.
 fn span(length: usize, rng: &mut dyn Rng) -> std::ops::Range<usize> {
@@ -260,6 +167,16 @@ fn read(path: &Path, bytes: &[u8], simulates: bool) -> Vec<Error> {
     note(read_noise(path).map(drop));
     note(source().and_then(|source| Reading::parse(&source).map(drop)));
     note(read_meta(path).map(drop));
+    note(source().and_then(|source| Arena::parse(&source).map(drop)));
+    note(source().and_then(|source| Controller::parse(&source).map(drop)));
+    note(source().and_then(|source| Scene::parse(&source).map(drop)));
+    note(Vehicle::read(path, None).map(drop));
+    note(Camera::read(path).map(drop));
+    note(Picture::decode(bytes).map(drop));
+    for name in ["arm.urdf", "arm.xml"] {
+        let robot = Source::from_bytes(path.with_file_name(name), bytes.to_vec(), "robot");
+        note(robot.and_then(|source| import::import(&source, &Options::default()).map(drop)));
+    }
     for name in [
         "run.csv",
         "run.tum",
@@ -272,6 +189,7 @@ fn read(path: &Path, bytes: &[u8], simulates: bool) -> Vec<Error> {
         "run.npz",
         "run.jsonl",
         "run.tsv",
+        "run.json",
     ] {
         let path = path.with_file_name(name);
         let reading = Reading {
@@ -288,7 +206,12 @@ fn read(path: &Path, bytes: &[u8], simulates: bool) -> Vec<Error> {
 }
 
 /// One round: one file, mutated and read.
-fn round(seed: u64, corpus: &[(PathBuf, Vec<u8>)], folder: &Path, simulates: bool) {
+fn round<'a>(
+    seed: u64,
+    corpus: &'a [(PathBuf, Vec<u8>)],
+    folder: &Path,
+    simulates: bool,
+) -> &'a Path {
     let mut rng = generator(seed, 0);
     let (name, bytes) = &corpus[rng.random_range(0..corpus.len())];
     let (_, other) = &corpus[rng.random_range(0..corpus.len())];
@@ -296,23 +219,33 @@ fn round(seed: u64, corpus: &[(PathBuf, Vec<u8>)], folder: &Path, simulates: boo
     // Beside links to what studies name.
     let path = folder.join("file.ron");
     std::fs::write(&path, &mutated).unwrap();
-    let said = catch_unwind(AssertUnwindSafe(|| read(&path, &mutated, simulates)));
+    // Under its own name, so that what people run first looks at it, too.
+    let own = folder.join(name.file_name().unwrap());
+    std::fs::write(&own, &mutated).unwrap();
+    let said = catch_unwind(AssertUnwindSafe(|| {
+        let mut errors = read(&path, &mutated, simulates);
+        errors.extend(InferredReading::of_file(&own, &Reading::default()).err());
+        errors
+    }));
+    std::fs::remove_file(&own).unwrap();
     let shown = || String::from_utf8_lossy(&mutated).into_owned();
-    let name = name.display();
+    let shown_name = name.display();
     let Ok(errors) = said else {
-        panic!("round {seed}, from {name}:\n{}", shown());
+        panic!("round {seed}, from {shown_name}:\n{}", shown());
     };
     for error in errors {
         let said = error.to_string();
         let steers = |c: char| c != '\n' && !realgap::text::is_plain(c);
         assert!(
             !said.contains(steers) && said.len() < 8000,
-            "round {seed}, from {name}: {said:?}"
+            "round {seed}, from {shown_name}: {said:?}"
         );
     }
+    name
 }
 
-fn rounds(seeds: impl Iterator<Item = u64>, simulates_every: u64) {
+/// Runs rounds, and returns how many mutants of each kind of file there were.
+fn rounds(seeds: impl Iterator<Item = u64>, simulates_every: u64) -> BTreeMap<String, usize> {
     let corpus = corpus();
     assert!(corpus.len() > 15, "{}", corpus.len());
     let folder = tempfile::tempdir().unwrap();
@@ -324,9 +257,15 @@ fn rounds(seeds: impl Iterator<Item = u64>, simulates_every: u64) {
         folder.path().join("morphologies"),
     )
     .unwrap();
+    let mut counts = BTreeMap::new();
     for seed in seeds {
-        round(seed, &corpus, &sweeps, seed % simulates_every == 0);
+        let path = round(seed, &corpus, &sweeps, seed.is_multiple_of(simulates_every));
+        let ending = path.extension().unwrap_or_default();
+        *counts
+            .entry(ending.to_string_lossy().into_owned())
+            .or_default() += 1;
     }
+    counts
 }
 
 #[test]
@@ -334,8 +273,34 @@ fn a_mutated_file_is_read_or_refused_with_an_error() {
     rounds(FOUND.iter().copied().chain(0..1500), 50);
 }
 
+/// The number in an environment variable.
+fn asked(name: &str) -> Option<u64> {
+    let text = std::env::var(name).ok()?;
+    Some(
+        text.parse()
+            .unwrap_or_else(|_| panic!("{name} is a whole number, not {text}")),
+    )
+}
+
+/// Every run has a seed of its own, which is printed and can be given again: `REALGAP_SEED`. `REALGAP_MUTANTS` is the number of mutants;
+/// without it they take a minute.
 #[test]
-#[ignore = "minutes; the short one runs always"]
-fn many_mutated_files_are_read_or_refused_with_an_error() {
-    rounds(1500..200_000, 20);
+#[ignore = "a minute, with other mutants every time; .ci/run runs it"]
+fn mutants_of_every_reader_for_a_minute() {
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+    let seed = asked("REALGAP_SEED").unwrap_or_else(|| now.unwrap().as_secs());
+    let most = asked("REALGAP_MUTANTS");
+    println!("mutants of seed {seed}: REALGAP_SEED={seed} makes them again");
+    let begun = std::time::Instant::now();
+    let goes_on = |count: u64| match most {
+        Some(most) => count < most,
+        None => begun.elapsed().as_secs() < 60,
+    };
+    // Seeds far apart, so that those of two runs are different.
+    let first = seed.wrapping_mul(1_000_000_007);
+    let seeds = (0..).take_while(|count| goes_on(*count));
+    let counts = rounds(seeds.map(|count| first.wrapping_add(count)), 50);
+    let all: usize = counts.values().sum();
+    println!("{all} mutants were read or refused with an error: {counts:?}");
+    assert!(all >= most.map_or(100, |most| most as usize), "{all}");
 }

@@ -129,6 +129,7 @@ advice! {
     Crop "Read another part of a recording." "choose another part: `crop: (from_s: ..., to_s: ...)` in `reading`";
     TimeUnit "State the unit of a recording's times." "state the unit of the times: `time: \"ms\"` in `reading`";
     AngleUnit "State the unit of a recording's angles." "state the unit of the angles: `angle: \"deg\"` in `reading`, or the counts of encoders: `ticks: (per_turn: 4096, zero: 2048)`";
+    NameRobot "Read a recording together with the robot that it is of." "read it together with the robot's file";
     JointOrder "Name the joints of numbered columns in their order." "name the joints in the order of the numbers";
     Recordings "Name the recordings." "name the recordings, e.g. FOLDER/*.csv";
     CalibratedValues "Give values that a calibration has found." "give values, e.g. those in the best.ron of a sweep";

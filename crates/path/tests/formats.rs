@@ -258,7 +258,7 @@ fn errors_name_file_line_column_and_what_to_do() {
     );
     let error = refuse("run.abc", "");
     assert!(
-        error.contains(".csv, .tsv, .tum, .txt, .euroc, .kitti, .mcap, .db3, .ulg, .ulog, .parquet, .jsonl, .ndjson, .json, .npy, .npz"),
+        error.contains(".csv, .tsv, .tum, .txt, .euroc, .kitti, .mcap, .db3, .ulg, .ulog, .parquet, .yaml, .yml, .jsonl, .ndjson, .json, .npy, .npz"),
         "{error}"
     );
 }

@@ -3,26 +3,55 @@
 use std::fs::OpenOptions;
 use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use rusqlite::{Connection, ErrorCode, OpenFlags, OptionalExtension as _};
 
+use super::file_system::FileSystem;
+use super::journal::{Journal, journal_of};
 use realgap_core::error::{Advice, Error, Result};
 
-/// Opens the file for writing, with a write-ahead log and `synchronous = NORMAL`: a killed process loses at most the
-/// present transaction, a power cut at most the last few transactions; neither corrupts the file.
-pub(super) fn connect(path: &Path) -> Result<Connection> {
+/// How long a writer on a network file system waits for readers, who lock the whole file there.
+const LONGEST_READING: Duration = Duration::from_secs(600);
+
+/// Opens the file for writing.
+///
+/// On a disk of this computer it has a write-ahead log and `synchronous = NORMAL`: a killed process loses at most the
+/// present transaction, a power cut at most the last few transactions; neither corrupts the file. A network file system does not share the
+/// memory that such a log needs, so that the file there has a rollback journal and waits for the disk in every transaction.
+pub(super) fn connect(path: &Path, file_system: &FileSystem) -> Result<Connection> {
     let fail = |e: rusqlite::Error| sql(path, "open the results", &e);
     let connection = Connection::open(path).map_err(fail)?;
+    let (journal, synchronous) = match file_system {
+        FileSystem::Own => ("WAL", "NORMAL"),
+        _ => ("DELETE", "FULL"),
+    };
+    if *file_system != FileSystem::Own {
+        connection.busy_timeout(LONGEST_READING).map_err(fail)?;
+    }
     connection
-        .query_row("PRAGMA journal_mode = WAL", [], |row| {
+        .query_row(&format!("PRAGMA journal_mode = {journal}"), [], |row| {
             row.get::<_, String>(0)
         })
         .optional()
         .map_err(fail)?;
     connection
-        .pragma_update(None, "synchronous", "NORMAL")
+        .pragma_update(None, "synchronous", synchronous)
         .map_err(fail)?;
     Ok(connection)
+}
+
+/// Takes back what a killed process has written halfway, as SQLite does before it reads a file that it may write.
+pub(super) fn take_back(path: &Path) -> Result<()> {
+    if matches!(journal_of(path)?, Journal::None) {
+        return Ok(());
+    }
+    let fail = |e: rusqlite::Error| sql(path, "open the results", &e);
+    let connection = Connection::open(path).map_err(fail)?;
+    connection
+        .pragma_query_value(None, "schema_version", |row| row.get::<_, i64>(0))
+        .map_err(fail)?;
+    Ok(())
 }
 
 /// Merges the write-ahead log into the main file and removes the log, so that the file can be read from read-only media. Returns false
@@ -91,6 +120,14 @@ pub(super) fn connect_to_read(path: &Path) -> Result<Connection> {
         )
         .at_file(&log)
         .hint("copy the whole folder to a writable place, and read it there"));
+    }
+    // What was written halfway must be taken back before anything is read.
+    if !matches!(journal_of(path)?, Journal::None) {
+        return Err(Error::conflict(
+            "the run was interrupted in the middle of a write, which is taken back when it is resumed",
+        )
+        .at_file(with_suffix(path, "-journal"))
+        .advise(Advice::Resume));
     }
     // No process can write to read-only media, so no lock is needed.
     let Some(immutable) = immutable_uri(path) else {

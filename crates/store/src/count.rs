@@ -139,7 +139,7 @@ fn name(path: &Path) -> String {
 }
 
 /// True if changes of a store may be in a write-ahead log beside it.
-fn is_logged(store: &Path) -> Result<bool> {
+pub(super) fn is_logged(store: &Path) -> Result<bool> {
     let mut versions = [0; 2];
     let read = File::open(store).and_then(|mut file| {
         file.seek(SeekFrom::Start(VERSIONS))?;

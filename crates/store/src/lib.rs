@@ -32,6 +32,7 @@ mod content;
 mod count;
 mod database;
 mod description;
+mod file_system;
 mod fingerprint;
 mod journal;
 mod listing;
@@ -41,6 +42,8 @@ mod merge;
 mod opening;
 #[cfg(feature = "parquet")]
 mod parquet;
+#[cfg(feature = "parquet")]
+mod parquet_pages;
 #[cfg(feature = "parquet")]
 mod parquet_table;
 mod part;

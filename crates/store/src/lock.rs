@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
+use super::file_system::FileSystem;
 use realgap_core::error::{Advice, Error, Result};
 use realgap_core::file::check_writable;
 
@@ -27,6 +28,7 @@ pub struct FolderLock(Arc<Held>);
 struct Held {
     file: File,
     folder: PathBuf,
+    file_system: FileSystem,
     /// True if the folder had a lock file before this lock, so a process has written results into it before.
     is_known: bool,
     /// True if the folder was created for this lock.
@@ -38,7 +40,7 @@ impl FolderLock {
     ///
     /// # Errors
     /// A file in place of the folder, a folder that cannot be created or written, a folder that another process writes into: the error
-    /// says which process, and since when.
+    /// says which process, and since when. A file system of several computers that do not see each other's locks.
     pub fn make(folder: &Path) -> Result<Self> {
         if folder.exists() && !folder.is_dir() {
             return Err(Error::usage("results need a folder")
@@ -55,6 +57,13 @@ impl FolderLock {
 
     fn acquire(folder: &Path, is_new_folder: bool) -> Result<Self> {
         let path = folder.join(LOCK_FILE);
+        let file_system = FileSystem::of(folder);
+        if let Err(error) = file_system.must_lock(folder) {
+            if is_new_folder {
+                let _best_effort = std::fs::remove_dir(folder);
+            }
+            return Err(error);
+        }
         let mut tried = 0;
         loop {
             tried += 1;
@@ -77,6 +86,7 @@ impl FolderLock {
                     return Ok(Self(Arc::new(Held {
                         file,
                         folder: folder.to_path_buf(),
+                        file_system,
                         is_known,
                         is_new_folder,
                     })));
@@ -102,6 +112,11 @@ impl FolderLock {
     /// The locked folder.
     pub fn folder(&self) -> &Path {
         &self.0.folder
+    }
+
+    /// The file system of the locked folder.
+    pub(super) fn file_system(&self) -> &FileSystem {
+        &self.0.file_system
     }
 
     /// Checks that the folder still exists and can be written, so that no work is done for a folder that was removed.

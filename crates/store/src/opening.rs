@@ -4,11 +4,12 @@ use std::marker::PhantomData;
 use std::path::Path;
 
 use super::checksum::Tally;
-use super::connection::{connect, connect_to_read};
+use super::connection::{connect, connect_to_read, take_back};
 use super::content::{Content, content, is_foreign};
 use super::count::{self, Count};
 use super::database::{STORE_FILE, Store, Writer, remove};
 use super::description::{COMPLETE, ENDING};
+use super::file_system::FileSystem;
 use super::fingerprint::Fingerprint;
 use super::lock::{FolderLock, Place};
 use super::log::verify_log;
@@ -127,8 +128,13 @@ impl<R: Table> Store<R> {
         Ok(store)
     }
 
-    /// Opens a file for reading without any check.
+    /// Opens a file for reading. Only the file system is checked.
     fn of_file(path: &Path) -> Result<Self> {
+        if count::is_logged(path)?
+            && let Some(folder) = path.parent()
+        {
+            FileSystem::of(folder).must_share_memory(path)?;
+        }
         Ok(Self {
             connection: connect_to_read(path)?,
             path: path.to_path_buf(),
@@ -168,7 +174,7 @@ impl<R: Table> Store<R> {
         }
         let count = Count::open(&path, tally)?;
         let mut store = Self {
-            connection: connect(&path)?,
+            connection: connect(&path, lock.file_system())?,
             path,
             tally,
             is_marked_complete: false,
@@ -181,13 +187,17 @@ impl<R: Table> Store<R> {
         Ok((store, found))
     }
 
-    /// Moves a write-ahead log aside if it does not belong to this store, or if the store is inconsistent with it; the rows in the main
+    /// Takes back what was written halfway. Moves a write-ahead log aside if it does not belong to this store, or if the store is inconsistent with it; the rows in the main
     /// file remain.
     fn repair(path: &Path, fingerprint: &Fingerprint) -> Result<()> {
         if count::has_foreign_log(path)? {
             return count::set_log_aside(path);
         }
-        if !path.exists() || !count::has_log(path) {
+        if !path.exists() {
+            return Ok(());
+        }
+        take_back(path)?;
+        if !count::has_log(path) {
             return Ok(());
         }
         let is_whole = |store: &Self| -> Result<bool> {

@@ -2,10 +2,11 @@
 
 use bytes::Bytes;
 use parquet::errors::ParquetError;
-use parquet::file::reader::{FileReader as _, SerializedFileReader};
+use parquet::file::reader::{FileReader as _, RowGroupReader as _, SerializedFileReader};
 use parquet::record::{Field, Row};
 use parquet::schema::types::{Type, TypePtr};
 
+use super::parquet_pages::Group;
 use realgap_core::error::{Error, Result};
 
 /// The columns of a Parquet file as CSV with their names in the first line: numbers with all their digits, an empty cell for a missing
@@ -21,9 +22,10 @@ pub fn parquet_table(
     let refused = |error: ParquetError| {
         Error::invalid("the Parquet file cannot be read")
             .found(error)
-            .hint("supported are uncompressed columns and the compressions snappy and LZ4: in pandas, df.to_parquet(FILE, compression=\"snappy\")")
+            .hint("supported are uncompressed columns and the compressions zstd, snappy and LZ4: in pandas, df.to_parquet(FILE, compression=\"snappy\")")
     };
-    let file = SerializedFileReader::new(Bytes::from(bytes)).map_err(refused)?;
+    let bytes = Bytes::from(bytes);
+    let file = SerializedFileReader::new(bytes.clone()).map_err(refused)?;
     let rows = file.metadata().file_metadata().num_rows();
     if usize::try_from(rows).map_or(true, |rows| rows > most_rows) {
         return Err(Error::invalid("too many rows")
@@ -41,8 +43,11 @@ pub fn parquet_table(
     let kept = kept.build().map_err(refused)?;
     let mut text = names.join(",");
     text.push('\n');
-    for row in file.get_row_iter(Some(kept)).map_err(refused)? {
-        push_row(&mut text, &row.map_err(refused)?)?;
+    for group in file.metadata().row_groups() {
+        let group = Group::new(bytes.clone(), group);
+        for row in group.get_row_iter(Some(kept.clone())).map_err(refused)? {
+            push_row(&mut text, &row.map_err(refused)?)?;
+        }
     }
     Ok(text)
 }

@@ -103,3 +103,144 @@ fn a_file_that_is_not_a_store_is_refused() {
     .unwrap();
     assert!(Store::<Trial>::resume(folder.path(), &Fingerprint::new()).is_err());
 }
+
+/// A run of two trials on a network file system, as the answer of the system is faked for this test.
+fn on_nfs(folder: &std::path::Path) -> Store<Trial> {
+    file_system::tests::fake(file_system::FileSystem::Shared("nfs4".to_owned()));
+    let mut store = Store::create(folder, &Fingerprint::new().with("a", 1)).unwrap();
+    store.insert(&[trial(0), trial(1)]).unwrap();
+    store
+}
+
+#[test]
+fn on_a_network_file_system_there_is_no_log_and_rows_are_read_while_a_run_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut store = on_nfs(folder.path());
+    let names = || -> Vec<String> {
+        let all = fs::read_dir(folder.path()).unwrap();
+        all.map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect()
+    };
+    let has_log = |names: &[String]| {
+        names
+            .iter()
+            .any(|name| name.ends_with("-wal") || name.ends_with("-shm"))
+    };
+    assert!(!has_log(&names()), "{:?}", names());
+    assert_eq!(
+        Store::<Trial>::read(folder.path())
+            .unwrap()
+            .trials()
+            .unwrap(),
+        [trial(0), trial(1)]
+    );
+    store.insert(&[trial(2)]).unwrap();
+    assert!(!has_log(&names()), "{:?}", names());
+    let second = Store::<Trial>::resume(folder.path(), &Fingerprint::new().with("a", 1));
+    let second = second.unwrap_err().to_string();
+    assert!(second.contains("another process"), "{second}");
+    drop(store);
+    let again = Store::<Trial>::resume(folder.path(), &Fingerprint::new().with("a", 1)).unwrap();
+    assert_eq!(again.trials().unwrap(), [trial(0), trial(1), trial(2)]);
+}
+
+#[test]
+fn a_write_that_was_cut_off_on_a_network_file_system_is_taken_back_by_resuming() {
+    let folder = tempfile::tempdir().unwrap();
+    let fingerprint = Fingerprint::new().with("a", 1);
+    let store = on_nfs(folder.path());
+    // The files in the middle of a transaction, as a killed process leaves them.
+    let killed = tempfile::tempdir().unwrap();
+    store
+        .connection
+        .execute_batch(
+            "PRAGMA cache_size = 0; PRAGMA cache_spill = 1; BEGIN IMMEDIATE; UPDATE tally SET rows = 99",
+        )
+        .unwrap();
+    let filler = "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < 400)
+        INSERT INTO description SELECT 'filler ' || i, hex(randomblob(500)) FROM n";
+    store.connection.execute_batch(filler).unwrap();
+    for entry in fs::read_dir(folder.path()).unwrap() {
+        let path = entry.unwrap().path();
+        fs::copy(&path, killed.path().join(path.file_name().unwrap())).unwrap();
+    }
+    assert!(
+        killed
+            .path()
+            .join("results.sqlite-journal")
+            .metadata()
+            .unwrap()
+            .len()
+            > 4096
+    );
+    for error in [
+        Store::<Trial>::read(killed.path()).unwrap_err().to_string(),
+        Store::<Trial>::open(killed.path(), &fingerprint, Mode::Start, "run", "all")
+            .unwrap_err()
+            .to_string(),
+    ] {
+        assert!(
+            error.contains("interrupted in the middle of a write"),
+            "{error}"
+        );
+    }
+    let resumed = Store::<Trial>::resume(killed.path(), &fingerprint).unwrap();
+    assert_eq!(resumed.trials().unwrap(), [trial(0), trial(1)]);
+}
+
+#[test]
+fn a_log_is_not_used_on_a_network_file_system_and_the_error_says_what_to_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let fingerprint = Fingerprint::new().with("a", 1);
+    let mut store = Store::create(folder.path(), &fingerprint).unwrap();
+    store.insert(&[trial(0)]).unwrap();
+    let killed = tempfile::tempdir().unwrap();
+    for entry in fs::read_dir(folder.path()).unwrap() {
+        let path = entry.unwrap().path();
+        fs::copy(&path, killed.path().join(path.file_name().unwrap())).unwrap();
+    }
+    drop(store);
+    file_system::tests::fake(file_system::FileSystem::Shared("nfs".to_owned()));
+    for error in [
+        Store::<Trial>::read(killed.path()).unwrap_err().to_string(),
+        Store::<Trial>::resume(killed.path(), &fingerprint)
+            .unwrap_err()
+            .to_string(),
+    ] {
+        for said in [
+            "network file system",
+            "nfs",
+            "copy the whole folder to a disk of this computer",
+        ] {
+            assert!(error.contains(said), "{error}");
+        }
+    }
+    // What was closed has no log, and is read anywhere.
+    assert_eq!(
+        Store::<Trial>::read(folder.path())
+            .unwrap()
+            .trials()
+            .unwrap(),
+        [trial(0)]
+    );
+}
+
+#[test]
+fn a_file_system_whose_locks_others_do_not_see_is_refused_and_nothing_is_left_there() {
+    file_system::tests::fake(file_system::FileSystem::WithoutLocks(
+        "fuse.sshfs".to_owned(),
+    ));
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let error = Store::<Trial>::create(&out, &Fingerprint::new())
+        .unwrap_err()
+        .to_string();
+    for said in [
+        "fuse.sshfs",
+        "other computers",
+        "a disk of this computer, and copy",
+    ] {
+        assert!(error.contains(said), "{error}");
+    }
+    assert!(!out.exists());
+}

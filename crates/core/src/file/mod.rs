@@ -47,6 +47,7 @@ mod suggestion;
 mod unique;
 mod xml;
 mod zip;
+mod zstd;
 
 pub use bitmap::{AnimatedPng, png_bytes};
 pub use byte_reader::ByteReader;
@@ -66,3 +67,4 @@ pub use suggestion::{look_up, nearest_name, unknown_name};
 pub use unique::unique_keys;
 pub use xml::{XmlLimits, XmlSize, measure_xml};
 pub use zip::read_zip;
+pub use zstd::read_zstd;

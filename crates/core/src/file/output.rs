@@ -56,9 +56,11 @@ fn target_of(path: &Path) -> Target {
     } else {
         path.to_path_buf()
     };
+    // `/dev/shm` is a disk in memory.
     let is_stream = ["/dev", "/proc"]
         .iter()
-        .any(|folder| path.starts_with(folder));
+        .any(|folder| path.starts_with(folder))
+        && !path.starts_with("/dev/shm");
     match fs::metadata(&resolved) {
         Ok(metadata) if metadata.is_dir() => Target::Folder,
         Ok(metadata) if !metadata.is_file() => Target::Stream,
@@ -134,6 +136,19 @@ mod tests {
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(fs::read_to_string(&file).unwrap(), "new");
     }
+
+    #[test]
+    fn a_disk_in_memory_takes_files() {
+        let Ok(folder) = tempfile::tempdir_in("/dev/shm") else {
+            println!("SKIPPED: there is no /dev/shm that can be written");
+            return;
+        };
+        let file = folder.path().join("file");
+        check_writable(&file).unwrap();
+        write_atomic(&file, b"new").unwrap();
+        assert_eq!(fs::read_to_string(&file).unwrap(), "new");
+    }
+
     #[test]
     fn checking_a_path_leaves_no_files() {
         let folder = tempfile::tempdir().unwrap();

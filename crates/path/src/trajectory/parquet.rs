@@ -12,7 +12,7 @@ use realgap_core::error::Result;
 ///
 /// Columns have the same names, units, mappings and groups as in [`Csv`](super::csv::Csv); times of pandas are whole numbers of their unit
 /// (`--column 't=time in ns'`). Parquet files can be read but not written, and only by a program that was built with the feature
-/// `parquet`, as it is by default. Supported are uncompressed columns and the compressions snappy and LZ4.
+/// `parquet`, as it is by default. Supported are uncompressed columns and the compressions zstd, snappy and LZ4.
 pub const PARQUET: ForeignTable = ForeignTable {
     name: "parquet",
     doc: "Parquet: columns by name, as in a CSV file; a file or the folder of a LeRobot data set (feature `parquet`)",

@@ -10,7 +10,10 @@ use super::column::{Columns, Role};
 use super::crop::cropped;
 use super::csv::Csv;
 use super::euroc::Euroc;
-use super::foreign::{DEEPLABCUT, JSON_LINES, MOTIVE, NPY, NPZ, PLOTJUGGLER, QUALISYS, VICON};
+use super::foreign::{
+    DEEPLABCUT, GROUPED, JOINT_ROWS, JSON_LINES, MOTIVE, NAMED_FIELDS, NPY, NPZ, PLOTJUGGLER,
+    PX4_CSV, QUALISYS, TOPIC_ECHO, VICON,
+};
 use super::format::{Format, Parsed};
 use super::kitti::Kitti;
 use super::known_kind::known_kind;
@@ -44,6 +47,11 @@ pub const FORMATS: &[&dyn Format] = &[
     &DEEPLABCUT,
     &PLOTJUGGLER,
     &QUALISYS,
+    &JOINT_ROWS,
+    &NAMED_FIELDS,
+    &GROUPED,
+    &PX4_CSV,
+    &TOPIC_ECHO,
     &JSON_LINES,
     &NPY,
     &NPZ,

@@ -1,5 +1,6 @@
 //! Tables of many programs: each is read rightly, asked about, or refused with a remedy; none is read wrongly without a word.
 
+mod joint_text;
 mod motion_capture;
 mod named;
 mod numpy;

@@ -64,6 +64,11 @@ impl Flat {
         self.warnings.push(Code::ReadAs.warning(how.into()));
     }
 
+    /// Says what the file leaves open.
+    pub(super) fn doubt(&mut self, doubt: Warning) {
+        self.warnings.push(doubt);
+    }
+
     /// Says what is not read.
     pub(super) fn not_read(&mut self, what: impl Into<String>) {
         self.warnings

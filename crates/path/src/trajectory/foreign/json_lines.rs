@@ -5,7 +5,7 @@ use serde_json::{Map, Value};
 use super::ForeignTable;
 use super::flat::Flat;
 use crate::trajectory::format::Decoded;
-use crate::trajectory::text::decode_text;
+use crate::trajectory::text::{decode_text, excerpt};
 use realgap_core::error::{Error, Result};
 
 /// Files with a JSON object for each sample, as robots and servers log them. Names of nested objects are joined by dots; a place of three
@@ -36,12 +36,18 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 fn table(bytes: Vec<u8>) -> Result<Decoded> {
     let text = decode_text(bytes)?;
     let mut samples: Vec<(usize, Map<String, Value>)> = Vec::new();
+    let mut inside = None;
     if text.trim_start().starts_with('[') {
         let all: Value =
             serde_json::from_str(&text).map_err(|error| broken(error.line(), &error))?;
         for (index, value) in all.as_array().into_iter().flatten().enumerate() {
             samples.push((index + 1, object(index + 1, value.clone())?));
         }
+    } else if let Some((name, list)) = list_inside(&text) {
+        for (index, value) in list.into_iter().enumerate() {
+            samples.push((index + 1, object(index + 1, value)?));
+        }
+        inside = Some(name);
     } else {
         for (index, line) in text.lines().enumerate() {
             if line.trim().is_empty() {
@@ -74,7 +80,29 @@ fn table(bytes: Vec<u8>) -> Result<Decoded> {
                 .map(|name| own.remove(name).unwrap_or_default()),
         )?;
     }
+    if let Some(name) = inside {
+        flat.read_as(format!(
+            "samples are the objects of the list `{}`",
+            excerpt(&name)
+        ));
+    }
     Ok(flat.decoded())
+}
+
+/// The only list of objects in a file that is one object, with its name: what is beside it describes the recording.
+fn list_inside(text: &str) -> Option<(String, Vec<Value>)> {
+    let Ok(Value::Object(all)) = serde_json::from_str(text) else {
+        return None;
+    };
+    let is_list = |value: &Value| match value {
+        Value::Array(list) => list.len() > 1 && list.iter().all(Value::is_object),
+        _ => false,
+    };
+    let mut lists = all.into_iter().filter(|(_, value)| is_list(value));
+    match (lists.next(), lists.next()) {
+        (Some((name, Value::Array(list))), None) => Some((name, list)),
+        _ => None,
+    }
 }
 
 fn broken(line: usize, error: &serde_json::Error) -> Error {
@@ -89,13 +117,13 @@ fn object(line: usize, value: Value) -> Result<Map<String, Value>> {
         Value::Object(map) => Ok(map),
         other => Err(Error::invalid("a sample is no JSON object")
             .at_line(line, 1)
-            .found(super::super::text::excerpt(&other.to_string()))
+            .found(excerpt(&other.to_string()))
             .allowed("an object such as {\"t_s\": 0.0, \"x_m\": 0.1, \"y_m\": 0.2}")),
     }
 }
 
 /// Adds the cells of a value with their names.
-fn flatten(
+pub(super) fn flatten(
     name: &str,
     value: Value,
     depth: usize,
@@ -138,7 +166,7 @@ fn flatten(
     Ok(())
 }
 
-fn cell(value: &Value) -> String {
+pub(super) fn cell(value: &Value) -> String {
     match value {
         Value::Null => String::new(),
         Value::Bool(is) => u8::from(*is).to_string(),

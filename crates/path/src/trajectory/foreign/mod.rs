@@ -3,11 +3,15 @@
 
 mod deeplabcut;
 mod flat;
+mod grouped;
+mod joint_rows;
 mod json_lines;
 mod motive;
 mod numpy;
 mod plotjuggler;
+mod px4_csv;
 mod qualisys;
+mod topic_echo;
 mod vicon;
 
 use std::path::Path;
@@ -21,11 +25,15 @@ use realgap_core::error::{Error, Result};
 use realgap_core::file::read_limited;
 
 pub use deeplabcut::DEEPLABCUT;
+pub use grouped::GROUPED;
+pub use joint_rows::{JOINT_ROWS, NAMED_FIELDS};
 pub use json_lines::JSON_LINES;
 pub use motive::MOTIVE;
 pub use numpy::{NPY, NPZ};
 pub use plotjuggler::PLOTJUGGLER;
+pub use px4_csv::PX4_CSV;
 pub use qualisys::QUALISYS;
+pub use topic_echo::TOPIC_ECHO;
 pub use vicon::VICON;
 
 /// A format of another program that is converted into a table with one line of names.

@@ -3,10 +3,12 @@
 
 use super::ForeignTable;
 use super::flat::{Flat, broken, cells};
+use crate::trajectory::Reading;
 use crate::trajectory::format::Decoded;
 use crate::trajectory::text::{Separator, decode_text, first_line};
 use realgap_core::error::Result;
 use realgap_core::unit::{LengthUnit, counted};
+use realgap_core::warning::Code;
 
 /// CSV files that OptiTrack Motive exports. Rigid bodies and bones are read; markers only where the file has no bodies.
 pub const MOTIVE: ForeignTable = ForeignTable {
@@ -14,7 +16,7 @@ pub const MOTIVE: ForeignTable = ForeignTable {
     doc: "CSV exports of OptiTrack Motive: bodies or markers, with the units that the file states",
     extensions: &["csv"],
     recognises: |bytes| first_line(bytes).starts_with("Format Version,"),
-    table: |bytes, _| table(bytes),
+    table,
     beside: None,
 };
 
@@ -26,7 +28,7 @@ struct Kept {
     name: String,
 }
 
-fn table(bytes: Vec<u8>) -> Result<Decoded> {
+fn table(bytes: Vec<u8>, reading: &Reading) -> Result<Decoded> {
     let text = decode_text(bytes)?;
     let lines: Vec<&str> = text.lines().collect();
     let row = |index: usize| cells(lines[index], index + 1, Separator::Comma);
@@ -93,6 +95,11 @@ fn table(bytes: Vec<u8>) -> Result<Decoded> {
         });
     }
     let mut flat = Flat::new(kept.iter().map(|column| column.name.clone()))?;
+    if reading.axes.is_none() {
+        flat.doubt(Code::UnknownAxes.warning(
+            "an export of Motive does not say which of its axes points up, and in most of them it is y: they are read as x, y, z with z up",
+        ));
+    }
     if !markers.is_empty() {
         flat.not_read(format!(
             "the positions of {} are not read, because the file has bodies",

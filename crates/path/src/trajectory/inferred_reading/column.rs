@@ -2,7 +2,7 @@
 
 use super::super::body_column;
 use super::super::column::{Columns, Measure, Role};
-use super::super::column_name::{StatedUnit, counts_samples, unit_in_name, unit_in_row};
+use super::super::column_name::{StatedUnit, counts_samples, unit_in_name, unit_in_row, words};
 use super::super::csv::Csv;
 use super::super::format::Format as _;
 use super::super::joint_column;
@@ -84,6 +84,14 @@ pub(super) fn infer_columns(text: &str, guess: &mut InferredReading) -> Result<(
     };
     let is_mapped = |role: Role| guess.reading.columns.get(role).is_some();
     let has = |role: Role| found.iter().any(|column| column.role == role) || is_mapped(role);
+    let is_number = |name: &str| Separator::of_header(name).number(name).is_some();
+    let filled = names.iter().filter(|name| !name.is_empty()).count();
+    let numbers = names.iter().filter(|name| is_number(name)).count();
+    if filled > 1 && 3 * numbers >= 2 * filled {
+        return Err(lacks("anything")
+            .hint("the first line holds numbers: write a line with the names of the columns above it, e.g. t_s,x_m,y_m,z_m,qw,qx,qy,qz or t_s,JOINT_rad,JOINT_command_rad; if the names stand further below")
+            .advise(Advice::SkipLines));
+    }
     if !has(Role::Time) && guess.reading.rate_hz.is_none() {
         let error = lacks("a time (t, time, stamp)");
         return Err(match names.iter().find(|name| counts_samples(name)) {
@@ -121,9 +129,14 @@ pub(super) fn infer_columns(text: &str, guess: &mut InferredReading) -> Result<(
                 lists.join(", ")
             )));
         }
-        return Err(lacks("both x and y")
-            .hint("the angles of joints, and their commands, are columns NAME_rad or NAME_deg")
-            .advise(Advice::MapColumns));
+        return Err(match names.iter().any(|name| is_of_joint(name)) {
+            true => lacks("both x and y")
+                .hint("columns of joints are found with the robot, whose file names its joints; without it, call the angles of joints and their commands NAME_rad or NAME_deg, NAME_command_rad")
+                .advise(Advice::NameRobot),
+            false => lacks("both x and y")
+                .hint("the angles of joints, and their commands, are columns NAME_rad or NAME_deg")
+                .advise(Advice::MapColumns),
+        });
     }
     let plain = sets.iter().position(String::is_empty);
     if let (None, [_, _, ..]) = (plain, sets.as_slice()) {
@@ -170,6 +183,20 @@ pub(super) fn infer_columns(text: &str, guess: &mut InferredReading) -> Result<(
     guess.reading.columns = columns;
     guess.conclude(mapped.join(", "), reason);
     heading_in_degrees(text, guess)
+}
+
+/// Words in the names of columns that hold angles of joints, in files without places.
+const OF_JOINTS: [&str; 8] = [
+    "q", "qpos", "pos", "position", "angle", "joint", "present", "setpoint",
+];
+
+/// True if a column seems to hold the angle of a joint, which only the names of the robot's joints can show.
+fn is_of_joint(name: &str) -> bool {
+    let words = words(name);
+    words.iter().any(|word| {
+        let word = word.trim_end_matches(|c: char| c.is_ascii_digit());
+        OF_JOINTS.contains(&word)
+    })
 }
 
 fn has_joints(names: &[&str], ticks: Option<Ticks>) -> bool {
@@ -275,7 +302,7 @@ fn mapping(
 
 /// True if two names differ in their last word only.
 fn same_base(one: &str, other: &str) -> bool {
-    let [one, other] = [one, other].map(super::super::column_name::words);
+    let [one, other] = [one, other].map(words);
     one.len() == other.len() && one[..one.len() - 1] == other[..other.len() - 1]
 }
 

@@ -396,6 +396,64 @@ mod tests {
     }
 
     #[test]
+    fn numbers_that_begin_at_0_are_not_taken_for_joints_that_are_counted_from_1() {
+        let joints = ["joint_1".to_owned(), "joint_2".to_owned()];
+        let text = log("t,actual_q_0,actual_q_1,target_q_0,target_q_1", &flat(1.0));
+        let infer =
+            |order: &[String]| JointReading::of_text(&text, &Reading::default(), &joints, order);
+        let error = infer(&[]).unwrap_err().to_string();
+        assert!(
+            error.contains("2 joints without names: actual_q_0, actual_q_1"),
+            "{error}"
+        );
+        let names = infer(&joints).unwrap().unwrap().reading.names;
+        assert_eq!(names["actual_q_0"], "joint_1_rad");
+        assert_eq!(names["target_q_1"], "joint_2_command_rad");
+    }
+
+    #[test]
+    fn raw_speeds_of_servos_that_count_angles_are_not_read() {
+        let counts =
+            |q: [f64; 4]| format!("{},{}", 2048 + (600.0 * q[0]) as i32, (90.0 * q[1]) as i32);
+        let text = log("time_ms,id1_present_position,id1_present_velocity", &counts);
+        let joints = ["joint1".to_owned()];
+        let made = JointReading::of_text(&text, &Reading::default(), &joints, &[]);
+        let names = made.unwrap().unwrap().reading.names;
+        assert_eq!(names["id1_present_position"], "joint1_ticks");
+        assert!(!names.contains_key("id1_present_velocity"), "{names:?}");
+    }
+
+    #[test]
+    fn the_only_joint_of_a_robot_needs_no_name() {
+        let joints = ["knee".to_owned()];
+        for (header, angle, command) in [
+            (
+                "t,Present Position (deg),x,Goal Position (deg),y",
+                "knee_deg",
+                "knee_command_deg",
+            ),
+            (
+                "t,position,speed,goal_position,load",
+                "knee_rad",
+                "knee_command_rad",
+            ),
+            ("t,measured,x,setpoint,y", "knee_rad", "knee_command_rad"),
+        ] {
+            let scale = if angle.ends_with("deg") { 57.3 } else { 1.0 };
+            let text = log(header, &flat(scale));
+            let made = JointReading::of_text(&text, &Reading::default(), &joints, &[]);
+            let names = made
+                .unwrap()
+                .unwrap_or_else(|| panic!("{header}"))
+                .reading
+                .names;
+            let theirs: Vec<&str> = header.split(',').collect();
+            assert_eq!(names[theirs[1]], angle, "{header}");
+            assert_eq!(names[theirs[3]], command, "{header}");
+        }
+    }
+
+    #[test]
     fn measured_torques_and_commanded_currents_are_found_beside_angles() {
         let header = "t,pan_pos,lift_pos,pan_tau,lift_cmd_current";
         let made = infer(&log(header, &flat(1.0)), &Reading::default(), &[]);

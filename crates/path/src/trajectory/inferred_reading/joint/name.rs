@@ -45,9 +45,13 @@ const TORQUES: [&str; 4] = ["tau", "torque", "effort", "nm"];
 const CURRENTS: [&str; 1] = ["current"];
 const LOADS: [&str; 1] = ["load"];
 /// Words that say nothing about the quantity.
-const FILLING: [&str; 9] = [
+const FILLING: [&str; 13] = [
     "observation",
     "motor",
+    "servo",
+    "id",
+    "dxl",
+    "axis",
     "joint",
     "joints",
     "deg",
@@ -227,9 +231,12 @@ fn without_joint(column: &str, joint: &str) -> Option<String> {
     let short = joint
         .strip_suffix("_joint")
         .or_else(|| joint.strip_prefix("joint_"));
+    // What is left of `joint_1` is a number, which another program may count from 0.
+    let is_name = |name: &&str| name.chars().any(char::is_alphabetic);
     [Some(joint.as_str()), short]
         .into_iter()
         .flatten()
+        .filter(is_name)
         .find_map(|joint| {
             let at = column.find(joint)?;
             let is_end = |c: Option<char>| c.is_none_or(|c| !c.is_ascii_alphanumeric());
@@ -291,6 +298,12 @@ pub(super) fn found<'c, 'a>(column: &'c Column<'a>, joints: &[String]) -> Option
     let longest = named.by_ref().max_by_key(|(length, ..)| *length);
     if let Some((_, index, rest)) = longest {
         return make(Whose::Named(index), &rest);
+    }
+    // The only joint of a robot may have a log without its name: `goal position (deg)`, `position`.
+    if let ([_], None) = (joints, only_number(column.name))
+        && !words(column.name).is_empty()
+    {
+        return make(Whose::Named(0), column.name);
     }
     let number = only_number(column.name)?;
     // A bare number is no joint: the name has to say what it counts.

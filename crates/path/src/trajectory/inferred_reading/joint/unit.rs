@@ -47,6 +47,8 @@ impl Unit {
         match quantity {
             Quantity::Angle => Some(format!("{joint}_{symbol}")),
             Quantity::Command => Some(format!("{joint}_command_{symbol}")),
+            // A servo that counts angles gives speeds in a unit of its own, e.g. 0.229 turns a minute.
+            Quantity::Speed if symbol == "ticks" => None,
             Quantity::Speed => Some(format!("{joint}_{symbol}_s")),
             Quantity::CommandedSpeed => is_rad.then(|| format!("{joint}_command_rad_s")),
             Quantity::CommandedTorque => Some(format!("{joint}_command_nm")),
