@@ -8,6 +8,7 @@
 //! already, and is not multiplied on it again.
 
 use super::Range;
+use realgap_core::statistics::{mean, standard_deviation, student_quantile};
 
 /// MuJoCo's displacements of random robots: tools/engine_spread.py, docs/validation/ensembles.md.
 const LEARNED: &str = include_str!("engines.csv");
@@ -18,6 +19,8 @@ const SHARE_OF_EXACT: f64 = 0.9;
 /// Weights of the expected error, which is a root of a sum of squares: half of the repeats' spread, the sensitivity, a tenth of
 /// the expected displacement, and a fifth of the difference between the own engines and of the change by relaxed contacts. All of
 /// these weights were chosen on the learned robots by leaving out one at a time.
+/// Quantiles by which a distribution is kept.
+const QUANTILES: usize = 999;
 const TENTH: f64 = 0.1;
 const FIFTH: f64 = 0.2;
 
@@ -157,6 +160,25 @@ impl OtherEngine {
         }
         ends_m.sort_by(f64::total_cmp);
         Self { ends_m }
+    }
+
+    /// Number of robots from which was learned.
+    pub fn robots() -> usize {
+        Judged::table(LEARNED).count()
+    }
+
+    /// The displacements of a further run in the engine that made these runs under the same noise: a t-distribution about their
+    /// mean, as of a further draw from a normal distribution of which this sample is known.
+    pub fn of_runs(runs_m: &[f64]) -> Self {
+        let count = runs_m.len() as f64;
+        let spread_m = standard_deviation(runs_m) * (1.0 + 1.0 / count).sqrt();
+        let ends = (0..QUANTILES).map(|index| {
+            let level = (index as f64 + 0.5) / QUANTILES as f64;
+            (mean(runs_m) + spread_m * student_quantile(level, count - 1.0)).max(0.0)
+        });
+        Self {
+            ends_m: ends.collect(),
+        }
     }
 
     /// The range that holds this share of runs, metres: between displacements of rank `level (n + 1)`, so that a further one is
