@@ -11,6 +11,7 @@ pub use ask::Mujoco;
 use super::OtherEngine;
 use super::ensemble::Ensemble;
 use super::other_engine::OwnEngines;
+use realgap_core::unit::{Unit, quantity};
 use realgap_core::{Error, Result};
 use realgap_optimization::RunOptions;
 use realgap_simulation::Experiment;
@@ -53,12 +54,16 @@ pub struct OpinionSource {
 }
 
 impl fmt::Display for OpinionSource {
-    /// `asked MuJoCo 4.0.0, 12 runs`.
+    /// `asked MuJoCo 4.0.0: 12 runs of 29.4 cm to 30.7 cm`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.by {
             Teller::Mujoco => {
                 let version = self.mujoco_version.as_deref().unwrap_or_default();
-                write!(f, "asked MuJoCo {version}, {} runs", self.runs_m.len())
+                let ends = self.runs_m.iter().copied();
+                let [low, high] = [ends.clone().reduce(f64::min), ends.reduce(f64::max)]
+                    .map(|m| quantity(m.unwrap_or_default(), Unit::Metre));
+                let runs = self.runs_m.len();
+                write!(f, "asked MuJoCo {version}: {runs} runs of {low} to {high}")
             }
             Teller::Table => {
                 let robots = OtherEngine::robots();
@@ -99,7 +104,7 @@ impl ThirdOpinion {
         };
         match (mujoco.ask(experiment, ensemble, run)?, self) {
             (Ok(asked), _) => {
-                let other = OtherEngine::of_runs(&asked.runs_m);
+                let other = OtherEngine::asked(known, &asked.runs_m);
                 let source = OpinionSource {
                     by: Teller::Mujoco,
                     mujoco_version: Some(asked.version),
