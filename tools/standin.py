@@ -10,10 +10,10 @@ import numpy as np
 
 
 class Robot:
-    """Model, gait and servo law, all read from the MJCF file."""
+    """Model, gait and servo law, all read from the MJCF file, or from the model of such a file."""
 
-    def __init__(self, path):
-        self.model = mujoco.MjModel.from_xml_path(str(path))
+    def __init__(self, file):
+        self.model = file if isinstance(file, mujoco.MjModel) else mujoco.MjModel.from_xml_path(str(file))
         # Number of steps for which a control is held; more than one reduces the number of calls of Python.
         self.hold = 1
         m = self.model
@@ -71,17 +71,33 @@ class Robot:
         data.ctrl[self.actuator] = np.where(self.velocity_law, speed, target_rad)
 
     def lowest_m(self, data):
-        """Smallest distance of a colliding box to the floor."""
+        """Smallest distance of a colliding shape to the floor."""
         m = self.model
         normal = data.geom_xmat[self.floor].reshape(3, 3)[:, 2]
         low = math.inf
         for g in range(m.ngeom):
-            if m.geom_type[g] != mujoco.mjtGeom.mjGEOM_BOX or m.geom_contype[g] == 0:
+            if g == self.floor or m.geom_contype[g] == 0:
                 continue
             along = data.geom_xmat[g].reshape(3, 3).T @ normal
             centre = (data.geom_xpos[g] - data.geom_xpos[self.floor]) @ normal
-            low = min(low, centre - np.abs(along) @ m.geom_size[g])
+            low = min(low, centre - self.reach_m(g, along))
         return low
+
+    def reach_m(self, g, along):
+        """How far a shape reaches from its centre against a direction in its own frame."""
+        m, kind = self.model, mujoco.mjtGeom
+        radius_m, half_m = m.geom_size[g][:2]
+        if m.geom_type[g] == kind.mjGEOM_SPHERE:
+            return radius_m
+        if m.geom_type[g] == kind.mjGEOM_CAPSULE:
+            return radius_m + half_m * abs(along[2])
+        if m.geom_type[g] == kind.mjGEOM_CYLINDER:
+            return radius_m * math.hypot(along[0], along[1]) + half_m * abs(along[2])
+        if m.geom_type[g] == kind.mjGEOM_MESH:
+            mesh = m.geom_dataid[g]
+            first = m.mesh_vertadr[mesh]
+            return -(m.mesh_vert[first : first + m.mesh_vertnum[mesh]] @ along).min()
+        return np.abs(along) @ m.geom_size[g]
 
     def place(self, shift_m=(0, 0, 0), turn_rad=(0, 0, 0), servo_zero_rad=0.0):
         """A new state: servos at their first command, the robot turned, shifted and just touching the floor."""

@@ -157,6 +157,20 @@ class Model:
 
 
 @dataclass(frozen=True)
+class OpinionSource:
+    """Who said what another engine would do: MuJoCo, which ran this robot, or the table of what it did with other robots, and why.
+
+    >>> prediction.card.model.third_opinion.by in ("mujoco", "table")
+    True
+    """
+
+    by: Literal["mujoco", "table"]
+    mujoco_version: Optional[str]
+    runs_m: Tuple[float, ...]
+    not_asked: Optional[str]
+
+
+@dataclass(frozen=True)
 class ModelError:
     """How far the results of equally valid models differ: ranges of quantiles (5, 50, 95 %), behaviours and further runs.
 
@@ -169,6 +183,7 @@ class ModelError:
     repeats: int
     quantiles_m: Tuple[Interval, Interval, Interval]
     behaviours: Tuple[Interval, ...]
+    third_opinion: Optional[OpinionSource]
     half_of_runs_m: Optional[Interval]
     further_run_m: Optional[Interval]
     other_engine_adds_m: Optional[Interval]

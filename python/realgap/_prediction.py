@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from typing import TYPE_CHECKING, Literal, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _native
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
 # Fields of a study's `noise`, or a file of them. A distribution is `{"Normal": 0.01}`.
 Noise = Union[Mapping[str, Given], Path, None]
+# Who says what another engine would do.
+OtherEngine = Literal["auto", "mujoco", "table"]
 
 
 class Ensemble(Result[_native.Ensemble, EnsembleSummary]):
@@ -135,6 +138,7 @@ def _drawing(
     seed: Optional[int],
     model_error: bool = True,
     posterior: Optional[Path] = None,
+    other_engine: Optional[OtherEngine] = None,
 ) -> str:
     return asked(
         what,
@@ -144,6 +148,8 @@ def _drawing(
         noise_file=None if isinstance(noise, Mapping) else noise,
         model_error=model_error,
         posterior=posterior,
+        other_engine=other_engine,
+        python=sys.executable or None,
     )
 
 
@@ -154,12 +160,13 @@ def ensemble_of(
     seed: Optional[int],
     model_error: bool,
     posterior: Optional[Path],
+    other_engine: Optional[OtherEngine],
     jobs: Optional[int],
     folder: Optional[Path],
     progress: AnyProgress,
 ) -> Ensemble:
     """See `Study.ensemble`."""
-    drawing = _drawing("ensemble", repeats, noise, seed, model_error, posterior)
+    drawing = _drawing("ensemble", repeats, noise, seed, model_error, posterior, other_engine)
     return Ensemble(_native.repeat_study(study, drawing, whole("jobs", jobs), folder_name(folder), shown(progress)))
 
 
@@ -190,11 +197,15 @@ def predict(
     success_m: Optional[float] = None,
     model_error: bool = True,
     posterior: Optional[Path] = None,
+    other_engine: Optional[OtherEngine] = None,
     jobs: Optional[int] = None,
     folder: Optional[Path] = None,
     progress: AnyProgress = None,
 ) -> Prediction:
     """The prediction card of a robot, as `realgap predict` makes it.
+
+    `other_engine` says who tells what another engine would do: "mujoco" asks MuJoCo, which this Python must have, "table" takes
+    what it did with other robots, and "auto", the default, asks MuJoCo where it can.
 
     >>> noise = {"friction_run_relative": {"LogNormal": 0.05}}
     >>> realgap.predict(robot, duration_s=0.5, noise=noise, repeats=3, model_error=False).card.noise_from
@@ -204,7 +215,7 @@ def predict(
     question = asked(
         "predict", duration_s=duration_s, success_m=success_m, set=values, parameters=files
     )
-    drawing = _drawing("predict", repeats, noise, seed, model_error, posterior)
+    drawing = _drawing("predict", repeats, noise, seed, model_error, posterior, other_engine)
     return Prediction(
         _native.predict(
             native_robot(robot), question, drawing, whole("jobs", jobs), folder_name(folder), shown(progress)

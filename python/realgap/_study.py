@@ -12,7 +12,7 @@ from ._callback import AnyMetric, Optimizer, native_metric
 from ._error import usage
 from ._finding import Evaluation, Explanation, Identification
 from ._json import Given, JsonObject, asked, made, parsed
-from ._prediction import Ensemble, Gap, Noise, ensemble_of, gap_of
+from ._prediction import Ensemble, Gap, Noise, OtherEngine, ensemble_of, gap_of
 from ._robot import Robot, native_robot
 from ._progress import AnyProgress, shown
 from ._run import Parameters, Path, file_name, files_and_values, folder_name, mode, whole
@@ -400,17 +400,19 @@ class Study:
         seed: Optional[int] = None,
         model_error: bool = True,
         posterior: Optional[Path] = None,
+        other_engine: Optional[OtherEngine] = None,
         jobs: Optional[int] = None,
         folder: Optional[Path] = None,
         progress: AnyProgress = None,
     ) -> Ensemble:
-        """Repeats the study's runs under noise. `posterior` is the results folder of a sweep or tuning whose draws are simulated as further models.
+        """Repeats the study's runs under noise. `posterior` is the results folder of a sweep or tuning whose draws are simulated as further models;
+        `other_engine` as in `realgap.predict`.
 
         >>> answer.fitted.ensemble(repeats=5, model_error=False).repeats.rows
         5
         """
         return ensemble_of(
-            self._native, repeats, noise, seed, model_error, posterior, jobs, folder, progress
+            self._native, repeats, noise, seed, model_error, posterior, other_engine, jobs, folder, progress
         )
 
     def gap(

@@ -11,12 +11,11 @@ use realgap::optimization::RunOptions;
 use realgap::prediction::ensemble;
 use realgap::prediction::gap::{GapOptions, StudyGap};
 use realgap::prediction::{
-    Card, DivergenceRate, EnsembleOptions, EnsembleReport, ModelError, SuccessRule,
-    UncertainParameters,
+    Card, DivergenceRate, EnsembleOptions, EnsembleReport, ModelError, ModelOptions, Mujoco,
+    SuccessRule, ThirdOpinion, UncertainParameters,
 };
 use realgap::results::{Kind, check_folder, write_ensemble, write_gap, write_prediction};
 use realgap::search::read_posterior;
-use realgap::simulation::parameter::ParameterSet;
 use realgap::simulation::{Experiment, Noise, Sampling};
 use realgap::warning::Code;
 use realgap::{Error, Result};
@@ -45,6 +44,9 @@ struct Drawing {
     noise_file: Option<PathBuf>,
     model_error: bool,
     posterior: Option<PathBuf>,
+    other_engine: Option<String>,
+    /// The Python that runs this package.
+    python: Option<String>,
 }
 
 impl Drawing {
@@ -73,16 +75,40 @@ impl Drawing {
         }
     }
 
-    fn points(&self) -> Result<Option<Vec<ParameterSet>>> {
-        match (self.model_error, &self.posterior) {
-            (false, Some(_)) => Err(Error::usage(
-                "posterior= adds models to the model error, which is off",
-            )
-            .field("posterior")
-            .hint("leave model_error=True")),
-            (false, None) => Ok(None),
-            (true, Some(folder)) => read_posterior(folder).map(Some),
-            (true, None) => Ok(Some(Vec::new())),
+    /// What the model error is computed from; `None` where it is off.
+    fn model(&self) -> Result<Option<ModelOptions>> {
+        let wanted = [
+            ("posterior", self.posterior.is_some()),
+            ("other_engine", self.other_engine.is_some()),
+        ];
+        let wanted = wanted.iter().find(|(_, is_given)| *is_given);
+        if let (false, Some((name, _))) = (self.model_error, wanted) {
+            return Err(
+                Error::usage(format!("{name}= belongs to the model error, which is off"))
+                    .field(*name)
+                    .hint("leave model_error=True"),
+            );
+        }
+        if !self.model_error {
+            return Ok(None);
+        }
+        let points = self.posterior.as_deref().map(read_posterior).transpose()?;
+        Ok(Some(ModelOptions {
+            points: points.unwrap_or_default(),
+            third_opinion: self.third_opinion()?,
+        }))
+    }
+
+    fn third_opinion(&self) -> Result<ThirdOpinion> {
+        let mujoco = || Mujoco::new(self.python.as_deref().unwrap_or("python3"));
+        match self.other_engine.as_deref() {
+            None | Some("auto") => Ok(ThirdOpinion::Mujoco(mujoco())),
+            Some("mujoco") => Ok(ThirdOpinion::OnlyMujoco(mujoco())),
+            Some("table") => Ok(ThirdOpinion::Table),
+            Some(other) => Err(Error::usage("nobody who says what another engine would do")
+                .field("other_engine")
+                .found(other)
+                .allowed("auto, mujoco, table")),
         }
     }
 }
@@ -139,7 +165,7 @@ pub fn repeat_study(
             noise_from,
             repeats: drawing.repeats,
             seed: drawing.seed.unwrap_or(study.definition.seed),
-            model: drawing.points()?,
+            model: drawing.model()?,
         };
         let total = study.cases.len() * options.repeats;
         let report = kept(
@@ -376,8 +402,10 @@ fn card(
         progress: None,
         ..*run
     };
-    let model = match drawing.points()? {
-        Some(points) => ModelError::new(&experiment, &repeats, &card.prediction, &points, &quiet)?,
+    let model = match drawing.model()? {
+        Some(options) => {
+            ModelError::new(&experiment, &repeats, &card.prediction, &options, &quiet)?
+        }
         None => None,
     };
     let card = card

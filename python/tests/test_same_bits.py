@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import pytest
 
 import realgap
 from conftest import STAND_INS, TRIPOD
@@ -176,3 +177,15 @@ def test_an_error_has_the_text_of_the_command(command, tmp_path):
     except realgap.InvalidError as error:
         assert said.stderr.strip() == f"error: {error}"
         assert error.file == str(broken) and error.line is not None
+
+
+def test_who_says_what_another_engine_would_do_is_chosen_and_named(tripod):
+    def asked(**options):
+        return realgap.predict(tripod, duration_s=0.5, repeats=4, **options).card.model.third_opinion
+
+    said = asked(other_engine="table")
+    assert (said.by, said.mujoco_version, said.runs_m, said.not_asked) == ("table", None, (), None)
+    with pytest.raises(realgap.Error, match="auto, mujoco, table"):
+        asked(other_engine="isaac")
+    with pytest.raises(realgap.Error, match="other_engine"):
+        asked(other_engine="table", model_error=False)

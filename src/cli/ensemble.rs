@@ -96,7 +96,7 @@ impl Ensemble {
             noise_from: noise_from.display().to_string(),
             repeats: self.repeats as usize,
             seed: self.seed.unwrap_or(study.definition.seed),
-            model: self.model.points()?,
+            model: self.model.options()?,
         };
         Ok((study, options))
     }

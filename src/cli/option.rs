@@ -9,6 +9,7 @@ use clap::{Args, ValueEnum};
 use realgap::calibration::{CommandConsent, Fitted, Mode, Overrides, Part};
 use realgap::comparison::{self, Metric};
 use realgap::identification::StartState;
+use realgap::prediction::{ModelOptions, Mujoco, ThirdOpinion};
 use realgap::search::read_posterior;
 use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::simulation::{ENGINES, Experiment, JointFormulation, Solver, engine_by_name};
@@ -233,20 +234,61 @@ pub struct ModelErrorOption {
     /// Results folder of a sweep or tuning whose posterior draws (indistinguishable.csv) are simulated as further models
     #[arg(long, value_name = "DIR")]
     posterior: Option<PathBuf>,
+    /// Who says what another engine would do: MuJoCo itself, with the draws of the first repeats, where a Python with the package
+    /// mujoco is found, or a table of what it did with other robots. The answer names who it was [default: auto]
+    #[arg(long, value_enum, value_name = "WHO")]
+    other_engine: Option<OtherEngine>,
+    /// The Python that has mujoco [default: REALGAP_PYTHON of the environment, else python3]
+    #[arg(long, value_name = "PYTHON")]
+    python: Option<String>,
+}
+
+/// Who says what another engine would do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum OtherEngine {
+    /// MuJoCo; the table where it cannot answer, and the answer says why
+    #[default]
+    Auto,
+    /// MuJoCo; an error where it cannot answer
+    Mujoco,
+    /// The table, which is the same on every machine
+    Table,
 }
 
 impl ModelErrorOption {
-    /// The posterior draws that are simulated as models; `None` where the model error is off.
-    pub fn points(&self) -> Result<Option<Vec<ParameterSet>>> {
-        match (self.model_error, &self.posterior) {
-            (Switch::Off, Some(_)) => Err(Error::usage(
-                "--posterior adds models to the model error, which is off",
-            )
-            .field("--posterior")
-            .hint("leave --model-error on")),
-            (Switch::Off, None) => Ok(None),
-            (Switch::On, Some(folder)) => read_posterior(folder).map(Some),
-            (Switch::On, None) => Ok(Some(Vec::new())),
+    /// What the model error is computed from; `None` where it is off.
+    pub fn options(&self) -> Result<Option<ModelOptions>> {
+        let wanted = [
+            ("--posterior", self.posterior.is_some()),
+            ("--other-engine", self.other_engine.is_some()),
+            ("--python", self.python.is_some()),
+        ];
+        let wanted = wanted.iter().find(|(_, is_given)| *is_given);
+        if let (Switch::Off, Some((name, _))) = (self.model_error, wanted) {
+            return Err(
+                Error::usage(format!("{name} belongs to the model error, which is off"))
+                    .field(*name)
+                    .hint("leave --model-error on"),
+            );
+        }
+        if self.model_error == Switch::Off {
+            return Ok(None);
+        }
+        let points = self.posterior.as_deref().map(read_posterior).transpose()?;
+        Ok(Some(ModelOptions {
+            points: points.unwrap_or_default(),
+            third_opinion: self.third_opinion(),
+        }))
+    }
+
+    fn third_opinion(&self) -> ThirdOpinion {
+        let python = self.python.clone();
+        let python = python.or_else(|| std::env::var("REALGAP_PYTHON").ok());
+        let mujoco = Mujoco::new(python.unwrap_or_else(|| "python3".to_owned()));
+        match self.other_engine.unwrap_or_default() {
+            OtherEngine::Auto => ThirdOpinion::Mujoco(mujoco),
+            OtherEngine::Mujoco => ThirdOpinion::OnlyMujoco(mujoco),
+            OtherEngine::Table => ThirdOpinion::Table,
         }
     }
 }

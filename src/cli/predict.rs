@@ -166,7 +166,7 @@ impl Predict {
             }
             None => SuccessRule::HalfOfNoiseFree,
         };
-        let points = self.model.points()?;
+        let options = self.model.options()?;
         let Subject {
             name,
             experiment,
@@ -200,9 +200,11 @@ impl Predict {
             false => None,
         };
         let card = Card::new(name, &repeats, rule)?;
-        let model = points.map(|points| {
+        let model = options.map(|options| {
             let forecast = &card.prediction;
-            ModelError::new(&experiment, &repeats, forecast, &points, &run)
+            progress::during(0, "simulating other models", run, |run| {
+                ModelError::new(&experiment, &repeats, forecast, &options, run)
+            })
         });
         let model = model.transpose()?.flatten();
         let card = card

@@ -39,3 +39,44 @@ fn the_command_line_switches_it_off_and_takes_the_posterior_of_a_sweep() {
     let (code, _, error) = predict(&["--posterior", "nowhere"]);
     assert!(code == Some(1) && error.contains("nowhere"), "{error}");
 }
+
+#[test]
+fn who_says_what_another_engine_would_do_is_chosen_and_named() {
+    let predict = |more: &[&str]| {
+        let mut command = realgap();
+        command.args(["predict", "morphologies/two_module.ron"]);
+        command.args(["--duration", "0.5", "--repeats", "4"]);
+        let output = command.args(more).output().unwrap();
+        (
+            output.status.code(),
+            text(&output.stdout),
+            text(&output.stderr),
+        )
+    };
+    let (code, said, _) = predict(&["--other-engine", "table"]);
+    assert_eq!(code, Some(0));
+    assert!(
+        said.contains("(learned from 391 other robots in MuJoCo)"),
+        "{said}"
+    );
+    let nowhere = ["--python", "/nowhere/python3", "--format", "json"];
+    let (code, said, _) = predict(&nowhere);
+    let card: serde_json::Value = serde_json::from_str(&said).unwrap();
+    let opinion = &card["model"]["third_opinion"];
+    assert_eq!((code, &opinion["by"]), (Some(0), &"table".into()));
+    let why = opinion["not_asked"].as_str().unwrap();
+    assert!(
+        why.contains("`/nowhere/python3` cannot be started"),
+        "{why}"
+    );
+    let (code, _, error) = predict(&["--other-engine", "mujoco", "--python", "/nowhere/python3"]);
+    assert!(
+        code == Some(1) && error.contains("pip install mujoco"),
+        "{error}"
+    );
+    let (code, _, error) = predict(&["--model-error", "off", "--other-engine", "table"]);
+    assert!(
+        code == Some(2) && error.contains("--other-engine"),
+        "{error}"
+    );
+}

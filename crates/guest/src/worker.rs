@@ -38,6 +38,8 @@ pub(crate) struct Worker {
     input: Option<ChildStdin>,
     lines: Receiver<String>,
     errors: Arc<Mutex<String>>,
+    /// The thread that reads the errors until their end.
+    reading: Option<thread::JoinHandle<()>>,
     /// What the simulator printed besides its answers.
     printed: String,
     /// When it is ended, where its input has ended already.
@@ -75,16 +77,17 @@ impl Worker {
             thread::spawn(move || send_lines(output, &sender));
         }
         let errors = Arc::new(Mutex::new(String::new()));
-        if let Some(output) = process.stderr.take() {
+        let reading = process.stderr.take().map(|output| {
             let errors = Arc::clone(&errors);
-            thread::spawn(move || keep_last(output, &errors));
-        }
+            thread::spawn(move || keep_last(output, &errors))
+        });
         Ok(Self {
             input: process.stdin.take(),
             process,
             guard,
             lines,
             errors,
+            reading,
             printed: String::new(),
             leaves_by: None,
             limits: [command.start_limit, command.answer_limit],
@@ -177,8 +180,15 @@ impl Worker {
             Some(status) => format!("ended ({status})"),
             None => "closed its output".to_owned(),
         };
-        // The thread that reads the last words may be a little behind.
-        thread::sleep(Duration::from_millis(20));
+        // The thread that reads the last words may be behind, and what the simulator has started may keep it reading.
+        let is_read = || {
+            self.reading
+                .as_ref()
+                .is_none_or(thread::JoinHandle::is_finished)
+        };
+        while !is_read() && Instant::now() < end {
+            thread::sleep(Duration::from_millis(2));
+        }
         self.failure(Fault::Ended, why)
     }
 

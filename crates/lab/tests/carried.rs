@@ -7,7 +7,7 @@ use crate::common;
 use realgap_core::unit::LengthUnit;
 use realgap_lab::calibration::{Fitted, Repeatable, Study, read_best};
 use realgap_lab::prediction::gap::{GapOptions, StudyGap};
-use realgap_lab::prediction::{EnsembleOptions, EnsembleReport, ModelError};
+use realgap_lab::prediction::{EnsembleOptions, EnsembleReport, ModelError, ModelOptions};
 use realgap_optimization::RunOptions;
 use realgap_path::{comparison, trajectory};
 use realgap_robot::morphology::Morphology;
@@ -108,8 +108,11 @@ fn a_parameter_that_repeats_draw_is_not_counted_again_as_another_model() {
     let case = &report.cases[0];
     let study = Repeatable::new(study(0.1, 0.9)).unwrap();
     let (experiment, run) = (&study.cases[0].experiment, RunOptions::default());
-    let points = [friction(0.1), friction(0.9)];
-    let model = ModelError::new(experiment, &case.ensemble, &case.forecast, &points, &run);
+    let options = ModelOptions {
+        points: vec![friction(0.1), friction(0.9)],
+        ..ModelOptions::default()
+    };
+    let model = ModelError::new(experiment, &case.ensemble, &case.forecast, &options, &run);
     let models = model.unwrap().unwrap().models;
     assert!(
         models

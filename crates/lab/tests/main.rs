@@ -31,6 +31,7 @@ mod recovery;
 mod servo;
 mod strategy_contract;
 mod surface;
+mod third_opinion;
 mod timestep;
 mod toss;
 mod walkers;

@@ -8,7 +8,7 @@ use crate::common;
 use common::project;
 use realgap_lab::prediction::ensemble::{self, Ensemble, Forecast};
 use realgap_lab::prediction::{
-    Card, Judged, ModelError, OtherEngine, OwnEngines, Source, SuccessRule,
+    Card, Judged, ModelError, ModelOptions, OtherEngine, OwnEngines, Source, SuccessRule,
 };
 use realgap_optimization::RunOptions;
 use realgap_robot::morphology::Morphology;
@@ -35,6 +35,14 @@ fn walk() -> (Experiment, Ensemble, Forecast) {
     (experiment, repeats, forecast)
 }
 
+/// The model error with these points of the confidence set, and the table as the third opinion.
+fn with(points: &[ParameterSet]) -> ModelOptions {
+    ModelOptions {
+        points: points.to_vec(),
+        ..ModelOptions::default()
+    }
+}
+
 fn on(jobs: usize) -> RunOptions<'static> {
     RunOptions {
         jobs,
@@ -46,7 +54,7 @@ fn on(jobs: usize) -> RunOptions<'static> {
 fn other_models_run_with_the_draws_of_the_repeats_and_widen_the_quantiles() {
     let (experiment, repeats, forecast) = walk();
     let of = |points: &[ParameterSet], jobs| {
-        ModelError::new(&experiment, &repeats, &forecast, points, &on(jobs))
+        ModelError::new(&experiment, &repeats, &forecast, &with(points), &on(jobs))
             .unwrap()
             .unwrap()
     };
@@ -90,7 +98,7 @@ fn other_models_run_with_the_draws_of_the_repeats_and_widen_the_quantiles() {
 #[test]
 fn a_probability_of_success_has_the_range_of_other_models() {
     let (experiment, repeats, forecast) = walk();
-    let model = ModelError::new(&experiment, &repeats, &forecast, &[], &on(2)).unwrap();
+    let model = ModelError::new(&experiment, &repeats, &forecast, &with(&[]), &on(2)).unwrap();
     let median_m = forecast.displacement_m.unwrap().q50;
     let card = Card::new("two_module", &repeats, SuccessRule::AtLeast(median_m)).unwrap();
     assert!(card.success.as_ref().unwrap().range.is_none());
@@ -131,14 +139,14 @@ fn a_stopped_run_and_a_robot_that_does_not_move_have_no_model_error() {
         stop: Some(&stop),
         ..RunOptions::default()
     };
-    let found = ModelError::new(&experiment, &repeats, &forecast, &[], &stopped).unwrap();
+    let found = ModelError::new(&experiment, &repeats, &forecast, &with(&[]), &stopped).unwrap();
     assert!(found.is_none());
     let mut experiment = Experiment::new(robot("cube").assemble());
     experiment.duration_s = 0.2;
     let noise = Noise::careful_start();
     let repeats = ensemble::run(&experiment, &noise, 3, 4, &on(2)).unwrap();
     let forecast = Forecast::new(&repeats).unwrap();
-    let found = ModelError::new(&experiment, &repeats, &forecast, &[], &on(2)).unwrap();
+    let found = ModelError::new(&experiment, &repeats, &forecast, &with(&[]), &on(2)).unwrap();
     assert!(found.is_none());
 }
 
@@ -148,7 +156,7 @@ fn a_robot_that_the_second_engine_cannot_run_uses_its_own_engine_and_the_text_sa
     // Only Rapier has impulse joints, so the second engine cannot run this experiment.
     let joints = ParameterSet::new().with(Assignment::new("solver.joint", 0.0).unwrap());
     let experiment = joints.apply(&experiment);
-    let model = ModelError::new(&experiment, &repeats, &forecast, &[], &on(2)).unwrap();
+    let model = ModelError::new(&experiment, &repeats, &forecast, &with(&[]), &on(2)).unwrap();
     let model = model.unwrap();
     assert!(model.models.iter().all(|one| one.source != Source::Engine));
     assert!(model.to_string().contains("the second one cannot run this"));

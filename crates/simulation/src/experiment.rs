@@ -283,7 +283,7 @@ impl Perturbation {
     }
 
     /// Latency of a servo in addition to the adjustment's, seconds.
-    pub(super) fn latency_s_of(&self, hinge: usize) -> f64 {
+    pub(crate) fn latency_s_of(&self, hinge: usize) -> f64 {
         self.servo_latency_s.get(hinge).copied().unwrap_or(0.0)
     }
 }

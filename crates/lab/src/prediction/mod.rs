@@ -35,13 +35,15 @@ mod model;
 mod odds;
 mod other_engine;
 mod report;
+mod third_opinion;
 mod uncertain;
 
 pub use card::{Card, Finals, Rerun, Success, SuccessRule};
 pub use cost_of_transport::CostOfTransport;
 pub use divergence_rate::DivergenceRate;
-pub use model::{LEVEL, Model, ModelError, Range, Source, SuccessRange};
+pub use model::{LEVEL, Model, ModelError, ModelOptions, Range, Source, SuccessRange};
 pub use odds::{EndCoverage, Odds, OddsOptions, RecordingOdds, RunErrors, Scored};
 pub use other_engine::{Judged, OtherEngine, OwnEngines};
 pub use report::{EnsembleCase, EnsembleOptions, EnsembleReport};
+pub use third_opinion::{Mujoco, OpinionSource, Teller, ThirdOpinion};
 pub use uncertain::{UncertainParameters, UncertainRange, read_posterior};

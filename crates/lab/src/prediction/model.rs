@@ -3,7 +3,7 @@
 //! Repeats under noise show how uncertain a prediction is if the model is right. Other models are as right: other timesteps,
 //! other joints, other values that fit the recordings as well. They are simulated with the same random draws as the first repeats
 //! (common random numbers), and their changes are applied to all repeats. What an engine outside of the program would do is
-//! learned ([`super::other_engine`]) and contains all of these changes once.
+//! asked of MuJoCo, or learned from what it did with other robots ([`super::third_opinion`]), and contains all of these changes once.
 
 use std::fmt;
 
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::alternative::{LIMIT, alternatives};
 use super::ensemble::{self, Ensemble, Forecast, Motion, rms_m};
-use super::{OtherEngine, OwnEngines};
+use super::{OpinionSource, OtherEngine, OwnEngines, Teller, ThirdOpinion};
 use realgap_core::Result;
 use realgap_core::statistics::{mean, mean_of, quantile, standard_deviation};
 use realgap_core::unit::{Unit, percent_change_range, percent_range, quantity};
@@ -101,6 +101,15 @@ impl Range {
     }
 }
 
+/// What the model error of a prediction is computed from, besides the repeats.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ModelOptions {
+    /// Values of the confidence set that take part (there may be none): the first of them, some of the others and the last.
+    pub points: Vec<ParameterSet>,
+    /// Who says what another engine would do.
+    pub third_opinion: ThirdOpinion,
+}
+
 /// How far models that are as valid differ from each other.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -120,8 +129,9 @@ pub struct ModelError {
     pub quantiles_m: [Range; 3],
     /// Range of the probability of each behaviour over the models, in the forecast's order; each is a share of few repeats.
     pub behaviours: Vec<Range>,
-    /// Range that holds half of further runs in another engine, net displacement in metres, as learned from MuJoCo on random
-    /// robots; `None`, as for the two fields below, where no engine simulates the robot.
+    /// Who says what another engine would do; `None`, as for the three fields below, where no engine simulates the robot.
+    pub third_opinion: Option<OpinionSource>,
+    /// Range that holds half of further runs in another engine, net displacement in metres.
     pub half_of_runs_m: Option<Range>,
     /// Range that holds 90 % of them, metres.
     pub further_run_m: Option<Range>,
@@ -141,17 +151,16 @@ pub struct SuccessRange {
 }
 
 impl ModelError {
-    /// Simulates the models of an ensemble's experiment. `points` are the parameter values of the confidence set; the first of
-    /// them, some of the others and the last take part. `None` where the run is stopped, where one of the first repeats diverged,
+    /// Simulates the models of an ensemble's experiment. `None` where the run is stopped, where one of the first repeats diverged,
     /// or where the robot moves less than a tenth of its body length, because a share of almost no displacement means nothing.
     ///
     /// # Errors
-    /// Settings that cannot be simulated.
+    /// Settings that cannot be simulated; MuJoCo alone may say what another engine would do, and cannot.
     pub fn new(
         experiment: &Experiment,
         ensemble: &Ensemble,
         forecast: &Forecast,
-        points: &[ParameterSet],
+        options: &ModelOptions,
         run: &RunOptions<'_>,
     ) -> Result<Option<Self>> {
         let repeats = (ensemble.asked / REPEATS_A_REPEAT)
@@ -159,7 +168,7 @@ impl ModelError {
             .min(ensemble.asked);
         // Values that the repeats draw are part of all models already, and would count twice as models of their own.
         let points = if ensemble.uncertain.is_empty() {
-            points
+            options.points.as_slice()
         } else {
             &[]
         };
@@ -219,7 +228,10 @@ impl ModelError {
                 return Ok(None);
             };
             let known = own_engines(ensemble, &models, sensitivity_m);
-            Some(OtherEngine::new(&known))
+            match (options.third_opinion).of(experiment, ensemble, &known, run) {
+                Err(_) if run.is_stopped() => return Ok(None),
+                said => Some(said?),
+            }
         };
         Ok(Some(Self::of(
             ensemble,
@@ -235,8 +247,9 @@ impl ModelError {
         forecast: &Forecast,
         models: Vec<Model>,
         repeats: usize,
-        other_engine: Option<OtherEngine>,
+        third_opinion: Option<(OtherEngine, OpinionSource)>,
     ) -> Self {
+        let (other_engine, third_opinion) = third_opinion.unzip();
         let mut factors = vec![1.0];
         for source in Source::ALL.iter().filter(|s| !Source::OTHERS.contains(s)) {
             let of_source = models.iter().filter(|model| model.source == *source);
@@ -270,6 +283,7 @@ impl ModelError {
         Self {
             behaviours: behaviours.collect(),
             quantiles_m,
+            third_opinion,
             half_of_runs_m: of_runs_m(0.5),
             further_run_m,
             other_engine_adds_m: further_run_m.map(|range| Range {
@@ -288,12 +302,16 @@ impl ModelError {
         self.behaviours.iter().map(|r| (r.low, r.high)).collect()
     }
 
-    /// The remark for a robot that the program's second engine did not run.
-    fn without_second_engine(&self) -> &'static str {
+    /// Who says what another engine would do, in brackets; the table judges a robot that the program's second engine did not run
+    /// by less.
+    fn opinion(&self) -> String {
         let has_run = |model: &Model| model.source == Source::Engine && model.ratio.is_some();
-        match self.models.iter().any(has_run) {
-            true => "",
-            false => " (by this engine alone: the second one cannot run this)",
+        match &self.third_opinion {
+            None => String::new(),
+            Some(source) if source.by == Teller::Table && !self.models.iter().any(has_run) => {
+                format!(" ({source}; by this engine alone: the second one cannot run this)")
+            }
+            Some(source) => format!(" ({source})"),
         }
     }
 
@@ -447,7 +465,7 @@ impl fmt::Display for ModelError {
             "\n    another engine  50 %: {}, 90 %: {}{}",
             metres(half),
             metres(most),
-            self.without_second_engine()
+            self.opinion()
         )
     }
 }

@@ -1,5 +1,5 @@
 //! Displacement of a robot in an engine outside of the program: a conformal prediction that is learned from MuJoCo's runs of
-//! random robots.
+//! random robots, or a prediction about MuJoCo's runs of this robot.
 //!
 //! The own engines give the expected displacement in another engine and its typical error. The error depends on what the own
 //! engines do with relaxed contacts, on the difference between them, on the spread of the repeats, and on the sensitivity of the
@@ -8,6 +8,7 @@
 //! already, and is not multiplied on it again.
 
 use super::Range;
+use realgap_core::statistics::{mean, standard_deviation, student_quantile};
 
 /// MuJoCo's displacements of random robots: tools/engine_spread.py, docs/validation/ensembles.md.
 const LEARNED: &str = include_str!("engines.csv");
@@ -20,6 +21,12 @@ const SHARE_OF_EXACT: f64 = 0.9;
 /// these weights were chosen on the learned robots by leaving out one at a time.
 const TENTH: f64 = 0.1;
 const FIFTH: f64 = 0.2;
+/// Typical difference between MuJoCo, asked about a robot, and further engines and contacts, as a multiple of the typical error that
+/// the own engines show: chosen on the first 12 robots of tools/engine_opinions.py, so that 90 % ranges hold 90 % of their runs
+/// elsewhere, and judged on the others (docs/validation/ensembles.md).
+const BEYOND: f64 = 1.5;
+/// Quantiles by which a distribution is kept.
+const QUANTILES: usize = 999;
 
 /// The results of the own engines for a robot; all in metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -157,6 +164,28 @@ impl OtherEngine {
         }
         ends_m.sort_by(f64::total_cmp);
         Self { ends_m }
+    }
+
+    /// Number of robots from which was learned.
+    pub fn robots() -> usize {
+        Judged::table(LEARNED).count()
+    }
+
+    /// The displacements where MuJoCo has run this robot, too, under the same noise: a t-distribution about the mean of its runs,
+    /// as of a further draw from a normal distribution of which this sample is known, and of the difference between MuJoCo with
+    /// the contacts of the exported file and further engines and contacts.
+    pub fn asked(known: &OwnEngines, runs_m: &[f64]) -> Self {
+        let count = runs_m.len() as f64;
+        let of_sample_m = standard_deviation(runs_m) * (1.0 + 1.0 / count).sqrt();
+        let (_, distance_m) = known.expected();
+        let spread_m = of_sample_m.hypot(BEYOND * distance_m);
+        let ends = (0..QUANTILES).map(|index| {
+            let level = (index as f64 + 0.5) / QUANTILES as f64;
+            (mean(runs_m) + spread_m * student_quantile(level, count - 1.0)).max(0.0)
+        });
+        Self {
+            ends_m: ends.collect(),
+        }
     }
 
     /// The range that holds this share of runs, metres: between displacements of rank `level (n + 1)`, so that a further one is

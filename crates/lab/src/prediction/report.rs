@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::ensemble::{self, Coverage, Draws, Ensemble, Forecast, Reality, Recall};
 use super::kept::{row_of, runs_in};
-use super::{ModelError, UncertainParameters};
+use super::{ModelError, ModelOptions, UncertainParameters};
 use crate::calibration::{RepeatCase, Repeatable, by_name, few_recordings};
 use crate::claim::{self, About, Claim};
 use realgap_core::file::sha256;
@@ -16,7 +16,6 @@ use realgap_core::statistics::Proportion;
 use realgap_core::{Result, Warning};
 use realgap_optimization::{Batch, Ending, Progress, RunOptions, drive};
 use realgap_path::trajectory::{Prepared, Source};
-use realgap_simulation::parameter::ParameterSet;
 use realgap_simulation::{Noise, Run};
 use realgap_store::{Fingerprint, RunRow, Storage};
 
@@ -36,8 +35,8 @@ pub struct EnsembleOptions {
     pub repeats: usize,
     /// Seed of all draws.
     pub seed: u64,
-    /// Points of the confidence set that take part in the model error (there may be none); `None` for no model error.
-    pub model: Option<Vec<ParameterSet>>,
+    /// What the model error is computed from; `None` for no model error.
+    pub model: Option<ModelOptions>,
 }
 
 /// The repeats of one start.
@@ -214,10 +213,10 @@ impl EnsembleReport {
         }
         let mut report = run.install(|| Self::of(study, ensembles, &options.noise_from))??;
         // Where every recording has a start of its own, the model error would cost as much again for each of them.
-        if let ([only], [case], Some(points)) =
+        if let ([only], [case], Some(model)) =
             (&mut report.cases[..], &study.cases[..], &options.model)
         {
-            only.add_model(case, points, run)?;
+            only.add_model(case, model, run)?;
         }
         Ok(report)
     }
@@ -328,7 +327,7 @@ impl EnsembleCase {
     fn add_model(
         &mut self,
         case: &RepeatCase,
-        points: &[ParameterSet],
+        options: &ModelOptions,
         run: &RunOptions<'_>,
     ) -> Result<()> {
         let quiet = RunOptions {
@@ -336,7 +335,7 @@ impl EnsembleCase {
             ..*run
         };
         let (ensemble, forecast) = (&self.ensemble, &self.forecast);
-        self.model = ModelError::new(&case.experiment, ensemble, forecast, points, &quiet)?;
+        self.model = ModelError::new(&case.experiment, ensemble, forecast, options, &quiet)?;
         let further_run_m = self.model.as_ref().and_then(|model| model.further_run_m);
         if let (Some(range), false) = (further_run_m, case.real.is_empty()) {
             let inside = |path: &Prepared| range.contains(path.net_displacement_m());

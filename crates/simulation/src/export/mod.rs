@@ -19,6 +19,7 @@
 //! Both formats use the same body frames: axes of the robot frame at zero servo angles.
 
 mod amendment;
+mod drawn;
 mod format;
 mod mjcf;
 mod registry;
@@ -28,6 +29,7 @@ mod urdf;
 mod xml;
 
 pub use amendment::{Calibrated, Fate, calibrate};
+pub use drawn::DrawnRobot;
 pub use format::{Exported, Format};
 pub use registry::{FORMATS, format_named};
 pub use robot::Robot;

@@ -31,8 +31,16 @@ impl<'a> Robot<'a> {
     /// The robot of `experiment`, which was made from `morphology`.
     pub fn new(morphology: &'a Morphology, experiment: &Experiment) -> Self {
         Self {
-            name: morphology.name(),
             description: morphology.description(),
+            ..Self::named(morphology.name(), experiment)
+        }
+    }
+
+    /// The robot of `experiment`, by this name.
+    pub fn named(name: &'a str, experiment: &Experiment) -> Self {
+        Self {
+            name,
+            description: "",
             assembly: experiment.adjusted_assembly(),
             floor: experiment.floor,
             gravity_m_s2: experiment.gravity_m_s2,

@@ -9,7 +9,7 @@ use crate::report::document::picture::Pictures;
 use crate::report::document::section::Section;
 use crate::report::document::value::*;
 use realgap_lab::claim::Claim;
-use realgap_lab::prediction::{ModelError, Range};
+use realgap_lab::prediction::{ModelError, OpinionSource, Range};
 
 /// What a page shows of a prediction card.
 #[derive(Debug, Default, Deserialize)]
@@ -64,9 +64,11 @@ fn model(model: &ModelError) -> String {
         return rows;
     };
     let span = |range: Range| span(range.low, range.high, "m");
+    let said = model.third_opinion.as_ref().map(OpinionSource::to_string);
     format!(
-        "{rows}<p class=\"note\">In a further simulator, which none of these numbers used, a run goes {} with 90 %. That is {} more than here; a negative number means less.</p>",
+        "{rows}<p class=\"note\">In a further simulator, which none of these numbers used, a run goes {} with 90 %{}. That is {} more than here; a negative number means less.</p>",
         span(further),
+        said.map_or_else(String::new, |said| format!(" ({})", html(&said))),
         more.map_or_else(|| NOTHING.to_owned(), span)
     )
 }
