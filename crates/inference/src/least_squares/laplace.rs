@@ -46,6 +46,9 @@ pub(super) struct Laplace {
     inflation: DVector<f64>,
 }
 
+/// Precision of a coordinate that is held, over a range of 1.
+const HELD: f64 = 1e12;
+
 impl Laplace {
     /// Around a linearised point, with its derivatives as they are.
     pub fn new(problem: &OptimizationProblem, known: &Linearisation) -> Self {
@@ -171,9 +174,20 @@ impl Laplace {
         }
         let mut all = DMatrix::from_diagonal_element(dimensions, dimensions, RANGE_PRECISION);
         parts.iter().for_each(|(part, _)| all += part);
-        let shifts = parts.iter().map(|(part, pull)| {
-            let rest = (&all - part).cholesky();
-            rest.map_or_else(|| DVector::zeros(dimensions), |rest| rest.solve(pull))
+        let own = self.own_coordinates(&logs);
+        let shifts = parts.iter().zip(&own).map(|((part, pull), own)| {
+            let mut rest = &all - part;
+            let mut pull = pull.clone();
+            // What a log alone tells about does not move when it is left out: nothing would hold it any more.
+            for axis in own {
+                let along = self.directions.row(*axis).transpose();
+                rest += &along * along.transpose() * HELD;
+            }
+            if !own.is_empty() {
+                self.drop_coordinates(&mut pull, own);
+            }
+            let rest = rest.cholesky();
+            rest.map_or_else(|| DVector::zeros(dimensions), |rest| rest.solve(&pull))
         });
         let shifts: Vec<DVector<f64>> = shifts.collect();
         let student = student_quantile(0.95, logs.len() as f64 - 1.0) / NINETY;
@@ -188,6 +202,35 @@ impl Laplace {
             let variance = jackknife_variance(&left_out) * student.powi(2);
             (variance * self.information[k]).max(LEAST_INFLATION)
         })
+    }
+
+    /// For every log the coordinates about which it alone tells, e.g. parameters of its own run.
+    fn own_coordinates(&self, logs: &[Vec<std::ops::Range<usize>>]) -> Vec<Vec<usize>> {
+        let squares = |axis: usize, ranges: &[std::ops::Range<usize>]| -> f64 {
+            let column = self.jacobian.column(axis);
+            let ranges = ranges.iter();
+            ranges
+                .map(|range| column.rows(range.start, range.len()).norm_squared())
+                .sum()
+        };
+        let mut own = vec![Vec::new(); logs.len()];
+        for axis in 0..self.centre.len() {
+            let all: Vec<f64> = logs.iter().map(|ranges| squares(axis, ranges)).collect();
+            let telling: Vec<usize> = (0..logs.len()).filter(|log| all[*log] > 0.0).collect();
+            if let [alone] = telling[..] {
+                own[alone].push(axis);
+            }
+        }
+        own
+    }
+
+    /// A vector along the principal directions, without its parts along these coordinates.
+    fn drop_coordinates(&self, along: &mut DVector<f64>, axes: &[usize]) {
+        let mut by_axis = &self.directions * &*along;
+        for axis in axes {
+            by_axis[*axis] = 0.0;
+        }
+        *along = self.directions.tr_mul(&by_axis);
     }
 
     /// The errors at the centre as they would be if the fit had not seen the group of each: one linear step for each group that is left
@@ -208,8 +251,20 @@ impl Laplace {
         let factors = self.noise.whitening_factors();
         for rows in rows.iter().filter(|rows| !rows.is_empty()) {
             let own = self.jacobian.select_rows(rows);
-            let pull = own.tr_mul(&slopes.select_rows(rows));
-            let rest = (&all - own.tr_mul(&own)).cholesky();
+            let mut pull = own.tr_mul(&slopes.select_rows(rows));
+            let mut rest = &all - own.tr_mul(&own);
+            for axis in 0..dimensions {
+                let (alone, whole) = (own.column(axis), self.jacobian.column(axis));
+                let is_own = alone.norm_squared() > 0.0
+                    && count > 1
+                    && alone.iter().filter(|slope| **slope != 0.0).count()
+                        == whole.iter().filter(|slope| **slope != 0.0).count();
+                if is_own {
+                    rest[(axis, axis)] += HELD;
+                    pull[axis] = 0.0;
+                }
+            }
+            let rest = rest.cholesky();
             let shift = rest.map_or_else(|| DVector::zeros(dimensions), |rest| rest.solve(&pull));
             let within = self.centre.iter().zip(shift.iter());
             let within = within.map(|(at, by)| (at + by).clamp(0.0, 1.0) - at);

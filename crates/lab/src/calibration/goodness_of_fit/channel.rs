@@ -98,10 +98,13 @@ pub(in crate::calibration) fn series_of(
         all.truncate(2);
         return all;
     }
+    let mut turns = rotations(axes, recorded, run);
     if recorded.is_planar() {
+        // A path in a plane says nothing about height and tilt.
         all.truncate(2);
+        turns.retain(|series| series.quantity == Quantity::Heading);
     }
-    all.extend(rotations(axes, recorded, run));
+    all.extend(turns);
     all
 }
 
