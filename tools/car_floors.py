@@ -4,7 +4,7 @@
     python3 tools/car_floors.py DATA FIT [--realgap target/release/realgap] [--output results/car]
 
 DATA holds all runs of the car (github.com/Lorenzo-Lyons/DART as CSV files), FIT is a results folder of the study, fitted on
-rubber_free_02, rubber_ramps_03, rubber_ramps_06 and both runs on tiles. Rubber is judged on the other runs with FIT as it is. On the
+rubber_free_02, rubber_ramps_03, rubber_ramps_06 and tiles_circles_01. Rubber is judged on the other runs with FIT as it is. On the
 other floors, friction, torque, dead zone and trim (on the slippery ones the steering, too) are fitted again on other runs or on the other
 half of the run, and everything else stays. Prints, for every run, the number of windows (every 0.5 s, as the authors'
 tables have them) and the median position error after 0.5, 1.0 and 1.5 s.

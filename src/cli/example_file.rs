@@ -15,7 +15,7 @@ const SHIPPED: &[Shipped] = shipped![
     "arenas": "cartons.ron" "flat.ron" "paper000.ron" "pen.ron";
     "controllers": "tripod_avoid.ron" "two_tripods.ron";
     "genomes": "three_modules.ron";
-    "morphologies": "chain3.ron" "chain30.ron" "chain5.ron" "cube.ron" "double_pendulum.ron" "elbow.ron" "push_cube.ron" "servo_pendulum.ron"
+    "morphologies": "chain3.ron" "chain30.ron" "chain5.ron" "cube.ron" "dart_car.ron" "double_pendulum.ron" "elbow.ron" "push_cube.ron" "servo_pendulum.ron"
         "so101_arm.ron" "so101_feetech.ron" "spider8.ron" "tripod.ron" "turtlebot3_burger.ron" "two_module.ron" "unitree_a1.ron" "unitree_go2.ron"
         "worm4.ron";
     "radios": "paper002.ron";
@@ -29,6 +29,8 @@ const SHIPPED: &[Shipped] = shipped![
         "toss_347.csv" "toss_361.csv" "toss_381.csv" "toss_396.csv" "toss_408.csv" "toss_419.csv" "toss_433.csv"
         "toss_450.csv" "toss_465.csv" "toss_478.csv" "toss_496.csv" "toss_511.csv" "toss_530.csv" "toss_544.csv"
         "toss_554.csv";
+    "real_trajectories/dart_car": "README.md" "meta.ron" "rubber_free_02.csv" "rubber_ramps_03.csv" "rubber_ramps_06.csv"
+        "tiles_circles_01.csv";
     "real_trajectories/double_pendulum": "README.md" "acrobot_ilqr_tvlqr_lqr_01.csv" "meta.ron"
         "pendubot_ilqr_tvlqr_lqr_01.csv";
     "real_trajectories/elbow_tosses": "README.md" "meta.ron" "toss_002.csv" "toss_022.csv" "toss_041.csv"
@@ -86,7 +88,7 @@ const SHIPPED: &[Shipped] = shipped![
     "scenes": "pen.ron" "room.ron";
     "sensors": "infrared.ron" "infrared_maker.ron" "laser.ron" "ultrasonic.ron";
     "sweeps": "best_robot.ron" "best_tripod_gait.ron" "best_worm.ron" "cube_push_best.ron" "cube_push_fit.ron"
-        "cube_toss.ron" "cube_toss_best.ron" "cube_toss_fit.ron" "double_pendulum_best.ron" "double_pendulum_fit.ron"
+        "cube_toss.ron" "cube_toss_best.ron" "cube_toss_fit.ron" "dart_car_best.ron" "dart_car_fit.ron" "double_pendulum_best.ron" "double_pendulum_fit.ron"
         "elbow_toss_best.ron" "elbow_toss_fit.ron" "fleet_floor.ron" "go2_fit.ron" "robot_grid.ron" "servo_xl330_best.ron"
         "servo_xl330_fit.ron" "so101_arm.ron" "so101_best.ron" "so101_fit.ron" "tripod_floor.ron" "tripod_self.ron"
         "turtlebot3_burger.ron" "two_wheel_ir.ron" "two_wheel_ir_bayesian.ron" "two_wheel_sensor.ron"

@@ -83,6 +83,7 @@ fn the_examples_in_the_program_equal_those_of_the_repository() {
         "scenes",
         "real_trajectories/cube_pushes",
         "real_trajectories/cube_tosses",
+        "real_trajectories/dart_car",
         "real_trajectories/double_pendulum",
         "real_trajectories/elbow_tosses",
         "real_trajectories/fleet_mujoco",

@@ -138,7 +138,12 @@ fn of_joints(form: &str, hinge: &Hinge) -> Result<Vec<String>> {
         return Ok(Vec::new());
     };
     let (servo, command) = (&actuator.servo, &actuator.command);
-    let mut lines = Vec::new();
+    let mut lines = vec![format!(
+        "        (name: {:?}, from: {:?}, to: {:?}),\n",
+        format!("command.{form}.delay_s"),
+        DELAY_S.0,
+        DELAY_S.1
+    )];
     if servo.law == ServoLaw::Throttle {
         lines.extend(around(
             format!("servo.{form}.max_torque_nm"),
@@ -160,11 +165,6 @@ fn of_joints(form: &str, hinge: &Hinge) -> Result<Vec<String>> {
     }
     lines.extend(around(format!("command.{form}.factor"), command.factor)?);
     lines.extend(around(format!("command.{form}.bend"), command.bend)?);
-    let delay = format!("command.{form}.delay_s");
-    lines.push(format!(
-        "        (name: {delay:?}, from: {:?}, to: {:?}),\n",
-        DELAY_S.0, DELAY_S.1
-    ));
     let trim = (command.offset - TRIM_RAD, command.offset + TRIM_RAD);
     lines.push(of_each_run(&format!("command.{form}.offset"), trim));
     Ok(lines)
