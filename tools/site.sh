@@ -16,16 +16,17 @@ work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
 
 # In the repository the README stands above docs/; on the site it is the first of the pages.
-cp -r docs "$work/docs"
+pages="$work/docs"
+cp -r docs "$pages"
 from_docs() { sed 's#](docs/#](#g; s#\(src\|href\)="docs/#\1="#g; s#^\(\[[^]]*\]: \)docs/#\1#' "$1"; }
-from_docs README.md >"$work/docs/index.md"
-from_docs CONTRIBUTING.md >"$work/docs/CONTRIBUTING.md"
-cp CHANGELOG.md "$work/docs/changelog.md"
+from_docs README.md >"$pages/index.md"
+from_docs CONTRIBUTING.md >"$pages/CONTRIBUTING.md"
+cp CHANGELOG.md "$pages/changelog.md"
 # Files of the repository that pages name are part of the site.
-cp CITATION.cff LICENSE-APACHE LICENSE-MIT "$work/docs/"
+cp CITATION.cff LICENSE-APACHE LICENSE-MIT "$pages/"
 for part in morphologies sweeps; do
-    mkdir -p "$work/docs/$part"
-    cp "$part"/*.ron "$work/docs/$part/"
+    mkdir -p "$pages/$part"
+    cp "$part"/*.ron "$pages/$part/"
 done
 
 cat >"$work/mkdocs.yml" <<END

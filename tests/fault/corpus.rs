@@ -180,7 +180,7 @@ fn binary() -> [(&'static str, Vec<u8>); 8] {
 /// A structured array of NumPy with two columns and three rows.
 fn npy() -> Vec<u8> {
     let mut head = "{'descr': [('t_s', '<f8'), ('x_m', '<f8'), ('y_m', '<f8')], 'fortran_order': False, 'shape': (3,), }".to_owned();
-    while (head.len() + 11) % 64 != 0 {
+    while !(head.len() + 11).is_multiple_of(64) {
         head.push(' ');
     }
     head.push('\n');
