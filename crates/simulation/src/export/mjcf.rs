@@ -458,12 +458,16 @@ fn motor(name: &str, Actuator { servo, command, .. }: &Actuator) -> Element {
     let stall_nm = servo.law.motor().map_or(f64::INFINITY, Motor::stall_nm);
     let most_nm = servo.max_torque_nm.min(stall_nm);
     let limit = numbers([-most_nm, most_nm]);
+    let (gain, bias) = match servo.law {
+        ServoLaw::Throttle => ("affine", "none"),
+        _ => ("fixed", "affine"),
+    };
     let mut motor = Element::new("general")
         .with("name", name)
         .with("joint", name)
         .with("forcerange", limit)
-        .with("gaintype", "fixed")
-        .with("biastype", "affine");
+        .with("gaintype", gain)
+        .with("biastype", bias);
     if let (Some((low, high)), false) = (
         command.range,
         matches!(servo.law, ServoLaw::Velocity { .. }),
@@ -501,10 +505,7 @@ fn motor(name: &str, Actuator { servo, command, .. }: &Actuator) -> Element {
         ServoLaw::Throttle => {
             let stall_nm = servo.max_torque_nm * command.factor;
             let per_speed = -stall_nm / servo.max_speed_rad_s;
-            motor
-                .with("gaintype", "affine")
-                .with("gainprm", numbers([stall_nm, 0.0, per_speed]))
-                .with("biastype", "none")
+            motor.with("gainprm", numbers([stall_nm, 0.0, per_speed]))
         }
     }
 }
