@@ -213,6 +213,7 @@ fn case(parameter: &Parameter) -> (Vec<Make>, f64, f64) {
         "command.factor" => (vec![car], 0.4, 0.3),
         "command.offset" | "command.dead_zone" | "command.lag_s" => (vec![car], 0.0, 0.1),
         "command.bend" => (vec![car], 0.0, 1.0),
+        "command.delay_s" => (vec![car], 0.0, 0.2),
         // The recorded heading is where the run starts, so that the car itself looks elsewhere.
         "track.heading_rad" => (vec![car], 0.0, 0.3),
         "timestep_s" => (vec![toss, walk], 1.0 / 240.0, 1.0 / 480.0),
