@@ -305,11 +305,7 @@ impl Request {
         wheels: impl FnOnce(&Reading) -> Result<Option<(WheelCommands, String)>>,
     ) -> Result<InferredReading> {
         let mut known = self.reading.clone();
-        for column in driven::columns(&self.commanded) {
-            if !known.unitless.contains(&column) {
-                known.unitless.push(column);
-            }
-        }
+        known.read_without_unit(driven::columns(&self.commanded));
         let named = JointReading::infer(&recordings[0], &known, joints, &self.joints)?;
         let named = named.unwrap_or_else(|| JointReading {
             reading: known.clone(),

@@ -21,5 +21,5 @@ pub use failure::{Answered, Failure};
 pub use guest::Guest;
 pub use pool::Pool;
 pub use port::{Port, Question};
-pub use protocol::{Hello, PROTOCOL, ParameterDeclaration};
+pub use protocol::{HELLO, Hello, PROTOCOL, ParameterDeclaration};
 pub use unasked::Unasked;

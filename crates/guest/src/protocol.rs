@@ -14,7 +14,7 @@ use realgap_simulation::parameter::Declared;
 pub const PROTOCOL: u64 = 1;
 
 /// The first question of every worker.
-pub(crate) const HELLO: &str = r#"{"realgap":1,"ask":"hello"}"#;
+pub const HELLO: &str = r#"{"realgap":1,"ask":"hello"}"#;
 
 /// Who a simulator is: the answer to the first question.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

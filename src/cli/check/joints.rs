@@ -1,5 +1,6 @@
 //! The joints of a recording, for people.
 
+use realgap::statistics::ends_of;
 use realgap::text::shown;
 use realgap::trajectory::Trajectory;
 
@@ -13,10 +14,7 @@ const SHOWN_JOINTS: usize = 12;
 pub(super) fn shown_joints(motion: &Trajectory) -> Option<String> {
     let ranges: Vec<String> = (motion.joints().iter().take(SHOWN_JOINTS))
         .map(|joint| {
-            let angles = joint.angles_rad.iter().copied();
-            let (low, high) = angles.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), a| {
-                (low.min(a), high.max(a))
-            });
+            let (low, high) = ends_of(joint.angles_rad.iter().copied());
             format!("{} {low:.3} to {high:.3} rad", shown(&joint.name, SHOWN))
         })
         .collect();

@@ -49,6 +49,14 @@ pub(super) struct Laplace {
 /// Precision of a coordinate that is held, over a range of 1.
 const HELD: f64 = 1e12;
 
+/// Holds a coordinate, whose direction this is, in a fit that is made again: what errors alone tell about does not move when they are left
+/// out, because nothing else would hold it. The fit is its information matrix and its pull.
+fn hold((information, pull): &mut (DMatrix<f64>, DVector<f64>), along: &DVector<f64>) {
+    *information += along * along.transpose() * HELD;
+    let part = along.dot(pull);
+    *pull -= along * part;
+}
+
 impl Laplace {
     /// Around a linearised point, with its derivatives as they are.
     pub fn new(problem: &OptimizationProblem, known: &Linearisation) -> Self {
@@ -174,18 +182,13 @@ impl Laplace {
         }
         let mut all = DMatrix::from_diagonal_element(dimensions, dimensions, RANGE_PRECISION);
         parts.iter().for_each(|(part, _)| all += part);
-        let own = self.own_coordinates(&logs);
-        let shifts = parts.iter().zip(&own).map(|((part, pull), own)| {
-            let mut rest = &all - part;
-            let mut pull = pull.clone();
-            // What a log alone tells about does not move when it is left out: nothing would hold it any more.
-            for axis in own {
-                let along = self.directions.row(*axis).transpose();
-                rest += &along * along.transpose() * HELD;
+        let shifts = parts.iter().zip(&logs).map(|((part, pull), ranges)| {
+            let mut rest = (&all - part, pull.clone());
+            let rows: Vec<usize> = ranges.iter().cloned().flatten().collect();
+            for axis in self.told_alone(&rows) {
+                hold(&mut rest, &self.directions.row(axis).transpose());
             }
-            if !own.is_empty() {
-                self.drop_coordinates(&mut pull, own);
-            }
+            let (rest, pull) = rest;
             let rest = rest.cholesky();
             rest.map_or_else(|| DVector::zeros(dimensions), |rest| rest.solve(&pull))
         });
@@ -204,33 +207,14 @@ impl Laplace {
         })
     }
 
-    /// For every log the coordinates about which it alone tells, e.g. parameters of its own run.
-    fn own_coordinates(&self, logs: &[Vec<std::ops::Range<usize>>]) -> Vec<Vec<usize>> {
-        let squares = |axis: usize, ranges: &[std::ops::Range<usize>]| -> f64 {
-            let column = self.jacobian.column(axis);
-            let ranges = ranges.iter();
-            ranges
-                .map(|range| column.rows(range.start, range.len()).norm_squared())
-                .sum()
+    /// The coordinates about which these errors alone tell, e.g. parameters of their own run.
+    fn told_alone(&self, rows: &[usize]) -> Vec<usize> {
+        let is_alone = |axis: &usize| {
+            let column = self.jacobian.column(*axis);
+            let own = rows.iter().filter(|row| column[**row] != 0.0).count();
+            own > 0 && own == column.iter().filter(|slope| **slope != 0.0).count()
         };
-        let mut own = vec![Vec::new(); logs.len()];
-        for axis in 0..self.centre.len() {
-            let all: Vec<f64> = logs.iter().map(|ranges| squares(axis, ranges)).collect();
-            let telling: Vec<usize> = (0..logs.len()).filter(|log| all[*log] > 0.0).collect();
-            if let [alone] = telling[..] {
-                own[alone].push(axis);
-            }
-        }
-        own
-    }
-
-    /// A vector along the principal directions, without its parts along these coordinates.
-    fn drop_coordinates(&self, along: &mut DVector<f64>, axes: &[usize]) {
-        let mut by_axis = &self.directions * &*along;
-        for axis in axes {
-            by_axis[*axis] = 0.0;
-        }
-        *along = self.directions.tr_mul(&by_axis);
+        (0..self.centre.len()).filter(is_alone).collect()
     }
 
     /// The errors at the centre as they would be if the fit had not seen the group of each: one linear step for each group that is left
@@ -251,19 +235,15 @@ impl Laplace {
         let factors = self.noise.whitening_factors();
         for rows in rows.iter().filter(|rows| !rows.is_empty()) {
             let own = self.jacobian.select_rows(rows);
-            let mut pull = own.tr_mul(&slopes.select_rows(rows));
-            let mut rest = &all - own.tr_mul(&own);
-            for axis in 0..dimensions {
-                let (alone, whole) = (own.column(axis), self.jacobian.column(axis));
-                let is_own = alone.norm_squared() > 0.0
-                    && count > 1
-                    && alone.iter().filter(|slope| **slope != 0.0).count()
-                        == whole.iter().filter(|slope| **slope != 0.0).count();
-                if is_own {
-                    rest[(axis, axis)] += HELD;
-                    pull[axis] = 0.0;
-                }
+            let pull = own.tr_mul(&slopes.select_rows(rows));
+            let mut rest = (&all - own.tr_mul(&own), pull);
+            // Of a single group nothing would be left.
+            for axis in self.told_alone(rows).into_iter().filter(|_| count > 1) {
+                let mut along = DVector::zeros(dimensions);
+                along[axis] = 1.0;
+                hold(&mut rest, &along);
             }
+            let (rest, pull) = rest;
             let rest = rest.cholesky();
             let shift = rest.map_or_else(|| DVector::zeros(dimensions), |rest| rest.solve(&pull));
             let within = self.centre.iter().zip(shift.iter());

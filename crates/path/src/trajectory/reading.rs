@@ -344,6 +344,15 @@ impl Reading {
             })
     }
 
+    /// Has these columns read without a unit, too.
+    pub fn read_without_unit(&mut self, names: impl IntoIterator<Item = String>) {
+        for name in names {
+            if !self.unitless.contains(&name) {
+                self.unitless.push(name);
+            }
+        }
+    }
+
     /// These settings, completed by those of `other` where these are not set.
     #[must_use]
     pub fn or(self, other: &Self) -> Self {

@@ -69,6 +69,17 @@ impl CommandScale {
         *self == Self::default()
     }
 
+    /// Whether a command becomes that of its joint by the range, the factor and the offset alone, which other formats can say.
+    pub fn is_linear(&self) -> bool {
+        let linear = Self {
+            factor: self.factor,
+            offset: self.offset,
+            range: self.range,
+            ..Self::default()
+        };
+        *self == linear
+    }
+
     /// The command of the joint, before the lag.
     pub fn apply(&self, command: f64) -> f64 {
         let (low, high) = self.range.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
@@ -126,6 +137,7 @@ mod tests {
             range: Some((-1.0, 3.0)),
             ..CommandScale::default()
         };
+        assert!(scale.is_linear());
         assert_eq!([-9.0, 0.25, 9.0].map(|c| scale.apply(c)), [2.5, 0.0, -5.5]);
         assert!(scale.check("c").is_ok());
         for wrong in [
@@ -162,6 +174,7 @@ mod tests {
             bend: 2.0,
             ..CommandScale::default()
         };
+        assert!(!throttle.is_linear() && !steering.is_linear());
         assert!((steering.apply(1e-3) - 0.5e-3).abs() < 1e-8);
         assert!((steering.apply(-1.0) + 0.25 * 2.0_f64.tanh()).abs() < 1e-15);
     }
@@ -173,6 +186,7 @@ mod tests {
             ackermann: left_m,
             ..CommandScale::default()
         };
+        assert!(!wheel(0.3).is_linear());
         let radius_m = 1.0 / 0.4_f64.tan();
         for left_m in [0.3, -0.3] {
             // The centre of the turn is on the rear axle, so that the wheel is perpendicular to the way to it.

@@ -75,10 +75,8 @@ impl DrawnRobot {
         let adjusted = experiment.hinge_adjustments.iter();
         let mut adjusted = adjusted.map(|a| [a.backlash_rad, a.offset_rad, a.zero_rad]);
         let driven = || assembly.hinges.iter().filter_map(|h| h.actuator.as_ref());
-        let is_bent = |scale: &CommandScale| {
-            let bends = [scale.offset, scale.dead_zone, scale.bend, scale.lag_s];
-            scale.factor != 1.0 || bends.iter().any(|bend| *bend != 0.0)
-        };
+        let is_scaled =
+            |scale: &CommandScale| !scale.is_linear() || scale.factor != 1.0 || scale.offset != 0.0;
         let reasons = [
             (!experiment.has_engine(), "it is not simulated by an engine"),
             (
@@ -116,7 +114,7 @@ impl DrawnRobot {
                 driven().any(|a| {
                     matches!(a.servo.law, ServoLaw::Direct | ServoLaw::Throttle)
                         || a.servo.law.follows_speeds()
-                        || is_bent(&a.command)
+                        || is_scaled(&a.command)
                 }),
                 "its servos do not follow angles",
             ),

@@ -94,9 +94,9 @@ impl<'a> Robot<'a> {
             warnings.push(Code::TyreNotExported.warning(throttles));
         }
         let mut driven = self.driven_hinges().map(|(_, actuator)| actuator.command);
-        if driven.any(|command| command.dead_zone + command.bend + command.lag_s > 0.0) {
+        if driven.any(|command| !command.is_linear()) {
             warnings.push(Code::TyreNotExported.warning(
-                "dead zone, bend and lag of recorded commands (command.*): apply them before you set a command",
+                "dead zone, bend, Ackermann steering, delay and lag of recorded commands (command.*): apply them before you set a command",
             ));
         }
         warnings

@@ -8,6 +8,7 @@ use super::motor::is_of_motor;
 use super::{Parameter, by_name};
 use crate::{Experiment, SceneMotion};
 use realgap_core::error::{Error, Result};
+use realgap_core::statistics::mean_of;
 use realgap_core::warning::{Code, Warning};
 
 /// One parameter with a checked value.
@@ -211,28 +212,25 @@ impl ParameterSet {
     /// For every parameter of single runs that has no value for this run, the mean of its values for other runs: what was found of some
     /// runs is the best that is known of a further one.
     fn of_other_runs(&self, run: Option<&str>) -> Vec<Assignment> {
-        let mut means: Vec<(&'static Parameter, Vec<f64>)> = Vec::new();
-        let single = |a: &&Assignment| a.parameter.run().is_some_and(|name| !name.contains('*'));
-        for assignment in self.0.iter().filter(single) {
-            let of_all = assignment.parameter.of_all();
-            match means.iter_mut().find(|(known, _)| *known == of_all) {
-                Some((_, values)) => values.push(assignment.value),
-                None => means.push((of_all, vec![assignment.value])),
-            }
-        }
-        let is_known = |of_all: &Parameter| {
-            let mut own = self.0.iter().filter(|a| a.parameter.run().is_some());
-            let is_own =
-                |a: &Assignment| a.parameter.is_of_run(run) && a.parameter.of_all() == of_all;
-            run.is_some() && own.any(is_own)
+        let of_runs = || self.0.iter().filter(|a| a.parameter.run().is_some());
+        let is_of_one = |a: &Assignment| a.parameter.run().is_some_and(|name| !name.contains('*'));
+        let is_known = |name: &str| {
+            let mut own = of_runs().filter(|a| a.parameter.unscoped() == name);
+            run.is_some() && own.any(|a| a.parameter.is_of_run(run))
         };
-        let unknown = means.into_iter().filter(|(of_all, _)| !is_known(of_all));
-        unknown
-            .map(|(parameter, values)| Assignment {
-                parameter,
-                value: values.iter().sum::<f64>() / values.len() as f64,
-            })
-            .collect()
+        let mut means: Vec<Assignment> = Vec::new();
+        for (place, first) in self.0.iter().enumerate().filter(|(_, a)| is_of_one(a)) {
+            let name = first.parameter.unscoped();
+            let is_same = |a: &&Assignment| is_of_one(a) && a.parameter.unscoped() == name;
+            if self.0[..place].iter().any(|a| is_same(&a)) || is_known(name) {
+                continue;
+            }
+            means.push(Assignment {
+                parameter: first.parameter.of_all(),
+                value: mean_of(self.0.iter().filter(is_same).map(|a| a.value)),
+            });
+        }
+        means
     }
 
     /// A new experiment with every assignment applied. If two assignments refer to one joint, the more specific one holds,

@@ -354,10 +354,17 @@ impl Parameter {
         }
     }
 
+    /// The name without a robot or run before it.
+    fn unscoped(&self) -> &'static str {
+        scoped(self.name).map_or(self.name, |(_, rest, _)| rest)
+    }
+
     /// The same parameter of all robots and runs.
     pub fn of_all(&'static self) -> &'static Self {
-        let rest = scoped(self.name).and_then(|(_, rest, _)| by_name(rest).ok());
-        rest.unwrap_or(self)
+        match self.scope() {
+            None => self,
+            Some(_) => by_name(self.unscoped()).unwrap_or(self),
+        }
     }
 
     /// The same parameter of the runs of this name alone.
@@ -391,7 +398,7 @@ impl Parameter {
 
     /// The group: the part of the name before the first dot, without the robot or run.
     fn group(&self) -> &'static str {
-        let name = scoped(self.name).map_or(self.name, |(_, rest, _)| rest);
+        let name = self.unscoped();
         name.split('.').next().unwrap_or(name)
     }
 

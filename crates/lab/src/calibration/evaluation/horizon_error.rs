@@ -26,13 +26,7 @@ impl WindowError {
     /// `None` for a recording that is no window. A window begins where its name says; its run may have begun before.
     pub fn new(recording: &Recording, real: &Trajectory, run: &Trajectory) -> Option<Self> {
         let log = recording.log.as_ref()?;
-        let begin_s: f64 = recording
-            .name
-            .rsplit_once('@')?
-            .1
-            .strip_suffix('s')?
-            .parse()
-            .ok()?;
+        let begin_s = Horizon::begin_s(&recording.name)?;
         let lead_s = (log.times_s()[0] + begin_s - real.times_s()[0]).max(0.0);
         let length_s = real.duration_s() - lead_s;
         let is_planar = real.is_planar() || run.is_planar();
@@ -79,7 +73,7 @@ pub struct HorizonError {
 
 impl HorizonError {
     /// Each recording, and all together where there are several.
-    pub(in crate::calibration) fn all(windows: &[WindowError], body_length_m: f64) -> Vec<Self> {
+    pub(in crate::calibration) fn all(windows: &[&WindowError], body_length_m: f64) -> Vec<Self> {
         let mut logs: Vec<&str> = Vec::new();
         for window in windows {
             if !logs.contains(&window.log.as_str()) {
@@ -90,15 +84,11 @@ impl HorizonError {
             .iter()
             .filter_map(|log| {
                 let own = windows.iter().filter(|window| window.log == *log);
-                Self::of(log, &own.collect::<Vec<_>>(), body_length_m)
+                Self::of(log, &own.copied().collect::<Vec<_>>(), body_length_m)
             })
             .collect();
         if logs.len() > 1 {
-            all.extend(Self::of(
-                "all",
-                &windows.iter().collect::<Vec<_>>(),
-                body_length_m,
-            ));
+            all.extend(Self::of("all", windows, body_length_m));
         }
         all
     }
@@ -106,8 +96,7 @@ impl HorizonError {
     fn of(name: &str, windows: &[&WindowError], body_length_m: f64) -> Option<Self> {
         let times_s = windows.first()?.times_s.clone();
         let at = |k: usize, share: f64| {
-            let mut own: Vec<f64> = windows.iter().map(|window| window.errors_m[k]).collect();
-            own.sort_by(f64::total_cmp);
+            let own: Vec<f64> = windows.iter().map(|window| window.errors_m[k]).collect();
             quantile(&own, share)
         };
         let quantiles = |share: f64| (0..times_s.len()).map(|k| at(k, share)).collect::<Vec<_>>();
@@ -171,7 +160,7 @@ mod tests {
         let windows: Vec<WindowError> = (1..=19)
             .map(|k| window("log", 0.01 * f64::from(k)))
             .collect();
-        let found = HorizonError::all(&windows, 0.2);
+        let found = HorizonError::all(&windows.iter().collect::<Vec<_>>(), 0.2);
         assert_eq!(found.len(), 1);
         // The median drives away at 0.1 m/s and nine of ten at up to 0.172 m/s.
         let thirds = found[0].thirds().map(|(t, m)| (t, (1e6 * m).round() / 1e6));
@@ -183,7 +172,7 @@ mod tests {
             "{}",
             found[0].sentence()
         );
-        let fast = HorizonError::all(&[window("a", 9.0), window("b", 0.0)], 0.2);
+        let fast = HorizonError::all(&[&window("a", 9.0), &window("b", 0.0)], 0.2);
         assert_eq!(
             fast.iter()
                 .map(|one| one.recording.as_str())

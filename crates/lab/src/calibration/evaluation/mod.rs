@@ -310,7 +310,7 @@ fn summarise(study: &Study, set: &ParameterSet, rows: Vec<RecordingErrors>) -> R
         over_horizon: HorizonError::all(
             &rows
                 .iter()
-                .filter_map(|row| row.window.clone())
+                .filter_map(|row| row.window.as_ref())
                 .collect::<Vec<_>>(),
             study.cases()[0].body_length_m().unwrap_or(0.0),
         ),

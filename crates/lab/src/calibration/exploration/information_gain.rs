@@ -8,8 +8,8 @@ use std::path::Path;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
+use crate::calibration::Study;
 use crate::calibration::study::case::Case;
-use crate::calibration::{Horizon, Study};
 use realgap_inference::added_information;
 use realgap_optimization::{ErrorBlock, UnitPoint, slopes};
 use realgap_path::comparison::{PoseSeries, joint_error_series, pose_error_series};
@@ -67,10 +67,7 @@ impl Study {
             let is_fitted = case.targets.iter().any(|t| !self.is_held_out(t.recording));
             let recording = &definition.recordings[case.targets[0].recording];
             let path = recording.path.as_path();
-            let name = match definition.horizon {
-                Some(_) => Horizon::log_of(&recording.name),
-                None => &recording.name,
-            };
+            let name = definition.log_of(recording);
             let key = (path, name, is_fitted);
             let known = logs.iter_mut().rev();
             let mut known = known.filter(|log| (log.path, log.name, log.is_fitted) == key);

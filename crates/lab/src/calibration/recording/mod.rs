@@ -57,11 +57,16 @@ impl Found {
             return Ok(None);
         }
         let (admitted, warning) = rule.of(&self.recordings)?;
-        let mut is_in = admitted.iter();
-        self.recordings.retain(|_| is_in.next() == Some(&true));
-        let mut is_in = admitted.iter();
-        self.sha256.retain(|_| is_in.next() == Some(&true));
+        self.keep(&admitted);
         Ok(warning)
+    }
+
+    /// Keeps the recordings for which this is true.
+    fn keep(&mut self, is_kept: &[bool]) {
+        let mut kept = is_kept.iter();
+        self.recordings.retain(|_| kept.next() == Some(&true));
+        let mut kept = is_kept.iter();
+        self.sha256.retain(|_| kept.next() == Some(&true));
     }
 
     /// Leaves out recordings in which something still moves at the end, with a warning.
@@ -76,13 +81,7 @@ impl Found {
                 .found(counted(all, "recording"))
                 .hint("leave only_at_rest out of the study, or name other recordings"));
         }
-        let keep = |index: &mut usize| {
-            *index += 1;
-            rests[*index - 1]
-        };
-        let (mut first, mut second) = (0, 0);
-        self.recordings.retain(|_| keep(&mut first));
-        self.sha256.retain(|_| keep(&mut second));
+        self.keep(&rests);
         Ok((kept < all).then(|| {
             Code::MovingAtEnd.warning(format!(
                 "{} of {all} recordings end while moving and are left out (only_at_rest)",

@@ -401,11 +401,7 @@ impl Definition {
         }
         let mut reading = file.reading.clone();
         let unitless = file.commands.iter().flat_map(Commands::unitless);
-        for name in unitless.chain(file.windows.on.clone()) {
-            if !reading.unitless.contains(&name) {
-                reading.unitless.push(name);
-            }
-        }
+        reading.read_without_unit(unitless.chain(file.windows.on.clone()));
         if own_simulator.is_some() {
             reading
                 .unitless

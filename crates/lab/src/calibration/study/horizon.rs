@@ -81,6 +81,12 @@ impl Horizon {
     pub(in crate::calibration) fn log_of(window: &str) -> &str {
         window.rsplit_once('@').map_or(window, |(log, _)| log)
     }
+
+    /// When a window with this name begins, seconds after its recording.
+    pub(in crate::calibration) fn begin_s(window: &str) -> Option<f64> {
+        let (_, begin) = window.rsplit_once('@')?;
+        begin.strip_suffix('s')?.parse().ok()
+    }
 }
 
 /// The velocity with which the run of a window starts is that of this time before the window, seconds.

@@ -3,6 +3,7 @@
 use serde::Deserialize;
 
 use crate::calibration::{Definition, Horizon};
+use realgap_core::text::fits;
 use realgap_core::{Error, Result};
 use realgap_optimization::{Grid, Range};
 use realgap_path::trajectory::Recording;
@@ -21,15 +22,15 @@ pub enum Each {
     Run,
 }
 
-/// The name in parameters of the run that begins as this recording does.
-fn name_of(definition: &Definition, recording: &Recording) -> String {
-    run_name(match definition.horizon {
-        Some(_) => Horizon::log_of(&recording.name),
-        None => &recording.name,
-    })
-}
-
 impl Definition {
+    /// The name of a recording, of which this one may be a window.
+    pub(in crate::calibration) fn log_of<'a>(&self, recording: &'a Recording) -> &'a str {
+        match self.horizon {
+            Some(_) => Horizon::log_of(&recording.name),
+            None => &recording.name,
+        }
+    }
+
     /// Whether a parameter differs between runs.
     fn has_runs(&self) -> bool {
         let fixed = self.set.iter().map(|assignment| assignment.parameter);
@@ -44,7 +45,7 @@ impl Definition {
         recording: &Recording,
     ) {
         if self.has_runs() {
-            experiment.run = Some(name_of(self, recording).into());
+            experiment.run = Some(run_name(self.log_of(recording)).into());
         }
     }
 
@@ -57,7 +58,7 @@ impl Definition {
         let fitted = self.recordings.iter().zip(held_out);
         let mut names: Vec<String> = Vec::new();
         for (recording, _) in fitted.filter(|(_, held_out)| !held_out) {
-            let name = name_of(self, recording);
+            let name = run_name(self.log_of(recording));
             if !names.contains(&name) {
                 names.push(name);
             }
@@ -107,17 +108,14 @@ impl Definition {
 
     /// Refuses a varied parameter of a run that no recording is of.
     fn with_known_runs(self) -> Result<Self> {
+        let recordings = self.recordings.iter();
+        let mut names: Vec<String> = recordings.map(|r| run_name(self.log_of(r))).collect();
+        names.dedup();
         for parameter in &self.parameters {
             let Some(form) = parameter.run() else {
                 continue;
             };
-            let mut names: Vec<String> =
-                self.recordings.iter().map(|r| name_of(&self, r)).collect();
-            names.dedup();
-            if !names
-                .iter()
-                .any(|name| realgap_core::text::fits(form, name))
-            {
+            if !names.iter().any(|name| fits(form, name)) {
                 return Err(Error::invalid("no recording of this name")
                     .field(parameter.name)
                     .found(form)

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::super::ensemble::Ensemble;
 use realgap_core::Result;
-use realgap_guest::{Answered, CommandLine, Failure, Pool, Port, Question};
+use realgap_guest::{Answered, CommandLine, Failure, HELLO, Pool, Port, Question};
 use realgap_optimization::RunOptions;
 use realgap_simulation::Experiment;
 use realgap_simulation::export::DrawnRobot;
@@ -18,8 +18,6 @@ const SCRIPT: &str = concat!(
     "\n",
     include_str!("ask_mujoco.py")
 );
-/// The first question, as of any simulator of the user's own.
-const HELLO: &str = r#"{"realgap":1,"ask":"hello"}"#;
 /// Repeats that MuJoCo runs, at most; docs/validation/ensembles.md says what fewer and more would change.
 const RUNS: usize = 12;
 /// Fewer completed runs than this have no spread.

@@ -104,6 +104,26 @@ pub(super) fn cells(line: &str, number: usize, separator: Separator) -> Result<V
     Ok(cells.iter().map(|cell| cell.text).collect())
 }
 
+/// A row of a table: the number of its line, and its cells.
+pub(super) type Row<'a> = (usize, Vec<&'a str>);
+
+/// The names and the rows of a table with commas; blank lines are left out.
+pub(super) fn names_and_rows(
+    text: &str,
+) -> Result<(Vec<&str>, impl Iterator<Item = Result<Row<'_>>>)> {
+    let mut lines = text
+        .lines()
+        .enumerate()
+        .filter(|(_, line)| !line.trim().is_empty());
+    let names = lines.next().map_or("", |(_, line)| line);
+    let names = cells(names, 1, Separator::Comma)?;
+    let rows = lines.map(|(index, line)| {
+        let number = index + 1;
+        Ok((number, cells(line, number, Separator::Comma)?))
+    });
+    Ok((names, rows))
+}
+
 /// The error about a line of a file whose first lines are those of `program`.
 pub(super) fn broken(program: &str, line: usize, found: impl std::fmt::Display) -> Error {
     Error::invalid(format!("this is no complete export of {program}"))

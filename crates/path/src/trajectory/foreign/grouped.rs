@@ -5,9 +5,9 @@
 use std::collections::HashSet;
 
 use super::ForeignTable;
-use super::flat::{Flat, cells, plain};
+use super::flat::{Flat, names_and_rows, plain};
 use crate::trajectory::format::Decoded;
-use crate::trajectory::text::{Separator, decode_text, first_line};
+use crate::trajectory::text::{decode_text, first_line};
 use realgap_core::error::Result;
 
 /// CSV files in which `x`, `y` and `z` occur several times, each behind the name of what they belong to.
@@ -25,13 +25,8 @@ pub const GROUPED: ForeignTable = ForeignTable {
 
 fn table(bytes: Vec<u8>) -> Result<Decoded> {
     let text = decode_text(bytes)?;
-    let mut lines = text
-        .lines()
-        .enumerate()
-        .filter(|(_, line)| !line.trim().is_empty());
-    let header = lines.next().map_or("", |(_, line)| line);
-    let header = cells(header, 1, Separator::Comma)?;
-    let rows = lines.map(|(index, line)| cells(line, index + 1, Separator::Comma));
+    let (header, rows) = names_and_rows(&text)?;
+    let rows = rows.map(|row| row.map(|(_, cells)| cells));
     let rows: Vec<Vec<&str>> = rows.collect::<Result<_>>()?;
     let is_empty = |at: usize| {
         let mut all = rows.iter();

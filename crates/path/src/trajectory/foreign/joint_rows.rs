@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 
 use super::ForeignTable;
-use super::flat::{Flat, cells, plain};
+use super::flat::{Flat, cells, names_and_rows, plain};
 use crate::trajectory::format::Decoded;
 use crate::trajectory::text::{Separator, decode_text, first_line};
 use realgap_core::error::{Error, Result};
@@ -34,7 +34,7 @@ pub const NAMED_FIELDS: ForeignTable = ForeignTable {
 };
 
 /// Quantities of a joint in ROS, each with the unit that its column gets.
-const QUANTITIES: [(&str, &str); 3] = [
+pub(super) const QUANTITIES: [(&str, &str); 3] = [
     ("position", "rad"),
     ("velocity", "rad_s"),
     ("effort", "effort_nm"),
@@ -158,12 +158,7 @@ fn unit(quantity: &str) -> &'static str {
 
 fn fields(bytes: Vec<u8>) -> Result<Decoded> {
     let text = decode_text(bytes)?;
-    let mut lines = text
-        .lines()
-        .enumerate()
-        .filter(|(_, line)| !line.trim().is_empty());
-    let header = lines.next().map_or("", |(_, line)| line);
-    let header = cells(header, 1, Separator::Comma)?;
+    let (header, rows) = names_and_rows(&text)?;
     let place = |name: String| header.iter().position(|cell| *cell == name);
     let named: Vec<usize> = (0..)
         .map_while(|k| place(format!("field.name{k}")))
@@ -171,8 +166,8 @@ fn fields(bytes: Vec<u8>) -> Result<Decoded> {
     let mut joints: Vec<String> = Vec::new();
     let mut names: Vec<String> = header.iter().map(|name| (*name).to_owned()).collect();
     let mut flat = None;
-    for (index, line) in lines {
-        let row = cells(line, index + 1, Separator::Comma)?;
+    for row in rows {
+        let (number, row) = row?;
         let own = named
             .iter()
             .map(|at| plain(row.get(*at).copied().unwrap_or_default()));
@@ -194,7 +189,7 @@ fn fields(bytes: Vec<u8>) -> Result<Decoded> {
         };
         if own != joints {
             return Err(Error::invalid("the joints change their order")
-                .at_line(index + 1, 1)
+                .at_line(number, 1)
                 .found(own.join(", "))
                 .allowed(joints.join(", "))
                 .hint("read the bag itself: rosbags-convert --src FILE.bag --dst FOLDER"));

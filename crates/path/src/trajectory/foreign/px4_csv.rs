@@ -1,9 +1,9 @@
 //! CSV files that `ulog2csv` writes of a vehicle's path: north, east, down, as in the log itself, which no name in them says.
 
 use super::ForeignTable;
-use super::flat::{Flat, cells};
+use super::flat::{Flat, names_and_rows};
 use crate::trajectory::format::Decoded;
-use crate::trajectory::text::{Separator, decode_text, excerpt, first_line};
+use crate::trajectory::text::{decode_text, excerpt, first_line};
 use realgap_core::error::{Error, Result};
 
 /// The topic `vehicle_local_position` of PX4 as a table.
@@ -29,12 +29,7 @@ const KEPT: [(&str, &str, f64); 4] = [
 
 fn table(bytes: Vec<u8>) -> Result<Decoded> {
     let text = decode_text(bytes)?;
-    let mut lines = text
-        .lines()
-        .enumerate()
-        .filter(|(_, line)| !line.trim().is_empty());
-    let header = lines.next().map_or("", |(_, line)| line);
-    let header = cells(header, 1, Separator::Comma)?;
+    let (header, rows) = names_and_rows(&text)?;
     let kept: Vec<(usize, &str, f64)> = (KEPT.iter())
         .filter_map(|(theirs, ours, sign)| {
             let at = header.iter().position(|name| name == theirs)?;
@@ -43,8 +38,8 @@ fn table(bytes: Vec<u8>) -> Result<Decoded> {
         .collect();
     let names = kept.iter().map(|(_, name, _)| (*name).to_owned());
     let mut flat = Flat::new(std::iter::once("t_us".to_owned()).chain(names))?;
-    for (index, line) in lines {
-        let row = cells(line, index + 1, Separator::Comma)?;
+    for row in rows {
+        let (number, row) = row?;
         let mut own = vec![row.first().copied().unwrap_or_default().to_owned()];
         for (at, name, sign) in &kept {
             let cell = row.get(*at).copied().unwrap_or_default();
@@ -53,7 +48,7 @@ fn table(bytes: Vec<u8>) -> Result<Decoded> {
                 Err(_) if cell.is_empty() => String::new(),
                 Err(_) => {
                     return Err(Error::invalid("not a number")
-                        .at_line(index + 1, 1)
+                        .at_line(number, 1)
                         .field(*name)
                         .found(excerpt(cell)));
                 }

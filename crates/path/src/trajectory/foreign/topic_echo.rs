@@ -7,6 +7,7 @@ use serde_json::{Map, Value};
 
 use super::ForeignTable;
 use super::flat::{Flat, plain};
+use super::joint_rows::QUANTITIES;
 use super::json_lines::{cell, flatten};
 use crate::trajectory::format::Decoded;
 use crate::trajectory::text::{decode_text, excerpt};
@@ -154,11 +155,7 @@ fn joints(message: &Map<String, Value>, line: usize) -> Result<Option<Vec<(Strin
         return Ok(None);
     }
     let mut cells = Vec::new();
-    for (quantity, unit) in [
-        ("position", "rad"),
-        ("velocity", "rad_s"),
-        ("effort", "effort_nm"),
-    ] {
+    for (quantity, unit) in QUANTITIES {
         let values = list(quantity);
         if values.is_empty() {
             continue;

@@ -129,6 +129,8 @@ pub(super) fn command(old: &CommandScale, new: &CommandScale) -> Numbers {
             ("offset", scale.offset),
             ("dead_zone", scale.dead_zone),
             ("bend", scale.bend),
+            ("ackermann", scale.ackermann),
+            ("delay_s", scale.delay_s),
             ("lag_s", scale.lag_s),
         ]
     };
