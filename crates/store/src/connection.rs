@@ -41,7 +41,8 @@ pub(super) fn connect(path: &Path, file_system: &FileSystem) -> Result<Connectio
     Ok(connection)
 }
 
-/// Takes back what a killed process has written halfway, as SQLite does before it reads a file that it may write.
+/// Takes back what a killed process has written halfway, as SQLite does before it reads a file that it may write. What a living process
+/// is writing is left alone, because it holds a lock.
 pub(super) fn take_back(path: &Path) -> Result<()> {
     if matches!(journal_of(path)?, Journal::None) {
         return Ok(());
@@ -124,10 +125,10 @@ pub(super) fn connect_to_read(path: &Path) -> Result<Connection> {
     // What was written halfway must be taken back before anything is read.
     if !matches!(journal_of(path)?, Journal::None) {
         return Err(Error::conflict(
-            "the run was interrupted in the middle of a write, which is taken back when it is resumed",
+            "the run was interrupted in the middle of a write, which cannot be taken back here",
         )
         .at_file(with_suffix(path, "-journal"))
-        .advise(Advice::Resume));
+        .hint("resume the run, or copy the whole folder to a writable place and read it there"));
     }
     // No process can write to read-only media, so no lock is needed.
     let Some(immutable) = immutable_uri(path) else {

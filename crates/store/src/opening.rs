@@ -11,6 +11,7 @@ use super::database::{STORE_FILE, Store, Writer, remove};
 use super::description::{COMPLETE, ENDING};
 use super::file_system::FileSystem;
 use super::fingerprint::Fingerprint;
+use super::journal::{Journal, journal_of};
 use super::lock::{FolderLock, Place};
 use super::log::verify_log;
 use super::row::Table;
@@ -128,12 +129,17 @@ impl<R: Table> Store<R> {
         Ok(store)
     }
 
-    /// Opens a file for reading. Only the file system is checked.
+    /// Opens a file for reading, after what a killed process has written halfway was taken back. Only the file system is checked.
     fn of_file(path: &Path) -> Result<Self> {
         if count::is_logged(path)?
             && let Some(folder) = path.parent()
         {
             FileSystem::of(folder).must_share_memory(path)?;
+        }
+        // A damaged journal is only used by a run that goes on, which makes lost rows anew.
+        if journal_of(path)? == Journal::Whole {
+            // Where this is refused, as in a folder that cannot be written, reading says why.
+            let _refused = take_back(path);
         }
         Ok(Self {
             connection: connect_to_read(path)?,
@@ -187,7 +193,7 @@ impl<R: Table> Store<R> {
         Ok((store, found))
     }
 
-    /// Takes back what was written halfway. Moves a write-ahead log aside if it does not belong to this store, or if the store is inconsistent with it; the rows in the main
+    /// Moves a write-ahead log aside if it does not belong to this store, or if the store is inconsistent with it; the rows in the main
     /// file remain.
     fn repair(path: &Path, fingerprint: &Fingerprint) -> Result<()> {
         if count::has_foreign_log(path)? {
