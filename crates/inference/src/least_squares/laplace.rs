@@ -1,21 +1,15 @@
 //! A Gaussian approximation of the posterior around a point (Laplace's method), in principal directions.
 
 use nalgebra::{DMatrix, DVector};
-use realgap_core::statistics::{jackknife_variance, student_quantile};
 use realgap_optimization::{
     Linearisation, OptimizationProblem, UnitPoint, blocks_of, error_scales, minimum_within,
 };
 
+use super::disagreement::{self, Log, NO_INFORMATION, WholeFit};
 use super::noise::ResidualNoise;
 
-/// Half of a 90 % interval of a normal distribution, in standard deviations.
-const NINETY: f64 = 1.644_853_626_951;
 /// With fewer logs than this, their disagreement cannot be estimated, and only the noise is used.
 const FEWEST_LOGS: usize = 3;
-/// Logs of which fewer than this tell about a direction (effective number: Kish 1965) do not show how far they disagree about it.
-const LEAST_TELLING: f64 = 2.0;
-/// Logs that agree by chance do not make an estimate more certain than this share of the noise's variance.
-const LEAST_INFLATION: f64 = 0.25;
 /// Factor on the error of a derivative: that of a difference to one side at an end of the range is twice that of one to both sides.
 const DOUBT: f64 = 2.0;
 /// Precision of a uniform distribution from 0 to 1. It keeps steps along directions without information within the range.
@@ -42,19 +36,9 @@ pub(super) struct Laplace {
     pub directions: DMatrix<f64>,
     /// Information along each direction, as if errors were independent.
     information: DVector<f64>,
-    /// By how much the variance along each direction is larger, because errors are correlated or logs disagree.
-    inflation: DVector<f64>,
-}
-
-/// Precision of a coordinate that is held, over a range of 1.
-const HELD: f64 = 1e12;
-
-/// Holds a coordinate, whose direction this is, in a fit that is made again: what errors alone tell about does not move when they are left
-/// out, because nothing else would hold it. The fit is its information matrix and its pull.
-fn hold((information, pull): &mut (DMatrix<f64>, DVector<f64>), along: &DVector<f64>) {
-    *information += along * along.transpose() * HELD;
-    let part = along.dot(pull);
-    *pull -= along * part;
+    /// The covariance of positions along the directions, in units of what independent errors would give along each: by how much
+    /// variances are larger, because errors are correlated or logs disagree.
+    inflation: DMatrix<f64>,
 }
 
 impl Laplace {
@@ -74,7 +58,7 @@ impl Laplace {
             noise,
             prior,
             directions: DMatrix::identity(dimensions, dimensions),
-            inflation: one.clone(),
+            inflation: DMatrix::from_diagonal(&one),
             information: one,
         };
         laplace.lowest = laplace.deviance(&known.at, &known.errors);
@@ -153,68 +137,38 @@ impl Laplace {
         self.inflation = self.inflations();
     }
 
-    /// The inflation along each direction: from the disagreement between logs where there are three or more, otherwise from the
-    /// autocorrelation of the errors.
-    fn inflations(&self) -> DVector<f64> {
+    /// The inflation: from the disagreement between logs where there are three or more, otherwise from the autocorrelation of the errors
+    /// along each direction.
+    fn inflations(&self) -> DMatrix<f64> {
         let slopes = self.noise.slopes(&self.errors);
-        let along = &self.jacobian * &self.directions;
-        let from_noise = DVector::from_fn(self.centre.len(), |k, _| {
-            let column = along.column(k);
-            let scores = column.component_mul(&slopes);
-            self.noise.inflation(&scores, column.norm_squared())
-        });
+        let from_noise = |direction: &DVector<f64>| {
+            let along = &self.jacobian * direction;
+            let scores = along.component_mul(&slopes);
+            self.noise.inflation(&scores, along.norm_squared())
+        };
         let logs = self.noise.logs();
         if logs.len() < FEWEST_LOGS {
-            return from_noise;
+            let of = self.directions.column_iter();
+            let of: Vec<f64> = of.map(|own| from_noise(&own.into_owned())).collect();
+            return DMatrix::from_diagonal(&DVector::from_vec(of));
         }
-        // Leaving out one log after the other (Tukey 1958); each fit without a log is one linear step.
+        let along = &self.jacobian * &self.directions;
+        let logs: Vec<Log> = logs
+            .iter()
+            .map(|ranges| {
+                let rows: Vec<usize> = ranges.iter().cloned().flatten().collect();
+                Log::new(&along.select_rows(&rows), &slopes.select_rows(&rows))
+            })
+            .collect();
         let dimensions = self.centre.len();
-        let mut parts = Vec::new();
-        for ranges in &logs {
-            let mut part = DMatrix::zeros(dimensions, dimensions);
-            let mut pull = DVector::zeros(dimensions);
-            for range in ranges {
-                let own = along.rows(range.start, range.len());
-                part += own.tr_mul(&own);
-                pull += own.tr_mul(&slopes.rows(range.start, range.len()));
-            }
-            parts.push((part, pull));
-        }
         let mut all = DMatrix::from_diagonal_element(dimensions, dimensions, RANGE_PRECISION);
-        parts.iter().for_each(|(part, _)| all += part);
-        let shifts = parts.iter().zip(&logs).map(|((part, pull), ranges)| {
-            let mut rest = (&all - part, pull.clone());
-            let rows: Vec<usize> = ranges.iter().cloned().flatten().collect();
-            for axis in self.told_alone(&rows) {
-                hold(&mut rest, &self.directions.row(axis).transpose());
-            }
-            let (rest, pull) = rest;
-            let rest = rest.cholesky();
-            rest.map_or_else(|| DVector::zeros(dimensions), |rest| rest.solve(&pull))
+        logs.iter().for_each(|log| all += &log.information);
+        let left_out = WholeFit::new(all).map_or_else(Vec::new, |whole| {
+            logs.iter().filter_map(|log| whole.without(log)).collect()
         });
-        let shifts: Vec<DVector<f64>> = shifts.collect();
-        let student = student_quantile(0.95, logs.len() as f64 - 1.0) / NINETY;
-        DVector::from_fn(dimensions, |k, _| {
-            // A log that alone tells about a direction cannot contradict others.
-            let shares = parts.iter().map(|(part, _)| part[(k, k)] / all[(k, k)]);
-            let telling = 1.0 / shares.map(|share| share * share).sum::<f64>();
-            if telling < LEAST_TELLING {
-                return from_noise[k];
-            }
-            let left_out: Vec<f64> = shifts.iter().map(|shift| shift[k]).collect();
-            let variance = jackknife_variance(&left_out) * student.powi(2);
-            (variance * self.information[k]).max(LEAST_INFLATION)
+        disagreement::inflation(&left_out, &self.information, |direction| {
+            from_noise(&(&self.directions * direction))
         })
-    }
-
-    /// The coordinates about which these errors alone tell, e.g. parameters of their own run.
-    fn told_alone(&self, rows: &[usize]) -> Vec<usize> {
-        let is_alone = |axis: &usize| {
-            let column = self.jacobian.column(*axis);
-            let own = rows.iter().filter(|row| column[**row] != 0.0).count();
-            own > 0 && own == column.iter().filter(|slope| **slope != 0.0).count()
-        };
-        (0..self.centre.len()).filter(is_alone).collect()
     }
 
     /// The errors at the centre as they would be if the fit had not seen the group of each: one linear step for each group that is left
@@ -233,19 +187,20 @@ impl Laplace {
         }
         let mut errors = self.errors.clone();
         let factors = self.noise.whitening_factors();
+        let whole = WholeFit::new(all.clone());
         for rows in rows.iter().filter(|rows| !rows.is_empty()) {
             let own = self.jacobian.select_rows(rows);
-            let pull = own.tr_mul(&slopes.select_rows(rows));
-            let mut rest = (&all - own.tr_mul(&own), pull);
-            // Of a single group nothing would be left.
-            for axis in self.told_alone(rows).into_iter().filter(|_| count > 1) {
-                let mut along = DVector::zeros(dimensions);
-                along[axis] = 1.0;
-                hold(&mut rest, &along);
-            }
-            let (rest, pull) = rest;
-            let rest = rest.cholesky();
-            let shift = rest.map_or_else(|| DVector::zeros(dimensions), |rest| rest.solve(&pull));
+            let log = Log::new(&own, &slopes.select_rows(rows));
+            let shift = match count {
+                // Without its only group the fit is where the priors pull it.
+                1 => (&all - &log.information)
+                    .cholesky()
+                    .map(|rest| rest.solve(&log.pull)),
+                _ => whole
+                    .as_ref()
+                    .and_then(|whole| Some(whole.without(&log)?.shift)),
+            };
+            let shift = shift.unwrap_or_else(|| DVector::zeros(dimensions));
             let within = self.centre.iter().zip(shift.iter());
             let within = within.map(|(at, by)| (at + by).clamp(0.0, 1.0) - at);
             let moved = own * DVector::from_iterator(dimensions, within);
@@ -258,7 +213,32 @@ impl Laplace {
 
     /// Precision along each direction; 0 where nothing is known but the range.
     pub fn precision(&self, direction: usize) -> f64 {
-        self.information[direction] / self.inflation[direction]
+        self.information[direction] / self.inflation[(direction, direction)]
+    }
+
+    /// Directions within some of the principal ones along which positions are uncorrelated, and the precision along each: a column each,
+    /// in coordinates along the principal directions. The other principal directions are left as they are.
+    pub fn uncorrelated(&self, of: &[usize]) -> (DMatrix<f64>, Vec<f64>) {
+        let dimensions = self.centre.len();
+        let mut directions = DMatrix::identity(dimensions, dimensions);
+        let mut precisions: Vec<f64> = (0..dimensions).map(|k| self.precision(k)).collect();
+        let correlated = |a: &usize| of.iter().any(|b| a != b && self.inflation[(*a, *b)] != 0.0);
+        if !of.iter().any(correlated) {
+            return (directions, precisions);
+        }
+        let root = |k: usize| self.information[k].max(NO_INFORMATION).sqrt();
+        let covariance = DMatrix::from_fn(of.len(), of.len(), |a, b| {
+            let (a, b) = (of[a], of[b]);
+            self.inflation[(a, b)] / (root(a) * root(b))
+        });
+        let eigen = covariance.symmetric_eigen();
+        for (column, k) in of.iter().enumerate() {
+            for (row, axis) in of.iter().enumerate() {
+                directions[(*axis, *k)] = eigen.eigenvectors[(row, column)];
+            }
+            precisions[*k] = 1.0 / eigen.eigenvalues[column].max(f64::MIN_POSITIVE);
+        }
+        (directions, precisions)
     }
 
     /// Standard deviation along a direction; at most a large number where nothing is known but the range.
@@ -293,13 +273,13 @@ impl Laplace {
 
     /// Inflation of the variance of all errors together: the mean over the directions.
     pub fn mean_inflation(&self) -> f64 {
-        self.inflation.mean()
+        self.inflation.trace() / self.centre.len() as f64
     }
 
     /// Inflation along one direction, at least that of all directions together: errors that a direction hardly changes do not show
     /// their own correlation.
     pub fn inflation_along(&self, direction: usize) -> f64 {
-        self.inflation[direction].max(self.mean_inflation())
+        self.inflation[(direction, direction)].max(self.mean_inflation())
     }
 
     /// Precision of each coordinate before the recordings: that of its prior, or of a uniform distribution over the range.

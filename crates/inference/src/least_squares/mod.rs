@@ -7,6 +7,7 @@
 
 mod agreement;
 mod combination;
+mod disagreement;
 mod estimate;
 mod laplace;
 mod mode;

@@ -322,11 +322,16 @@ impl Mode {
         widths.map(libm::log).sum()
     }
 
-    /// So many draws, with the deviance that is promised for each (Gibbs sampling along the principal directions, within the range).
-    /// The shift by the numerics is not in them.
+    /// So many draws, with the deviance that is promised for each (Gibbs sampling along ridges and uncorrelated directions, within the
+    /// range). The shift by the numerics is not in them.
     pub fn draws(&self, count: usize, rng: &mut Generator) -> Vec<(UnitPoint, f64)> {
         let dimensions = self.laplace.centre().len();
-        let mut position = Position::zeros(dimensions);
+        let straight: Vec<usize> = (0..dimensions)
+            .filter(|k| self.ridge(*k).is_none())
+            .collect();
+        let (axes, precisions) = self.laplace.uncorrelated(&straight);
+        // One coordinate for each ridge and for each uncorrelated direction.
+        let mut drawn = Position::zeros(dimensions);
         let is_within =
             |point: &DVector<f64>| point.iter().all(|c| (-OUTSIDE..=1.0 + OUTSIDE).contains(c));
         let mut draws = Vec::with_capacity(count);
@@ -336,37 +341,43 @@ impl Mode {
                     let share: f64 = rng.random();
                     match self.ridge(k) {
                         Some(ridge) => {
-                            let mut other = position.clone();
+                            let mut other = drawn.clone();
                             other[k] = ridge.at_share(share);
-                            if is_within(&self.point(&other)) {
-                                position = other;
+                            if is_within(&self.point(&(&axes * &other))) {
+                                drawn = other;
                             }
                         }
                         None => {
-                            let point = self.point(&position);
-                            position[k] = self.along(k, &point, position[k], share);
+                            let point = self.point(&(&axes * &drawn));
+                            let line = &self.laplace.directions * axes.column(k);
+                            drawn[k] = along((&line, precisions[k]), &point, drawn[k], share);
                         }
                     }
                 }
             }
+            let position = &axes * &drawn;
             let point = clamped(&self.point(&position));
             draws.push((point, self.promised(&position)));
         }
         draws
     }
+}
 
-    /// A normal number along a direction, truncated to the range.
-    fn along(&self, k: usize, point: &DVector<f64>, now: f64, share: f64) -> f64 {
-        let line = self.laplace.directions.column(k).into_owned();
-        let inside = clamped(point);
-        let (low, high) = (
-            now - room(&inside, &-line.clone()),
-            now + room(&inside, &line),
-        );
-        let precision = self.laplace.precision(k).sqrt();
-        if precision * (high - low) < 1e-6 {
-            return low + share * (high - low);
-        }
-        truncated_normal_quantile(low * precision, high * precision, share) / precision
+/// A normal number along a direction with this precision, truncated to the range.
+fn along(
+    (line, precision): (&DVector<f64>, f64),
+    point: &DVector<f64>,
+    now: f64,
+    share: f64,
+) -> f64 {
+    let inside = clamped(point);
+    let (low, high) = (
+        now - room(&inside, &-line.clone()),
+        now + room(&inside, line),
+    );
+    let precision = precision.sqrt();
+    if precision * (high - low) < 1e-6 {
+        return low + share * (high - low);
     }
+    truncated_normal_quantile(low * precision, high * precision, share) / precision
 }
