@@ -20,6 +20,7 @@ class Claim:
         "engines",
         "set",
         "parameter",
+        "difference",
         "parameters",
         "gap",
         "trust",

@@ -82,6 +82,21 @@ class Correlation:
 
 
 @dataclass(frozen=True)
+class Difference:
+    """By how much a parameter differs between two sets of recordings: the first minus the second, with its 95 % interval.
+
+    >>> answer.summary.differences
+    ()
+    """
+
+    first: str
+    second: str
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
 class AuditRow:
     """The best point again, with one numerical setting changed; no score where it diverged.
 
@@ -493,6 +508,7 @@ class SweepSummary:
     verdicts: Tuple[Verdict, ...]
     claims: Tuple[Claim, ...]
     correlations: Tuple[Correlation, ...]
+    differences: Tuple[Difference, ...]
     audit: Optional[Audit]
     validation: Optional[Validation]
     transfer: Optional[Transfer]

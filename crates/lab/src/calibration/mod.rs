@@ -42,7 +42,9 @@ mod recording;
 mod study;
 
 pub use answer::Answer;
-pub use answer::report::{Best, BestPointUncertainty, Correlation, PoseErrors, Report};
+pub(crate) use answer::relation::DIFFERENCE_LEVEL;
+pub use answer::relation::{Correlation, Difference};
+pub use answer::report::{Best, BestPointUncertainty, PoseErrors, Report};
 pub use answer::score::{PointScore, Scores};
 pub use answer::uncertainty::{Uncertainty, UncertaintySource};
 pub(crate) use answer::values::by_name;

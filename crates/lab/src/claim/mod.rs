@@ -5,6 +5,7 @@
 //! different things, and no sentence is stronger than the numbers beside it (crates/page/src/report/contradiction/mod.rs looks for
 //! both).
 
+mod difference;
 mod ensemble;
 mod fit;
 mod flight;
@@ -23,6 +24,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+pub(crate) use difference::difference;
 pub(crate) use ensemble::{contradictions, recorded, region};
 pub(crate) use fit::{engines, model, nearest, set};
 pub use flight::flights;
@@ -59,6 +61,8 @@ pub enum About {
     Set,
     /// One parameter.
     Parameter,
+    /// The difference of one parameter between two sets of recordings.
+    Difference,
     /// All parameters, in short.
     Parameters,
     /// Whether simulated repeats have the distribution of the recordings.

@@ -1,5 +1,6 @@
 //! The answer of a study: the best point, and its uncertainty.
 
+pub(super) mod relation;
 pub(super) mod report;
 pub(super) mod score;
 pub(super) mod uncertainty;

@@ -5,6 +5,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use crate::calibration::answer::relation::{Correlation, Difference};
 use crate::calibration::answer::uncertainty::own_score;
 use crate::calibration::exploration::information_gain;
 use crate::calibration::{
@@ -60,6 +61,8 @@ pub struct Report {
     pub claims: Vec<Claim>,
     /// Correlation of each pair of parameters over the posterior draws.
     pub correlations: Vec<Correlation>,
+    /// By how much one parameter differs between two sets of recordings, e.g. friction between two floors.
+    pub differences: Vec<Difference>,
     /// The view of each of two engines on the answer, which is one of the claims; empty where there is one engine only.
     #[serde(skip)]
     pub engines: Vec<EnginePreference>,
@@ -95,18 +98,6 @@ pub struct Best {
     pub own_score: Option<f64>,
     /// Mean absolute difference of the net displacements, metres.
     pub displacement_error_m: Option<f64>,
-}
-
-/// Correlation of two parameters over the posterior draws.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Correlation {
-    /// Name of one parameter.
-    pub first: &'static str,
-    /// Name of the other parameter.
-    pub second: &'static str,
-    /// Pearson's coefficient.
-    pub value: f64,
 }
 
 /// Uncertainty of the best point.
@@ -309,6 +300,7 @@ impl fmt::Display for Report {
         }
         say(f, About::Set)?;
         say(f, About::Parameter)?;
+        say(f, About::Difference)?;
         if let Some(tuning) = &self.tuning {
             information_gain::say(&tuning.motions, f)?;
         }
@@ -327,7 +319,7 @@ impl fmt::Display for Report {
 impl Report {
     pub(in crate::calibration) fn new(study: &Study, evidence: &Evidence<'_>) -> Result<Self> {
         let definition = study.definition();
-        let scores = evidence.scores;
+        let (scores, grid) = (evidence.scores, &definition.grid);
         let best = scores.best.and_then(|best| {
             let point = &scores.points[best];
             point.score.map(|score| Best {
@@ -388,7 +380,11 @@ impl Report {
                 Ending::Interrupted => Vec::new(),
             },
             claims: Vec::new(),
-            correlations: correlations(study, evidence.draws),
+            correlations: Correlation::all(grid, evidence.draws),
+            differences: match evidence.ending {
+                Ending::Complete => Difference::all(grid, evidence.draws),
+                Ending::Interrupted => Vec::new(),
+            },
             engines: evidence.engines.clone(),
             audit: evidence.audit.clone(),
             validation: evidence.validation.clone(),
@@ -441,25 +437,13 @@ impl Report {
         });
         let trust = self.best.is_some().then_some(trust);
         let verdict = gap.into_iter().chain(claim::summary(&each)).chain(trust);
+        let has_converged = self.tuning.as_ref().is_none_or(Tuned::has_converged);
+        let between = self.differences.iter();
+        let between = between.map(|known| claim::difference(known, has_converged, recordings));
         let first = verdict.chain(model).chain(best).chain(engines);
-        self.claims = first.chain(set).chain(each).collect();
+        self.claims = first.chain(set).chain(each).chain(between).collect();
         self
     }
-}
-
-fn correlations(study: &Study, draws: Option<&PosteriorDraws>) -> Vec<Correlation> {
-    let Some(draws) = draws else {
-        return Vec::new();
-    };
-    let ranges = study.definition().grid.ranges();
-    let pairs = (0..ranges.len()).flat_map(|a| (a + 1..ranges.len()).map(move |b| (a, b)));
-    pairs
-        .map(|(a, b)| Correlation {
-            first: ranges[a].parameter.name,
-            second: ranges[b].parameter.name,
-            value: draws.correlation(a, b),
-        })
-        .collect()
 }
 
 /// Simulates the best point once more and measures its pose errors, where the metric is about poses.

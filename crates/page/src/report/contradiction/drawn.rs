@@ -346,6 +346,7 @@ fn empty(scores: &Scores, recordings: usize) -> Report {
         verdicts: Vec::new(),
         claims: Vec::new(),
         correlations: Vec::new(),
+        differences: Vec::new(),
         engines: Vec::new(),
         audit: None,
         validation: None,

@@ -34,7 +34,12 @@ pub(in crate::results) fn write(folder: &Path, study: &Study, answer: &Answer) -
 
 /// A description of the values: the best of so many points, with the claims about the model and about each parameter.
 pub(crate) fn description(report: &Report, best: &Best, points: usize) -> String {
-    let about = [About::Model, About::Engines, About::Parameter];
+    let about = [
+        About::Model,
+        About::Engines,
+        About::Parameter,
+        About::Difference,
+    ];
     let said = report.claims.iter().filter(|c| about.contains(&c.about));
     let said: Vec<&str> = said.map(|claim| claim.text.as_str()).collect();
     format!(
