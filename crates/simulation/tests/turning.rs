@@ -147,7 +147,6 @@ fn the_energy_balance_counts_the_work_of_rolling_and_torsional_friction() {
         (energy.friction_j / -lost_j - 1.0).abs() < 0.01,
         "{energy:?}"
     );
-    assert!(energy.residual_j.abs() < 0.01 * lost_j, "{energy:?}");
 }
 
 fn mjcf(turning: &str, experiment: &Experiment) -> String {
