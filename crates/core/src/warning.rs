@@ -183,6 +183,7 @@ codes! {
     TiedPlate "tied-plate" "A plate carries as much load as its cube, so chance decides which of them slips." "change the robot a little, so that plate and cube carry different loads";
     Toppled "toppled" "A robot fell over before its run." "turn the robot, or start it lower";
     TrackNotExported "track-not-exported" "A format cannot store which module is tracked." "choose the tracked body by hand in the other simulator";
+    TurningNotExported "turning-not-exported" "A format cannot store all rolling and torsional friction." "set both by hand in the other simulator";
     TyreNotExported "tyre-not-exported" "A format cannot store tyres, or how an actuator takes its commands." "set friction and commands by hand in the other simulator";
     UncertainParameters "uncertain-parameters" "Parameters that calibration did not determine were drawn at random." "fit with more recordings, so that more values are determined";
     UnconfirmedPosterior "unconfirmed-posterior" "Runs at draws of a posterior fit worse than the posterior promises." "tune with another seed or a larger budget, and compare the intervals";

@@ -222,3 +222,33 @@ fn the_timestep_follows_a_stiff_servo_of_a_light_finger_and_says_so() {
     // With its damping, it does not vibrate.
     assert_eq!(finger(1.0, 0.01).0.surroundings.timestep_s, None);
 }
+
+#[test]
+fn condim_decides_which_of_torsional_and_rolling_friction_count() {
+    let stated = |condim: &str| {
+        let (robot, notes) = import(&world(&format!(
+            r#"<worldbody><geom type="plane" size="5 5 1" friction="0.9 0.01 0.003"/>
+            <body name="rover" pos="0 0 .3"><freejoint/><geom type="sphere" size=".1" mass="1" friction="0.5 0.02 0.001" {condim}/>
+            <geom type="sphere" size=".05" pos="0 0 .2" friction="0.5 0.03 0.001" {condim}/></body></worldbody>"#
+        )));
+        let around = robot.surroundings.clone();
+        let own: Vec<_> = robot.parts[0].solids.iter().map(|s| s.turning).collect();
+        (around.floor_torsional_m, around.floor_rolling_m, own, notes)
+    };
+    // MuJoCo takes the larger one of two shapes; the second shape has more than the floor's on it.
+    for (condim, torsional_m, rolling_m, more_m) in [
+        ("", None, None, 0.0),
+        (r#"condim="3""#, None, None, 0.0),
+        (r#"condim="4""#, Some(0.02), None, 0.01),
+        (r#"condim="6""#, Some(0.02), Some(0.003), 0.01),
+    ] {
+        let (found_torsional_m, found_rolling_m, own, notes) = stated(condim);
+        assert_eq!(found_torsional_m, torsional_m, "{condim}");
+        assert_eq!(found_rolling_m, rolling_m, "{condim}");
+        let most_m = own.iter().map(|own| own.torsional_m).fold(0.0, f64::max);
+        assert!((most_m - more_m).abs() < 1e-12, "{condim}: {most_m}");
+        assert!(own.iter().all(|own| own.rolling_m == 0.0));
+        let is_said = says(&notes, NoteKind::Assumed, "torsional friction 0.02 m");
+        assert_eq!(is_said, torsional_m.is_some(), "{notes:?}");
+    }
+}

@@ -38,7 +38,7 @@ pub struct EnergyBalance {
     pub gravity_j: f64,
     /// Work of contacts along their normals; impacts dissipate energy, while penetrating contacts and driven bodies may add some.
     pub contact_j: f64,
-    /// Work of contacts across their normals: friction.
+    /// Work of contacts across their normals: friction, also that against rolling and spinning.
     pub friction_j: f64,
     /// Work of friction, gears and limits of the hinges. The work of a limit counts as the servo's if the hinge has a servo
     /// without a gear.
@@ -269,13 +269,14 @@ impl EnergyMeter {
         for load in &self.loads {
             let mean = Mean::of(&self.before[load.part], &after[load.part]);
             let point_world_m = mean.centre_world_m + load.arm_world_m;
-            let (velocity_m_s, _) = mean.about(&point_world_m);
+            let (velocity_m_s, turn_rad_s) = mean.about(&point_world_m);
             balance.contact_j += load.normal_world_n_s.dot(&velocity_m_s);
-            balance.friction_j += load.friction_world_n_s.dot(&velocity_m_s);
+            balance.friction_j += load.friction_world_n_s.dot(&velocity_m_s)
+                + load.couple_world_n_m_s.dot(&turn_rad_s);
             let impulse_n_s = load.normal_world_n_s + load.friction_world_n_s;
             let wrench = &mut self.wrenches[load.part];
             wrench.impulse_n_s -= impulse_n_s;
-            wrench.moment_nm_s -= point_world_m.cross(&impulse_n_s);
+            wrench.moment_nm_s -= point_world_m.cross(&impulse_n_s) + load.couple_world_n_m_s;
         }
         // Parents precede their children, so in reverse order all impulses beyond a hinge are known when the hinge is reached.
         for (index, hinge_meter) in self.hinge_meters.iter().enumerate().rev() {

@@ -81,6 +81,8 @@ pub struct Load {
     pub normal_world_n_s: Vector3<f64>,
     /// Friction impulse, perpendicular to the normal, world frame, N s.
     pub friction_world_n_s: Vector3<f64>,
+    /// Angular impulse against rolling and spinning, world frame, N m s.
+    pub couple_world_n_m_s: Vector3<f64>,
 }
 
 /// A simulated world of an engine, with one robot. Parts, hinges and bodies of the scene have the indices of the assembly and of
@@ -153,7 +155,7 @@ impl EngineChoice {
         Self(engine)
     }
 
-    /// The engine for a robot whose file and user choose none: the tree solver for a robot with tyres, and for a robot of bodies with more
+    /// The engine for a robot whose file and user choose none: the tree solver for a robot with tyres or with rolling or torsional friction, and for a robot of bodies with more
     /// than [`JointFormulation::MOST_HINGES`] joints or with a spring that Rapier would make softer, else Rapier. Such a long robot has multibody joints in Rapier, whose cost grows with the cube of
     /// the number of joints, and in the tree solver in proportion to it (docs/design.md).
     pub fn suited_to(assembly: &Assembly) -> Self {
@@ -162,7 +164,7 @@ impl EngineChoice {
             && !assembly.is_compliant();
         let is_stiff =
             !assembly.is_modular && !assembly.is_compliant() && !rapier_follows(assembly);
-        match is_long || is_stiff || assembly.has_tyres() {
+        match is_long || is_stiff || assembly.has_tyres() || assembly.states_turning_friction() {
             true => Self(&TREE),
             false => Self::default(),
         }
@@ -183,7 +185,7 @@ impl EngineChoice {
     pub fn able(&self, experiment: &Experiment) -> (&'static dyn Engine, Option<String>) {
         match self.0.refusal(experiment) {
             None => (self.0, None),
-            // Rapier has every kind of joint, but no mount with a spring, no base that is led, and no tyres.
+            // Rapier has every kind of joint, but no mount with a spring, no base that is led, no tyres, and no rolling friction.
             Some(why) if RAPIER.refusal(experiment).is_some() => (&TREE, Some(why)),
             Some(why) => (&RAPIER, Some(why)),
         }

@@ -33,6 +33,11 @@ pub struct Floor {
     pub friction: f64,
     /// Restitution coefficient of the pair robot–floor, dimensionless, 0 to 1.
     pub restitution: f64,
+    /// Rolling friction of the floor, metres: the largest couple against rolling over the normal force, to which a shape's own is
+    /// added. A value, 0 included, needs the tree solver, so that all values of a range are of one engine.
+    pub rolling_m: Option<f64>,
+    /// Torsional friction of the floor, metres: as the rolling friction, against spinning about the normal.
+    pub torsional_m: Option<f64>,
     /// Height of the floor at the world origin, metres.
     pub height_m: f64,
     /// Slope about the world y axis, radians; positive: downhill towards +x.
@@ -44,6 +49,8 @@ impl Default for Floor {
         Self {
             friction: 0.5,
             restitution: 0.1,
+            rolling_m: None,
+            torsional_m: None,
             height_m: 0.0,
             slope_rad: 0.0,
         }
@@ -56,6 +63,8 @@ impl Floor {
         let usual = Self::default();
         Self {
             friction: world.floor_friction.unwrap_or(usual.friction),
+            rolling_m: world.floor_rolling_m,
+            torsional_m: world.floor_torsional_m,
             height_m: world.floor_height_m.unwrap_or(usual.height_m),
             slope_rad: world.floor_slope_rad.unwrap_or(usual.slope_rad),
             ..usual
@@ -449,6 +458,16 @@ impl Experiment {
         let mut both = [EngineChoice::default(), second].into_iter();
         let can = self.has_engine() && both.all(|engine| engine.get().refusal(self).is_none());
         (plain && is_known && can).then_some(second)
+    }
+
+    /// Whether contacts have friction against rolling or spinning, which only the tree solver simulates.
+    pub fn has_turning_friction(&self) -> bool {
+        let floor = &self.floor;
+        let mut solids = self.assembly.parts.iter().flat_map(|part| &part.solids);
+        let is_stated = floor.rolling_m.is_some()
+            || floor.torsional_m.is_some()
+            || solids.any(|solid| !solid.turning.is_none());
+        is_stated && self.contact.is_on && self.vehicle.is_none()
     }
 
     /// Formulation of joints for this robot: never [`JointFormulation::Auto`].

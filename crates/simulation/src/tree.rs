@@ -8,6 +8,7 @@ use realgap_tree::parry::math::{Pose, Vec3};
 use realgap_tree::parry::shape::SharedShape;
 use realgap_tree::{
     Attachment, Collider, Cone, Fixture, Joint, JointType, Link, Model, Partner, Settings,
+    TurningFriction,
 };
 
 use super::engine::{Engine, EngineChoice, Load, Setup, World};
@@ -214,6 +215,7 @@ impl TreeWorld {
                     arm_world_m: from_vector(contact.point_world_m - centre),
                     normal_world_n_s: from_vector(normal * sign),
                     friction_world_n_s: from_vector(across * sign),
+                    couple_world_n_m_s: from_vector(contact.couple_world_n_m_s * sign),
                 });
             }
         }
@@ -394,6 +396,14 @@ fn velocity_between(
     )
 }
 
+/// Friction against rolling and spinning of everything that robot and free bodies move over.
+fn turning_of_floor(experiment: &Experiment) -> TurningFriction {
+    TurningFriction {
+        rolling_m: experiment.floor.rolling_m.unwrap_or(0.0),
+        torsional_m: experiment.floor.torsional_m.unwrap_or(0.0),
+    }
+}
+
 fn floor(experiment: &Experiment) -> Fixture {
     let floor = &experiment.floor;
     let mut collider = Collider::new(
@@ -401,6 +411,7 @@ fn floor(experiment: &Experiment) -> Fixture {
         1.0,
     );
     collider.restitution = 1.0;
+    collider.turning = turning_of_floor(experiment);
     collider.mark = u64::MAX;
     Fixture::at_rest(
         collider,
@@ -465,6 +476,10 @@ fn colliders(
             owner_from_shape: to_pose(&pose),
             restitution: experiment.floor.restitution,
             mark: solid.module as u64,
+            turning: TurningFriction {
+                rolling_m: solid.turning.rolling_m,
+                torsional_m: solid.turning.torsional_m,
+            },
             tyre: solid.tyre.map(|tyre| realgap_tree::Tyre {
                 slip_stiffness_1_rad: tyre.slip_stiffness_1_rad,
                 shape: tyre.shape,
@@ -487,6 +502,11 @@ fn add_scene(model: &mut Model, experiment: &Experiment) -> Vec<SceneHandle> {
         } else {
             (Vector3::zeros(), body.friction)
         };
+        // What does not move freely has the floor's friction against rolling and spinning.
+        let turning = match body.motion {
+            SceneMotion::Free { .. } => TurningFriction::default(),
+            SceneMotion::Fixed { .. } | SceneMotion::Driven { .. } => turning_of_floor(experiment),
+        };
         let colliders = body.boxes.iter().map(|part| {
             let half = to_vector(&(part.sides_m / 2.0));
             Collider {
@@ -494,6 +514,7 @@ fn add_scene(model: &mut Model, experiment: &Experiment) -> Vec<SceneHandle> {
                 restitution: experiment.floor.restitution,
                 mark: u64::MAX,
                 pair_friction: Some(friction),
+                turning,
                 ..Collider::new(
                     SharedShape::cuboid(half.x, half.y, half.z),
                     experiment.floor.friction,

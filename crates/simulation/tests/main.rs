@@ -26,5 +26,6 @@ mod scene;
 mod servo;
 mod simulation;
 mod stand;
+mod turning;
 mod vehicle;
 mod wheels;

@@ -188,6 +188,13 @@ fn car() -> Experiment {
     experiment
 }
 
+/// A ball that rolls and spins.
+fn rolled() -> Experiment {
+    let mut experiment = crate::turning::ball();
+    experiment.duration_s = 1.5;
+    experiment
+}
+
 /// Builds an experiment.
 type Make = fn() -> Experiment;
 
@@ -197,6 +204,9 @@ fn case(parameter: &Parameter) -> (Vec<Make>, f64, f64) {
     match parameter.name {
         "floor.friction" => (vec![toss, walk], 0.2, 0.6),
         "floor.restitution" => (vec![toss], 0.1, 0.6),
+        "floor.rolling_m" => (vec![toss, rolled], 0.0005, 0.001),
+        // A ball that spins goes straight on; a cube that slides and spins does not.
+        "floor.torsional_m" => (vec![toss], 0.0005, 0.005),
         "floor.height_m" => (vec![toss], 0.0, 0.01),
         "floor.slope_rad" => (vec![toss, walk], 0.0, 0.05),
         "gravity_m_s2" => (vec![toss, walk], 9.81, 9.6),
@@ -324,7 +334,7 @@ fn path_of(experiment: &Experiment) -> Trajectory {
 #[test]
 fn a_parameter_of_a_missing_module_gives_a_warning_about_no_effect() {
     let said = |name: &str, experiment: &Experiment| {
-        let set = ParameterSet::new().with(format!("{name}=1.2").parse().unwrap());
+        let set = ParameterSet::new().with(format!("{name}=0.9").parse().unwrap());
         let warnings = set.without_effect(experiment);
         warnings
             .first()
@@ -339,6 +349,8 @@ fn a_parameter_of_a_missing_module_gives_a_warning_about_no_effect() {
     assert!(said("mount.damping_s", &toss()).contains("moves freely"));
     let off = swung().set("contact.on", 0.0);
     assert!(said("floor.friction", &off).contains("contacts are off"));
+    assert!(said("floor.torsional_m", &off).contains("contacts are off"));
+    assert!(said("floor.rolling_m", &driven()).contains("without contacts"));
     assert!(said("pusher.friction", &toss()).contains("no driven body"));
     assert!(said("vehicle.sensor.mean.slope", &toss()).contains("not a vehicle"));
     assert!(said("vehicle.sensor.mean.exponent", &driven()).contains("no such quantity"));

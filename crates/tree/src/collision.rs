@@ -6,7 +6,7 @@ use parry3d_f64::math::{Pose, Rot3, Vec3};
 use crate::forest::{Forest, Freedom, NONE};
 use crate::kinematics::Node;
 use crate::model::{Collider, Fixture, Model};
-use crate::touch::{Form, Memory, Pair, Plane, Touch};
+use crate::touch::{Form, Kept, Memory, Pair, Plane, Touch};
 
 /// A shape of a body.
 struct Shape {
@@ -137,7 +137,8 @@ impl Collision {
                 seen_at: 0,
                 friction: mine.friction_with(its),
                 restitution: mine.restitution * its.restitution,
-                corners: vec![Vec3::ZERO; if direct { 8 } else { 0 }],
+                turning: mine.turning.with(&its.turning),
+                corners: vec![Kept::default(); if direct { 8 } else { 0 }],
                 manifolds: Vec::new(),
                 workspace: None,
             });
@@ -176,6 +177,7 @@ impl Collision {
                     seen_at: 0,
                     friction: one.collider.friction_with(&two.collider),
                     restitution: one.collider.restitution * two.collider.restitution,
+                    turning: one.collider.turning.with(&two.collider.turning),
                     corners: Vec::new(),
                     manifolds: Vec::new(),
                     workspace: None,
@@ -258,6 +260,7 @@ impl Collision {
         }
         for touch in &mut touches[first..] {
             touch.led_world_m_s = placed.velocity_at(touch.point_world_m);
+            touch.led_turn_world_rad_s = placed.fixture.angular_velocity_world_rad_s;
             let rim_m = touch.point_world_m - world_from_shape.translation;
             touch.tyre = shape.collider.tyre.map(|tyre| (tyre, rim_m));
         }
@@ -280,15 +283,15 @@ impl Collision {
         pair.touch_shape(index, self.now, mine, other, reach, touches);
     }
 
-    /// Stores the impulse of a contact for the warm start of the next step.
-    pub(crate) fn remember(&mut self, memory: Memory, impulse_world_n_s: Vec3) {
+    /// Stores what is kept of a contact for the warm start of the next step.
+    pub(crate) fn remember(&mut self, memory: Memory, kept: Kept) {
         match memory {
-            Memory::Corner { pair, corner } => self.pairs[pair].corners[corner] = impulse_world_n_s,
+            Memory::Corner { pair, corner } => self.pairs[pair].corners[corner] = kept,
             Memory::Point {
                 pair,
                 manifold,
                 point,
-            } => self.pairs[pair].manifolds[manifold].points[point].data = impulse_world_n_s,
+            } => self.pairs[pair].manifolds[manifold].points[point].data = kept,
         }
     }
 

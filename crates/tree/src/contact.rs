@@ -69,6 +69,33 @@ pub(crate) struct Side {
     pub response: [Spatial; 3],
 }
 
+impl Side {
+    /// Rotates the tangents by an angle, of which the cosine and the sine are given.
+    pub fn turn(&mut self, [c, s]: [f64; 2]) {
+        for rows in [&mut self.jacobian, &mut self.response] {
+            let [_, t, u] = *rows;
+            (rows[1], rows[2]) = (t * c + u * s, u * c - t * s);
+        }
+    }
+}
+
+/// Jacobi's rotation of the tangents to the principal directions: the inverse masses along these, the larger one first, and the
+/// cosine and the sine of the angle.
+#[inline]
+pub(crate) fn principal(tt: f64, ts: f64, ss: f64) -> ([f64; 2], [f64; 2]) {
+    let half = 0.5 * (tt - ss);
+    let radius = length_of([half, ts]);
+    let mean = 0.5 * (tt + ss);
+    let cosine = (0.5 * (1.0 + half.abs() / radius.max(f64::MIN_POSITIVE))).sqrt();
+    let sine = 0.5 * ts / (radius * cosine).max(f64::MIN_POSITIVE);
+    let turn = if half >= 0.0 {
+        [cosine, sine]
+    } else {
+        [sine.abs(), cosine.copysign(ts)]
+    };
+    ([mean + radius, mean - radius], turn)
+}
+
 /// A contact point.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Point {
@@ -84,7 +111,7 @@ pub(crate) struct Point {
     tangent_k: [f64; 2],
     /// Inverse mass of both trees, each treated as one rigid body: the inverse mass at a contact with another tree or with a
     /// fixture is never smaller.
-    whole_k: f64,
+    pub whole_k: f64,
     /// Normal velocity per unit impulse along each of the tangents.
     presses: [f64; 2],
     /// Remaining slip velocity per unit friction impulse.
@@ -99,6 +126,8 @@ pub(crate) struct Point {
     pub impulse: [f64; 3],
     pub memory: Memory,
     pub touch: usize,
+    /// Index of the couple against rolling and spinning; [`NONE`] if there is none.
+    pub couple: usize,
     pub is_impact: bool,
 }
 
@@ -171,6 +200,7 @@ impl Point {
             impulse: basis.map(|axis| touch.impulse_world_n_s.dot(axis)),
             memory: touch.memory,
             touch: index,
+            couple: NONE,
             is_impact: false,
         };
         point.impulse[0] = point.impulse[0].max(0.0);
@@ -270,24 +300,15 @@ impl Point {
             give(&other, &self.a, 2, 1),
             give(&other, &self.a, 2, 2),
         );
-        // Jacobi's rotation.
-        let half = 0.5 * (tt - ss);
-        let radius = length_of([half, ts]);
+        let ([most, fewest], [c, s]) = principal(tt, ts, ss);
         let mean = 0.5 * (tt + ss);
         let least = 1e-6 * self.whole_k;
-        self.tangent_k = [(mean + radius).max(least), (mean - radius).max(least)];
+        self.tangent_k = [most.max(least), fewest.max(least)];
         // If a joint or a mount prevents the bodies from separating along the normal, a hard row would constrain the same motion
         // twice, and its impulse could become arbitrarily large.
         self.slack = self
             .slack
             .max(RIGID * self.whole_k.max(mean) - self.normal_k);
-        let cosine = (0.5 * (1.0 + half.abs() / radius.max(f64::MIN_POSITIVE))).sqrt();
-        let sine = 0.5 * ts / (radius * cosine).max(f64::MIN_POSITIVE);
-        let (c, s) = if half >= 0.0 {
-            (cosine, sine)
-        } else {
-            (sine.abs(), cosine.copysign(ts))
-        };
         if s == 0.0 {
             return;
         }
@@ -297,15 +318,9 @@ impl Point {
         (self.led[1], self.led[2]) = turned(self.led[1], self.led[2]);
         (self.impulse[1], self.impulse[2]) = turned(self.impulse[1], self.impulse[2]);
         (self.presses[0], self.presses[1]) = turned(self.presses[0], self.presses[1]);
-        let turn = |side: &mut Side| {
-            for rows in [&mut side.jacobian, &mut side.response] {
-                let [_, t, u] = *rows;
-                (rows[1], rows[2]) = (t * c + u * s, u * c - t * s);
-            }
-        };
-        turn(&mut self.a);
+        self.a.turn([c, s]);
         if let Some(side) = &mut other {
-            turn(side);
+            side.turn([c, s]);
         }
     }
 
@@ -414,7 +429,7 @@ impl Point {
 /// solution new = wish / (K + s); s is found by Newton's method on the secular equation 1 / |new| = 1 / most (Moré and Sorensen
 /// 1983), starting from the value of the previous sweep.
 #[inline(always)]
-fn friction(k: &[f64; 2], wish: [f64; 2], most: f64, start: &mut f64) -> [f64; 2] {
+pub(crate) fn friction(k: &[f64; 2], wish: [f64; 2], most: f64, start: &mut f64) -> [f64; 2] {
     let sticks = [wish[0] / k[0], wish[1] / k[1]];
     if sticks[0] * sticks[0] + sticks[1] * sticks[1] <= most * most {
         return sticks;

@@ -14,6 +14,7 @@
 //!   friction);
 //! - `mount`: a root on a spring; a mounted root may also be led ([`World::lead_root`]);
 //! - `tyre`: friction that grows with the slip;
+//! - `turning`: friction against rolling and spinning;
 //! - `sweep`: projected Gauss–Seidel over all rows, walking around each tree.
 //!
 //! The same model and the same commands give bit-identical results. After the first steps no memory is allocated except by Parry.
@@ -30,6 +31,7 @@ mod spatial;
 mod step;
 mod sweep;
 mod touch;
+mod turning;
 mod tyre;
 mod world;
 
@@ -39,5 +41,6 @@ pub use model::{
 };
 pub use mount::MountSpring;
 pub use parry3d_f64 as parry;
+pub use turning::TurningFriction;
 pub use tyre::Tyre;
 pub use world::{Contact, LinkState, Partner, World};

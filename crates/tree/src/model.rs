@@ -7,6 +7,7 @@ use parry3d_f64::math::{Mat3, Pose, Vec3};
 use parry3d_f64::shape::SharedShape;
 
 use crate::mount::MountSpring;
+use crate::turning::TurningFriction;
 use crate::tyre::Tyre;
 
 /// Everything that a [`World`](crate::World) is built from.
@@ -140,6 +141,8 @@ pub struct Collider {
     pub pair_friction: Option<f64>,
     /// Restitution coefficient; that of a pair is the product of both.
     pub restitution: f64,
+    /// Friction against rolling and spinning; those of a pair are the sums of both.
+    pub turning: TurningFriction,
     /// The law of a tyre, if the shape is one: its friction against fixtures grows with the slip. Friction against other links
     /// is Coulomb's.
     pub tyre: Option<Tyre>,
@@ -158,6 +161,7 @@ impl Collider {
             friction,
             pair_friction: None,
             restitution: 0.0,
+            turning: TurningFriction::default(),
             tyre: None,
             group: 0,
             mark: 0,
@@ -323,6 +327,21 @@ impl Model {
                     "link {index}: friction, armature and stiffness must not be negative"
                 ));
             }
+        }
+        let on_links = self.links.iter().flat_map(|link| &link.colliders);
+        let on_fixtures = self.fixtures.iter().map(|fixture| &fixture.collider);
+        let mut turning = on_links.chain(on_fixtures).map(|collider| collider.turning);
+        if let Some(wrong) = turning.clone().find(|turning| !turning.is_sound()) {
+            return fail(format!(
+                "rolling friction {} m and torsional friction {} m of a shape; both have to be finite and not negative",
+                wrong.rolling_m, wrong.torsional_m
+            ));
+        }
+        if self.settings.cone == Cone::Relaxed && turning.any(|turning| !turning.is_none()) {
+            return fail(
+                "rolling and torsional friction need the exact friction cone, not the relaxed one"
+                    .into(),
+            );
         }
         let tyred = |collider: &Collider| collider.tyre.is_some();
         if self.fixtures.iter().any(|fixture| tyred(&fixture.collider)) {

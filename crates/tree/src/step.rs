@@ -10,6 +10,8 @@ use crate::kinematics::{self, Node};
 use crate::model::Cone;
 use crate::spatial::Spatial;
 use crate::sweep::{begin_sweeps, finish_sweeps, respond, tops};
+use crate::touch::Kept;
+use crate::turning::{Couple, TurningFriction};
 use crate::world::World;
 
 /// Largest number of times that a step is solved again because a servo reached its limit.
@@ -63,11 +65,16 @@ impl World {
             self.restore();
             for touch in &mut self.touches {
                 (touch.impulse_world_n_s, touch.friction) = (Vec3::ZERO, 0.0);
+                touch.turning = TurningFriction::default();
             }
             self.solve_until_foreseen(time_s, 1.0);
         }
         for point in &self.rows.points {
-            self.collision.remember(point.memory, point.impulse_world());
+            let kept = Kept {
+                impulse_world_n_s: point.impulse_world(),
+                couple_world_n_m_s: self.rows.couple_world(point),
+            };
+            self.collision.remember(point.memory, kept);
         }
         for (index, actor) in self.actors.iter_mut().enumerate() {
             let (body, node) = (&self.forest.bodies[index], &self.nodes[index]);
@@ -101,7 +108,9 @@ impl World {
             }
             for index in 0..self.rows.points.len() {
                 let point = &self.rows.points[index];
-                self.touches[point.touch].impulse_world_n_s = point.impulse_world();
+                let touch = &mut self.touches[point.touch];
+                touch.impulse_world_n_s = point.impulse_world();
+                touch.couple_world_n_m_s = self.rows.couple_world(point);
             }
             self.restore();
             self.solve(time_s, 1.0, true);
@@ -139,6 +148,10 @@ impl World {
             let mean = |body: usize| (self.nodes[body].velocity + self.before[body].0) * 0.5;
             let other = (touch.b != NONE).then(|| (&self.rows.sides[point.b], mean(touch.b)));
             work += point.work(&mean(touch.a), other);
+            if let Some(couple) = self.rows.couples.get(point.couple) {
+                let other = other.map(|(_, velocity)| velocity);
+                work += couple.work(&mean(touch.a), other.as_ref());
+            }
         }
         let moving = || self.kinetic_energy_j();
         work > EXCESS_M * self.weight_n && work > EXCESS_M * self.weight_n + EXCESS * moving()
@@ -213,10 +226,12 @@ impl World {
         let (forest, rows) = (&self.forest, &mut self.rows);
         rows.points.clear();
         rows.sides.clear();
+        rows.couples.clear();
         rows.groups.clear();
         let mut impact = false;
         for (index, touch) in self.touches.iter_mut().enumerate() {
             touch.impulse_world_n_s *= ratio;
+            touch.couple_world_n_m_s *= ratio;
             rows.points
                 .push(Point::new(touch, index, forest, &self.nodes, step));
             let Some(point) = rows.points.last_mut() else {
@@ -247,7 +262,7 @@ impl World {
                     jacobian: point.basis.map(|axis| -Spatial::at(point.arm_b, axis)),
                     ..Side::default()
                 };
-                compute_responses(point, &mut side, group, forest, &mut self.nodes);
+                compute_responses(&mut point.a, &mut side, group, forest, &mut self.nodes);
                 point.weigh(Some(&mut side));
                 point.b = rows.sides.len();
                 for (row, impulse) in side.jacobian.iter().zip(point.impulse) {
@@ -257,6 +272,13 @@ impl World {
             }
             for (row, impulse) in point.a.jacobian.iter().zip(point.impulse) {
                 self.nodes[touch.a].warm.add_scaled(row, impulse);
+            }
+            if !touch.turning.is_none() {
+                point.couple = rows.couples.len();
+                let whole_k = point.whole_k;
+                let couple = Couple::new(touch, point.basis);
+                rows.couples
+                    .push(coupled(couple, group, whole_k, forest, &mut self.nodes));
             }
         }
         rows.link(forest.bodies.len());
@@ -288,10 +310,37 @@ impl World {
     }
 }
 
+/// Completes the rows of a couple, and adds its stored angular impulse to the given impulses.
+fn coupled(
+    mut couple: Couple,
+    group: &Group,
+    whole_k: f64,
+    forest: &Forest,
+    nodes: &mut [Node],
+) -> Couple {
+    if group.b == NONE {
+        let response = &nodes[group.a].response;
+        couple.a.response = couple.a.jacobian.map(|row| response.times(&row));
+        couple.b = Side::default();
+    } else {
+        compute_responses(&mut couple.a, &mut couple.b, group, forest, nodes);
+    }
+    couple.weigh(whole_k);
+    for (body, side) in [(group.a, &couple.a), (group.b, &couple.b)] {
+        let Some(node) = nodes.get_mut(body) else {
+            continue;
+        };
+        for (row, impulse) in side.jacobian.iter().zip(couple.impulse) {
+            node.warm.add_scaled(row, impulse);
+        }
+    }
+    couple
+}
+
 /// Computes the responses of both bodies to impulses of a contact between them.
 fn compute_responses(
-    point: &mut Point,
-    side: &mut Side,
+    a: &mut Side,
+    b: &mut Side,
     group: &Group,
     forest: &Forest,
     nodes: &mut [Node],
@@ -299,13 +348,13 @@ fn compute_responses(
     let tops = tops(group, forest);
     for k in 0..3 {
         if group.meeting == NONE {
-            point.a.response[k] = nodes[group.a].response.times(&point.a.jacobian[k]);
-            side.response[k] = nodes[group.b].response.times(&side.jacobian[k]);
+            a.response[k] = nodes[group.a].response.times(&a.jacobian[k]);
+            b.response[k] = nodes[group.b].response.times(&b.jacobian[k]);
         } else {
-            let ends = [(group.a, point.a.jacobian[k]), (group.b, side.jacobian[k])];
+            let ends = [(group.a, a.jacobian[k]), (group.b, b.jacobian[k])];
             respond(forest, nodes, tops[0], ends);
-            point.a.response[k] = nodes[group.a].change;
-            side.response[k] = nodes[group.b].change;
+            a.response[k] = nodes[group.a].change;
+            b.response[k] = nodes[group.b].change;
         }
     }
 }

@@ -5,11 +5,14 @@
 //! child. This is the articulated-body response (Featherstone 2008, section 7.3) in small steps, so that no row has to update the
 //! whole chain.
 
+use parry3d_f64::math::Vec3;
+
 use crate::contact::{Group, Point, Side};
 use crate::forest::{Forest, Move, NONE, Tree};
 use crate::joint::{JointForces, speed_between};
 use crate::kinematics::Node;
 use crate::spatial::Spatial;
+use crate::turning::{Couple, LEVER_M, ROUNDS, SETTLED_M_S};
 
 /// All rows of a step.
 #[derive(Default)]
@@ -17,15 +20,14 @@ pub(crate) struct Rows {
     pub points: Vec<Point>,
     /// The sides of the second bodies of contacts between two bodies.
     pub sides: Vec<Side>,
+    /// Couples against rolling and spinning, of those contacts that have one.
+    pub couples: Vec<Couple>,
     pub groups: Vec<Group>,
     /// For each body the first group of contacts whose last common ancestor is that body.
     pub first_group: Vec<usize>,
     /// First group of contacts between different trees.
     pub first_between: usize,
 }
-
-/// Lever that converts the angular speed of a joint's row into a speed comparable with that of contacts, m.
-const LEVER_M: f64 = 0.05;
 
 /// Passes the change of the parent's velocity to the child.
 #[inline]
@@ -199,11 +201,26 @@ impl Rows {
         let node = &mut nodes[group.a];
         let mut worst = 0.0_f64;
         for point in &mut self.points[group.first..group.end] {
-            let more = point.solve(&mut node.velocity, None);
-            if more != [0.0; 3] {
-                worst = worst.max(point.speed_of(&more));
-                for (row, change) in point.a.jacobian.iter().zip(more) {
+            for _ in 0..ROUNDS {
+                let more = point.solve(&mut node.velocity, None);
+                if more != [0.0; 3] {
+                    worst = worst.max(point.speed_of(&more));
+                    for (row, change) in point.a.jacobian.iter().zip(more) {
+                        node.pending.add_scaled(row, change);
+                    }
+                }
+                if point.couple == NONE {
+                    break;
+                }
+                let couple = &mut self.couples[point.couple];
+                let more = couple.solve(point.impulse[0], &mut node.velocity, None);
+                for (row, change) in couple.a.jacobian.iter().zip(more) {
                     node.pending.add_scaled(row, change);
+                }
+                let speed_m_s = couple.speed_of(&more);
+                worst = worst.max(speed_m_s);
+                if speed_m_s < SETTLED_M_S {
+                    break;
                 }
             }
         }
@@ -220,17 +237,39 @@ impl Rows {
         let mut worst = 0.0_f64;
         for point in &mut self.points[group.first..group.end] {
             let side = &self.sides[point.b];
-            let more = point.solve(&mut a, Some((side, &mut b)));
-            worst = worst.max(point.speed_of(&more));
-            for (k, change) in more.into_iter().enumerate() {
-                impulses[0].add_scaled(&point.a.jacobian[k], change);
-                impulses[1].add_scaled(&side.jacobian[k], change);
+            for _ in 0..ROUNDS {
+                let more = point.solve(&mut a, Some((side, &mut b)));
+                worst = worst.max(point.speed_of(&more));
+                for (k, change) in more.into_iter().enumerate() {
+                    impulses[0].add_scaled(&point.a.jacobian[k], change);
+                    impulses[1].add_scaled(&side.jacobian[k], change);
+                }
+                if point.couple == NONE {
+                    break;
+                }
+                let couple = &mut self.couples[point.couple];
+                let more = couple.solve(point.impulse[0], &mut a, Some(&mut b));
+                for (k, change) in more.into_iter().enumerate() {
+                    impulses[0].add_scaled(&couple.a.jacobian[k], change);
+                    impulses[1].add_scaled(&couple.b.jacobian[k], change);
+                }
+                let speed_m_s = couple.speed_of(&more);
+                worst = worst.max(speed_m_s);
+                if speed_m_s < SETTLED_M_S {
+                    break;
+                }
             }
         }
         if worst > 0.0 {
             push(forest, nodes, group, tops, impulses);
         }
         worst
+    }
+
+    /// The angular impulse against rolling and spinning at a contact point on its first body, world frame, N m s.
+    pub fn couple_world(&self, point: &Point) -> Vec3 {
+        let couple = self.couples.get(point.couple);
+        couple.map_or(Vec3::ZERO, Couple::impulse_world)
     }
 
     /// Sorts the groups into linked lists by the last common ancestor of their bodies.

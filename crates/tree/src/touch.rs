@@ -6,6 +6,7 @@ use parry3d_f64::query::details::ContactManifoldsWorkspace;
 use parry3d_f64::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
 use parry3d_f64::shape::SharedShape;
 
+use crate::turning::TurningFriction;
 use crate::tyre::Tyre;
 
 /// A contact point that collision detection found.
@@ -32,9 +33,22 @@ pub(crate) struct Touch {
     pub tyre: Option<(Tyre, Vec3)>,
     /// Velocity of the fixture at the contact point.
     pub led_world_m_s: Vec3,
+    /// Friction against rolling and spinning.
+    pub turning: TurningFriction,
+    /// Angular velocity of the fixture.
+    pub led_turn_world_rad_s: Vec3,
     /// Impulse of the contact in the previous step.
     pub impulse_world_n_s: Vec3,
+    /// Angular impulse against rolling and spinning in the previous step.
+    pub couple_world_n_m_s: Vec3,
     pub memory: Memory,
+}
+
+/// What is kept of a contact point for the warm start of the next step.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Kept {
+    pub impulse_world_n_s: Vec3,
+    pub couple_world_n_m_s: Vec3,
 }
 
 /// Storage location of a contact's impulse for the next step.
@@ -84,8 +98,9 @@ pub(crate) struct Pair {
     pub seen_at: u64,
     pub friction: f64,
     pub restitution: f64,
-    pub corners: Vec<Vec3>,
-    pub manifolds: Vec<ContactManifold<(), Vec3>>,
+    pub turning: TurningFriction,
+    pub corners: Vec<Kept>,
+    pub manifolds: Vec<ContactManifold<(), Kept>>,
     pub workspace: Option<ContactManifoldsWorkspace>,
 }
 
@@ -100,7 +115,7 @@ impl Pair {
     /// Discards the stored contact points of a pair that was out of reach in the previous step.
     pub fn recall(&mut self, now: u64) {
         if self.seen_at + 1 != now {
-            self.corners.fill(Vec3::ZERO);
+            self.corners.fill(Kept::default());
             self.manifolds.clear();
             self.workspace = None;
         }
@@ -122,7 +137,10 @@ impl Pair {
             round_m: Vec3::ZERO,
             tyre: None,
             led_world_m_s: Vec3::ZERO,
+            turning: self.turning,
+            led_turn_world_rad_s: Vec3::ZERO,
             impulse_world_n_s: Vec3::ZERO,
+            couple_world_n_m_s: Vec3::ZERO,
             memory: Memory::Corner { pair: 0, corner: 0 },
         }
     }
@@ -157,12 +175,13 @@ impl Pair {
             let rise = rises[0] * x + rises[1] * y + rises[2] * z;
             let distance_m = height_m + rise - below;
             if distance_m > plane.reach_m {
-                self.corners[corner] = Vec3::ZERO;
+                self.corners[corner] = Kept::default();
                 continue;
             }
             let point_m = centre_m + axes[0] * x + axes[1] * y + axes[2] * z - normal * below;
             touches.push(Touch {
-                impulse_world_n_s: self.corners[corner],
+                impulse_world_n_s: self.corners[corner].impulse_world_n_s,
+                couple_world_n_m_s: self.corners[corner].couple_world_n_m_s,
                 memory: Memory::Corner {
                     pair: index,
                     corner,
@@ -211,7 +230,8 @@ impl Pair {
                 let one = world_from_1 * point.local_p1;
                 let two = world_from_2 * point.local_p2;
                 touches.push(Touch {
-                    impulse_world_n_s: point.data,
+                    impulse_world_n_s: point.data.impulse_world_n_s,
+                    couple_world_n_m_s: point.data.couple_world_n_m_s,
                     memory: Memory::Point {
                         pair: index,
                         manifold: number,

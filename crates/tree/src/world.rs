@@ -82,6 +82,8 @@ pub struct Contact {
     pub distance_m: f64,
     /// Impulse on the link, N s; the impulse on the partner is the opposite.
     pub impulse_world_n_s: Vec3,
+    /// Angular impulse against rolling and spinning on the link, N m s; that on the partner is the opposite.
+    pub couple_world_n_m_s: Vec3,
 }
 
 impl World {
@@ -146,6 +148,7 @@ impl World {
             normal_world: touch.normal_world,
             distance_m: touch.distance_m,
             impulse_world_n_s: point.impulse_world(),
+            couple_world_n_m_s: self.rows.couple_world(point),
         }
     }
 

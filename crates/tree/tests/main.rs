@@ -13,4 +13,5 @@ mod joint;
 mod led;
 mod mount;
 mod pair;
+mod turning;
 mod tyre;

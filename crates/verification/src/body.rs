@@ -34,6 +34,7 @@ pub(super) fn block(centre_m: Vector3<f64>, half_m: Vector3<f64>, mass_kg: f64) 
         gravity_compensation: 0.0,
         collides: true,
         tyre: None,
+        turning: Default::default(),
     }
 }
 

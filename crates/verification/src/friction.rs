@@ -7,7 +7,7 @@ use super::body::{SIDE_M, STILL, bar, corner, cube, tripod};
 use super::check::{Check, Tolerance};
 use super::film::{SimulationLog, at_rest, largest, measure, worst};
 use super::slide::{slide, stopping_distance_m};
-use super::{rolling, spin};
+use super::{rolling, spin, turning, wheel};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
 
@@ -23,6 +23,8 @@ pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
     checks.extend(slope(settings)?);
     checks.extend(spin::checks(settings)?);
     checks.extend(rolling::checks(settings)?);
+    checks.extend(turning::checks(settings)?);
+    checks.extend(wheel::checks(settings)?);
     Ok(checks)
 }
 

@@ -35,6 +35,8 @@ mod standing;
 mod structure;
 mod topple;
 mod toss;
+mod turning;
+mod wheel;
 
 pub use check::{Check, CheckResult, Tolerance};
 pub use dependence::known_limits;
@@ -104,7 +106,7 @@ impl Settings {
 /// A group of checks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Theme {
-    /// Sliding, sticking, creeping.
+    /// Sliding, sticking, creeping, rolling, wheels.
     Friction,
     /// Bouncing.
     Restitution,

@@ -46,6 +46,7 @@ fn double_pendulum() -> Assembly {
     let solid = |z: f64, half_z: f64| Solid {
         collides: false,
         tyre: None,
+        turning: Default::default(),
         ..block(
             Vector3::new(0.0, 0.0, z),
             Vector3::new(0.01, 0.01, half_z),

@@ -260,6 +260,7 @@ impl Reader<'_> {
                     form,
                     pose: Pose::of(&(pose * Translation3::from(middle_m))),
                     tyre: None,
+                    turning: Default::default(),
                 });
                 return Ok(posed.collect());
             }
@@ -281,6 +282,7 @@ impl Reader<'_> {
             form,
             pose: Pose::of(&pose),
             tyre: None,
+            turning: Default::default(),
         }])
     }
 
@@ -358,5 +360,6 @@ fn box_of_equal_inertia(body: &Body) -> Option<Piece> {
         },
         pose: Pose::of(&pose),
         tyre: None,
+        turning: Default::default(),
     })
 }

@@ -177,6 +177,7 @@ fn boxes(index: usize, module: &Module, placement: &Placement) -> impl Iterator<
             gravity_compensation: 0.0,
             collides: true,
             tyre: None,
+            turning: Default::default(),
         },
     )
 }
@@ -203,5 +204,6 @@ fn plate_solid(
         gravity_compensation: 0.0,
         collides,
         tyre: None,
+        turning: Default::default(),
     }
 }

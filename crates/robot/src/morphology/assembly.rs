@@ -10,6 +10,7 @@ use super::absent::{is_unlimited, is_zero, limit, unlimited};
 use super::body::Surroundings;
 use super::command_scale::CommandScale;
 use super::law::ServoLaw;
+use super::turning::TurningFriction;
 use super::tyre::Tyre;
 use realgap_solid::Shape;
 
@@ -48,6 +49,8 @@ pub struct Solid {
     pub collides: bool,
     /// The law of its friction, if it is a tyre.
     pub tyre: Option<Tyre>,
+    /// Friction against rolling and spinning, in addition to that of what it touches.
+    pub turning: TurningFriction,
 }
 
 impl Solid {
@@ -414,6 +417,14 @@ impl Assembly {
     pub fn has_tyres(&self) -> bool {
         let mut solids = self.parts.iter().flat_map(|part| &part.solids);
         solids.any(|solid| solid.tyre.is_some())
+    }
+
+    /// Whether the robot's file states friction against rolling or spinning, of a shape or of the floor.
+    pub fn states_turning_friction(&self) -> bool {
+        let mut solids = self.parts.iter().flat_map(|part| &part.solids);
+        let around = &self.surroundings;
+        let of_floor = around.floor_rolling_m.is_some() || around.floor_torsional_m.is_some();
+        of_floor || solids.any(|solid| !solid.turning.is_none())
     }
 
     /// Whether the robot's file excludes contacts between two modules.

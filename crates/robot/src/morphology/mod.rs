@@ -133,6 +133,7 @@ mod stiffness;
 mod summary;
 mod sweep;
 mod tree;
+mod turning;
 mod tyre;
 
 use std::path::Path;
@@ -157,6 +158,7 @@ pub use pivot::Pivot;
 pub use realgap_solid::{Facet, Shape, Surface};
 pub use stiffness::StiffestJoint;
 pub use summary::Summary;
+pub use turning::TurningFriction;
 pub use tyre::Tyre;
 
 use crate::import::{Note, Options, import, is_foreign};

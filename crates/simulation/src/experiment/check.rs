@@ -30,6 +30,7 @@ impl Experiment {
         self.check_edges()?;
         self.check_energy()?;
         self.check_friction()?;
+        self.check_turning()?;
         self.check_mount()?;
         self.check_base()?;
         self.check_compliance()?;
@@ -252,6 +253,37 @@ impl Experiment {
             .found(format!("Relaxed (2), in {}", self.engine_version()))
             .allowed("Simplified (0) and Coulomb (1)")
             .hint("choose the engine `tree`, whose number in `solver.engine` is 1"))
+    }
+
+    /// Checks that friction against rolling and spinning can be simulated: the tree solver does, with its exact cone, and it has no
+    /// compliant hinges.
+    fn check_turning(&self) -> Result<()> {
+        if !self.has_turning_friction() {
+            return Ok(());
+        }
+        let refuse = |why: &str, field: &str, found: &str, allowed: &str| {
+            let error = Error::invalid(why).field(field).found(found);
+            Err(error.allowed(allowed).hint(
+                "or state no rolling and torsional friction (floor.rolling_m, floor.torsional_m, `turning` of shapes)",
+            ))
+        };
+        if self.contact.friction_model == FrictionModel::Relaxed {
+            return refuse(
+                "rolling and torsional friction need an exact friction cone",
+                "contact.friction_model",
+                "Relaxed (2)",
+                "Coulomb (1)",
+            );
+        }
+        if self.assembly.is_compliant() {
+            return refuse(
+                "no engine simulates compliant hinges together with rolling and torsional friction",
+                "hinge.bearing_hz",
+                "above 0",
+                "0",
+            );
+        }
+        Ok(())
     }
 
     /// Checks that the edge radius is smaller than half of the narrowest cube.

@@ -107,6 +107,10 @@ impl DrawnRobot {
             (assembly.is_compliant(), "its bearings give"),
             (assembly.has_tyres(), "it has tyres"),
             (
+                experiment.has_turning_friction(),
+                "it has rolling or torsional friction",
+            ),
+            (
                 adjusted.any(|values| values != [0.0; 3]),
                 "its joints have backlash, offsets or zeros",
             ),

@@ -10,6 +10,7 @@ use crate::servo::speed_damping_nm_s_rad;
 use realgap_core::warning::{Code, Warning};
 use realgap_robot::morphology::{
     Actuator, CommandScale, Freedom, Hinge, Motor, Part, Servo, ServoLaw, Shape, Solid,
+    TurningFriction,
 };
 
 /// MuJoCo's XML.
@@ -133,6 +134,12 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
             "the place where the compensation of weight acts: it acts at the centre of mass of each part",
         ));
     }
+    let mut solids = robot.assembly.parts.iter().flat_map(|part| &part.solids);
+    if solids.any(|solid| !solid.turning.is_none()) {
+        warnings.push(Code::TurningNotExported.warning(
+            "that rolling and torsional friction of two shapes add up: the file states those of each shape with the floor, which MuJoCo uses for all of its contacts (as the sliding friction of such a shape)",
+        ));
+    }
     warnings.extend(robot.of_wheels(
         "that a throttle's torque falls with the speed backwards, too: it is that of forward driving",
     ));
@@ -236,14 +243,33 @@ fn track_module(robot: &Robot<'_>) -> usize {
 
 fn floor(robot: &Robot<'_>) -> Element {
     let half = robot.floor.slope_rad / 2.0;
-    Element::new("geom")
+    let element = Element::new("geom")
         .with("name", "floor")
         .with("type", "plane")
         .with("size", "0 0 1")
         .with("pos", numbers([0.0, 0.0, robot.floor.height_m]))
         .with("quat", numbers([half.cos(), 0.0, half.sin(), 0.0]))
-        .with("friction", numbers([robot.floor.friction, 0.0, 0.0]))
-        .with("priority", "1")
+        .with("priority", "1");
+    rubbing(element, robot.floor.friction, &turning_of_floor(robot))
+}
+
+/// Friction against rolling and spinning of the floor, without that of a shape.
+fn turning_of_floor(robot: &Robot<'_>) -> TurningFriction {
+    TurningFriction {
+        rolling_m: robot.floor.rolling_m.unwrap_or(0.0),
+        torsional_m: robot.floor.torsional_m.unwrap_or(0.0),
+    }
+}
+
+/// A shape with its friction, and with the dimension of its contacts that makes MuJoCo use all of it.
+fn rubbing(geom: Element, friction: f64, turning: &TurningFriction) -> Element {
+    let numbers = numbers([friction, turning.torsional_m, turning.rolling_m]);
+    let geom = geom.with("friction", numbers);
+    match (turning.torsional_m > 0.0, turning.rolling_m > 0.0) {
+        (false, false) => geom,
+        (true, false) => geom.with("condim", "4"),
+        (_, true) => geom.with("condim", "6"),
+    }
 }
 
 /// Whether a part is exported as an additional joint of the next part: a link without mass and shape that carries one joint.
@@ -427,11 +453,20 @@ fn geom(robot: &Robot<'_>, solid: &Solid, origin_robot_m: &Vector3<f64>) -> Elem
     };
     let element = element
         .with("pos", vector(&pose.translation.vector))
-        .with("quat", numbers(quaternion(&pose.rotation)))
-        .with(
-            "friction",
-            numbers([robot.floor.friction.powi(2), 0.0, 0.0]),
-        );
+        .with("quat", numbers(quaternion(&pose.rotation)));
+    let own = &solid.turning;
+    let element = match own.is_none() {
+        true => rubbing(element, robot.floor.friction.powi(2), own),
+        // The floor's priority would hide the shape's own.
+        false => {
+            let floor = turning_of_floor(robot);
+            let both = TurningFriction {
+                rolling_m: floor.rolling_m + own.rolling_m,
+                torsional_m: floor.torsional_m + own.torsional_m,
+            };
+            rubbing(element, robot.floor.friction, &both).with("priority", "2")
+        }
+    };
     if solid.collides {
         element
     } else {

@@ -11,6 +11,9 @@ use realgap_core::error::{Error, Result};
 use realgap_core::statistics::mean_of;
 use realgap_core::warning::{Code, Warning};
 
+/// Quantities of the floor that act only where something touches it.
+const OF_TOUCH: [&str; 4] = ["friction", "restitution", "rolling_m", "torsional_m"];
+
 /// One parameter with a checked value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Assignment {
@@ -173,10 +176,15 @@ impl ParameterSet {
                     Some("contacts are off".to_owned())
                 }
                 "floor"
-                    if !experiment.contact.is_on
-                        && ["floor.friction", "floor.restitution"].contains(&a.parameter.name) =>
+                    if !experiment.contact.is_on && OF_TOUCH.contains(&a.parameter.quantity()) =>
                 {
                     Some("contacts are off".to_owned())
+                }
+                "floor"
+                    if experiment.vehicle.is_some()
+                        && ["rolling_m", "torsional_m"].contains(&a.parameter.quantity()) =>
+                {
+                    Some("a two-wheel robot moves without contacts".to_owned())
                 }
                 OF_WHEELS if !a.parameter.has_effect_on(experiment) => {
                     Some("no shape of these bodies is a tyre".to_owned())

@@ -36,6 +36,7 @@ impl RapierWorld {
                             arm_world_m: from_vector(arm),
                             normal_world_n_s: normal_n_s * sign,
                             friction_world_n_s: friction_n_s * sign,
+                            couple_world_n_m_s: Vector3::zeros(),
                         });
                     }
                 }

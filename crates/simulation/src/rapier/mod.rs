@@ -115,6 +115,12 @@ impl Engine for Rapier {
         if experiment.mount.is_some() {
             return Some("it holds robots rigidly only (mount.stiffness_n_m)".to_owned());
         }
+        if experiment.has_turning_friction() {
+            return Some(
+                "it has no rolling and torsional friction (floor.rolling_m, floor.torsional_m, `turning` of shapes)"
+                    .to_owned(),
+            );
+        }
         let has_tyres = experiment.assembly.has_tyres() && experiment.contact.is_on;
         has_tyres.then(|| "it has no tyres, whose friction grows with the slip".to_owned())
     }

@@ -18,6 +18,7 @@ mod principal;
 mod remark;
 mod robot;
 mod settings;
+mod turning;
 mod world;
 
 pub(super) use amendment::amend;

@@ -105,6 +105,9 @@ pub(super) enum GeomType {
     Other,
 }
 
+/// MuJoCo's friction of a shape that states none.
+const FRICTION: [f64; 3] = [1.0, 0.005, 0.0001];
+
 /// A shape of a body.
 pub(super) struct Geom {
     pub kind: GeomType,
@@ -116,9 +119,9 @@ pub(super) struct Geom {
     pub group: f64,
     pub contype: u32,
     pub conaffinity: u32,
-    /// Sliding friction.
-    pub friction: f64,
-    /// Dimension of its contacts; with 1 they have no friction.
+    /// Sliding friction, and torsional and rolling friction in metres.
+    pub friction: [f64; 3],
+    /// Dimension of its contacts: with 1 they have no friction, from 4 on torsional friction, with 6 rolling friction, too.
     pub condim: u32,
     /// Of two shapes the one with the higher priority decides.
     pub priority: i32,
@@ -397,11 +400,20 @@ fn geom(whole: Element, settings: &Settings, frame: &Isometry3<f64>) -> Result<G
         group: whole.number("group", 0.0)?,
         contype: bits("contype")?,
         conaffinity: bits("conaffinity")?,
-        friction: whole.list("friction")?.first().copied().unwrap_or(1.0),
+        friction: friction(&whole)?,
         condim: whole.number("condim", 3.0)? as u32,
         priority: whole.number("priority", 0.0)? as i32,
         mesh,
         fit_scale: whole.number("fitscale", 1.0)?,
         element: whole,
     })
+}
+
+/// The friction of a shape; what the file leaves out is MuJoCo's default.
+fn friction(whole: &Element) -> Result<[f64; 3]> {
+    let mut friction = FRICTION;
+    for (value, stated) in friction.iter_mut().zip(whole.list("friction")?) {
+        *value = stated;
+    }
+    Ok(friction)
 }

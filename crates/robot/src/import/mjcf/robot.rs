@@ -270,10 +270,12 @@ impl Robot<'_> {
                 continue;
             }
             let posed = self.reader.pieces(geom, &body.name, notes).into_iter();
+            let turning = self.turning_of(geom);
             body.shapes.extend(posed.map(|(form, pose)| Piece {
                 form,
                 pose: Pose::of(&pose),
                 tyre: None,
+                turning,
             }));
         }
         body

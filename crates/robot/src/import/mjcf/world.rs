@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::{Isometry3, Translation3, Vector3};
 
 use super::super::note::Notes;
-use super::model::{Geom, GeomType, JointType};
+use super::model::{Geom, GeomType, JointType, Model};
 use super::robot::{Robot, tops};
 use crate::morphology::body::{Beside, BesideBox, Frame, Pose};
 use realgap_core::error::Result;
@@ -48,20 +48,47 @@ impl<'a> Plane<'a> {
     }
 }
 
-/// Sliding friction of two shapes: that of the one with the higher priority, else the larger one.
-fn pair_friction(a: &Geom, b: &Geom) -> f64 {
+/// Friction of two shapes, that of the one with the higher priority, else the larger one: sliding, and torsional and rolling
+/// friction in metres.
+pub(super) fn pair_friction(a: &Geom, b: &Geom) -> [f64; 3] {
     let contact = |geom: &Geom| (geom.friction, geom.condim);
     let (friction, condim) = match a.priority.cmp(&b.priority) {
         std::cmp::Ordering::Greater => contact(a),
         std::cmp::Ordering::Less => contact(b),
-        std::cmp::Ordering::Equal => (a.friction.max(b.friction), a.condim.max(b.condim)),
+        std::cmp::Ordering::Equal => (
+            [0, 1, 2].map(|kind| a.friction[kind].max(b.friction[kind])),
+            a.condim.max(b.condim),
+        ),
     };
-    // A contact of one dimension has no friction.
-    if condim == 1 { 0.0 } else { friction }
+    // A contact of one dimension has no friction, and one of three has sliding friction alone.
+    let [sliding, torsional_m, rolling_m] = friction;
+    [
+        if condim > 1 { sliding } else { 0.0 },
+        if condim > 3 { torsional_m } else { 0.0 },
+        if condim > 5 { rolling_m } else { 0.0 },
+    ]
 }
 
-fn meet(a: &Geom, b: &Geom) -> bool {
+pub(super) fn meet(a: &Geom, b: &Geom) -> bool {
     a.contype & b.conaffinity != 0 || b.contype & a.conaffinity != 0
+}
+
+/// The number of planes of the world, and those of them that can be a floor, the highest one first.
+fn floors(model: &Model) -> (usize, Vec<Plane<'_>>) {
+    let on_world = model.bodies[0].geoms.iter();
+    let planes: Vec<&Geom> = on_world
+        .filter(|geom| geom.kind == GeomType::Plane && geom.touches())
+        .collect();
+    let mut floors: Vec<Plane<'_>> = planes.iter().filter_map(|geom| Plane::of(geom)).collect();
+    floors.sort_by(|a, b| b.height_m.total_cmp(&a.height_m));
+    (planes.len(), floors)
+}
+
+/// The plane that is the floor, if there is one that leans towards x or not at all.
+pub(super) fn plane(model: &Model) -> Option<&Geom> {
+    let (_, floors) = floors(model);
+    let floor = floors.first()?;
+    floor.slope_rad().map(|_| floor.geom)
 }
 
 impl Robot<'_> {
@@ -132,13 +159,8 @@ impl Robot<'_> {
 
     /// Takes the highest plane of the world as the floor.
     fn floor(&mut self, notes: &mut Notes) -> Option<String> {
-        let on_world = self.model.bodies[0].geoms.iter();
-        let planes: Vec<&Geom> = on_world
-            .filter(|geom| geom.kind == GeomType::Plane && geom.touches())
-            .collect();
-        let mut floors: Vec<Plane<'_>> = planes.iter().filter_map(|geom| Plane::of(geom)).collect();
-        floors.sort_by(|a, b| b.height_m.total_cmp(&a.height_m));
-        let others = planes.len() - floors.len().min(1);
+        let (planes, floors) = floors(self.model);
+        let others = planes - floors.len().min(1);
         if others > 0 {
             notes.left_out(
                 None,
@@ -159,10 +181,13 @@ impl Robot<'_> {
         let (height_m, plane) = (floor.height_m, floor.geom);
         let mut said = Vec::new();
         let frictions = self.frictions(plane);
-        let nearest = frictions.first().map(|(_, friction)| *friction);
-        let friction = nearest.unwrap_or(plane.friction).min(10.0);
-        let least = frictions.iter().map(|(_, f)| *f).fold(friction, f64::min);
-        let most = frictions.iter().map(|(_, f)| *f).fold(friction, f64::max);
+        let nearest = frictions.first().map(|(_, friction)| friction[0]);
+        let friction = nearest.unwrap_or(plane.friction[0]).min(10.0);
+        let all = || frictions.iter().map(|(_, friction)| friction[0]);
+        let (least, most) = (
+            all().fold(friction, f64::min),
+            all().fold(friction, f64::max),
+        );
         said.push(match least < most {
             true => format!(
                 "a floor with friction {friction}, that of the lowest shape with the plane: shapes have {least} to {most} there, and one number holds for all here (of two shapes MuJoCo takes the larger coefficient, or that of the higher priority)"
@@ -172,6 +197,7 @@ impl Robot<'_> {
             ),
         });
         self.structure.world.floor_friction = Some(friction);
+        said.extend(self.turning_of_floor(plane));
         if height_m != 0.0 {
             self.structure.world.floor_height_m = Some(height_m);
             said.push(format!("at height {height_m:.4} m"));
@@ -187,7 +213,7 @@ impl Robot<'_> {
     }
 
     /// Friction of the robot's shapes with another shape, from the lowest shape on.
-    fn frictions(&self, other: &Geom) -> Vec<(f64, f64)> {
+    fn frictions(&self, other: &Geom) -> Vec<(f64, [f64; 3])> {
         let poses = self.poses_world();
         let beside = self.ids_beside();
         let mut all = Vec::new();
@@ -264,6 +290,7 @@ impl Robot<'_> {
             groups.entry(tops[id]).or_default().push(id);
         }
         let (mut taken, mut lost, mut rounded) = (Vec::new(), Vec::new(), Vec::new());
+        let mut turning = false;
         for (top, ids) in groups {
             let solid =
                 |geom: &&Geom| geom.touches() && !(top == 0 && geom.kind == GeomType::Plane);
@@ -297,8 +324,9 @@ impl Robot<'_> {
                         sides_m: (sides.x, sides.y, sides.z),
                         pose: Pose::of(&(here * geom.pose)),
                     });
-                    let own = self.frictions(geom).first().map(|(_, friction)| *friction);
-                    friction = friction.or(own);
+                    let touching = self.frictions(geom);
+                    turning |= touching.iter().any(|(_, f)| f[1] > 0.0 || f[2] > 0.0);
+                    friction = friction.or(touching.first().map(|(_, friction)| friction[0]));
                 }
             }
             let mass_kg: f64 = ids.iter().map(|id| self.masses[*id].mass_kg).sum();
@@ -335,6 +363,13 @@ impl Robot<'_> {
                     listed(&taken)
                 ),
                 "remove them from `world` where they were not there",
+            );
+        }
+        if turning {
+            notes.left_out(
+                None,
+                "torsional and rolling friction (condim 4 and 6) against bodies beside the robot: these have the floor's",
+                "set floor.torsional_m and floor.rolling_m in the study where it matters",
             );
         }
         if !rounded.is_empty() {

@@ -38,6 +38,8 @@ pub fn largest_difference(found: &Assembly, asked: &Assembly) -> f64 {
         [
             world.gravity_m_s2,
             world.floor_friction,
+            world.floor_rolling_m,
+            world.floor_torsional_m,
             world.floor_height_m,
             world.floor_slope_rad,
         ]

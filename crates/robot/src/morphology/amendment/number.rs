@@ -153,6 +153,8 @@ pub(super) fn world(old: &Surroundings, new: &Surroundings) -> Numbers {
         [
             ("gravity_m_s2", world.gravity_m_s2),
             ("floor_friction", world.floor_friction),
+            ("floor_rolling_m", world.floor_rolling_m),
+            ("floor_torsional_m", world.floor_torsional_m),
             ("floor_height_m", world.floor_height_m),
             ("floor_slope_rad", world.floor_slope_rad),
         ]

@@ -109,6 +109,7 @@ impl AssemblyBuilder<'_> {
             gravity_compensation: body.gravity_compensation,
             collides: false,
             tyre: None,
+            turning: Default::default(),
         });
         for (number, piece) in body.shapes.iter().enumerate() {
             let (shape, own) = piece.form.shape();
@@ -124,6 +125,7 @@ impl AssemblyBuilder<'_> {
                 gravity_compensation: 0.0,
                 collides: true,
                 tyre: piece.tyre,
+                turning: piece.turning,
             });
         }
         Ok(())

@@ -91,6 +91,7 @@ pub(super) fn check_body(body: &Body, at: &str) -> Checked<()> {
         if let Some(tyre) = &piece.tyre {
             tyre.check(&format!("{at}.tyre"))?;
         }
+        piece.turning.check(&format!("{at}.turning"))?;
     }
     Ok(())
 }

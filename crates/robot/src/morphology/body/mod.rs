@@ -45,6 +45,7 @@ use super::absent::is_zero;
 use super::assembly::{Assembly, Gait, Servo, Solid};
 use super::command_scale::CommandScale;
 use super::module::Module;
+use super::turning::TurningFriction;
 use super::tyre::Tyre;
 use realgap_core::file::Source;
 
@@ -156,6 +157,9 @@ pub struct Piece {
     /// The shape is a tyre, whose friction against what does not move grows with the slip.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tyre: Option<Tyre>,
+    /// Friction against rolling and spinning, in addition to that of what the shape touches.
+    #[serde(default, skip_serializing_if = "TurningFriction::is_none")]
+    pub turning: TurningFriction,
 }
 
 /// Geometric forms, centred at the origin of their own frame.

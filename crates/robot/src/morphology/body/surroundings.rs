@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::super::flaw::{Checked, Flaw, Range};
 use super::super::module::check_name;
+use super::super::turning::TurningFriction;
 use super::check::check_pose;
 use super::{Pose, Triple};
 use realgap_core::Error;
@@ -22,6 +23,12 @@ pub struct Surroundings {
     /// Coulomb friction coefficient of the pair robot and floor.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub floor_friction: Option<f64>,
+    /// Rolling friction of the floor, metres: the largest couple over the normal force.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub floor_rolling_m: Option<f64>,
+    /// Torsional friction of the floor, metres: the largest couple about the normal over the normal force.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub floor_torsional_m: Option<f64>,
     /// Height of the floor at the world origin, metres.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub floor_height_m: Option<f64>,
@@ -75,9 +82,12 @@ impl Surroundings {
 
     /// Checks the range of every value.
     pub(super) fn check(&self) -> Checked<()> {
+        let lengths_m = TurningFriction::COEFFICIENTS_M;
         let values = [
             ("gravity_m_s2", self.gravity_m_s2, (0.0, 100.0), "m/s^2"),
             ("floor_friction", self.floor_friction, (0.0, 10.0), ""),
+            ("floor_rolling_m", self.floor_rolling_m, lengths_m, "m"),
+            ("floor_torsional_m", self.floor_torsional_m, lengths_m, "m"),
             ("floor_height_m", self.floor_height_m, (-10.0, 10.0), "m"),
             ("floor_slope_rad", self.floor_slope_rad, (-1.2, 1.2), "rad"),
             ("timestep_s", self.timestep_s, (1e-6, 0.1), "s"),

@@ -116,6 +116,16 @@ fn stated(before: &Experiment, after: &Experiment) -> Assembly {
             after.floor.friction,
         ),
         (
+            &mut world.floor_rolling_m,
+            before.floor.rolling_m.unwrap_or(0.0),
+            after.floor.rolling_m.unwrap_or(0.0),
+        ),
+        (
+            &mut world.floor_torsional_m,
+            before.floor.torsional_m.unwrap_or(0.0),
+            after.floor.torsional_m.unwrap_or(0.0),
+        ),
+        (
             &mut world.floor_height_m,
             before.floor.height_m,
             after.floor.height_m,
@@ -142,7 +152,7 @@ fn reason(value: &Assignment, robot: &Morphology) -> String {
         "floor" | "gravity_m_s2" if robot.structure().is_none() => {
             "the file of a robot of modules states no world around it"
         }
-        "floor" => "a robot's file states friction, height and slope of the floor only",
+        "floor" => "a robot's file states friction (rolling and torsional, too), height and slope of the floor only",
         "pusher" => "it belongs to the bodies beside the robot",
         "contact" | "solver" | "timestep_s" | "substeps" => "it belongs to the engine that it was fitted in",
         "recording" => "it describes the recordings, not the robot",
