@@ -6,7 +6,9 @@ mod named;
 mod numpy;
 mod old;
 mod open;
+mod opensim;
 mod stamped;
+mod unnamed;
 
 use realgap_path::trajectory::{InferredReading, Question, Reading, Recording, read_all};
 
