@@ -47,11 +47,6 @@ fn a_setting_that_nothing_uses_is_an_error_that_says_what_lacks() {
             "metric: \"pca\"",
         ),
         (
-            "start: Settled, metric: \"rms\", components: Count(3),",
-            "components",
-            "metric: \"pca\"",
-        ),
-        (
             "start: FromRecording, metric: \"joints\", align: World,",
             "align",
             "metric: \"pose\"",

@@ -7,6 +7,7 @@ mod numpy;
 mod old;
 mod open;
 mod opensim;
+mod programs;
 mod stamped;
 mod unnamed;
 

@@ -5,7 +5,7 @@ use super::StudyFile;
 use crate::calibration::{StartRule, WindowRule};
 use realgap_core::file::Source;
 use realgap_core::{Error, Result};
-use realgap_path::comparison::{Components, Metric};
+use realgap_path::comparison::Metric;
 use realgap_path::trajectory::Alignment;
 
 impl StudyFile {
@@ -16,7 +16,7 @@ impl StudyFile {
         let has_basis = needs.iter().any(|needs| needs.basis);
         let has_paths = needs.iter().any(|needs| !needs.joints);
         let metric = metrics[1].name();
-        let all: [(&'static str, bool, String); 6] = [
+        let all: [(&'static str, bool, String); 5] = [
             (
                 "windows",
                 self.windows != WindowRule::default() && self.horizon.is_none(),
@@ -41,11 +41,6 @@ impl StudyFile {
                 "basis",
                 self.basis.is_some() && !has_basis,
                 format!("the metric `{metric}` needs no principal components: leave `basis` out, or use `metric: \"pca\"`"),
-            ),
-            (
-                "components",
-                self.components != Components::default() && !has_basis,
-                format!("the metric `{metric}` needs no principal components: leave `components` out, or use `metric: \"pca\"`"),
             ),
         ];
         let mut all = all.into_iter();
