@@ -235,6 +235,6 @@ fn text_files_with_names_are_tables_and_others_stay_poses() {
     let named = "timestamp actual_q_0 x_m y_m\n0.0 1 2 3\n0.1 1 2 3\n";
     let recording = inferred("recording.txt", named);
     assert_eq!(recording.trajectory.positions_world_m()[0].y, 3.0);
-    let tum = "# timestamp tx ty tz qx qy qz qw\n0 1 2 3 0 0 0 1\n1 1 2 3 0 0 0 1\n";
+    let tum = "# timestamp tx ty tz qx qy qz qw\n0.0 1 2 3 0 0 0 1\n0.1 1 2 3 0 0 0 1\n";
     assert_eq!(inferred("path.txt", tum).trajectory.len(), 2);
 }
