@@ -12,7 +12,7 @@ use realgap_core::error::{Advice, Error, Result};
 /// Lines of `ros2 topic echo --csv` with poses, odometry, transforms or joints.
 pub const ECHO_CSV: ForeignTable = ForeignTable {
     name: "topic-echo-csv",
-    doc: "what `ros2 topic echo --csv` prints of PoseStamped, PoseWithCovarianceStamped, Odometry, TransformStamped, TFMessage and JointState",
+    doc: "what `ros2 topic echo` prints as CSV of PoseStamped, PoseWithCovarianceStamped, Odometry, TransformStamped, TFMessage and JointState",
     extensions: &["csv", "txt"],
     recognises: |bytes| {
         let mut lines = [first_line(bytes)]
@@ -126,7 +126,7 @@ fn table(bytes: Vec<u8>, reading: &Reading) -> Result<Decoded> {
         if row.contains(&"...") {
             return Err(Error::invalid("the message is shortened")
                 .at_line(*number, 1)
-                .hint("print whole messages: ros2 topic echo --csv --full-length TOPIC"));
+                .hint("let `ros2 topic echo` print messages in full length, or record a bag: ros2 bag record TOPIC"));
         }
         if !is_as(first, row) {
             return Err(Error::invalid("the messages have different parts")
@@ -174,7 +174,7 @@ fn poses(rows: &[(usize, Vec<&str>)], at: usize, of: &str) -> Result<Flat> {
         push_pose(&mut flat, row, 0, at)?;
     }
     flat.read_as(format!(
-        "lines of `topic echo --csv`, whose number and kinds of values are those of {of}: the pose is read, in metres"
+        "lines that `topic echo` prints as CSV, whose number and kinds of values are those of {of}: the pose is read, in metres"
     ));
     if of != "PoseStamped" {
         flat.not_read("covariances and velocities are not read");
@@ -217,7 +217,7 @@ fn transforms(rows: &[(usize, Vec<&str>)], reading: &Reading) -> Result<Flat> {
         }
     }
     flat.read_as(format!(
-        "lines of `topic echo --csv`, whose number and kinds of values are those of transforms: {} is read, in metres",
+        "lines that `topic echo` prints as CSV, whose number and kinds of values are those of transforms: {} is read, in metres",
         named(chosen)
     ));
     Ok(flat)
@@ -253,7 +253,7 @@ fn joints(rows: &[(usize, Vec<&str>)], count: usize, lists: usize) -> Result<Fla
         flat.push(std::iter::once(time).chain(values))?;
     }
     flat.read_as(format!(
-        "lines of `topic echo --csv`, whose number and kinds of values are those of JointState: {}, in radians as ROS defines them",
+        "lines that `topic echo` prints as CSV, whose number and kinds of values are those of JointState: {}, in radians as ROS defines them",
         match kept {
             1 => "angles",
             2 => "angles and speeds",
