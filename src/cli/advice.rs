@@ -86,6 +86,10 @@ fn option(advice: &Advice) -> String {
         Advice::SortSamples => "sort them with --sort-samples".to_owned(),
         Advice::SkipLost => "leave lost samples out with --skip-lost".to_owned(),
         Advice::SkipLines => "begin below them with --skip-lines N".to_owned(),
+        Advice::NameColumns => {
+            "name the columns in their order with --header t_s,x_m,y_m,... (an empty name for a column that is not read)"
+                .to_owned()
+        }
         Advice::Rate => "give the number of samples per second, e.g. --rate-hz 10".to_owned(),
         Advice::Topic => "choose one with --topic, and --child-frame of transforms".to_owned(),
         Advice::CommandTopic => "choose the topic of the commands with --command-topic".to_owned(),

@@ -96,6 +96,13 @@ fn read_with<T>(
             Ok(guess) if guess.ambiguities.is_empty() && guess.reading != *known => {
                 read(&inferred(path, known)?)
             }
+            // Whoever maps columns without a unit may not know that there is one to state.
+            Ok(guess)
+                if !known.columns.is_empty()
+                    && (guess.ambiguities.iter()).any(|open| open.question == Question::Length) =>
+            {
+                read(&inferred(path, known)?)
+            }
             _ => Ok(found),
         },
         // A file that is not there has nothing to infer.

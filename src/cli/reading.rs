@@ -56,6 +56,9 @@ pub struct ReadingOptions {
     /// Number of lines before the line with the names of the columns
     #[arg(long, value_name = "N", help_heading = READING)]
     skip_lines: Option<usize>,
+    /// Names of the columns in their order, for files without a line of names, e.g. t_s,x_m,y_m; an empty name for what is not read
+    #[arg(long, value_name = "NAME,NAME,...", help_heading = READING)]
+    header: Vec<HeaderOption>,
     /// Samples per second, for files without times, or with a column that counts samples
     #[arg(long, value_name = "HZ", help_heading = READING)]
     rate_hz: Vec<f64>,
@@ -108,6 +111,22 @@ impl std::str::FromStr for ScaleOption {
         scale
             .map(Self)
             .ok_or_else(|| "allowed: metres per unit, e.g. 0.0021 or 0.5/238".to_owned())
+    }
+}
+
+/// The names of columns, separated by commas.
+#[derive(Debug, Clone)]
+struct HeaderOption(Vec<String>);
+
+impl std::str::FromStr for HeaderOption {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let names: Vec<String> = text.split(',').map(|name| name.trim().to_owned()).collect();
+        match names.len() > 1 {
+            true => Ok(Self(names)),
+            false => Err("allowed: the names of all columns, e.g. t_s,x_m,y_m".to_owned()),
+        }
     }
 }
 
@@ -184,6 +203,8 @@ impl ReadingOptions {
             unpadded_stamps: self.unpadded_stamps.then_some(true),
             skip_lost: self.skip_lost.then_some(true),
             skip_lines: self.skip_lines,
+            header: pick(&self.header, "header", index, files)?
+                .map_or_else(Vec::new, |HeaderOption(names)| names),
             rate_hz: pick(&self.rate_hz, "rate_hz", index, files)?,
             topic: pick(&self.topic, "topic", index, files)?,
             command_topic: pick(&self.command_topic, "command_topic", index, files)?,

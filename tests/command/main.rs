@@ -18,5 +18,7 @@ mod start;
 mod start_drive;
 mod start_mujoco;
 mod start_noise;
+mod unnamed;
+mod unused;
 mod verify;
 mod width;

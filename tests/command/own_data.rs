@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use common::{realgap, text};
 
 /// An arm of one joint on a foot.
-const ARM: &str = r#"<robot name="arm">
+pub const ARM: &str = r#"<robot name="arm">
   <link name="foot"><inertial><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
   <link name="upper"><inertial><origin xyz="0 0 -0.15"/><mass value="0.4"/><inertia ixx="0.003" iyy="0.003" izz="0.0005" ixy="0" ixz="0" iyz="0"/></inertial></link>
   <joint name="shoulder" type="revolute"><parent link="foot"/><child link="upper"/><axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="8" velocity="6"/></joint>

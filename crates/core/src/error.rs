@@ -122,6 +122,7 @@ advice! {
     UnpaddedStamps "Read stamps whose nanoseconds lack leading zeros." "read 12.5 as 12 s and 5 ns: `unpadded_stamps: true` in `reading`";
     SkipLost "Leave out samples that the tracker has lost." "leave lost samples out: `skip_lost: true` in `reading`";
     SkipLines "Begin to read below the first lines." "begin to read below the first lines: `skip_lines: N` in `reading`";
+    NameColumns "Name the columns of a file without a line of names." "name the columns in their order: `header: [\"t_s\", \"x_m\", \"y_m\", ...]` in `reading`";
     Rate "State the sampling rate of a recording without times." "state the sampling rate, e.g. `rate_hz: 10` in `reading`";
     Topic "Say which topic of a log holds the recording." "choose one topic: `topic: \"/NAME\"` in `reading`, and `child_frame: \"NAME\"` for transforms";
     CommandTopic "Say which topic of a log holds the commands." "choose the topic of the commands: `command_topic: \"/NAME\"` in `reading`";

@@ -12,6 +12,7 @@ use super::mixed_robots::{explain, mixed_robots};
 use super::reading::{QuaternionOrder, Reading};
 use super::relabel::relabelled;
 use super::sample::{Clock, Samples};
+use super::stated_header::with_stated_header;
 use super::table::{Table, header_line};
 use super::text::{Cell, cells_of, decode_text, push_number};
 use realgap_core::constant_methods;
@@ -41,10 +42,14 @@ impl Format for Csv {
 
     fn decode(&self, bytes: Vec<u8>, reading: &Reading) -> Result<Decoded> {
         let text = without_separator_line(decode_text(bytes)?);
-        relabelled(text, reading).map(Decoded::from)
+        relabelled(with_stated_header(text, reading)?, reading).map(Decoded::from)
     }
 
     fn is_table(&self) -> bool {
+        true
+    }
+
+    fn takes_header(&self) -> bool {
         true
     }
 

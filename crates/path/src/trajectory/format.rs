@@ -61,6 +61,10 @@ pub trait Format: Sync {
         let _ = bytes;
         false
     }
+    /// True if a reading may state the names of the columns, because files of this format may have none.
+    fn takes_header(&self) -> bool {
+        false
+    }
     /// The bytes of the file at `path`, at most `limit` + 1 bytes; if other files beside it belong to it, with their content
     /// included.
     ///

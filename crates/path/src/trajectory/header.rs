@@ -396,6 +396,7 @@ impl<'c, 'a> Header<'c, 'a> {
             error
                 .hint("the first line must name the columns: t_s,x_m,y_m[,z_m][,qw,qx,qy,qz]; if other lines come before it")
                 .advise(Advice::SkipLines)
+                .advise(Advice::NameColumns)
         } else {
             error
                 .hint("column names end with the unit: t_s,x_m,y_m[,z_m][,qw,qx,qy,qz]")

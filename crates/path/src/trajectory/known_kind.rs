@@ -24,11 +24,6 @@ const KINDS: &[Kind] = &[
         remedy: "export CSV or TSV from the program that captured it (Vicon, Qualisys, Motive)",
     },
     Kind {
-        extensions: &["trc", "mot", "sto"],
-        what: "a table of OpenSim",
-        remedy: "write a CSV file whose names state units (t_s, NAME_x_m, NAME_y_m, ...; angles as JOINT_deg), e.g. with pandas",
-    },
-    Kind {
         extensions: &["bvh", "fbx", "amc", "asf"],
         what: "an animated skeleton",
         remedy: "write the angles of the joints as CSV columns JOINT_deg with a column t_s",

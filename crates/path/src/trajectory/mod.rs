@@ -42,6 +42,7 @@ mod sensor_noise;
 mod span;
 mod stamp;
 mod state;
+mod stated_header;
 mod table;
 mod text;
 mod time_order;

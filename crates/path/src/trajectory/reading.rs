@@ -241,6 +241,10 @@ pub struct Reading {
     /// Number of lines before the line that names the columns.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub skip_lines: Option<usize>,
+    /// The names of the columns in their order, for files without a line of names; an empty name for a column that is not read. The file
+    /// must not name its columns itself.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub header: Vec<String>,
     /// Sampling rate of files without times or with a column that counts samples, samples per second.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rate_hz: Option<f64>,
@@ -378,6 +382,10 @@ impl Reading {
             unpadded_stamps: self.unpadded_stamps.or(other.unpadded_stamps),
             skip_lost: self.skip_lost.or(other.skip_lost),
             skip_lines: self.skip_lines.or(other.skip_lines),
+            header: match self.header.is_empty() {
+                true => other.header.clone(),
+                false => self.header,
+            },
             rate_hz: self.rate_hz.or(other.rate_hz),
             topic: self.topic.or_else(|| other.topic.clone()),
             command_topic: self.command_topic.or_else(|| other.command_topic.clone()),
@@ -442,6 +450,9 @@ impl fmt::Display for Reading {
             let columns = self.columns.iter();
             let columns = columns.map(|(role, column)| format!("{} from `{column}`", role.name()));
             parts.push(columns.collect::<Vec<_>>().join(", "));
+        }
+        if !self.header.is_empty() {
+            parts.push(format!("columns named {}", self.header.join(", ")));
         }
         let names = self.names.iter().take(MOST_NAMES);
         parts.extend(names.map(|(theirs, ours)| format!("`{theirs}` as {ours}")));

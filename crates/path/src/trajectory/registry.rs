@@ -11,8 +11,9 @@ use super::crop::cropped;
 use super::csv::Csv;
 use super::euroc::Euroc;
 use super::foreign::{
-    DEEPLABCUT, GROUPED, JOINT_ROWS, JSON_LINES, MOTIVE, NAMED_FIELDS, NPY, NPZ, PLOTJUGGLER,
-    PX4_CSV, QUALISYS, TOPIC_ECHO, VICON,
+    DEEPLABCUT, ECHO_CSV, FRANKA, GROUPED, JOINT_ROWS, JSON_LINES, MOTIVE, NAMED_FIELDS,
+    NORTH_EAST_DOWN, NPY, NPZ, OPENSIM, PLOTJUGGLER, PX4_CSV, QUALISYS, TEXT_TABLE, TOPIC_ECHO,
+    TRC, VICON,
 };
 use super::format::{Format, Parsed};
 use super::kitti::Kitti;
@@ -52,9 +53,15 @@ pub const FORMATS: &[&dyn Format] = &[
     &GROUPED,
     &PX4_CSV,
     &TOPIC_ECHO,
+    &ECHO_CSV,
     &JSON_LINES,
     &NPY,
     &NPZ,
+    &NORTH_EAST_DOWN,
+    &FRANKA,
+    &OPENSIM,
+    &TRC,
+    &TEXT_TABLE,
 ];
 
 fn extension_of(path: &Path) -> Option<String> {
@@ -294,6 +301,13 @@ impl<'a> File<'a> {
         if let Some((field, error)) = reading.fault() {
             return Err(error.at_file(path).field(field));
         }
+        if !reading.header.is_empty() && !format.takes_header() {
+            return Err(Error::invalid("files of this format name their columns themselves")
+                .at_file(path)
+                .field("header")
+                .found(format.doc())
+                .hint("leave `header` out for this file, or rename the file if it is another kind: tables end with .csv"));
+        }
         let decoded = check_size(&bytes).and_then(|()| format.decode(bytes, &reading));
         let decoded = decoded.map_err(|error| error.at_file(path))?;
         let text = decoded.text;
@@ -305,6 +319,17 @@ impl<'a> File<'a> {
             format,
             meta,
         })
+    }
+
+    /// The error with its file. Below a stated line of names, the file has one line less than the text.
+    fn located(&self, error: Error) -> Error {
+        let error = error.at_file(self.path);
+        match error.line_column() {
+            Some((line, column)) if !self.reading.header.is_empty() => {
+                error.at_line(line.saturating_sub(1).max(1), column)
+            }
+            _ => error,
+        }
     }
 
     fn columns(&self) -> Vec<&str> {
@@ -329,7 +354,7 @@ impl<'a> File<'a> {
             return Ok(vec![self.single()?]);
         }
         let parts = self.format.parse_split(&self.text, &self.reading);
-        let parts = parts.map_err(|error| error.at_file(self.path))?;
+        let parts = parts.map_err(|error| self.located(error))?;
         let is_one = parts.len() == 1;
         let named = parts.into_iter().enumerate().map(|(index, parsed)| {
             let name = match is_one {
@@ -356,7 +381,7 @@ impl<'a> File<'a> {
         }
         let parse = |text: &str, reading: &Reading| {
             let parsed = self.format.parse(text, reading);
-            parsed.map_err(|error| error.at_file(self.path))
+            parsed.map_err(|error| self.located(error))
         };
         let columns = self.columns();
         let mut names = body_column::names(&columns);
@@ -415,7 +440,7 @@ impl<'a> File<'a> {
     fn keyed(&self, group_columns: &[&str]) -> Result<Vec<(String, Recording)>> {
         self.format
             .parse_groups(&self.text, &self.reading, group_columns)
-            .map_err(|error| error.at_file(self.path))?
+            .map_err(|error| self.located(error))?
             .into_iter()
             .map(|(key, parsed)| {
                 let name = format!("{}/{}", self.stem(), key.join("/"));

@@ -256,6 +256,12 @@ impl Samples {
                     Ok(number) => Ok(number * factor),
                     Err(error) => match stamp::stamp(text) {
                         Some(stamp) => Ok(self.calendar.seconds(stamp)),
+                        None if stamp::is_time_code(text) => Err(error.hint(
+                            "does the last part count frames, or hundredths of a second? Write times in seconds, or with a point: 10:15:20.96",
+                        )),
+                        None if text.contains(':') => Err(error.or_hint(
+                            "times are numbers, times of day (10:15:20.5, 10:15:20:500000) or dates with times (2024-05-01T10:15:20.5Z)",
+                        )),
                         None => Err(error),
                     },
                 }

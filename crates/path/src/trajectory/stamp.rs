@@ -58,12 +58,35 @@ pub(super) fn seconds_dot_nanoseconds(text: &str) -> Option<(i64, u32)> {
     }
 }
 
-/// A date with its time (`2024-03-01T12:00:00.123Z`, also with a space and with an offset), or a time of day (`12:00:00.5`).
+/// A date with its time (`2024-03-01T12:00:00.123Z`, also with a space and with an offset, `1.3.2024 12:00:00`, `2024-03-01-12-00-00`), or a
+/// time of day (`12:00:00.5`, `12:00:00:500000`, `1:00:00 PM`). Of dates with slashes and the year at their end only the time of day is
+/// taken, because nothing says whether the day or the month stands first.
 pub(super) fn stamp(text: &str) -> Option<Stamp> {
     let text = text.trim();
-    // Every notation has a colon; most cells that are not numbers end here.
-    if !text.contains(':') || !text.is_ascii() {
+    if !text.is_ascii() {
         return None;
+    }
+    if let Some(colons) = with_colons(text) {
+        return stamp(&colons);
+    }
+    // Every other notation has a colon; most cells that are not numbers end here.
+    if !text.contains(':') {
+        return None;
+    }
+    if let Some((date, clock)) = text.split_once([' ', '_']) {
+        let (date, clock) = (date.trim_end_matches(','), clock.trim());
+        if date.split('/').count() == 3 && date.len() <= 10 && date.find('/') < Some(3) {
+            date.split('/')
+                .try_for_each(|part| number(part).map(|_| ()))?;
+            return time_of_day(clock).map(Stamp::OfDay);
+        }
+        if date.split('.').count() == 3 {
+            let mut parts = date.split('.').map(number);
+            let (day, month, year) = (parts.next()??, parts.next()??, parts.next()??);
+            let day_s = days_since_1970(year, month, day).filter(|_| year >= 1970)?;
+            let (whole, fraction) = (time_of_day(clock)?.trunc(), fraction(clock)?);
+            return Some(Stamp::Absolute((day_s * 86_400) as f64 + whole + fraction));
+        }
     }
     let bytes = text.as_bytes();
     let is_date = bytes.len() > 11
@@ -86,31 +109,71 @@ pub(super) fn stamp(text: &str) -> Option<Stamp> {
     Some(Stamp::Absolute(whole as f64 + seconds + fraction))
 }
 
+/// `2024-03-01-12-00-00.5`, as many programs name files, with the usual signs between its parts.
+fn with_colons(text: &str) -> Option<String> {
+    let bytes = text.as_bytes();
+    let is_dash = |at: usize| bytes.get(at) == Some(&b'-');
+    let has_dashes = [4, 7, 10, 13, 16].into_iter().all(is_dash) && !text.contains(':');
+    has_dashes.then(|| format!("{}T{}", &text[..10], text[11..].replace('-', ":")))
+}
+
+/// True for `12:00:00:07`: the last part may count frames of a film, or hundredths of a second.
+pub(super) fn is_time_code(text: &str) -> bool {
+    let parts: Vec<&str> = text.trim().split([':', ';']).collect();
+    parts.len() == 4 && parts[3].len() < 3 && parts.iter().all(|part| number(part).is_some())
+}
+
 fn number(digits: &str) -> Option<i64> {
     let is_digits = !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit());
     is_digits.then(|| digits.parse().ok()).flatten()
 }
 
-/// The digits behind the decimal point or comma, as a part of a second.
+/// The digits behind the decimal point or comma, or behind a third colon, as a part of a second.
 fn fraction(clock: &str) -> Option<f64> {
-    match clock.find(['.', ',']) {
-        None => Some(0.0),
-        Some(at) => format!("0.{}", &clock[at + 1..]).parse().ok(),
+    match point(half_of_day(clock).0) {
+        (_, None) => Some(0.0),
+        (_, Some(digits)) => format!("0.{digits}").parse().ok(),
     }
 }
 
-/// `HH:MM`, `HH:MM:SS` or `HH:MM:SS.f` in seconds since midnight.
+/// The whole seconds of a time, and the digits that follow them. Behind a third colon, three, six or nine digits are a part of a second.
+fn point(clock: &str) -> (&str, Option<&str>) {
+    if let Some(at) = clock.find(['.', ',']) {
+        return (&clock[..at], Some(&clock[at + 1..]));
+    }
+    let third = clock.match_indices(':').nth(2);
+    match third.map(|(at, _)| (&clock[..at], &clock[at + 1..])) {
+        Some((whole, digits)) if matches!(digits.len(), 3 | 6 | 9) => (whole, Some(digits)),
+        _ => (clock, None),
+    }
+}
+
+/// A time without AM or PM, and whether it is of the afternoon; `None` for the 24 hours of a day.
+fn half_of_day(clock: &str) -> (&str, Option<bool>) {
+    let lower = |end: usize| clock.get(end..).map(str::to_ascii_lowercase);
+    let end = clock.len().saturating_sub(2);
+    match lower(end).as_deref() {
+        Some("am") => (clock[..end].trim_end(), Some(false)),
+        Some("pm") => (clock[..end].trim_end(), Some(true)),
+        _ => (clock, None),
+    }
+}
+
+/// `HH:MM`, `HH:MM:SS`, `HH:MM:SS.f` or `HH:MM:SS:fff` in seconds since midnight, also with AM or PM.
 fn time_of_day(clock: &str) -> Option<f64> {
-    let (whole, rest) = match clock.find(['.', ',']) {
-        Some(at) => (&clock[..at], Some(&clock[at + 1..])),
-        None => (clock, None),
-    };
+    let (clock, afternoon) = half_of_day(clock);
+    let (whole, rest) = point(clock);
     if let Some(rest) = rest {
         number(rest)?;
     }
     let mut parts = whole.split(':').map(number);
     let (hour, minute) = (parts.next()??, parts.next()??);
     let second = parts.next().unwrap_or(Some(0))?;
+    let hour = match afternoon {
+        Some(_) if !(1..=12).contains(&hour) => return None,
+        Some(is_after) => hour % 12 + if is_after { 12 } else { 0 },
+        None => hour,
+    };
     // A leap second is the 61st of its minute.
     let is_sound = hour < 24 && minute < 60 && second <= 60 && parts.next().is_none();
     is_sound
@@ -166,6 +229,10 @@ mod tests {
             ("2024-03-01T07:30-0430", noon),
             ("1969-12-31T23:59:59Z", -1.0),
             ("2000-02-29T00:00:00Z", 951_782_400.0),
+            ("01.03.2024 12:00:00,250", noon + 0.25),
+            ("1.3.2024, 12:00", noon),
+            ("2024-03-01-12-00-00.5", noon + 0.5),
+            ("2024-03-01 12:00:00:250000", noon + 0.25),
         ] {
             assert_eq!(stamp(text), Some(Stamp::Absolute(seconds)), "{text}");
         }
@@ -177,6 +244,11 @@ mod tests {
             "2024-03-01T25:00:00Z",
             "2024-03-01T12:00:00+2",
             "1:2:3:4",
+            "10:15:20:24",
+            "13:00:00 PM",
+            "31.02 12:00:00",
+            "a/b/2024 12:00:00",
+            "2024-03-01-12-00",
             "12:0a:00",
             "2024-03-01T12:00:00.Z",
             "2024-03-01T::",
@@ -184,6 +256,25 @@ mod tests {
         ] {
             assert_eq!(stamp(text), None, "{text}");
         }
+    }
+
+    #[test]
+    fn times_of_day_of_all_notations_are_seconds_since_midnight() {
+        let noon = 43_200.0;
+        for (text, seconds) in [
+            ("12:00:00:500", noon + 0.5),
+            ("12:00:00:000001", noon + 1e-6),
+            ("12:00:00,5", noon + 0.5),
+            ("12:00:00.5 PM", noon + 0.5),
+            ("12:00 am", 0.0),
+            ("1:00:00PM", noon + 3600.0),
+            ("3/1/2024 12:00:00.5", noon + 0.5),
+            ("03/01/2024 1:00:00 PM", noon + 3600.0),
+        ] {
+            assert_eq!(stamp(text), Some(Stamp::OfDay(seconds)), "{text}");
+        }
+        assert!(is_time_code("10:15:20:24") && is_time_code("01:00:00;12"));
+        assert!(!is_time_code("10:15:20:240") && !is_time_code("10:15:20"));
     }
 
     #[test]

@@ -246,37 +246,6 @@ fn a_path_that_ulog2csv_writes_is_turned_from_north_east_down_to_z_up() {
 }
 
 #[test]
-fn lines_of_numbers_without_names_are_refused_with_what_to_write_above_them() {
-    let row = |k: i32| {
-        format!(
-            "{:.6},-0.26,1.38,2.05,0.71,-0.54,-0.25,0.35\n",
-            f64::from(k) / 240.0
-        )
-    };
-    // `ros2 topic echo --csv /joint_states` writes texts among the numbers.
-    let joints = |k: i32| {
-        format!(
-            "1700000000,{},,pan,lift,0.5,0.25,0.0,0.0,0.0,0.0\n",
-            20_000_000 * k
-        )
-    };
-    for text in [
-        (0..20).map(row).collect::<String>(),
-        (0..20).map(joints).collect(),
-    ] {
-        let folder = tempfile::tempdir().unwrap();
-        let path = put(folder.path(), "optitrack_data.csv", &text);
-        let error = InferredReading::of_file(&path, &Reading::default())
-            .unwrap_err()
-            .to_string();
-        assert!(
-            error.contains("the first line holds numbers") && error.contains("t_s,x_m"),
-            "{error}"
-        );
-    }
-}
-
-#[test]
 fn a_log_of_joints_without_units_is_read_with_the_robot() {
     let text = "timestamp,joint1,joint2\n1740416404.04,0.71,0.006\n1740416404.05,0.02,-0.002\n1740416404.06,0.02,-0.002\n";
     let folder = tempfile::tempdir().unwrap();

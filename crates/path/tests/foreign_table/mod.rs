@@ -6,7 +6,10 @@ mod named;
 mod numpy;
 mod old;
 mod open;
+mod opensim;
+mod programs;
 mod stamped;
+mod unnamed;
 
 use realgap_path::trajectory::{InferredReading, Question, Reading, Recording, read_all};
 

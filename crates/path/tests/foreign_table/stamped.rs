@@ -1,6 +1,6 @@
 //! Tables with times of all notations, and readings that state what a table does not.
 
-use super::Fate::{Read, Said};
+use super::Fate::{Read, Refused, Said};
 use super::*;
 
 pub(super) fn cases() -> Vec<Case> {
@@ -107,6 +107,56 @@ pub(super) fn cases() -> Vec<Case> {
             timed("time,x_m,y_m,z_m", clock),
             usual(),
             Read,
+        ),
+        (
+            "time of day with a third colon over midnight",
+            timed("time,x_m,y_m,z_m", |k| clock(k).replace('.', ":") + "000"),
+            usual(),
+            Read,
+        ),
+        (
+            "dates with slashes, AM and PM over midnight",
+            timed("timestamp,x_m,y_m,z_m", |k| {
+                let date = date(k);
+                let clock = clock(k);
+                let (half, hour) = match clock.starts_with("23") {
+                    true => ("PM", "11"),
+                    false => ("AM", "12"),
+                };
+                format!(
+                    "{}/{}/2024 {hour}{} {half}",
+                    &date[5..7],
+                    &date[8..],
+                    &clock[2..]
+                )
+            }),
+            usual(),
+            Read,
+        ),
+        (
+            "dates as in names of files",
+            timed("time,x_m,y_m,z_m", |k| {
+                format!("{}-{}", date(k), clock(k).replace(':', "-"))
+            }),
+            usual(),
+            Read,
+        ),
+        (
+            "dates with points",
+            timed("time,x_m,y_m,z_m", |k| {
+                let date = date(k);
+                format!("{}.{}.2024 {}", &date[8..], &date[5..7], clock(k))
+            }),
+            usual(),
+            Read,
+        ),
+        (
+            "a time code with frames",
+            timed("time,x_m,y_m,z_m", |k| {
+                format!("10:15:{:02}:{:02}", 20 + k / 20, k % 20)
+            }),
+            usual(),
+            Refused("count frames"),
         ),
         (
             "milliseconds since boot",

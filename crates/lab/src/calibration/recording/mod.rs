@@ -147,6 +147,13 @@ pub(in crate::calibration) fn find(
             .found(wanted)
             .allowed(known.join(", ")));
     }
+    if definition.condition.is_some() && sets.is_empty() && !found.recordings.is_empty() {
+        return Err(Error::invalid("no recording says of which condition it is")
+            .at_file(study)
+            .field("condition")
+            .allowed("recordings of files with a column `condition` beside `run`")
+            .hint("leave `condition` out of the study, or map the column: `reading: (columns: (condition: \"NAME\", run: \"NAME\"))`"));
+    }
     if found.recordings.is_empty() {
         return Err(Error::invalid("this part of the recordings is empty")
             .at_file(study)

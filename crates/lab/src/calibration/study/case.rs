@@ -11,6 +11,7 @@ use crate::calibration::study::own_case::own_cases;
 use crate::calibration::study::{scene_file, scored_columns};
 use crate::calibration::{BaseRule, Definition, StartRule};
 use realgap_core::statistics::ends_of;
+use realgap_core::unit::counted;
 use realgap_core::{Advice, Code, Error, Result, Warning};
 use realgap_identification::{Body, EQUAL_MOMENTS, KnownFlight, Refined, StartState, refine};
 use realgap_path::trajectory::{
@@ -238,12 +239,27 @@ fn settled(definition: &Definition, base: &Experiment) -> Result<(Vec<Case>, Vec
     Ok((cases, warnings))
 }
 
+/// A warning where the study states a longer time than some recordings, or windows of them, last.
+fn longer_than_recordings(definition: &Definition) -> Option<Warning> {
+    let stated_s = definition.duration_s?;
+    let lasting_s = definition.recordings.iter();
+    let lasting_s = lasting_s.map(|recording| recording.trajectory.duration_s());
+    let short: Vec<f64> = lasting_s.filter(|own_s| stated_s > own_s + 1e-6).collect();
+    let shortest_s = short.iter().copied().reduce(f64::min)?;
+    Some(Code::ShortRecording.warning(format!(
+        "{} of {} last less than the {stated_s} s of the study, the shortest {shortest_s:.3} s: each is simulated as long as it lasts",
+        short.len(),
+        counted(definition.recordings.len(), "recording"),
+    )))
+}
+
 fn from_recordings(
     definition: &Definition,
     base: &Experiment,
 ) -> Result<(Vec<Case>, Vec<Warning>)> {
     let mut warnings = Vec::new();
     let mut cases = Vec::with_capacity(definition.recordings.len());
+    warnings.extend(longer_than_recordings(definition));
     for (index, recording) in definition.recordings.iter().enumerate() {
         let length_s = recording.trajectory.duration_s();
         let target = target(

@@ -1,5 +1,7 @@
 //! The RON form of a study, and how it is read.
 
+mod unused;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -365,10 +367,9 @@ impl Definition {
                 prior.map_err(|e| source.at(&format!("parameters[{index}]"), e))
             })
             .collect::<Result<Vec<_>>>()?;
-        let metric = match overrides.metric {
-            Some(metric) => metric,
-            None => comparison::by_name(&file.metric).map_err(|e| source.at("metric", e))?,
-        };
+        let of_study = comparison::by_name(&file.metric).map_err(|e| source.at("metric", e))?;
+        let metric = overrides.metric.unwrap_or(of_study);
+        file.check_used(source, [of_study, metric])?;
         if !file.channels.is_empty() && !metric.needs().joints {
             let error = Error::invalid("channels are compared by the metric `joints` only")
                 .found(metric.name())

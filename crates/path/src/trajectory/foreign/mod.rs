@@ -2,15 +2,20 @@
 //! names state what the file states: bodies, axes, units. What the file does not state is then asked, as for any other table.
 
 mod deeplabcut;
+mod echo_csv;
 mod flat;
+mod franka;
 mod grouped;
 mod joint_rows;
 mod json_lines;
 mod motive;
+mod north_east_down;
 mod numpy;
+mod opensim;
 mod plotjuggler;
 mod px4_csv;
 mod qualisys;
+mod text_table;
 mod topic_echo;
 mod vicon;
 
@@ -25,14 +30,19 @@ use realgap_core::error::{Error, Result};
 use realgap_core::file::read_limited;
 
 pub use deeplabcut::DEEPLABCUT;
+pub use echo_csv::ECHO_CSV;
+pub use franka::FRANKA;
 pub use grouped::GROUPED;
 pub use joint_rows::{JOINT_ROWS, NAMED_FIELDS};
 pub use json_lines::JSON_LINES;
 pub use motive::MOTIVE;
+pub use north_east_down::NORTH_EAST_DOWN;
 pub use numpy::{NPY, NPZ};
+pub use opensim::{OPENSIM, TRC};
 pub use plotjuggler::PLOTJUGGLER;
 pub use px4_csv::PX4_CSV;
 pub use qualisys::QUALISYS;
+pub use text_table::TEXT_TABLE;
 pub use topic_echo::TOPIC_ECHO;
 pub use vicon::VICON;
 
@@ -90,6 +100,10 @@ impl Format for ForeignTable {
 
     fn is_table(&self) -> bool {
         true
+    }
+
+    fn takes_header(&self) -> bool {
+        self.name == TEXT_TABLE.name
     }
 
     fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {

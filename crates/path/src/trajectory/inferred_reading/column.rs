@@ -13,7 +13,7 @@ use super::super::text::{Separator, cells_of, excerpt};
 use super::role::{Named, is_geographic, named};
 use super::{Candidate, InferredReading, Question};
 use realgap_core::error::{Advice, Error, Result};
-use realgap_core::unit::LengthUnit;
+use realgap_core::unit::{LengthUnit, counted};
 
 const QUATERNION: [Role; 4] = [Role::Qw, Role::Qx, Role::Qy, Role::Qz];
 
@@ -89,7 +89,11 @@ pub(super) fn infer_columns(text: &str, guess: &mut InferredReading) -> Result<(
     let numbers = names.iter().filter(|name| is_number(name)).count();
     if filled > 1 && 3 * numbers >= 2 * filled {
         return Err(lacks("anything")
-            .hint("the first line holds numbers: write a line with the names of the columns above it, e.g. t_s,x_m,y_m,z_m,qw,qx,qy,qz or t_s,JOINT_rad,JOINT_command_rad; if the names stand further below")
+            .hint(format!(
+                "the first line holds numbers: what is in each of the {}? Names are e.g. t_s,x_m,y_m,z_m,qw,qx,qy,qz or t_s,JOINT_rad,JOINT_command_rad",
+                counted(names.len(), "column")
+            ))
+            .advise(Advice::NameColumns)
             .advise(Advice::SkipLines));
     }
     if !has(Role::Time) && guess.reading.rate_hz.is_none() {

@@ -35,17 +35,20 @@ const COMMANDS: [&str; 14] = [
     "qref",
     "qtarget",
 ];
-const ANGLES: [&str; 11] = [
-    "q", "pos", "position", "angle", "state", "actual", "measured", "meas", "present", "joint",
-    "feedback",
+const ANGLES: [&str; 12] = [
+    "q", "qpos", "pos", "position", "angle", "state", "actual", "measured", "meas", "present",
+    "joint", "feedback",
 ];
-const SPEEDS: [&str; 7] = ["qd", "dq", "vel", "velocity", "speed", "qdot", "omega"];
+const SPEEDS: [&str; 8] = [
+    "qd", "qvel", "dq", "vel", "velocity", "speed", "qdot", "omega",
+];
 const TORQUES: [&str; 4] = ["tau", "torque", "effort", "nm"];
 /// Words of currents, and of loads, whose unit no name states.
 const CURRENTS: [&str; 1] = ["current"];
 const LOADS: [&str; 1] = ["load"];
 /// Words that say nothing about the quantity.
-const FILLING: [&str; 13] = [
+const FILLING: [&str; 14] = [
+    "field",
     "observation",
     "motor",
     "servo",
@@ -224,6 +227,12 @@ pub(super) fn only_number(name: &str) -> Option<usize> {
     parts.next().is_none().then_some(first)
 }
 
+/// True for `A1` and `J1`, as makers of industrial arms call the axes.
+fn is_axis(name: &str) -> bool {
+    let rest = name.strip_prefix(['A', 'J']);
+    rest.is_some_and(|rest| !rest.is_empty() && rest.chars().all(|c| c.is_ascii_digit()))
+}
+
 /// What is left of a column's name without the name of a joint; the suffix `_joint` of the joint may be missing in the column.
 fn without_joint(column: &str, joint: &str) -> Option<String> {
     let column = column.to_lowercase();
@@ -306,6 +315,9 @@ pub(super) fn found<'c, 'a>(column: &'c Column<'a>, joints: &[String]) -> Option
         return make(Whose::Named(0), column.name);
     }
     let number = only_number(column.name)?;
+    if is_axis(column.name) {
+        return make(Whose::Numbered(number), "axis");
+    }
     // A bare number is no joint: the name has to say what it counts.
     (!words(column.name).is_empty()).then(|| make(Whose::Numbered(number), column.name))?
 }
