@@ -140,18 +140,11 @@ impl Laplace {
     /// The inflation: from the disagreement between logs where there are three or more, otherwise from the autocorrelation of the errors
     /// along each direction.
     fn inflations(&self) -> DMatrix<f64> {
-        let slopes = self.noise.slopes(&self.errors);
-        let from_noise = |direction: &DVector<f64>| {
-            let along = &self.jacobian * direction;
-            let scores = along.component_mul(&slopes);
-            self.noise.inflation(&scores, along.norm_squared())
-        };
         let logs = self.noise.logs();
         if logs.len() < FEWEST_LOGS {
-            let of = self.directions.column_iter();
-            let of: Vec<f64> = of.map(|own| from_noise(&own.into_owned())).collect();
-            return DMatrix::from_diagonal(&DVector::from_vec(of));
+            return DMatrix::from_diagonal(&self.correlations());
         }
+        let slopes = self.noise.slopes(&self.errors);
         let along = &self.jacobian * &self.directions;
         let logs: Vec<Log> = logs
             .iter()
@@ -167,8 +160,27 @@ impl Laplace {
             logs.iter().filter_map(|log| whole.without(log)).collect()
         });
         disagreement::inflation(&left_out, &self.information, |direction| {
-            from_noise(&(&self.directions * direction))
+            self.correlation(&(&self.directions * direction))
         })
+    }
+
+    /// By how much the variance along a direction is larger because neighbouring errors are correlated.
+    fn correlation(&self, direction: &DVector<f64>) -> f64 {
+        let along = &self.jacobian * direction;
+        let scores = along.component_mul(&self.noise.slopes(&self.errors));
+        self.noise.inflation(&scores, along.norm_squared())
+    }
+
+    /// The same along each principal direction.
+    fn correlations(&self) -> DVector<f64> {
+        let all = self.directions.column_iter();
+        let all = all.map(|own| self.correlation(&own.into_owned()));
+        DVector::from_iterator(self.centre.len(), all)
+    }
+
+    /// How many errors count as one because neighbours are correlated: the mean over the directions.
+    pub fn errors_for_one(&self) -> f64 {
+        self.correlations().mean()
     }
 
     /// The errors at the centre as they would be if the fit had not seen the group of each: one linear step for each group that is left

@@ -296,7 +296,7 @@ impl LeastSquaresPosterior {
     /// Variance of each fitted error, as if errors were independent, and how many of them count as one.
     pub fn noise(&self) -> (Vec<f64>, f64) {
         let laplace = &self.modes[0].0.laplace;
-        (laplace.variances(), laplace.mean_inflation())
+        (laplace.variances(), laplace.errors_for_one())
     }
 
     /// The errors of the best point as they would be if the fit had not seen the group of each, to first order; `groups` has the number
