@@ -137,7 +137,7 @@ mod tests {
         assert_eq!(found.len(), 1);
         assert!(found[0].is_told(), "{found:?}");
         assert!((found[0].value - 0.103).abs() < 1e-9, "{found:?}");
-        assert!(found[0].low >= 0.1 && found[0].high <= 0.107, "{found:?}");
+        assert!(found[0].low > 0.0999 && found[0].high < 0.1071, "{found:?}");
         assert_eq!((found[0].first, found[0].second), (names[0], names[1]));
     }
 

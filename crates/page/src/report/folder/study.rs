@@ -179,9 +179,9 @@ fn maps(
     Some((map, uncertain))
 }
 
-/// Whether the model explains the recordings, and where it is nearest, below the verdict.
+/// Whether the model explains the recordings, where it is nearest, and what differs between sets of recordings, below the verdict.
 fn answer(report: &StudySummary) -> String {
-    let about = [About::Model, About::Best, About::Engines];
+    let about = [About::Model, About::Best, About::Engines, About::Difference];
     let mut text = sentences(&report.claims, &about);
     if text.is_empty() {
         return "No point has a score, so there is no answer.".to_owned();
