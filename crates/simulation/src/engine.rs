@@ -155,9 +155,10 @@ impl EngineChoice {
         Self(engine)
     }
 
-    /// The engine for a robot whose file and user choose none: the tree solver for a robot with tyres or with rolling or torsional friction, and for a robot of bodies with more
-    /// than [`JointFormulation::MOST_HINGES`] joints or with a spring that Rapier would make softer, else Rapier. Such a long robot has multibody joints in Rapier, whose cost grows with the cube of
-    /// the number of joints, and in the tree solver in proportion to it (docs/design.md).
+    /// The engine for a robot whose file and user choose none: the tree solver for a robot with tyres or with rolling or torsional
+    /// friction, and for a robot of bodies with more than [`JointFormulation::MOST_HINGES`] joints or with a spring that Rapier would
+    /// make softer, else Rapier. Such a long robot has multibody joints in Rapier, whose cost grows with the cube of the number of
+    /// joints, and in the tree solver in proportion to it (docs/design.md).
     pub fn suited_to(assembly: &Assembly) -> Self {
         let is_long = !assembly.is_modular
             && assembly.hinges.len() > JointFormulation::MOST_HINGES

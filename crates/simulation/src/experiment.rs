@@ -463,10 +463,9 @@ impl Experiment {
     /// Whether contacts have friction against rolling or spinning, which only the tree solver simulates.
     pub fn has_turning_friction(&self) -> bool {
         let floor = &self.floor;
-        let mut solids = self.assembly.parts.iter().flat_map(|part| &part.solids);
         let is_stated = floor.rolling_m.is_some()
             || floor.torsional_m.is_some()
-            || solids.any(|solid| !solid.turning.is_none());
+            || self.assembly.has_turning_shapes();
         is_stated && self.contact.is_on && self.vehicle.is_none()
     }
 

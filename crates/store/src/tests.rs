@@ -144,13 +144,22 @@ fn on_a_network_file_system_there_is_no_log_and_rows_are_read_while_a_run_goes_o
     assert_eq!(again.trials().unwrap(), [trial(0), trial(1), trial(2)]);
 }
 
+/// The files of a folder as they are now, as a killed process leaves them.
+fn copied(folder: &std::path::Path) -> tempfile::TempDir {
+    let copy = tempfile::tempdir().unwrap();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        fs::copy(&path, copy.path().join(path.file_name().unwrap())).unwrap();
+    }
+    copy
+}
+
 #[test]
 fn a_write_that_was_cut_off_on_a_network_file_system_is_taken_back_by_who_opens_it_next() {
     let folder = tempfile::tempdir().unwrap();
     let fingerprint = Fingerprint::new().with("a", 1);
     let store = on_nfs(folder.path());
-    // The files in the middle of a transaction, as a killed process leaves them.
-    let killed = tempfile::tempdir().unwrap();
+    // The files are copied in the middle of a transaction.
     store
         .connection
         .execute_batch(
@@ -160,10 +169,7 @@ fn a_write_that_was_cut_off_on_a_network_file_system_is_taken_back_by_who_opens_
     let filler = "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < 400)
         INSERT INTO description SELECT 'filler ' || i, hex(randomblob(500)) FROM n";
     store.connection.execute_batch(filler).unwrap();
-    for entry in fs::read_dir(folder.path()).unwrap() {
-        let path = entry.unwrap().path();
-        fs::copy(&path, killed.path().join(path.file_name().unwrap())).unwrap();
-    }
+    let killed = copied(folder.path());
     assert!(
         killed
             .path()
@@ -173,11 +179,7 @@ fn a_write_that_was_cut_off_on_a_network_file_system_is_taken_back_by_who_opens_
             .len()
             > 4096
     );
-    let copy = tempfile::tempdir().unwrap();
-    for entry in fs::read_dir(killed.path()).unwrap() {
-        let path = entry.unwrap().path();
-        fs::copy(&path, copy.path().join(path.file_name().unwrap())).unwrap();
-    }
+    let copy = copied(killed.path());
     let read = Store::<Trial>::read(copy.path()).unwrap();
     assert_eq!(read.trials().unwrap(), [trial(0), trial(1)]);
     assert!(!copy.path().join("results.sqlite-journal").exists());
@@ -194,11 +196,7 @@ fn a_log_is_not_used_on_a_network_file_system_and_the_error_says_what_to_do() {
     let fingerprint = Fingerprint::new().with("a", 1);
     let mut store = Store::create(folder.path(), &fingerprint).unwrap();
     store.insert(&[trial(0)]).unwrap();
-    let killed = tempfile::tempdir().unwrap();
-    for entry in fs::read_dir(folder.path()).unwrap() {
-        let path = entry.unwrap().path();
-        fs::copy(&path, killed.path().join(path.file_name().unwrap())).unwrap();
-    }
+    let killed = copied(folder.path());
     drop(store);
     file_system::tests::fake(file_system::FileSystem::Shared("nfs".to_owned()));
     for error in [

@@ -6,6 +6,8 @@
 use nalgebra::{DMatrix, DVector};
 use realgap_core::statistics::{median, student_quantile};
 
+use super::laplace::RANGE_PRECISION;
+
 /// Half of a 90 % interval of a normal distribution, in standard deviations.
 const NINETY: f64 = 1.644_853_626_951;
 /// A log that has more than this share of the information about a direction tells of it alone: without the log, the direction would have
@@ -15,8 +17,6 @@ const ALONE: f64 = 0.95;
 const TYPICAL_LOGS: f64 = 1.0;
 /// Logs that agree by chance do not make an estimate more certain than this share of the noise's variance.
 const LEAST_INFLATION: f64 = 0.25;
-/// Directions with less information than a range alone has do not show what disagreement is typical.
-const KNOWN: f64 = 12.0;
 /// The least share of a direction that logs other than those that tell of it alone have, for what is typical.
 const LEAST_SHARE: f64 = 0.1;
 /// The least information of a direction here. Its standard deviation is then ten ranges, as good as none.
@@ -106,8 +106,10 @@ pub(super) fn inflation(
             held += alone.component_mul(&roots).map(|part| part * part);
         }
     }
+    // Directions with less information than a range alone has do not show what disagreement is typical.
     let all = 0..dimensions;
-    let known: Vec<usize> = all.clone().filter(|k| information[*k] > KNOWN).collect();
+    let known = all.clone().filter(|k| information[*k] > RANGE_PRECISION);
+    let known: Vec<usize> = known.collect();
     let known = if known.is_empty() {
         all.collect()
     } else {

@@ -13,7 +13,7 @@ const FEWEST_LOGS: usize = 3;
 /// Factor on the error of a derivative: that of a difference to one side at an end of the range is twice that of one to both sides.
 const DOUBT: f64 = 2.0;
 /// Precision of a uniform distribution from 0 to 1. It keeps steps along directions without information within the range.
-const RANGE_PRECISION: f64 = 12.0;
+pub(super) const RANGE_PRECISION: f64 = 12.0;
 
 /// A Gaussian approximation around a centre, in coordinates from 0 to 1.
 ///
@@ -160,21 +160,22 @@ impl Laplace {
             logs.iter().filter_map(|log| whole.without(log)).collect()
         });
         disagreement::inflation(&left_out, &self.information, |direction| {
-            self.correlation(&(&self.directions * direction))
+            self.correlation(&slopes, &(&self.directions * direction))
         })
     }
 
     /// By how much the variance along a direction is larger because neighbouring errors are correlated.
-    fn correlation(&self, direction: &DVector<f64>) -> f64 {
+    fn correlation(&self, slopes: &DVector<f64>, direction: &DVector<f64>) -> f64 {
         let along = &self.jacobian * direction;
-        let scores = along.component_mul(&self.noise.slopes(&self.errors));
+        let scores = along.component_mul(slopes);
         self.noise.inflation(&scores, along.norm_squared())
     }
 
     /// The same along each principal direction.
     fn correlations(&self) -> DVector<f64> {
+        let slopes = self.noise.slopes(&self.errors);
         let all = self.directions.column_iter();
-        let all = all.map(|own| self.correlation(&own.into_owned()));
+        let all = all.map(|own| self.correlation(&slopes, &own.into_owned()));
         DVector::from_iterator(self.centre.len(), all)
     }
 

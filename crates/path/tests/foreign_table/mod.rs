@@ -11,7 +11,7 @@ mod programs;
 mod stamped;
 mod unnamed;
 
-use realgap_path::trajectory::{InferredReading, Question, Reading, Recording, read_all};
+use realgap_path::trajectory::{InferredReading, Question, Reading, Recording, read, read_all};
 
 /// Samples in every file.
 const SAMPLES: usize = 60;
@@ -23,6 +23,14 @@ fn put(folder: &std::path::Path, name: &str, content: impl AsRef<[u8]>) -> std::
     let path = folder.join(name);
     std::fs::write(&path, content).unwrap();
     path
+}
+
+/// The recording of a file that leaves no question.
+fn recording(name: &str, text: &str) -> Recording {
+    let folder = tempfile::tempdir().unwrap();
+    let path = put(folder.path(), name, text);
+    let inferred = InferredReading::without_questions(&path, &Reading::default()).unwrap();
+    read(&path, &inferred.reading).unwrap()
 }
 
 /// All warnings of a recording.

@@ -1,8 +1,8 @@
 //! Tables of OpenSim: angles in the unit that the file states, and markers.
 
-use realgap_path::trajectory::{InferredReading, Question, Reading, Recording, read};
+use realgap_path::trajectory::{InferredReading, Question, Reading, read};
 
-use super::{put, said};
+use super::{put, recording, said};
 
 fn motion(title: &str, degrees: &str, names: &str, row: impl Fn(f64) -> String) -> String {
     let mut text = format!(
@@ -13,13 +13,6 @@ fn motion(title: &str, degrees: &str, names: &str, row: impl Fn(f64) -> String) 
         text += &format!("      {t:.8}\t      {}\n", row(t));
     }
     text
-}
-
-fn recording(name: &str, text: &str) -> Recording {
-    let folder = tempfile::tempdir().unwrap();
-    let path = put(folder.path(), name, text);
-    let inferred = InferredReading::without_questions(&path, &Reading::default()).unwrap();
-    read(&path, &inferred.reading).unwrap()
 }
 
 #[test]

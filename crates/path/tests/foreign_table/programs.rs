@@ -1,15 +1,8 @@
 //! Tables of programs for drones and arms whose names do not say what they mean: axes, milliseconds, what was sent.
 
-use realgap_path::trajectory::{InferredReading, JointReading, Reading, Recording, read};
+use realgap_path::trajectory::{JointReading, Reading, read};
 
-use super::{heading, place, put, said, text, time_s};
-
-fn recording(name: &str, text: &str) -> Recording {
-    let folder = tempfile::tempdir().unwrap();
-    let path = put(folder.path(), name, text);
-    let inferred = InferredReading::without_questions(&path, &Reading::default()).unwrap();
-    read(&path, &inferred.reading).unwrap()
-}
+use super::{heading, place, put, recording, said, text, time_s};
 
 #[test]
 fn axes_that_point_north_east_down_are_turned_to_z_up() {

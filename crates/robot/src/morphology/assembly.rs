@@ -421,10 +421,15 @@ impl Assembly {
 
     /// Whether the robot's file states friction against rolling or spinning, of a shape or of the floor.
     pub fn states_turning_friction(&self) -> bool {
-        let mut solids = self.parts.iter().flat_map(|part| &part.solids);
         let around = &self.surroundings;
         let of_floor = around.floor_rolling_m.is_some() || around.floor_torsional_m.is_some();
-        of_floor || solids.any(|solid| !solid.turning.is_none())
+        of_floor || self.has_turning_shapes()
+    }
+
+    /// Whether a shape has friction against rolling or spinning of its own.
+    pub fn has_turning_shapes(&self) -> bool {
+        let mut solids = self.parts.iter().flat_map(|part| &part.solids);
+        solids.any(|solid| !solid.turning.is_none())
     }
 
     /// Whether the robot's file excludes contacts between two modules.

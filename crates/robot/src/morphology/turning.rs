@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::absent::is_zero;
 use super::flaw::{Checked, Range};
 
 /// Friction against rolling and spinning: a couple between two shapes in contact, opposite to their relative rotation.
@@ -18,12 +19,6 @@ pub struct TurningFriction {
     /// Largest couple against spinning about the normal over the normal force, metres.
     #[serde(skip_serializing_if = "is_zero")]
     pub torsional_m: f64,
-}
-
-// serde passes fields by reference.
-#[allow(clippy::trivially_copy_pass_by_ref)]
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
 }
 
 impl TurningFriction {

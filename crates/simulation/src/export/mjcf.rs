@@ -134,8 +134,7 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
             "the place where the compensation of weight acts: it acts at the centre of mass of each part",
         ));
     }
-    let mut solids = robot.assembly.parts.iter().flat_map(|part| &part.solids);
-    if solids.any(|solid| !solid.turning.is_none()) {
+    if robot.assembly.has_turning_shapes() {
         warnings.push(Code::TurningNotExported.warning(
             "that rolling and torsional friction of two shapes add up: the file states those of each shape with the floor, which MuJoCo uses for all of its contacts (as the sliding friction of such a shape)",
         ));

@@ -70,10 +70,9 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
             vector(&track)
         )),
     ];
-    let mut solids = robot.assembly.parts.iter().flat_map(|part| &part.solids);
     let floor = [robot.floor.rolling_m, robot.floor.torsional_m];
     let is_stated = floor.into_iter().flatten().any(|value| value > 0.0);
-    if is_stated || solids.any(|solid| !solid.turning.is_none()) {
+    if is_stated || robot.assembly.has_turning_shapes() {
         warnings.push(
             Code::TurningNotExported
                 .warning("rolling and torsional friction of floor and shapes (`turning`)"),

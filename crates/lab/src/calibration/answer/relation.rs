@@ -1,5 +1,7 @@
 //! What is known about two parameters together, from the posterior draws.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use crate::calibration::PosteriorDraws;
@@ -67,23 +69,20 @@ impl Difference {
             return Vec::new();
         };
         let ranges = grid.ranges();
-        let own = |axis: usize| -> Option<&'static str> {
-            let own = parameter::by_name(ranges[axis].parameter.name).ok()?;
-            own.run().map(|_| own.of_all().name)
-        };
-        let alike = |a: usize| -> Vec<usize> {
-            let of_all = own(a);
-            let alike = (0..ranges.len()).filter(|b| of_all.is_some() && own(*b) == of_all);
-            alike.collect()
-        };
+        // The parameters of one set of recordings each, with the number of their range, by what they are of all recordings.
+        let mut alike: BTreeMap<&'static str, Vec<usize>> = BTreeMap::new();
+        for (axis, range) in ranges.iter().enumerate() {
+            let known = parameter::by_name(range.parameter.name).ok();
+            if let Some(own) = known.filter(|own| own.run().is_some()) {
+                alike.entry(own.of_all().name).or_default().push(axis);
+            }
+        }
         let tail = 0.5 * (1.0 - DIFFERENCE_LEVEL);
         let mut all = Vec::new();
-        for first in 0..ranges.len() {
-            let sets = alike(first);
-            if sets.len() > MOST_SETS {
-                continue;
-            }
-            for second in sets.into_iter().filter(|second| *second > first) {
+        for sets in alike.into_values().filter(|sets| sets.len() <= MOST_SETS) {
+            let pairs = (sets.iter().enumerate())
+                .flat_map(|(k, first)| sets[k + 1..].iter().map(move |second| (*first, *second)));
+            for (first, second) in pairs {
                 let rows = draws.rows().iter();
                 let apart: Vec<f64> = rows.map(|row| row[first] - row[second]).collect();
                 if let Some((low, high)) = percentile_interval(&apart, tail) {

@@ -427,9 +427,10 @@ impl Report {
             let distances = (best.score, displacement_m, pose);
             claim::gap(distances, of_metric, floors, (reality, recordings))
         });
+        let has_converged = self.tuning.as_ref().is_none_or(Tuned::has_converged);
         let trust = claim::trust(&claim::Ground {
             complete: self.complete,
-            has_converged: self.tuning.as_ref().is_none_or(Tuned::has_converged),
+            has_converged,
             is_audited: !self.warnings.iter().any(|w| w.code == Code::NotAudited),
             fit: self.fit.as_ref(),
             validation: self.validation.as_ref(),
@@ -437,7 +438,6 @@ impl Report {
         });
         let trust = self.best.is_some().then_some(trust);
         let verdict = gap.into_iter().chain(claim::summary(&each)).chain(trust);
-        let has_converged = self.tuning.as_ref().is_none_or(Tuned::has_converged);
         let between = self.differences.iter();
         let between = between.map(|known| claim::difference(known, has_converged, recordings));
         let first = verdict.chain(model).chain(best).chain(engines);

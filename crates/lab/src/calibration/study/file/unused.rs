@@ -9,8 +9,8 @@ use realgap_path::comparison::Metric;
 use realgap_path::trajectory::Alignment;
 
 impl StudyFile {
-    /// The first setting without an effect, with the name of its field. `metrics` are the study's own one and the one in its place.
-    pub(super) fn unused(&self, metrics: [&dyn Metric; 2]) -> Option<(&'static str, Error)> {
+    /// Refuses the first setting without an effect. `metrics` are the study's own one and the one in its place.
+    pub(super) fn check_used(&self, source: &Source, metrics: [&dyn Metric; 2]) -> Result<()> {
         let is_settled = self.start == StartRule::Settled;
         let needs = metrics.map(|metric| metric.needs());
         let has_basis = needs.iter().any(|needs| needs.basis);
@@ -44,18 +44,10 @@ impl StudyFile {
             ),
         ];
         let mut all = all.into_iter();
-        let (field, _, hint) = all.find(|(_, is_unused, _)| *is_unused)?;
-        Some((
-            field,
-            Error::invalid("nothing in this study uses this setting").hint(hint),
-        ))
-    }
-
-    /// Refuses a setting without an effect.
-    pub(super) fn check_used(&self, source: &Source, metrics: [&dyn Metric; 2]) -> Result<()> {
-        match self.unused(metrics) {
-            Some((field, error)) => Err(source.at(field, error)),
-            None => Ok(()),
-        }
+        let Some((field, _, hint)) = all.find(|(_, is_unused, _)| *is_unused) else {
+            return Ok(());
+        };
+        let error = Error::invalid("nothing in this study uses this setting");
+        Err(source.at(field, error.hint(hint)))
     }
 }
