@@ -20,7 +20,7 @@ say() { printf '== %s\n' "$*"; }
 
 say "licences, sources, advisories"
 if command -v cargo-deny >/dev/null || cargo install --quiet --locked --debug --root target/tools cargo-deny; then
-    PATH="$PWD/target/tools/bin:$PATH" cargo deny check
+    PATH="$PWD/target/tools/bin:$PATH" tools/dependencies.sh
 else
     echo "SKIPPED cargo-deny: it is not here and cannot be installed"
 fi

@@ -11,7 +11,7 @@ use realgap_path::trajectory::{Reading, Recording, parse_all, read_all};
 use crate::common::{project, shared_data};
 
 /// The codes of the doubts about the motion itself.
-const CODES: [Code; 15] = [
+const CODES: [Code; 16] = [
     Code::Spike,
     Code::LostAsZero,
     Code::FrozenTracker,
@@ -27,6 +27,7 @@ const CODES: [Code; 15] = [
     Code::LostPackets,
     Code::SaturatedCommands,
     Code::SwitchedOff,
+    Code::UnknownAxes,
 ];
 
 /// All files with this extension below a folder, sorted.
@@ -172,6 +173,45 @@ fn doubts_hold_for_every_reader_and_say_where_and_what_was_seen() {
         said.contains("between 2 places") && said.contains("[several-robots]"),
         "{said}"
     );
+}
+
+#[test]
+fn a_robot_that_stays_level_on_y_or_falls_along_it_is_read_with_z_up_only_with_a_doubt() {
+    let clock = |k: usize| 0.02 * k as f64;
+    let on_the_ground = |k: usize| {
+        let [x, y, _] = on_a_circle(k);
+        let bumps = 0.002 * (0.7 * k as f64).sin();
+        [x, y, 0.08 + bumps]
+    };
+    let turned = |[x, y, z]: [f64; 3]| [y, z, x - 1.0];
+    let is_doubted = |said: &str| said.contains("[unknown-axes]");
+    assert!(!is_doubted(&said_of(tum(on_the_ground, clock))));
+    let said = said_of(tum(|k| turned(on_the_ground(k)), clock));
+    assert!(
+        said.contains("stays between 0.0780 and 0.0820 m on y"),
+        "{said}"
+    );
+    assert!(is_doubted(&said), "{said}");
+    // In a vertical plane above the ground, as a drone.
+    let said = said_of(tum(|k| turned(on_the_ground(k)).map(|v| v + 2.0), clock));
+    assert!(!is_doubted(&said), "{said}");
+    let thrown = |k: usize| {
+        let t = clock(k);
+        [0.3 * t, 0.1 * t, 1.0 + 3.0 * t - 4.905 * t * t]
+    };
+    assert!(!is_doubted(&said_of(tum(thrown, clock))));
+    let said = said_of(tum(|k| turned(thrown(k)), clock));
+    assert!(said.contains("it falls against y"), "{said}");
+    let stated = Reading {
+        axes: Some(realgap_path::trajectory::Axes::YUp),
+        ..Reading::default()
+    };
+    for place in [on_the_ground, |k: usize| on_a_circle(k)] {
+        let bytes = tum(|k| turned(place(k)), clock);
+        let read = parse_all("mine.tum", bytes, stated.clone()).unwrap();
+        let warnings = &read[0].warnings;
+        assert!(warnings.iter().all(|w| w.code != Code::UnknownAxes));
+    }
 }
 
 #[test]

@@ -6,7 +6,7 @@
 
 mod column;
 mod joint;
-mod motion;
+pub(in crate::trajectory) mod motion;
 mod question;
 mod role;
 mod unit;
@@ -429,11 +429,8 @@ pub fn odd_axes(recordings: &[Recording], body_m: f64) -> Option<String> {
                 _ => continue,
             },
         };
-        let (name, axes) = match up {
-            motion::Up::Y => ("y", Axes::YUp),
-            motion::Up::MinusZ => ("-z", Axes::ZDown),
-            motion::Up::MinusY => ("-y", Axes::Camera),
-            motion::Up::Z | motion::Up::Other => continue,
+        let Some((name, axes)) = up.setting() else {
+            continue;
         };
         return Some(format!(
             "{}: {name} seems to point up ({reason}): `axes: \"{}\"` reads it with this axis up",

@@ -2,12 +2,13 @@
 
 use nalgebra::{Rotation2, Vector2, Vector3};
 
+use super::super::axes::Axes;
 use super::super::{Recording, Trajectory};
 use realgap_core::statistics::ends_of;
 
 /// The axis of a file that points up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Up {
+pub(in crate::trajectory) enum Up {
     Z,
     Y,
     MinusZ,
@@ -26,11 +27,21 @@ impl Up {
             _ => Self::Other,
         }
     }
+
+    /// The name of the axis and the setting that reads it as up; `None` if it is read so anyway, or if no setting does.
+    pub(in crate::trajectory) fn setting(self) -> Option<(&'static str, Axes)> {
+        match self {
+            Self::Y => Some(("y", Axes::YUp)),
+            Self::MinusZ => Some(("-z", Axes::ZDown)),
+            Self::MinusY => Some(("-y", Axes::Camera)),
+            Self::Z | Self::Other => None,
+        }
+    }
 }
 
 /// Free fall in a recording.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Fall {
+pub(in crate::trajectory) struct Fall {
     /// Acceleration, m/s² if the unit of length with which the file was read is right.
     pub size_m_s2: f64,
     pub up: Up,
@@ -67,7 +78,7 @@ fn acceleration(times_s: &[f64], places: &[Vector3<f64>]) -> Option<Vector3<f64>
 
 /// Finds free fall: several consecutive windows with the same acceleration along one axis, whose size is gravity in metres, centimetres or
 /// millimetres.
-pub(super) fn free_fall(trajectory: &Trajectory) -> Option<Fall> {
+pub(in crate::trajectory) fn free_fall(trajectory: &Trajectory) -> Option<Fall> {
     let (times_s, places) = (trajectory.times_s(), trajectory.positions_world_m());
     if trajectory.is_planar() || times_s.len() < WINDOW + CONSECUTIVE {
         return None;

@@ -20,6 +20,7 @@ mod stale;
 mod standstill;
 mod switched_off;
 mod timing;
+mod upright;
 mod wrapped;
 mod zeros;
 
@@ -39,6 +40,8 @@ struct Seen<'a> {
     interval_s: f64,
     /// The order in which quaternions were read.
     read_as: QuaternionOrder,
+    /// Whether the directions of the axes are stated.
+    has_axes: bool,
 }
 
 impl Seen<'_> {
@@ -79,6 +82,7 @@ const DOUBTS: &[(Code, Doubt)] = &[
     (Code::LostPackets, lost_packets::doubt),
     (Code::SaturatedCommands, saturated::doubt),
     (Code::SwitchedOff, switched_off::doubt),
+    (Code::UnknownAxes, upright::doubt),
 ];
 
 /// The doubts about paths that also hold for bodies beside the tracked one.
@@ -104,6 +108,7 @@ pub(super) fn warnings(
         origin_s: trajectory.times_s()[0] - cropped_s,
         interval_s: usual_interval_s(trajectory),
         read_as,
+        has_axes: reading.axes.is_some(),
     };
     let found = DOUBTS
         .iter()
