@@ -195,6 +195,19 @@ fn a_robot_that_stays_level_on_y_or_falls_along_it_is_read_with_z_up_only_with_a
     // In a vertical plane above the ground, as a drone.
     let said = said_of(tum(|k| turned(on_the_ground(k)).map(|v| v + 2.0), clock));
     assert!(!is_doubted(&said), "{said}");
+    // In a vertical plane above the ground, and turned about y as a robot on the ground is.
+    let turning = |k: usize| {
+        let [x, y, z] = turned(on_the_ground(k)).map(|v| v + 2.0);
+        let half = 0.005 * k as f64;
+        format!(
+            "{} {x} {y} {z} 0 {} 0 {}\n",
+            clock(k),
+            half.sin(),
+            half.cos()
+        )
+    };
+    let text: String = (0..500).map(turning).collect();
+    assert!(is_doubted(&said_of(text.into_bytes())));
     let thrown = |k: usize| {
         let t = clock(k);
         [0.3 * t, 0.1 * t, 1.0 + 3.0 * t - 4.905 * t * t]

@@ -335,6 +335,60 @@ fn json_lines_are_a_table() {
 }
 
 #[test]
+fn one_json_object_of_lists_is_a_table_of_columns() {
+    let folder = tempfile::tempdir().unwrap();
+    let list = |of: &dyn Fn(f64) -> String| {
+        let all: Vec<String> = (0..50).map(|k| of(f64::from(k))).collect();
+        format!("[{}]", all.join(","))
+    };
+    let text = format!(
+        "{{\"robot\": \"mine\", \"gains\": [1, 2, 3], \"t_s\": {}, \"arm\": {{\"a_rad\": {}, \"b_deg\": {}}}, \"tip\": {{\"position\": {}}}}}",
+        list(&|k| format!("{}", 0.02 * k)),
+        list(&|k| format!("{}", (0.1 * k).sin())),
+        list(&|k| format!("{}", 2.0 * k)),
+        list(&|k| format!("[{k}.5, 2, 3]")),
+    );
+    let path = put(folder.path(), "run.json", &text);
+    let columns = ["x=tip.position.x in m", "y=tip.position.y in m"];
+    let columns = columns.iter().fold(
+        Default::default(),
+        |all: realgap_path::trajectory::Columns, text| all.with_text(text).unwrap(),
+    );
+    let reading = Reading {
+        columns,
+        ..Reading::default()
+    };
+    let found = read(&path, reading).unwrap();
+    assert_eq!(found.trajectory.times_s().len(), 50);
+    assert_eq!(found.trajectory.positions_world_m()[4].x, 4.5);
+    let joint = |name: &str| found.trajectory.joint(name).unwrap().angles_rad[3];
+    assert!((joint("arm.a") - 0.3_f64.sin()).abs() < 1e-12);
+    assert!((joint("arm.b") - 6.0_f64.to_radians()).abs() < 1e-12);
+    let said = said(&found);
+    assert!(
+        said.contains("the lists of 50 values in one object are columns"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_column_that_grows_as_a_time_is_named_where_none_has_the_name_of_a_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let row = |k: i32| format!("{},{},{}\n", 4000 + 20 * k, k * k, 3 * k % 7);
+    let text: String = (0..40).map(row).collect();
+    let path = put(folder.path(), "run.csv", &format!("tick,x,y\n{text}"));
+    let error = InferredReading::of_file(&path, &Reading::default()).unwrap_err();
+    let said = error.to_string();
+    assert!(
+        said.contains("`tick` grows with every row, mostly by 20"),
+        "{said}"
+    );
+    let path = put(folder.path(), "other.csv", "odd,x,y\n1,2,3\n5,2,3\n2,2,3\n");
+    let error = InferredReading::of_file(&path, &Reading::default()).unwrap_err();
+    assert!(!error.to_string().contains("grows"), "{error}");
+}
+
+#[test]
 fn kinds_of_files_that_are_not_read_are_named_with_what_to_do() {
     let folder = tempfile::tempdir().unwrap();
     for (name, words) in [

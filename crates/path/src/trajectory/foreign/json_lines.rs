@@ -1,4 +1,4 @@
-//! JSON lines: one object for each sample; also a JSON array of such objects.
+//! JSON lines: one object for each sample; also a JSON array of such objects, and one object whose lists are columns.
 
 use serde_json::{Map, Value};
 
@@ -12,7 +12,7 @@ use realgap_core::error::{Error, Result};
 /// numbers becomes `NAME.x`, `NAME.y`, `NAME.z`; other lists stay lists.
 pub const JSON_LINES: ForeignTable = ForeignTable {
     name: "json-lines",
-    doc: "JSON lines, or an array of JSON objects: one object for each sample",
+    doc: "JSON lines, or an array of JSON objects: one object for each sample; or one object of lists of equal length: one list for each column",
     extensions: &["jsonl", "ndjson", "json"],
     recognises: |_| false,
     table: |bytes, _| table(bytes),
@@ -47,7 +47,20 @@ fn table(bytes: Vec<u8>) -> Result<Decoded> {
         for (index, value) in list.into_iter().enumerate() {
             samples.push((index + 1, object(index + 1, value)?));
         }
-        inside = Some(name);
+        inside = Some(format!(
+            "samples are the objects of the list `{}`",
+            excerpt(&name)
+        ));
+    } else if let Some((count, columns)) = columns_inside(&text) {
+        for index in 0..count {
+            let sample = columns.iter().filter_map(|(name, column)| {
+                Some((name.clone(), sample_of(column, index, count)?))
+            });
+            samples.push((index + 1, sample.collect()));
+        }
+        inside = Some(format!(
+            "the lists of {count} values in one object are columns; nothing else in it is read"
+        ));
     } else {
         for (index, line) in text.lines().enumerate() {
             if line.trim().is_empty() {
@@ -80,11 +93,8 @@ fn table(bytes: Vec<u8>) -> Result<Decoded> {
                 .map(|name| own.remove(name).unwrap_or_default()),
         )?;
     }
-    if let Some(name) = inside {
-        flat.read_as(format!(
-            "samples are the objects of the list `{}`",
-            excerpt(&name)
-        ));
+    if let Some(how) = inside {
+        flat.read_as(how);
     }
     Ok(flat.decoded())
 }
@@ -105,11 +115,58 @@ fn list_inside(text: &str) -> Option<(String, Vec<Value>)> {
     }
 }
 
+/// The columns of a file that is one object of lists, and their usual length, which at least two of them have; `None` for anything else.
+fn columns_inside(text: &str) -> Option<(usize, Map<String, Value>)> {
+    let Ok(Value::Object(all)) = serde_json::from_str(text) else {
+        return None;
+    };
+    let mut lengths = std::collections::BTreeMap::new();
+    for value in all.values() {
+        count_lists(value, 0, &mut lengths);
+    }
+    let (length, lists) = lengths
+        .into_iter()
+        .max_by_key(|(length, lists)| (*lists, *length))?;
+    (length > 1 && lists > 1).then_some((length, all))
+}
+
+/// Counts the lists of each length that are values of objects.
+fn count_lists(
+    value: &Value,
+    depth: usize,
+    lengths: &mut std::collections::BTreeMap<usize, usize>,
+) {
+    match value {
+        Value::Array(list) => *lengths.entry(list.len()).or_default() += 1,
+        Value::Object(map) if depth < DEEPEST => {
+            for value in map.values() {
+                count_lists(value, depth + 1, lengths);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// The value of a column, or of an object of columns, in a sample; `None` for what has no value for each sample.
+fn sample_of(column: &Value, index: usize, count: usize) -> Option<Value> {
+    match column {
+        Value::Array(list) if list.len() == count => list.get(index).cloned(),
+        Value::Object(map) => {
+            let inside = map.iter().filter_map(|(name, column)| {
+                Some((name.clone(), sample_of(column, index, count)?))
+            });
+            let inside: Map<String, Value> = inside.collect();
+            (!inside.is_empty()).then_some(Value::Object(inside))
+        }
+        _ => None,
+    }
+}
+
 fn broken(line: usize, error: &serde_json::Error) -> Error {
     Error::invalid("this is no JSON")
         .at_line(line.max(1), error.column().max(1))
         .found(error)
-        .allowed("one JSON object on each line, or an array of objects")
+        .allowed("one JSON object on each line, an array of objects, or one object of lists")
 }
 
 fn object(line: usize, value: Value) -> Result<Map<String, Value>> {

@@ -2,7 +2,7 @@
 
 use super::super::body_column;
 use super::super::column::{Columns, Measure, Role};
-use super::super::column_name::{StatedUnit, counts_samples, unit_in_name, unit_in_row, words};
+use super::super::column_name::{StatedUnit, unit_in_name, unit_in_row, words};
 use super::super::csv::Csv;
 use super::super::format::Format as _;
 use super::super::joint_column;
@@ -10,7 +10,8 @@ use super::super::reading::{Reading, Ticks};
 use super::super::stamp;
 use super::super::table::Table;
 use super::super::text::{Separator, cells_of, excerpt};
-use super::role::{Named, is_geographic, named};
+use super::lacking;
+use super::role::{Named, named};
 use super::{Candidate, InferredReading, Question};
 use realgap_core::error::{Advice, Error, Result};
 use realgap_core::unit::{LengthUnit, counted};
@@ -76,12 +77,7 @@ pub(super) fn infer_columns(text: &str, guess: &mut InferredReading) -> Result<(
     }
     let names = Csv.columns(text, &guess.reading);
     let found: Vec<Named<'_>> = names.iter().filter_map(|name| named(name)).collect();
-    let lacks = |what: &str| {
-        let shown: Vec<String> = names.iter().map(|n| excerpt(n)).collect();
-        Error::invalid(format!("no column has a name for {what}"))
-            .at_line(1 + guess.reading.skip_lines.unwrap_or(0), 1)
-            .found(shown.join(", "))
-    };
+    let lacks = |what: &str| lacking::column(&names, &guess.reading, what);
     let is_mapped = |role: Role| guess.reading.columns.get(role).is_some();
     let has = |role: Role| found.iter().any(|column| column.role == role) || is_mapped(role);
     let is_number = |name: &str| Separator::of_header(name).number(name).is_some();
@@ -97,17 +93,7 @@ pub(super) fn infer_columns(text: &str, guess: &mut InferredReading) -> Result<(
             .advise(Advice::SkipLines));
     }
     if !has(Role::Time) && guess.reading.rate_hz.is_none() {
-        let error = lacks("a time (t, time, stamp)");
-        return Err(match names.iter().find(|name| counts_samples(name)) {
-            Some(counter) => error
-                .hint(format!("`{}` counts samples", excerpt(counter)))
-                .advise(Advice::Rate)
-                .advise(Advice::MapColumns),
-            None => error
-                .hint("a path without times cannot be simulated: record times, or add a column t_s")
-                .advise(Advice::MapColumns)
-                .advise(Advice::Rate),
-        });
+        return Err(lacking::time(text, &names, &guess.reading));
     }
     let own_place = is_mapped(Role::X) && is_mapped(Role::Y);
     let sets = if own_place {
@@ -116,31 +102,7 @@ pub(super) fn infer_columns(text: &str, guess: &mut InferredReading) -> Result<(
         complete_sets(&found)
     };
     if sets.is_empty() && !own_place && !has_joints(&names, guess.reading.ticks) {
-        if is_geographic(&names) {
-            return Err(lacks("both x and y")
-                .hint("latitude and longitude are angles on the globe, not lengths: convert them to metres east and north of a point, e.g. with pymap3d or in UTM, and name these columns x_m and y_m"));
-        }
-        let lists: Vec<String> = (names.iter())
-            .filter(|name| {
-                let mut column = cells(text, &guess.reading, name);
-                column.next().is_some_and(|cell| cell.starts_with('['))
-            })
-            .map(|name| format!("`{}`", excerpt(name)))
-            .collect();
-        if !lists.is_empty() {
-            return Err(lacks("both x and y").hint(format!(
-                "{} hold lists of numbers: name each number with its unit, e.g. `lists: {{\"action\": [\"JOINT_command_deg\", ...]}}` in `reading`",
-                lists.join(", ")
-            )));
-        }
-        return Err(match names.iter().any(|name| is_of_joint(name)) {
-            true => lacks("both x and y")
-                .hint("columns of joints are found with the robot, whose file names its joints; without it, call the angles of joints and their commands NAME_rad or NAME_deg, NAME_command_rad")
-                .advise(Advice::NameRobot),
-            false => lacks("both x and y")
-                .hint("the angles of joints, and their commands, are columns NAME_rad or NAME_deg")
-                .advise(Advice::MapColumns),
-        });
+        return Err(lacking::place(text, &names, &guess.reading));
     }
     let plain = sets.iter().position(String::is_empty);
     if let (None, [_, _, ..]) = (plain, sets.as_slice()) {
@@ -187,20 +149,6 @@ pub(super) fn infer_columns(text: &str, guess: &mut InferredReading) -> Result<(
     guess.reading.columns = columns;
     guess.conclude(mapped.join(", "), reason);
     heading_in_degrees(text, guess)
-}
-
-/// Words in the names of columns that hold angles of joints, in files without places.
-const OF_JOINTS: [&str; 8] = [
-    "q", "qpos", "pos", "position", "angle", "joint", "present", "setpoint",
-];
-
-/// True if a column seems to hold the angle of a joint, which only the names of the robot's joints can show.
-fn is_of_joint(name: &str) -> bool {
-    let words = words(name);
-    words.iter().any(|word| {
-        let word = word.trim_end_matches(|c: char| c.is_ascii_digit());
-        OF_JOINTS.contains(&word)
-    })
 }
 
 fn has_joints(names: &[&str], ticks: Option<Ticks>) -> bool {
@@ -422,14 +370,18 @@ fn heading_in_degrees(text: &str, guess: &mut InferredReading) -> Result<()> {
 }
 
 /// The numbers in a column.
-fn values(text: &str, reading: &Reading, name: &str) -> Vec<f64> {
+pub(super) fn values(text: &str, reading: &Reading, name: &str) -> Vec<f64> {
     cells(text, reading, name)
         .filter_map(|cell| cell.replace(',', ".").parse().ok())
         .collect()
 }
 
 /// The texts in a column below its name.
-fn cells<'a>(text: &'a str, reading: &Reading, name: &str) -> impl Iterator<Item = &'a str> {
+pub(super) fn cells<'a>(
+    text: &'a str,
+    reading: &Reading,
+    name: &str,
+) -> impl Iterator<Item = &'a str> {
     let names = Csv.columns(text, reading);
     let at = names.iter().position(|known| *known == name);
     let skipped = reading.skip_lines.unwrap_or(0);

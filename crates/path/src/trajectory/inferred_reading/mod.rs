@@ -6,6 +6,7 @@
 
 mod column;
 mod joint;
+mod lacking;
 pub(in crate::trajectory) mod motion;
 mod question;
 mod role;
