@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use realgap_core::Code;
 use realgap_core::file::Source;
 use realgap_lab::calibration::{Overrides, Split, Study, TuneOptions};
 use realgap_optimization::{RunOptions, optimizer_by_name};
@@ -239,7 +240,20 @@ fn joints_and_columns_that_do_not_match_are_refused_and_the_error_lists_both() {
         error.contains("joints without a column: elbow; columns without a joint: jaw"),
         "{error}"
     );
-    read(r#"commands: Commands(), left_out: ["elbow", "jaw"]"#).unwrap();
+    let vain = |study: Study| {
+        let mut all = study.warnings().iter();
+        all.find(|w| w.code == Code::NoEffect)
+            .map(|w| w.message.clone())
+    };
+    let all_used = read(r#"commands: Commands(), left_out: ["elbow", "jaw"]"#).unwrap();
+    assert_eq!(vain(all_used), None);
+    // A misspelt name, and a joint that has its column.
+    let odd = read(r#"commands: Commands(), left_out: ["elbow", "j*", "jow", "pitch"]"#).unwrap();
+    let said = vain(odd).unwrap();
+    assert!(
+        said.starts_with("`left_out` names \"jow\", \"pitch\""),
+        "{said}"
+    );
     read(r#"commands: Commands(), reading: (names: {"jaw_rad": "elbow_rad"})"#).unwrap();
     let error = read(r#"reading: (names: {"jaw_rad": "elbow_rad"})"#).unwrap_err();
     assert!(error.contains("add `commands: Commands()`"), "{error}");

@@ -8,7 +8,8 @@ use realgap_core::{Code, Error, Result, Warning};
 use realgap_path::trajectory::{
     MeasuredQuantity, Recording, Trajectory, UNITLESS_COMMANDS, may_be_attitude,
 };
-use realgap_robot::morphology::Hinge;
+
+use realgap_robot::morphology::{Hinge, Morphology};
 use realgap_simulation::{Experiment, JointState};
 
 /// Starts the robot's joints at the recorded angles, has the run record the joints, and gives the servos the recorded commands,
@@ -84,6 +85,34 @@ impl<'a> Unmatched<'a> {
             columns: columns.filter(|name| !is_taken(name)).collect(),
         }
     }
+}
+
+/// A warning about the forms of names in `left_out` that leave nothing out: they are no column without a joint and no joint without a
+/// column in any recording, misspelt for example.
+pub(in crate::calibration) fn left_out_in_vain(
+    robot: &Morphology,
+    recordings: &[Recording],
+    commands: Option<&Commands>,
+    left_out: &[String],
+) -> Option<Warning> {
+    let mut vain: Vec<&str> = left_out.iter().map(String::as_str).collect();
+    if vain.is_empty() {
+        return None;
+    }
+    let hinges = robot.assemble().hinges;
+    for recording in recordings {
+        let Unmatched { joints, columns } = Unmatched::of(&hinges, &recording.trajectory, commands);
+        vain.retain(|form| {
+            let mut names = joints.iter().chain(&columns);
+            !names.any(|name| name_matches(form, name))
+        });
+    }
+    (!vain.is_empty()).then(|| {
+        Code::NoEffect.warning(format!(
+            "`left_out` names {}, but no recording has such a column without a joint, and no joint of this name is without a column",
+            vain.iter().map(|form| format!("\"{form}\"")).collect::<Vec<_>>().join(", ")
+        ))
+    })
 }
 
 /// Checks that every joint has its column and every column its joint.

@@ -308,6 +308,11 @@ impl Definition {
         };
         let mut warnings = recording::warnings_for(robot, &found.recordings, definition.base);
         warnings.extend(moving.into_iter().chain(left_out));
+        warnings.extend(robot.and_then(|robot| {
+            let commands = definition.commands.as_ref();
+            let names = &definition.left_out;
+            recording::joints::left_out_in_vain(robot, &found.recordings, commands, names)
+        }));
         let seen_by_fit = seen_by_fit(&found.recordings, &overrides.fitted_on);
         warnings.extend(in_sample(&found.recordings, seen_by_fit));
         let whole = Self {
