@@ -135,6 +135,12 @@ impl Ensemble {
                 page_said
             )
         })?;
+        if !report.complete && report.repeats() == total {
+            return Err(Error::interrupted(
+                "interrupted before other models and engines had answered; all repeats are in the results",
+            )
+            .at_file(folder.path()));
+        }
         if !report.complete {
             return Err(Error::interrupted(format!(
                 "interrupted after {} of {total} repeats; the results so far are marked as incomplete",

@@ -284,7 +284,13 @@ impl ModelErrorOption {
     fn third_opinion(&self) -> ThirdOpinion {
         let python = self.python.clone();
         let python = python.or_else(|| std::env::var("REALGAP_PYTHON").ok());
-        let mujoco = Mujoco::new(python.unwrap_or_else(|| "python3".to_owned()));
+        let python = python.unwrap_or_else(|| "python3".to_owned());
+        // It is started elsewhere than here; a name alone is found along the search path.
+        let python = match python.contains('/') {
+            true => std::path::absolute(&python).map_or(python, |path| path.display().to_string()),
+            false => python,
+        };
+        let mujoco = Mujoco::new(python);
         match self.other_engine.unwrap_or_default() {
             OtherEngine::Auto => ThirdOpinion::Mujoco(mujoco),
             OtherEngine::Mujoco => ThirdOpinion::OnlyMujoco(mujoco),

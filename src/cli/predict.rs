@@ -174,7 +174,7 @@ impl Predict {
             values,
             uncertain,
             noise,
-            warnings,
+            mut warnings,
         } = match is_of_own_simulator(&self.morphology) {
             true => self.simulator()?,
             false => self.robot()?,
@@ -206,7 +206,12 @@ impl Predict {
                 ModelError::new(&experiment, &repeats, forecast, &options, run)
             })
         });
+        let is_asked = model.is_some();
         let model = model.transpose()?.flatten();
+        let is_cut_short = is_asked && model.is_none() && repeats.is_complete() && run.is_stopped();
+        if is_cut_short {
+            warnings.push(ModelError::unasked());
+        }
         let card = card
             .with_model(&repeats, model)
             .with_parameters(&values)
@@ -244,6 +249,11 @@ impl Predict {
                 repeats.repeats.len(),
                 repeats.asked
             )));
+        }
+        if is_cut_short {
+            return Err(Error::interrupted(
+                "interrupted before other models and engines had answered; all repeats are in the card",
+            ));
         }
         if card.prediction.displacement_m.is_none() {
             return Err(Error::invalid("every repeat diverged")

@@ -135,6 +135,73 @@ fn repeats_that_are_finished_at_ctrl_c_are_kept() {
 }
 
 #[test]
+fn ctrl_c_while_another_engine_is_asked_keeps_the_repeats_and_says_what_is_missing() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let folder = tempfile::tempdir().unwrap();
+    // In place of a Python with MuJoCo: it notes that it was asked, and ends without an answer.
+    let (python, asked) = (folder.path().join("python"), folder.path().join("asked"));
+    let script = format!("#!/bin/sh\ntouch {}\nsleep 3\n", asked.display());
+    std::fs::write(&python, script).unwrap();
+    std::fs::set_permissions(&python, std::fs::Permissions::from_mode(0o755)).unwrap();
+    let root = common::project().display();
+    let study = common::study(
+        folder.path(),
+        &format!(
+            "morphology: \"{root}/morphologies/tripod.ron\",
+    recordings: [\"{root}/real_trajectories/tripod_standin/*.csv\"],
+    start: Settled, duration_s: 0.25,
+    parameters: [(name: \"floor.friction\", from: 0.1, to: 0.9, points: 2)],"
+        ),
+    );
+    let study = study.display().to_string();
+    let noise = folder.path().join("noise.ron");
+    std::fs::write(&noise, "(start_heading_rad: Normal(0.02))").unwrap();
+    let noise = noise.display().to_string();
+    for (command, subject) in [
+        (
+            "predict",
+            vec!["morphologies/two_module.ron", "--duration", "0.25"],
+        ),
+        ("ensemble", vec![study.as_str()]),
+    ] {
+        let out = folder.path().join(command);
+        let python = python.display().to_string();
+        let out_text = out.display().to_string();
+        let usual = ["--repeats", "4", "--noise", &noise, "--jobs", "1"];
+        let engine = ["--other-engine", "mujoco", "--python", &python];
+        let words = [
+            &[command],
+            &subject[..],
+            &usual,
+            &engine,
+            &["-o", &out_text],
+        ]
+        .concat();
+        let process = start(&words);
+        let started = Instant::now();
+        while !asked.exists() {
+            assert!(started.elapsed() < Duration::from_secs(60), "{command}");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        std::fs::remove_file(&asked).unwrap();
+        signal(&process, "-INT");
+        let ended = process.wait_with_output().unwrap();
+        let error = text(&ended.stderr);
+        assert_eq!(ended.status.code(), Some(130), "{command}: {error}");
+        assert!(
+            error.contains("before other models and engines had answered"),
+            "{error}"
+        );
+        let report = match command {
+            "predict" => "prediction.json",
+            _ => "ensemble.json",
+        };
+        let said = read(&out, report);
+        assert!(said.contains("\"incomplete\""), "{command}: {said}");
+    }
+}
+
+#[test]
 fn a_folder_that_is_removed_during_a_run_ends_it() {
     let folder = tempfile::tempdir().unwrap();
     let study = quick_study(folder.path(), 100).display().to_string();

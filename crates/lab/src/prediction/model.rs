@@ -16,6 +16,7 @@ use super::{OpinionSource, OtherEngine, OwnEngines, Teller, ThirdOpinion};
 use realgap_core::Result;
 use realgap_core::statistics::{mean, mean_of, quantile, standard_deviation};
 use realgap_core::unit::{Unit, percent_change_range, percent_range, quantity};
+use realgap_core::warning::{Code, Warning};
 use realgap_optimization::RunOptions;
 use realgap_path::trajectory::{Prepared, prepare};
 use realgap_simulation::parameter::ParameterSet;
@@ -240,6 +241,13 @@ impl ModelError {
             repeats,
             other_engine,
         )))
+    }
+
+    /// The warning of an answer that was stopped before other models and engines had been asked.
+    pub fn unasked() -> Warning {
+        Code::Incomplete.warning(
+            "stopped before other models and engines had answered: the ranges are those of this model alone",
+        )
     }
 
     fn of(

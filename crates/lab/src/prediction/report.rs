@@ -217,6 +217,10 @@ impl EnsembleReport {
             (&mut report.cases[..], &study.cases[..], &options.model)
         {
             only.add_model(case, model, run)?;
+            if only.model.is_none() && run.is_stopped() {
+                report.complete = false;
+                report.warnings.push(ModelError::unasked());
+            }
         }
         Ok(report)
     }
