@@ -41,6 +41,9 @@ pub(super) struct LinearisedProblem {
     normal: (DMatrix<f64>, DVector<f64>),
 }
 
+/// Share of the largest curvature that damping adds to the curvature of every coordinate.
+const LEAST_CURVATURE: f64 = 1e-3;
+
 /// Number of consecutive errors that contain as much information as one independent error: 1 + 2 times the sum of the
 /// autocorrelations up to the first one that is not significantly positive (Geyer 1992).
 fn correlation(errors: &DVector<f64>) -> f64 {
@@ -171,11 +174,17 @@ impl LinearisedProblem {
 
     /// The end point of a damped step. A coordinate that the step would move beyond a bound is set to that bound, and the step of
     /// the others is computed again.
+    ///
+    /// Marquardt's damping is in proportion to each coordinate's own curvature, so that alone it lets a coordinate that hardly acts
+    /// here go to its bound, where it may act: a joint that dry friction holds would break loose in every step. The part of it that
+    /// is the same for all coordinates (Levenberg's) keeps such a coordinate where it is until the others have found their place.
     pub fn step(&self, point: &UnitPoint, damping: f64) -> UnitPoint {
         let (mut curvature, slope) = self.normal.clone();
-        let held = curvature.diagonal().iter().map(|d| *d <= 0.0).collect();
+        let own = curvature.diagonal();
+        let held = own.iter().map(|d| *d <= 0.0).collect();
+        let least = LEAST_CURVATURE * own.max();
         for axis in 0..point.len() {
-            curvature[(axis, axis)] *= 1.0 + damping;
+            curvature[(axis, axis)] += damping * (own[axis] + least);
         }
         minimum_within(&curvature, &slope, point, held)
     }
