@@ -390,4 +390,67 @@ mod tests {
             assert_ne!(evaluated[at].point, evaluated[moved].point, "{budget}");
         }
     }
+
+    /// Two channels: one that four coordinates move, and a joint that friction holds, whose small error its coordinate hardly changes
+    /// unless it is so large that the joint breaks loose.
+    fn with_a_held_joint(point: &[f64]) -> Vec<f64> {
+        let truth = [0.3, 0.55, 0.7, 0.4];
+        let moving = (0..80).map(|sample| {
+            let t = 0.1 * f64::from(sample);
+            let shapes = [1.0, t.sin(), (2.3 * t).cos(), (0.7 * t).sin()];
+            let off = (0..4).map(|axis| (point[axis] - truth[axis]) * shapes[axis]);
+            0.1 * off.sum::<f64>()
+        });
+        let held = match (point[4] - 0.5).abs() < 0.3 {
+            true => 0.002 + 1e-5 * (point[4] - 0.5),
+            false => 0.05,
+        };
+        moving.chain(std::iter::repeat_n(held, 80)).collect()
+    }
+
+    #[test]
+    fn a_joint_that_friction_holds_does_not_stop_the_descent_of_the_others() {
+        let block = |channel: usize| ErrorBlock {
+            channel,
+            log: 0,
+            count: 80,
+            resolution: 0.0015,
+        };
+        let problem = OptimizationProblem {
+            points: vec![2; 5],
+            budget: 40,
+            seed: 1,
+            priors: Vec::new(),
+            error_blocks: vec![block(0), block(1)],
+            own: Some(vec![0.5; 5]),
+        };
+        let mut evaluated: Vec<EvaluatedPoint> = Vec::new();
+        while evaluated.len() < problem.budget {
+            let history = History {
+                design: &[],
+                evaluated: &evaluated,
+            };
+            let Proposal::Evaluate(points) = GaussNewton.propose(&problem, &history).unwrap()
+            else {
+                panic!("nothing more to try");
+            };
+            evaluated.extend(points.into_iter().map(|point| {
+                let errors = with_a_held_joint(&point);
+                EvaluatedPoint {
+                    score: Some(errors.iter().map(|error| error.abs()).sum()),
+                    errors,
+                    point,
+                }
+            }));
+        }
+        let history = History {
+            design: &[],
+            evaluated: &evaluated,
+        };
+        let known = GaussNewton.linearisations(&problem, &history);
+        for (axis, truth) in [0.3, 0.55, 0.7, 0.4].into_iter().enumerate() {
+            let found = known[0].at[axis];
+            assert!((found - truth).abs() < 0.005, "{axis}: {found}");
+        }
+    }
 }

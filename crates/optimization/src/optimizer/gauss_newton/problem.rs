@@ -41,8 +41,8 @@ pub(super) struct LinearisedProblem {
     normal: (DMatrix<f64>, DVector<f64>),
 }
 
-/// Share of the largest curvature that damping adds to the curvature of every coordinate.
-const LEAST_CURVATURE: f64 = 1e-3;
+/// Standard deviation of the weak prior that a step has around the point where it begins, as a share of each range.
+const STEP_DEVIATION: f64 = 0.5;
 
 /// Number of consecutive errors that contain as much information as one independent error: 1 + 2 times the sum of the
 /// autocorrelations up to the first one that is not significantly positive (Geyer 1992).
@@ -176,15 +176,15 @@ impl LinearisedProblem {
     /// the others is computed again.
     ///
     /// Marquardt's damping is in proportion to each coordinate's own curvature, so that alone it lets a coordinate that hardly acts
-    /// here go to its bound, where it may act: a joint that dry friction holds would break loose in every step. The part of it that
-    /// is the same for all coordinates (Levenberg's) keeps such a coordinate where it is until the others have found their place.
+    /// here go to its bound, where it may act: a joint that dry friction holds would break loose in every step. So the point itself
+    /// counts as a weak prior of the step: a coordinate moves far only if the errors tell more of it than such a prior does.
     pub fn step(&self, point: &UnitPoint, damping: f64) -> UnitPoint {
         let (mut curvature, slope) = self.normal.clone();
         let own = curvature.diagonal();
         let held = own.iter().map(|d| *d <= 0.0).collect();
-        let least = LEAST_CURVATURE * own.max();
+        let stays = self.prior_share / STEP_DEVIATION.powi(2);
         for axis in 0..point.len() {
-            curvature[(axis, axis)] += damping * (own[axis] + least);
+            curvature[(axis, axis)] += stays + damping * (own[axis] + stays);
         }
         minimum_within(&curvature, &slope, point, held)
     }
