@@ -7,19 +7,20 @@ use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 use realgap_tree::parry::math::{Pose, Vec3};
 use realgap_tree::parry::shape::SharedShape;
 use realgap_tree::{
-    Attachment, Collider, Cone, Fixture, Joint, JointType, Link, Model, Partner, Settings,
-    TurningFriction,
+    Attachment, Collider, Cone, Fixture, Joint, JointType, Link, Model, Partner, Settings, Spot,
+    SpotMap, TurningFriction,
 };
 
 use super::engine::{Engine, EngineChoice, Load, Setup, World};
 use super::experiment::{Experiment, FrictionModel, JointFormulation};
+use super::ground::GroundMap;
 use super::kinematics::{compensated, joint_turns, robot_from_part_at_zero};
 use super::motor::Effort;
 use super::mount::held;
 use super::part_state::PartState;
 use super::rapier::{
-    LEAST_SHARE, PartMotion, Surface, from_pose, from_vector, to_matrix, to_pose, to_vector,
-    total_kg, weighable,
+    LEAST_SHARE, PartMotion, Surface, field_shape, from_pose, from_vector, to_matrix, to_pose,
+    to_vector, total_kg, weighable,
 };
 use super::scene::SceneMotion;
 use super::servo::Command;
@@ -88,6 +89,10 @@ struct TreeWorld {
     loads: Option<Vec<Load>>,
     /// Impulse of each hinge's motor during the previous step, N m s, if instruments are read.
     motor_impulses: Option<Vec<f64>>,
+    /// The ground, and the fixtures that it consists of, where regions have friction of their own.
+    ground: Option<(GroundMap, usize)>,
+    /// Whether a contact ever touched each region of the ground.
+    touched: Vec<bool>,
 }
 
 impl TreeWorld {
@@ -104,7 +109,7 @@ impl TreeWorld {
         let contact = &experiment.contact;
         let mut model = Model {
             gravity_world_m_s2: Vec3::new(0.0, 0.0, -experiment.gravity_m_s2),
-            fixtures: vec![floor(experiment)],
+            fixtures: floor(experiment),
             links: Vec::new(),
             collision_exclude: assembly
                 .collision_exclude
@@ -152,6 +157,7 @@ impl TreeWorld {
                 colliders: colliders(experiment, assembly, index, part),
             });
         }
+        let floors = model.fixtures.len();
         let scene = add_scene(&mut model, experiment);
         let mut world = realgap_tree::World::new(&model).map_err(|error| {
             Error::invalid(error.to_string())
@@ -190,7 +196,28 @@ impl TreeWorld {
             loads: experiment.energy_from_s.map(|_| Vec::new()),
             motor_impulses: (!experiment.instruments.is_empty())
                 .then(|| vec![0.0; assembly.hinges.len()]),
+            ground: GroundMap::of(experiment).map(|map| (map, floors)),
+            touched: vec![false; experiment.ground.regions.len()],
         })
+    }
+
+    /// Marks the regions that the contacts of the last solve touched.
+    fn mark_regions(&mut self) {
+        let Some((map, floors)) = &self.ground else {
+            return;
+        };
+        if self.touched.iter().all(|touched| *touched) {
+            return;
+        }
+        for contact in self.world.contacts() {
+            let is_floor = matches!(contact.partner, Partner::Fixture(index) if index < *floors);
+            if is_floor && contact.impulse_world_n_s.dot(contact.normal_world) > 0.0 {
+                let place = map.region_at(&from_vector(contact.point_world_m));
+                if let Some(touched) = place.and_then(|index| self.touched.get_mut(index)) {
+                    *touched = true;
+                }
+            }
+        }
     }
 
     /// Adds the contact impulses of the last solve.
@@ -237,6 +264,7 @@ impl World for TreeWorld {
         for _ in 0..self.solves {
             self.world.step();
             self.collect_loads();
+            self.mark_regions();
             for (impulse, hinge) in self.motor_impulses.iter_mut().flatten().zip(&self.hinges) {
                 *impulse += self.world.joint_impulse(hinge.child_part).motor;
             }
@@ -354,6 +382,10 @@ impl World for TreeWorld {
             .collect()
     }
 
+    fn touched_regions(&self) -> &[bool] {
+        &self.touched
+    }
+
     fn lead_base(&mut self, next: &Isometry3<f64>) {
         let here = from_pose(&self.world.link(0).world_from_link);
         let (linear, angular) = velocity_between(&here, next, self.timestep_s);
@@ -404,19 +436,48 @@ fn turning_of_floor(experiment: &Experiment) -> TurningFriction {
     }
 }
 
-fn floor(experiment: &Experiment) -> Fixture {
+/// The flat floor, and the height field that takes its place where there is one.
+fn floor(experiment: &Experiment) -> Vec<Fixture> {
     let floor = &experiment.floor;
-    let mut collider = Collider::new(
+    let surface = |shape: SharedShape, pose: Pose| {
+        let mut collider = Collider::new(shape, 1.0);
+        collider.restitution = 1.0;
+        collider.turning = turning_of_floor(experiment);
+        collider.mark = u64::MAX;
+        Fixture::at_rest(collider, pose)
+    };
+    let mut plane = surface(
         SharedShape::halfspace(to_vector(&floor.normal_world())),
-        1.0,
-    );
-    collider.restitution = 1.0;
-    collider.turning = turning_of_floor(experiment);
-    collider.mark = u64::MAX;
-    Fixture::at_rest(
-        collider,
         Pose::from_translation(Vec3::new(0.0, 0.0, floor.height_m)),
-    )
+    );
+    plane.spots = spots(experiment, true);
+    let mut floors = vec![plane];
+    if let Some(field) = &experiment.ground.heights {
+        let (shape, field_from_shape) = field_shape(field, experiment.heights_scale);
+        let pose = experiment.world_from_heights(field) * field_from_shape;
+        let mut rough = surface(shape, to_pose(&pose));
+        rough.spots = spots(experiment, false);
+        floors.push(rough);
+    }
+    floors
+}
+
+/// Friction and restitution from place to place; the flat floor is left out where there is a height field.
+fn spots(experiment: &Experiment, is_flat: bool) -> Option<SpotMap> {
+    let map = GroundMap::of(experiment)?;
+    let own = experiment.ground.regions.iter().map(|region| Spot::Own {
+        friction: region.friction,
+        restitution: region.restitution,
+    });
+    let own: Vec<Spot> = own.collect();
+    Some(std::sync::Arc::new(move |point_world_m| {
+        let point_world_m = from_vector(point_world_m);
+        if is_flat && map.is_hole(&point_world_m) {
+            return Spot::Hole;
+        }
+        let region = map.region_at(&point_world_m);
+        region.map_or(Spot::Plain, |region| own[region])
+    }))
 }
 
 fn joint(assembly: &Assembly, hinge: usize, start: f64) -> Joint {
@@ -475,6 +536,7 @@ fn colliders(
         Some(Collider {
             owner_from_shape: to_pose(&pose),
             restitution: experiment.floor.restitution,
+            spot_factor: factor,
             mark: solid.module as u64,
             turning: TurningFriction {
                 rolling_m: solid.turning.rolling_m,
@@ -494,7 +556,8 @@ fn colliders(
 fn add_scene(model: &mut Model, experiment: &Experiment) -> Vec<SceneHandle> {
     let adjusted = &experiment.adjustment;
     let mut places = Vec::new();
-    for body in &experiment.scene {
+    let steps = experiment.steps();
+    for body in experiment.scene.iter().chain(&steps) {
         let is_driven = matches!(body.motion, SceneMotion::Driven { .. });
         let (shift_m, friction) = if is_driven {
             let friction = adjusted.pusher_friction.unwrap_or(body.friction);

@@ -5,7 +5,7 @@ use parry3d_f64::math::{Pose, Rot3, Vec3};
 
 use crate::forest::{Forest, Freedom, NONE};
 use crate::kinematics::Node;
-use crate::model::{Collider, Fixture, Model};
+use crate::model::{Collider, Fixture, Model, Spot};
 use crate::touch::{Form, Kept, Memory, Pair, Plane, Touch};
 
 /// A shape of a body.
@@ -264,6 +264,36 @@ impl Collision {
             let rim_m = touch.point_world_m - world_from_shape.translation;
             touch.tyre = shape.collider.tyre.map(|tyre| (tyre, rim_m));
         }
+        let Some(spots) = placed.fixture.spots.clone() else {
+            return;
+        };
+        let (factor, is_stated) = (
+            shape.collider.spot_factor,
+            shape.collider.pair_friction.is_some(),
+        );
+        let mut kept = first;
+        for index in first..touches.len() {
+            let mut touch = touches[index];
+            match spots(touch.point_world_m) {
+                Spot::Plain => {}
+                Spot::Own {
+                    friction,
+                    restitution,
+                } => {
+                    if !is_stated {
+                        touch.friction = factor * friction;
+                    }
+                    touch.restitution = restitution.unwrap_or(touch.restitution);
+                }
+                Spot::Hole => {
+                    self.remember(touch.memory, Kept::default());
+                    continue;
+                }
+            }
+            touches[kept] = touch;
+            kept += 1;
+        }
+        touches.truncate(kept);
     }
 
     fn touch_body(&mut self, index: usize, nodes: &[Node], reach: f64, touches: &mut Vec<Touch>) {
