@@ -2,17 +2,19 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
 use std::f64::consts::PI;
+use std::process::Command;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use realgap_core::file::Source;
 use realgap_core::warning::Code;
 use realgap_path::trajectory::{State, Trajectory};
 use realgap_robot::morphology::Morphology;
+use realgap_simulation::export::{Robot, format_named};
 use realgap_simulation::parameter::ParameterSet;
 use realgap_simulation::{EngineChoice, Experiment, RAPIER, Start, TREE, read_arena, run};
 
 use crate::change::Change as _;
-use crate::common;
+use crate::common::{self, python_with};
 
 const G: f64 = 9.81;
 
@@ -486,4 +488,69 @@ fn a_start_pose_turns_and_moves_the_ground() {
     let step = &ground.steps[0];
     assert!((step.centre_m[0] - 1.0).abs() < 1e-12 && step.centre_m[1].abs() < 1e-12);
     assert!((step.turn_deg + 90.0).abs() < 1e-12);
+}
+
+/// Puts a ball above places of an exported ground in MuJoCo, and prints how high the surface below is.
+const HEIGHTS_IN_MUJOCO: &str = "
+import sys, mujoco, numpy as np
+model = mujoco.MjModel.from_xml_string(sys.stdin.read())
+data = mujoco.MjData(model)
+mujoco.mj_forward(model, data)
+for place in sys.argv[1:]:
+    x, y = map(float, place.split(','))
+    geom = np.zeros(1, dtype=np.int32)
+    down = mujoco.mj_ray(model, data, np.array([x, y, 5.0]), np.array([0.0, 0, -1]), None, 1, model.body('one').id, geom)
+    print(5.0 - down)
+";
+
+#[test]
+fn an_exported_ground_has_the_same_heights_in_mujoco_and_says_what_it_loses() {
+    let folder = tempfile::tempdir().unwrap();
+    let heights = field(folder.path(), 11, 2.0, |x, y| 0.1 + 0.03 * x + 0.02 * y);
+    let steps = "steps: [(name: \"kerb\", centre_m: (3.0, 0.5), half_m: (0.5, 0.2), turn_deg: 30, height_m: 0.04, friction: 0.7)]";
+    let ground = format!("{steps}, {heights}, {}", regions(0.2, 0.6));
+    let experiment = on_file(ball(0.0, 0.5), &ground, folder.path());
+    let experiment = experiment.set("floor.heights_scale", 2.0);
+    let robot = Robot::named("one", &experiment);
+    let mjcf = format_named("mjcf").unwrap().render(&robot);
+    let said: Vec<&str> = mjcf.warnings.iter().map(|w| w.message.as_str()).collect();
+    assert!(
+        said.iter()
+            .any(|m| m.contains("regions of the floor (smooth, rough)")),
+        "{said:?}"
+    );
+    let urdf = format_named("urdf").unwrap().render(&robot);
+    let mut said = urdf.warnings.iter();
+    assert!(said.any(|w| w.message.contains("steps and height field")));
+    let Some(python) = python_with("mujoco") else {
+        return;
+    };
+    let places = [
+        ([0.31, 0.22], 0.2 + 2.0 * (0.03 * 0.31 + 0.02 * 0.22)),
+        ([-0.7, 0.85], 0.2 + 2.0 * (-0.03 * 0.7 + 0.02 * 0.85)),
+        ([3.0, 0.5], 0.04),
+        // Beside the turned step and the field.
+        ([2.6, 0.65], 0.0),
+        ([-1.5, 0.0], 0.0),
+    ];
+    let words = places.map(|([x, y], _)| format!("{x},{y}"));
+    let mut child = Command::new(python)
+        .args(["-c", HEIGHTS_IN_MUJOCO])
+        .args(words)
+        .stdin(std::process::Stdio::piped())
+        .stdout(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut pipe = child.stdin.take().unwrap();
+    std::io::Write::write_all(&mut pipe, mjcf.text.as_bytes()).unwrap();
+    drop(pipe);
+    let said = String::from_utf8(child.wait_with_output().unwrap().stdout).unwrap();
+    let found: Vec<f64> = said.lines().map(|line| line.parse().unwrap()).collect();
+    assert_eq!(found.len(), places.len());
+    for ((place, height), found) in places.into_iter().zip(found) {
+        assert!(
+            (found - height).abs() < 1e-5,
+            "{place:?}: {found} for {height}"
+        );
+    }
 }
