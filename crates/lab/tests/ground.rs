@@ -56,7 +56,7 @@ fn recorded(folder: &Path, speeds_m_s: &[f64]) -> PathBuf {
     std::fs::write(folder.join("two.ron"), arena(0.3, 0.3)).unwrap();
     let path = folder.join("study.ron");
     let text = "Study(morphology: \"puck.ron\", recordings: [\"run_*.csv\"], start: FromRecording, arena: \"two.ron\",
-        metric: \"rms\", align: World, score: Single, set: {\"floor.restitution\": 0},
+        metric: \"pose\", align: World, score: Single, set: {\"floor.restitution\": 0},
         parameters: [(name: \"floor.smooth.friction\", from: 0.05, to: 0.8), (name: \"floor.rough.friction\", from: 0.05, to: 0.8)])";
     std::fs::write(&path, text).unwrap();
     path

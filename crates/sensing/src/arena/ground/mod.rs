@@ -181,14 +181,14 @@ impl Region {
         }
         let edges: Vec<_> = self.edges().collect();
         let last = edges.len() - 1;
+        if let Some([corner, _]) = edges.iter().find(|[a, b]| a == b) {
+            return refuse(
+                "a side of an outline has no length",
+                format!("{corner:?} m twice in a row"),
+                "different corners; the first is not repeated at the end",
+            );
+        }
         for (k, edge) in edges.iter().enumerate() {
-            if edge[0] == edge[1] {
-                return refuse(
-                    "a side of an outline has no length",
-                    format!("{:?} m twice in a row", edge[0]),
-                    "different corners; the first is not repeated at the end",
-                );
-            }
             // Neighbours share a corner.
             let others = edges.iter().enumerate().skip(k + 2);
             for (_, other) in others.filter(|(m, _)| (k, *m) != (0, last)) {
