@@ -74,7 +74,7 @@ def predicted(a, robot, plan, who):
 def main():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--realgap", type=pathlib.Path, required=True)
-    p.add_argument("--robots", type=pathlib.Path, nargs="+", default=[ROOT / "morphologies/tripod.ron", ROOT / "morphologies/spider8.ron"])
+    p.add_argument("--robots", type=pathlib.Path, nargs="+", default=[ROOT / "morphologies/tripod.ron", ROOT / "morphologies/chain3.ron"])
     p.add_argument("--heights", type=float, nargs="+", default=[0.0, 0.005, 0.01], help="m")
     p.add_argument("--width", type=float, default=1.7, help="of the step along the way, m")
     p.add_argument("--duration", type=float, default=10.0, help="s")
