@@ -575,3 +575,51 @@ fn an_exported_ground_has_the_same_heights_in_mujoco_and_says_what_it_loses() {
         );
     }
 }
+
+#[test]
+fn a_region_with_the_floors_own_friction_changes_nothing() {
+    let file = common::project().join("morphologies/tripod.ron");
+    let robot = Morphology::read(file).unwrap();
+    let mut walking = Experiment::new(robot.assemble()).lasting(3.0);
+    walking.floor.friction = 0.5;
+    let ground = "regions: [(name: \"same\", corners_m: [(-9, -9), (9, -9), (9, 9), (-9, 9)], friction: 0.5)]";
+    for engine in engines() {
+        let walking = by(engine, &walking);
+        let same = on(walking.clone(), ground);
+        assert_eq!(path(&same), path(&walking), "{engine:?}");
+        assert_ne!(path(&same.set("floor.same.friction", 0.3)), path(&walking));
+    }
+}
+
+#[test]
+fn a_car_with_tyres_is_not_driven_on_ice_and_rises_by_the_height_of_a_step() {
+    let ice = "regions: [(name: \"ice\", corners_m: [(0.3, -2), (9, -2), (9, 2), (0.3, 2)], friction: 0.0)]";
+    // Its wheels spin there, and it goes on as fast as it came.
+    let sliding = crate::wheels::car(0.3, 0.0).lasting(1.0);
+    let speed = |experiment: &Experiment| {
+        let path = path(experiment);
+        let places = path.positions_world_m();
+        let last = places.len() - 1;
+        [last / 2, last].map(|k| (places[k] - places[k - 10]).norm() * 20.0)
+    };
+    let [half, whole] = speed(&on(sliding.clone(), ice));
+    let [_, driven] = speed(&sliding);
+    assert!((whole / half - 1.0).abs() < 1e-3, "{half} {whole}");
+    assert!(driven > 1.2 * whole, "{driven} {whole}");
+    for height_m in [0.003, 0.006] {
+        let kerb = format!(
+            "steps: [(name: \"kerb\", centre_m: (2.4, 0.0), half_m: (2.0, 0.5), height_m: {height_m:?}, friction: 0.8)]"
+        );
+        let rolling = crate::wheels::car(0.0, 0.0).lasting(1.0);
+        let z_m = |experiment: &Experiment| {
+            let path = path(experiment);
+            let places = path.positions_world_m();
+            places[places.len() - 10..].iter().map(|p| p.z).sum::<f64>() / 10.0
+        };
+        let risen_m = z_m(&on(rolling.clone(), &kerb)) - z_m(&rolling);
+        assert!(
+            (risen_m - height_m).abs() < 3e-4,
+            "{risen_m} for {height_m}"
+        );
+    }
+}
