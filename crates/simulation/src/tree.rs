@@ -3,12 +3,14 @@
 //! Both engines use Parry's shapes, and the same natural frequency and damping ratio of contacts. The number of solves per step
 //! is 2/3 of the experiment's substeps, rounded up: 960 solves per second with the defaults.
 
+mod ground;
+
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 use realgap_tree::parry::math::{Pose, Vec3};
 use realgap_tree::parry::shape::SharedShape;
 use realgap_tree::{
-    Attachment, Collider, Cone, Fixture, Joint, JointType, Link, Model, Partner, Settings, Spot,
-    SpotMap, TurningFriction,
+    Attachment, Collider, Cone, Fixture, Joint, JointType, Link, Model, Partner, Settings,
+    TurningFriction,
 };
 
 use super::engine::{Engine, EngineChoice, Load, Setup, World};
@@ -19,11 +21,12 @@ use super::motor::Effort;
 use super::mount::held;
 use super::part_state::PartState;
 use super::rapier::{
-    LEAST_SHARE, PartMotion, Surface, field_shape, from_pose, from_vector, to_matrix, to_pose,
-    to_vector, total_kg, weighable,
+    LEAST_SHARE, PartMotion, Surface, from_pose, from_vector, to_matrix, to_pose, to_vector,
+    total_kg, weighable,
 };
 use super::scene::SceneMotion;
 use super::servo::Command;
+use ground::floor;
 use realgap_core::error::{Error, Result};
 use realgap_robot::morphology::{Assembly, ClusterMass, Freedom, Hinge, Part, Role};
 
@@ -199,25 +202,6 @@ impl TreeWorld {
             ground: GroundMap::of(experiment).map(|map| (map, floors)),
             touched: vec![false; experiment.ground.regions.len()],
         })
-    }
-
-    /// Marks the regions that the contacts of the last solve touched.
-    fn mark_regions(&mut self) {
-        let Some((map, floors)) = &self.ground else {
-            return;
-        };
-        if self.touched.iter().all(|touched| *touched) {
-            return;
-        }
-        for contact in self.world.contacts() {
-            let is_floor = matches!(contact.partner, Partner::Fixture(index) if index < *floors);
-            if is_floor && contact.impulse_world_n_s.dot(contact.normal_world) > 0.0 {
-                let place = map.region_at(&from_vector(contact.point_world_m));
-                if let Some(touched) = place.and_then(|index| self.touched.get_mut(index)) {
-                    *touched = true;
-                }
-            }
-        }
     }
 
     /// Adds the contact impulses of the last solve.
@@ -434,50 +418,6 @@ fn turning_of_floor(experiment: &Experiment) -> TurningFriction {
         rolling_m: experiment.floor.rolling_m.unwrap_or(0.0),
         torsional_m: experiment.floor.torsional_m.unwrap_or(0.0),
     }
-}
-
-/// The flat floor, and the height field that takes its place where there is one.
-fn floor(experiment: &Experiment) -> Vec<Fixture> {
-    let floor = &experiment.floor;
-    let surface = |shape: SharedShape, pose: Pose| {
-        let mut collider = Collider::new(shape, 1.0);
-        collider.restitution = 1.0;
-        collider.turning = turning_of_floor(experiment);
-        collider.mark = u64::MAX;
-        Fixture::at_rest(collider, pose)
-    };
-    let mut plane = surface(
-        SharedShape::halfspace(to_vector(&floor.normal_world())),
-        Pose::from_translation(Vec3::new(0.0, 0.0, floor.height_m)),
-    );
-    plane.spots = spots(experiment, true);
-    let mut floors = vec![plane];
-    if let Some(field) = &experiment.ground.heights {
-        let (shape, field_from_shape) = field_shape(field, experiment.heights_scale);
-        let pose = experiment.world_from_heights(field) * field_from_shape;
-        let mut rough = surface(shape, to_pose(&pose));
-        rough.spots = spots(experiment, false);
-        floors.push(rough);
-    }
-    floors
-}
-
-/// Friction and restitution from place to place; the flat floor is left out where there is a height field.
-fn spots(experiment: &Experiment, is_flat: bool) -> Option<SpotMap> {
-    let map = GroundMap::of(experiment)?;
-    let own = experiment.ground.regions.iter().map(|region| Spot::Own {
-        friction: region.friction,
-        restitution: region.restitution,
-    });
-    let own: Vec<Spot> = own.collect();
-    Some(std::sync::Arc::new(move |point_world_m| {
-        let point_world_m = from_vector(point_world_m);
-        if is_flat && map.is_hole(&point_world_m) {
-            return Spot::Hole;
-        }
-        let region = map.region_at(&point_world_m);
-        region.map_or(Spot::Plain, |region| own[region])
-    }))
 }
 
 fn joint(assembly: &Assembly, hinge: usize, start: f64) -> Joint {

@@ -271,9 +271,7 @@ impl Collision {
             shape.collider.spot_factor,
             shape.collider.pair_friction.is_some(),
         );
-        let mut kept = first;
-        for index in first..touches.len() {
-            let mut touch = touches[index];
+        for mut touch in touches.split_off(first) {
             match spots(touch.point_world_m) {
                 Spot::Plain => {}
                 Spot::Own {
@@ -290,10 +288,8 @@ impl Collision {
                     continue;
                 }
             }
-            touches[kept] = touch;
-            kept += 1;
+            touches.push(touch);
         }
-        touches.truncate(kept);
     }
 
     fn touch_body(&mut self, index: usize, nodes: &[Node], reach: f64, touches: &mut Vec<Touch>) {
