@@ -30,7 +30,9 @@ impl Engine for Sledges {
     fn refusal(&self, experiment: &Experiment) -> Option<String> {
         let robot = &experiment.assembly;
         let is_one_body = robot.parts.len() == 1 && robot.world_from_mount.is_none();
-        let is_plain = experiment.scene.is_empty() && experiment.floor.slope_rad == 0.0;
+        let is_plain = experiment.scene.is_empty()
+            && experiment.ground.is_plain()
+            && experiment.floor.slope_rad == 0.0;
         (!is_one_body || !is_plain)
             .then(|| "a sledge is one body on a level floor, alone".to_owned())
     }

@@ -206,7 +206,7 @@ pub mod guide {
             [results]:
                 "pages";
             [robots]:
-                "limits-of-the-import";
+                "floors-that-differ-from-place-to-place" "limits-of-the-import";
             [simulator]:
                 "timesteps-and-intervals";
             [upstream restitution]:
@@ -222,7 +222,7 @@ pub mod guide {
         }
         #[doc = links!()]
         #[doc = include_str!("../docs/validation.md")]
-        validation: verification contact joints tosses hardware servo arm legs car robots compiled energy engines stand_ins tuning intervals ensembles
+        validation: verification contact joints tosses hardware servo arm legs car floors robots compiled energy engines stand_ins tuning intervals ensembles
             gap search sensing radio vision pages;
         /// Defects of the engine, each with the output of a program that shows it.
         upstream: contact_stiffness friction_direction multibody_cost multibody_root multibody_swing restitution small_inertia;

@@ -55,7 +55,7 @@ class Robot:
     def set_friction(self, friction):
         """Pair value robot-floor; module-module is its square, as in realgap."""
         m = self.model
-        m.geom_friction[:, 0] = friction**2
+        m.geom_friction[m.geom_bodyid > 0, 0] = friction**2
         m.geom_friction[self.floor, 0] = friction
 
     def command_rad(self, t_s):
@@ -76,7 +76,8 @@ class Robot:
         normal = data.geom_xmat[self.floor].reshape(3, 3)[:, 2]
         low = math.inf
         for g in range(m.ngeom):
-            if g == self.floor or m.geom_contype[g] == 0:
+            # The world's own geoms are the floor and what stands on it.
+            if m.geom_bodyid[g] == 0 or m.geom_contype[g] == 0:
                 continue
             along = data.geom_xmat[g].reshape(3, 3).T @ normal
             centre = (data.geom_xpos[g] - data.geom_xpos[self.floor]) @ normal

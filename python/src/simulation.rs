@@ -10,7 +10,7 @@ use realgap::calibration::Fitted;
 use realgap::file::Source;
 use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::simulation::{
-    Between, CommandTrack, Experiment, Film, JointFormulation, Outcome, Sampling, SceneBody,
+    Between, CommandTrack, Experiment, Film, JointFormulation, Outcome, Sampling, read_arena,
 };
 use realgap::trajectory::{self, write_with_bodies};
 use realgap::{Error, Result, Warning};
@@ -159,7 +159,9 @@ fn experiment(
     };
     if let Some(path) = &settings.arena {
         let plan = Source::read(path, "arena")?;
-        experiment.scene.push(SceneBody::read_arena(&plan, true)?);
+        let (walls, ground) = read_arena(&plan, true)?;
+        experiment.scene.extend(walls);
+        experiment.ground = ground;
     }
     let experiment = settings.steering.apply(experiment, has_step)?;
     let values = values(&settings.parameters, &settings.set)?;

@@ -12,7 +12,7 @@ macro_rules! shipped {
 /// The files by folder. A test checks that the list is complete: all files of these folders, and all recordings that a shipped study
 /// or a command in the docs reads.
 const SHIPPED: &[Shipped] = shipped![
-    "arenas": "cartons.ron" "flat.ron" "paper000.ron" "pen.ron";
+    "arenas": "bumps.csv" "bumps.ron" "cartons.ron" "flat.ron" "paper000.ron" "pen.ron" "step.ron";
     "controllers": "tripod_avoid.ron" "two_tripods.ron";
     "genomes": "three_modules.ron";
     "morphologies": "chain3.ron" "chain30.ron" "chain5.ron" "cube.ron" "dart_car.ron" "double_pendulum.ron" "elbow.ron" "push_cube.ron" "servo_pendulum.ron"

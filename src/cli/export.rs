@@ -1,7 +1,9 @@
 //! `realgap robot export`: a robot for another simulator.
 
 use clap::builder::PossibleValuesParser;
+use realgap::file::Source;
 use realgap::simulation::export::{FORMATS, Robot, format_named};
+use realgap::simulation::read_arena;
 
 use super::kit::*;
 use super::option::recording_unused;
@@ -14,6 +16,7 @@ use super::option::recording_unused;
 #[command(after_help = "\
 Examples:
   realgap robot export morphologies/tripod.ron --format mjcf -o tripod.xml
+  realgap robot export morphologies/tripod.ron --format mjcf --arena arenas/step.ron -o step.xml
   realgap robot export robot.ron --format urdf --parameters best.ron -o out.urdf")]
 pub struct Export {
     /// The robot, e.g. morphologies/tripod.ron
@@ -24,6 +27,9 @@ pub struct Export {
     /// Write to this file instead of standard output
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Add the steps and the height field of this arena, from its start pose; its walls are left out
+    #[arg(long, value_name = "FILE")]
+    arena: Option<PathBuf>,
     #[command(flatten)]
     values: Values,
 }
@@ -32,7 +38,14 @@ impl Export {
     pub fn run(self) -> Result<()> {
         let format = format_named(&self.format)?;
         let morphology = read_morphology(&self.morphology)?;
-        let experiment = Experiment::new(morphology.assemble());
+        let mut experiment = Experiment::new(morphology.assemble());
+        if let Some(path) = &self.arena {
+            let (walls, ground) = read_arena(&Source::read(path, "arena")?, true)?;
+            if !walls.is_empty() {
+                terminal::note("the walls, boxes and circles of the arena are left out");
+            }
+            experiment.ground = ground;
+        }
         let values = self.values.parameter_set()?;
         terminal::print_warnings(&values.without_effect(&experiment));
         terminal::print_warnings(&recording_unused(&values));

@@ -350,7 +350,7 @@ fn moving(
         recordings,
         align,
         floor: experiment.floor,
-        scene: &experiment.scene,
+        scene: &experiment.shown_scene(),
         warnings: &[],
         provenance: &[],
     };

@@ -2,12 +2,13 @@
 
 use realgap::calibration::{CommandConsent, Overrides, read_noise};
 use realgap::comparison;
+use realgap::file::Source;
 use realgap::prediction::ensemble::{Draws, run_each};
 use realgap::prediction::{Card, DivergenceRate, ModelError, SuccessRule, UncertainParameters};
 use realgap::report::PageData;
 use realgap::results::{Kind, write_prediction};
 use realgap::simulation::parameter::ParameterSet;
-use realgap::simulation::{Noise, Sampling};
+use realgap::simulation::{Noise, Sampling, read_arena};
 
 use super::consent::ConsentOption;
 use super::ensemble::read_of_paths;
@@ -32,6 +33,7 @@ const RATE_HZ: f64 = 60.0;
 #[command(after_help = "\
 Examples:
   realgap predict morphologies/tripod.ron
+  realgap predict morphologies/tripod.ron --arena arenas/step.ron
   realgap predict robot.ron --set floor.friction=0.43 --success-m 0.5 -o card
   realgap predict study.ron --parameters fit/best.ron --allow-command")]
 pub struct Predict {
@@ -46,6 +48,9 @@ pub struct Predict {
     /// measurements, see docs/results.md]
     #[arg(long, value_name = "FILE")]
     noise: Option<PathBuf>,
+    /// Predict among the walls and on the ground of this arena, from its start pose
+    #[arg(long, value_name = "FILE")]
+    arena: Option<PathBuf>,
     /// Number of repeats
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=MOST_REPEATS))]
     repeats: u32,
@@ -92,6 +97,11 @@ impl Predict {
         let mut experiment = Experiment::new(morphology.assemble());
         experiment.duration_s = self.duration.unwrap_or(USUAL_S);
         experiment.sampling = Sampling::Rate(RATE_HZ);
+        if let Some(path) = &self.arena {
+            let (walls, ground) = read_arena(&Source::read(path, "arena")?, true)?;
+            experiment.scene.extend(walls);
+            experiment.ground = ground;
+        }
         let mut warnings = morphology.warnings();
         let (experiment, without_effect) = self.values.apply(&experiment)?;
         warnings.extend(without_effect);
@@ -118,6 +128,12 @@ impl Predict {
 
     /// A study of the user's own simulator: its run, without the recordings.
     fn simulator(&self) -> Result<Subject> {
+        if let Some(path) = &self.arena {
+            return Err(Error::usage("an arena is for robots of realgap")
+                .field("--arena")
+                .found(path.display())
+                .allowed("none beside a simulator of your own"));
+        }
         let overrides = Overrides {
             // Nothing is scored here.
             metric: Some(comparison::by_name("rms")?),

@@ -4,7 +4,7 @@ use realgap::calibration::{Overrides, RepeatCase, Repeatable, StartRule};
 use realgap::comparison;
 use realgap::file::{look_up, sha256, write_atomic};
 use realgap::report::{Replay, SIMULATION};
-use realgap::simulation::{Divergence, Film, Floor, Outcome, Sampling, film_with};
+use realgap::simulation::{Divergence, Experiment, Film, Floor, Outcome, Sampling, film_with};
 use realgap::trajectory::{self, Reading, Recording};
 
 use super::kind::{self, read_repeatable};
@@ -259,6 +259,9 @@ impl Shown<'_> {
         warnings.extend(self.recordings.iter().flat_map(|r| r.warnings.clone()));
         let show = Show::of(path)?;
         let provenance = self.provenance()?;
+        let scene = self
+            .experiment
+            .map_or_else(Vec::new, Experiment::shown_scene);
         let replay = Replay {
             robot: self.morphology,
             run: self.film,
@@ -266,7 +269,7 @@ impl Shown<'_> {
             recordings: self.recordings,
             align: self.align,
             floor: self.experiment.map_or_else(Floor::default, |e| e.floor),
-            scene: self.experiment.map_or(&[], |e| &e.scene),
+            scene: &scene,
             warnings: &warnings,
             provenance: &provenance,
         };

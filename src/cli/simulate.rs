@@ -3,8 +3,8 @@
 use realgap::file::Source;
 use realgap::report::SIMULATION;
 use realgap::simulation::{
-    Controller, Divergence, EnergyBalance, EngineChoice, Film, Outcome, Run, Sampling, SceneBody,
-    film_with, run_with,
+    Controller, Divergence, EnergyBalance, EngineChoice, Film, Outcome, Run, Sampling, film_with,
+    read_arena, run_with,
 };
 use realgap::trajectory;
 use realgap::unit::decimals;
@@ -159,7 +159,9 @@ impl Simulate {
         experiment.sampling = Sampling::Rate(self.rate_hz);
         if let Some(path) = &self.arena {
             let plan = Source::read(path, "arena")?;
-            experiment.scene.push(SceneBody::read_arena(&plan, true)?);
+            let (walls, ground) = read_arena(&plan, true)?;
+            experiment.scene.extend(walls);
+            experiment.ground = ground;
         }
         if let Some(path) = &self.controller {
             let controller = Controller::read(path, &experiment)?;

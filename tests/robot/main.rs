@@ -6,5 +6,6 @@ mod common;
 mod develop;
 mod export;
 mod finalists;
+mod ground;
 mod import;
 mod robot_search;

@@ -158,6 +158,7 @@ codes! {
     QuaternionsRenormalised "quaternions-renormalised" "Quaternions had lengths other than 1 and were normalised." "nothing to do if the lengths were near 1";
     ReadAs "read-as" "Recordings are interpreted differently from what their files state." "state how the file is meant with the options of docs/recordings.md, if this is wrong";
     RefinedStart "refined-start" "Start states were estimated from more than the first sample." "judge on recordings whose start was not refined";
+    RegionUntouched "region-untouched" "Nothing ever touched a region of the floor, so its friction changes nothing." "let the robot's way lead over the region, correct its corners, or leave its parameters out";
     RestitutionNotExported "restitution-not-exported" "A format cannot store restitution." "set the restitution by hand in the other simulator";
     RoughScore "rough-score" "The least-squares optimizer met a score that is not smooth." "use another optimizer, e.g. cma-es, or start it where this one ended";
     SameRun "same-run" "One run is named twice." "name every run once: with copies, reality looks more repeatable than it is";

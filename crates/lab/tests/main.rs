@@ -18,6 +18,7 @@ mod ensemble;
 mod fleet;
 mod gains;
 mod gap;
+mod ground;
 mod in_sample;
 mod joint_log;
 mod jointed;

@@ -5,7 +5,6 @@ use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 use super::experiment::{Experiment, Start};
 use super::scene::{SceneBody, SceneBox, SceneMotion};
 use realgap_core::error::{Error, Result};
-use realgap_core::file::Source;
 use realgap_sensing::arena::{Arena, Shape};
 
 /// An arena is a two-dimensional plan. Its objects get this height above the floor, and reach this depth below it, metres.
@@ -80,15 +79,6 @@ impl SceneBody {
         };
         body.check()?;
         Ok(body)
-    }
-
-    /// Reads an arena's file and converts it as [`SceneBody::of_arena`] does.
-    ///
-    /// # Errors
-    /// Text that is not an arena; the errors of [`SceneBody::of_arena`].
-    pub fn read_arena(source: &Source, at_start: bool) -> Result<Self> {
-        let arena = Arena::parse(source)?;
-        Self::of_arena(&arena, at_start).map_err(|e| source.at("start", e))
     }
 
     /// Checks that no box of the robot starts in a fixed body, with joints at zero.

@@ -138,6 +138,11 @@ pub trait World {
         let _ = next;
     }
 
+    /// Whether a contact with an impulse touched each region of the ground up to now; empty in an engine that does not know.
+    fn touched_regions(&self) -> &[bool] {
+        &[]
+    }
+
     /// Places a driven body of the scene at its start pose.
     fn place_driven(&mut self, index: usize, world_from_body: &Isometry3<f64>);
 

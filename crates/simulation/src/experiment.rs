@@ -25,6 +25,7 @@ use realgap_core::unit::GRAVITY_M_S2;
 use realgap_path::trajectory::{State, Trajectory};
 use realgap_robot::morphology::body::Surroundings;
 use realgap_robot::morphology::{Assembly, Role};
+use realgap_sensing::arena::Ground;
 
 /// The ground: a half-space.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -339,6 +340,10 @@ pub struct Experiment {
     pub controller: Option<Arc<Controller>>,
     /// Other bodies in the scene.
     pub scene: Vec<SceneBody>,
+    /// Regions of the floor, steps and a height field, in the floor's own frame ([`Floor::world_from_floor`]).
+    pub ground: Ground,
+    /// Factor on the heights of the height field.
+    pub heights_scale: f64,
     /// Length of the run, seconds.
     pub duration_s: f64,
     /// Times at which the state is recorded.
@@ -398,6 +403,8 @@ impl Experiment {
             drive: Drive::default(),
             controller: None,
             scene,
+            ground: Ground::default(),
+            heights_scale: 1.0,
             duration_s: 10.0,
             sampling: Sampling::Rate(60.0),
             mount: None,

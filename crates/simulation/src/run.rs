@@ -273,8 +273,10 @@ fn placed(
             // The floor passes through (0, 0, height). The robot is lifted along z until it just touches the floor.
             let above_m = lowest_m(assembly, &turned, &normal) / normal.z;
             let mut shift_m = perturbation.shift_world_m;
+            let place_m = [shift_m.x, shift_m.y];
+            let lift_m = experiment.lift_m(assembly, &turned, place_m) / normal.z;
             // The robot never starts inside the floor.
-            shift_m.z = shift_m.z.max(0.0) + experiment.floor.height_m - above_m;
+            shift_m.z = shift_m.z.max(0.0) + experiment.floor.height_m - above_m + lift_m;
             (Isometry3::from_parts(shift_m.into(), turn), Motion::REST)
         }
         (Start::State(recorded), None) => {

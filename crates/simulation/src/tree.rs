@@ -3,6 +3,8 @@
 //! Both engines use Parry's shapes, and the same natural frequency and damping ratio of contacts. The number of solves per step
 //! is 2/3 of the experiment's substeps, rounded up: 960 solves per second with the defaults.
 
+mod ground;
+
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 use realgap_tree::parry::math::{Pose, Vec3};
 use realgap_tree::parry::shape::SharedShape;
@@ -13,6 +15,7 @@ use realgap_tree::{
 
 use super::engine::{Engine, EngineChoice, Load, Setup, World};
 use super::experiment::{Experiment, FrictionModel, JointFormulation};
+use super::ground::GroundMap;
 use super::kinematics::{compensated, joint_turns, robot_from_part_at_zero};
 use super::motor::Effort;
 use super::mount::held;
@@ -23,6 +26,7 @@ use super::rapier::{
 };
 use super::scene::SceneMotion;
 use super::servo::Command;
+use ground::floor;
 use realgap_core::error::{Error, Result};
 use realgap_robot::morphology::{Assembly, ClusterMass, Freedom, Hinge, Part, Role};
 
@@ -88,6 +92,10 @@ struct TreeWorld {
     loads: Option<Vec<Load>>,
     /// Impulse of each hinge's motor during the previous step, N m s, if instruments are read.
     motor_impulses: Option<Vec<f64>>,
+    /// The ground, and the fixtures that it consists of, where regions have friction of their own.
+    ground: Option<(GroundMap, usize)>,
+    /// Whether a contact ever touched each region of the ground.
+    touched: Vec<bool>,
 }
 
 impl TreeWorld {
@@ -104,7 +112,7 @@ impl TreeWorld {
         let contact = &experiment.contact;
         let mut model = Model {
             gravity_world_m_s2: Vec3::new(0.0, 0.0, -experiment.gravity_m_s2),
-            fixtures: vec![floor(experiment)],
+            fixtures: floor(experiment),
             links: Vec::new(),
             collision_exclude: assembly
                 .collision_exclude
@@ -152,6 +160,7 @@ impl TreeWorld {
                 colliders: colliders(experiment, assembly, index, part),
             });
         }
+        let floors = model.fixtures.len();
         let scene = add_scene(&mut model, experiment);
         let mut world = realgap_tree::World::new(&model).map_err(|error| {
             Error::invalid(error.to_string())
@@ -190,6 +199,8 @@ impl TreeWorld {
             loads: experiment.energy_from_s.map(|_| Vec::new()),
             motor_impulses: (!experiment.instruments.is_empty())
                 .then(|| vec![0.0; assembly.hinges.len()]),
+            ground: GroundMap::of(experiment).map(|map| (map, floors)),
+            touched: vec![false; experiment.ground.regions.len()],
         })
     }
 
@@ -237,6 +248,7 @@ impl World for TreeWorld {
         for _ in 0..self.solves {
             self.world.step();
             self.collect_loads();
+            self.mark_regions();
             for (impulse, hinge) in self.motor_impulses.iter_mut().flatten().zip(&self.hinges) {
                 *impulse += self.world.joint_impulse(hinge.child_part).motor;
             }
@@ -354,6 +366,10 @@ impl World for TreeWorld {
             .collect()
     }
 
+    fn touched_regions(&self) -> &[bool] {
+        &self.touched
+    }
+
     fn lead_base(&mut self, next: &Isometry3<f64>) {
         let here = from_pose(&self.world.link(0).world_from_link);
         let (linear, angular) = velocity_between(&here, next, self.timestep_s);
@@ -402,21 +418,6 @@ fn turning_of_floor(experiment: &Experiment) -> TurningFriction {
         rolling_m: experiment.floor.rolling_m.unwrap_or(0.0),
         torsional_m: experiment.floor.torsional_m.unwrap_or(0.0),
     }
-}
-
-fn floor(experiment: &Experiment) -> Fixture {
-    let floor = &experiment.floor;
-    let mut collider = Collider::new(
-        SharedShape::halfspace(to_vector(&floor.normal_world())),
-        1.0,
-    );
-    collider.restitution = 1.0;
-    collider.turning = turning_of_floor(experiment);
-    collider.mark = u64::MAX;
-    Fixture::at_rest(
-        collider,
-        Pose::from_translation(Vec3::new(0.0, 0.0, floor.height_m)),
-    )
 }
 
 fn joint(assembly: &Assembly, hinge: usize, start: f64) -> Joint {
@@ -475,6 +476,7 @@ fn colliders(
         Some(Collider {
             owner_from_shape: to_pose(&pose),
             restitution: experiment.floor.restitution,
+            spot_factor: factor,
             mark: solid.module as u64,
             turning: TurningFriction {
                 rolling_m: solid.turning.rolling_m,
@@ -494,7 +496,8 @@ fn colliders(
 fn add_scene(model: &mut Model, experiment: &Experiment) -> Vec<SceneHandle> {
     let adjusted = &experiment.adjustment;
     let mut places = Vec::new();
-    for body in &experiment.scene {
+    let steps = experiment.steps();
+    for body in experiment.scene.iter().chain(&steps) {
         let is_driven = matches!(body.motion, SceneMotion::Driven { .. });
         let (shift_m, friction) = if is_driven {
             let friction = adjusted.pusher_friction.unwrap_or(body.friction);

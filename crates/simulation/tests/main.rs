@@ -15,6 +15,7 @@ mod control;
 mod energy;
 mod engines;
 mod export;
+mod ground;
 mod instrument;
 mod noise_contract;
 mod objects;

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use realgap_path::trajectory::{State, Trajectory};
 use realgap_robot::morphology::{Gait, Morphology, ServoLaw};
+use realgap_sensing::arena::{HeightField, Region, Step};
 use realgap_sensing::range::form::{Curve, FORMS, form_by_name};
 use realgap_simulation::parameter::{self, Parameter, ParameterSet};
 use realgap_simulation::{
@@ -44,6 +45,42 @@ fn toss() -> Experiment {
         angular_velocity_body_rad_s: Vector3::new(2.0, 5.0, 1.0),
     });
     experiment
+}
+
+/// The same onto a region and a step of one name.
+fn zoned() -> Experiment {
+    let square_m = vec![[-1.0, -1.0], [3.0, -1.0], [3.0, 3.0], [-1.0, 3.0]];
+    toss().with(|e| {
+        e.ground.regions.push(Region {
+            name: "first".to_owned(),
+            corners_m: square_m,
+            friction: 0.5,
+            restitution: None,
+        });
+    })
+}
+
+/// The same onto a step.
+fn stepped() -> Experiment {
+    toss().with(|e| {
+        e.ground.steps.push(Step {
+            name: "first".to_owned(),
+            centre_m: [1.12, 0.0],
+            half_m: [1.0, 1.0],
+            turn_deg: 0.0,
+            height_m: 0.02,
+            friction: 0.5,
+        });
+    })
+}
+
+/// The same onto a ridge.
+fn hilly() -> Experiment {
+    let row: Vec<f64> = (0..9)
+        .map(|k| 0.01 * f64::from(4 - i32::abs(k - 4)))
+        .collect();
+    let field = HeightField::new(&[row.clone(), row], [2.0, 2.0]).unwrap();
+    toss().with(|e| e.ground.heights = Some(Arc::new(field)))
 }
 
 /// Two hinged boxes fly, fold, hit the floor and slide.
@@ -208,6 +245,10 @@ fn case(parameter: &Parameter) -> (Vec<Make>, f64, f64) {
         // A ball that spins goes straight on; a cube that slides and spins does not.
         "floor.torsional_m" => (vec![toss], 0.0005, 0.005),
         "floor.height_m" => (vec![toss], 0.0, 0.01),
+        "floor.heights_scale" => (vec![hilly], 1.0, 2.0),
+        "floor.first.friction" => (vec![zoned, stepped], 0.2, 0.6),
+        "floor.first.restitution" => (vec![zoned], 0.1, 0.6),
+        "floor.first.height_m" => (vec![stepped], 0.01, 0.02),
         "floor.slope_rad" => (vec![toss, walk], 0.0, 0.05),
         "gravity_m_s2" => (vec![toss, walk], 9.81, 9.6),
         "contact.prediction_m" => (vec![toss], 0.002, 0.01),

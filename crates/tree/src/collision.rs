@@ -5,7 +5,7 @@ use parry3d_f64::math::{Pose, Rot3, Vec3};
 
 use crate::forest::{Forest, Freedom, NONE};
 use crate::kinematics::Node;
-use crate::model::{Collider, Fixture, Model};
+use crate::model::{Collider, Fixture, Model, Spot};
 use crate::touch::{Form, Kept, Memory, Pair, Plane, Touch};
 
 /// A shape of a body.
@@ -263,6 +263,32 @@ impl Collision {
             touch.led_turn_world_rad_s = placed.fixture.angular_velocity_world_rad_s;
             let rim_m = touch.point_world_m - world_from_shape.translation;
             touch.tyre = shape.collider.tyre.map(|tyre| (tyre, rim_m));
+        }
+        let Some(spots) = placed.fixture.spots.clone() else {
+            return;
+        };
+        let (factor, is_stated) = (
+            shape.collider.spot_factor,
+            shape.collider.pair_friction.is_some(),
+        );
+        for mut touch in touches.split_off(first) {
+            match spots(touch.point_world_m) {
+                Spot::Plain => {}
+                Spot::Own {
+                    friction,
+                    restitution,
+                } => {
+                    if !is_stated {
+                        touch.friction = factor * friction;
+                    }
+                    touch.restitution = restitution.unwrap_or(touch.restitution);
+                }
+                Spot::Hole => {
+                    self.remember(touch.memory, Kept::default());
+                    continue;
+                }
+            }
+            touches.push(touch);
         }
     }
 

@@ -37,7 +37,8 @@ mod world;
 
 pub use joint::{Command, JointImpulse};
 pub use model::{
-    Attachment, Collider, Cone, Fixture, Joint, JointType, Link, Model, ModelError, Settings,
+    Attachment, Collider, Cone, Fixture, Joint, JointType, Link, Model, ModelError, Settings, Spot,
+    SpotMap,
 };
 pub use mount::MountSpring;
 pub use parry3d_f64 as parry;

@@ -2,6 +2,7 @@
 //! defines.
 
 use std::fmt;
+use std::sync::Arc;
 
 use parry3d_f64::math::{Mat3, Pose, Vec3};
 use parry3d_f64::shape::SharedShape;
@@ -139,6 +140,8 @@ pub struct Collider {
     pub friction: f64,
     /// Friction coefficient of any pair with this shape, in place of the product.
     pub pair_friction: Option<f64>,
+    /// Factor on the friction of a [`Spot`] of a fixture.
+    pub spot_factor: f64,
     /// Restitution coefficient; that of a pair is the product of both.
     pub restitution: f64,
     /// Friction against rolling and spinning; those of a pair are the sums of both.
@@ -160,6 +163,7 @@ impl Collider {
             owner_from_shape: Pose::identity(),
             friction,
             pair_friction: None,
+            spot_factor: 1.0,
             restitution: 0.0,
             turning: TurningFriction::default(),
             tyre: None,
@@ -168,6 +172,26 @@ impl Collider {
         }
     }
 }
+
+/// What a fixture is like at a point of its surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Spot {
+    /// As its collider says.
+    Plain,
+    /// Friction and restitution of its own, those of a pair with a shape whose [`Collider::spot_factor`] is 1. Without a
+    /// restitution, the collider's holds.
+    Own {
+        /// Friction coefficient.
+        friction: f64,
+        /// Restitution coefficient.
+        restitution: Option<f64>,
+    },
+    /// There is nothing at this point.
+    Hole,
+}
+
+/// What a fixture is like at a contact point, world frame.
+pub type SpotMap = Arc<dyn Fn(Vec3) -> Spot + Send + Sync>;
 
 /// A shape that contacts do not move: floor, wall, or an object on a prescribed path.
 #[derive(Clone)]
@@ -180,6 +204,8 @@ pub struct Fixture {
     pub velocity_world_m_s: Vec3,
     /// Angular velocity, world frame, rad/s.
     pub angular_velocity_world_rad_s: Vec3,
+    /// How the surface differs from place to place, if it does.
+    pub spots: Option<SpotMap>,
 }
 
 impl Fixture {
@@ -190,6 +216,7 @@ impl Fixture {
             world_from_fixture,
             velocity_world_m_s: Vec3::ZERO,
             angular_velocity_world_rad_s: Vec3::ZERO,
+            spots: None,
         }
     }
 }

@@ -156,6 +156,12 @@ pub enum Contents {
         anchors: Vec<String>,
         /// Where robots start: x and y in metres, heading in radians.
         start: Option<[f64; 3]>,
+        /// Names of the regions of the floor.
+        regions: Vec<String>,
+        /// Names of the steps.
+        steps: Vec<String>,
+        /// File of the height field, if there is one.
+        height_field: Option<String>,
     },
     /// A range sensor.
     Sensor {

@@ -1,7 +1,7 @@
 //! The contents of files of sensors and their surroundings.
 
 use realgap::file::Source;
-use realgap::sensing::arena::{Arena, Boundary};
+use realgap::sensing::arena::{Arena, Boundary, Ground};
 use realgap::sensing::graph::Sensorgraph;
 use realgap::sensing::radio::RadioModel;
 use realgap::sensing::range::RangeModel;
@@ -39,16 +39,61 @@ pub(super) fn arena(source: &Source) -> Result<Contents> {
                 counted(arena.objects.len(), "object")
             ) + &anchors,
             start,
-        ],
+        ]
+        .into_iter()
+        .chain(ground(&arena.ground))
+        .collect(),
         details: report::Contents::Arena {
             size_m: arena.size_m,
             objects: arena.objects.len(),
             anchors: arena.anchors.iter().map(|a| a.name.clone()).collect(),
             start: arena.start,
+            regions: arena
+                .ground
+                .regions
+                .iter()
+                .map(|r| r.name.clone())
+                .collect(),
+            steps: arena.ground.steps.iter().map(|s| s.name.clone()).collect(),
+            height_field: arena
+                .ground
+                .heights
+                .as_ref()
+                .map(|field| field.file.clone()),
             name: arena.name,
         },
         warnings: Vec::new(),
     })
+}
+
+/// A line for each region, step and height field.
+fn ground(ground: &Ground) -> Vec<String> {
+    let regions = ground.regions.iter().map(|region| {
+        format!(
+            "  region `{}`: friction {} (floor.{0}.friction)",
+            region.name, region.friction
+        )
+    });
+    let steps = ground.steps.iter().map(|step| {
+        format!(
+            "  step `{}`: {} m high, friction {} (floor.{0}.height_m, floor.{0}.friction)",
+            step.name, step.height_m, step.friction
+        )
+    });
+    let field = ground.heights.iter().map(|field| {
+        let (low_m, high_m) = field.range_m();
+        format!(
+            "  height field {}: {} x {} heights over {} x {} m, from {} to {} m",
+            shown(&field.file, SHOWN),
+            field.rows(),
+            field.columns(),
+            field.size_m[0],
+            field.size_m[1],
+            number(low_m),
+            number(high_m)
+        )
+    });
+    regions.chain(steps).chain(field).collect()
 }
 
 pub(super) fn sensor(source: &Source) -> Result<Contents> {

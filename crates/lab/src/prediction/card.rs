@@ -21,7 +21,7 @@ const NOWHERE_BODY_LENGTHS: f64 = 0.1;
 /// Sources of error that no number of a card contains.
 const NOT_COVERED: [&str; 4] = [
     "a robot that differs from its description",
-    "a floor that is uneven or wears",
+    "a floor that differs from the stated one or wears",
     "flexible parts, cables and batteries",
     "disturbances that the noise settings do not contain",
 ];

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use super::{Anchor, Arena, Boundary, Object, Shape};
+use super::ground::GroundFile;
+use super::{Anchor, Arena, Boundary, Ground, Object, Region, Shape, Step};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{Source, parse_ron};
 
@@ -39,6 +40,15 @@ pub struct ArenaFile {
     anchors: Vec<Anchor>,
     /// Start pose of robots; optional.
     start: Option<StartFile>,
+    /// Regions of the floor with friction of their own. Where regions overlap, the later one lies on top.
+    #[serde(default)]
+    regions: Vec<Region>,
+    /// Steps: boxes that stand on the floor and that robots may climb. Sensors do not see them.
+    #[serde(default)]
+    steps: Vec<Step>,
+    /// What the ground is.
+    #[serde(default)]
+    ground: GroundFile,
 }
 
 #[derive(Debug, Deserialize)]
@@ -132,14 +142,26 @@ impl Arena {
     /// As [`Arena::read`].
     pub fn parse(source: &Source) -> Result<Self> {
         let file: ArenaFile = parse_ron(source)?;
+        let folder = source.path().parent().unwrap_or(Path::new(""));
+        // An error in the file of the heights names that file itself.
+        let heights = file.ground.read(folder).map_err(|e| match e.file() {
+            Some(_) => e,
+            None => source.at_field(e.within("ground")),
+        })?;
         let arena = Self {
             objects: file.objects().map_err(|e| source.at_field(e))?,
+            ground: Ground {
+                regions: file.regions,
+                steps: file.steps,
+                heights,
+            },
             name: file.name,
             size_m: file.size_m,
             boundary: file.boundary,
             anchors: file.anchors,
             start: file.start.map(StartFile::pose),
         };
+        arena.ground.check().map_err(|e| source.at_field(e))?;
         for (index, anchor) in arena.anchors.iter().enumerate() {
             anchor
                 .check(&arena.anchors[..index])

@@ -1,4 +1,4 @@
-//! Arenas: a field with its boundary, walls, boxes and circles, in which beams are cast.
+//! Arenas: a field with its boundary, walls, boxes and circles, in which beams are cast, and the ground of the field.
 //!
 //! Intersections of beams with boxes and circles are computed in closed form. An arena has tens of objects, so that no acceleration
 //! structure is needed.
@@ -14,6 +14,7 @@
 
 mod arena_file;
 mod cast;
+mod ground;
 
 use realgap_core::error::{Error, Result};
 
@@ -21,6 +22,7 @@ use realgap_core::error::{Error, Result};
 pub use arena_file::ArenaFile;
 pub use arena_file::StartFile;
 pub use cast::{Crossing, Hit};
+pub use ground::{Ground, HeightField, Region, Step};
 
 /// The boundary of the field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
@@ -86,6 +88,8 @@ pub struct Arena {
     pub anchors: Vec<Anchor>,
     /// Start pose of robots: x, y in metres and heading in radians.
     pub start: Option<[f64; 3]>,
+    /// Regions of the floor, steps and a height field, which beams do not meet.
+    pub ground: Ground,
 }
 
 impl Arena {

@@ -11,7 +11,7 @@ use super::{Controller, Steer, arena_from_start};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::look_up;
 use realgap_core::range::Range;
-use realgap_sensing::arena::{Arena, Boundary, Object};
+use realgap_sensing::arena::{Arena, Boundary, Ground, Object};
 
 /// Largest number of sensors, and of robots in addition to the first.
 const MOST: usize = 255;
@@ -133,6 +133,7 @@ impl Controller {
                     objects: objects.clone(),
                     anchors: Vec::new(),
                     start: Some(start),
+                    ground: Ground::default(),
                 };
                 SceneBody::of_arena(&arena, true)?
                     .check_clear_of(what, experiment)

@@ -16,11 +16,12 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use super::experiment::Experiment;
+use super::ground::ground_of;
 use super::scene::SceneBody;
 use realgap_core::error::Result;
 use realgap_path::trajectory::Trajectory;
 use realgap_robot::morphology::Gait;
-use realgap_sensing::arena::{Arena, Boundary};
+use realgap_sensing::arena::{Arena, Boundary, Ground};
 use realgap_sensing::graph::Sensorgraph;
 use realgap_sensing::radio::{RadioModel, ServiceOptions};
 use realgap_sensing::range::RangeModel;
@@ -232,6 +233,7 @@ impl Controller {
             objects: Vec::new(),
             anchors: Vec::new(),
             start: Some([0.0; 3]),
+            ground: Ground::default(),
         };
         Self {
             arena: Arc::new(arena),
@@ -257,6 +259,9 @@ impl Experiment {
         if !controller.arena.objects.is_empty() {
             let walls = SceneBody::of_arena(&controller.arena, true)?;
             experiment.scene.push(walls);
+        }
+        if !controller.arena.ground.is_plain() {
+            experiment.ground = ground_of(&controller.arena, true)?;
         }
         experiment.controller = Some(Arc::new(controller));
         Ok(experiment)

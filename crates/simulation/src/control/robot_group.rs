@@ -4,6 +4,7 @@
 use nalgebra::Isometry3;
 
 use super::super::experiment::Experiment;
+use super::super::ground::ground_of;
 use super::super::outcome::Outcome;
 use super::super::run::{Rollout, Run, RunProgress};
 use super::super::scene::SceneBody;
@@ -158,11 +159,17 @@ fn experiment_of(
     start: [f64; 3],
 ) -> Result<Experiment> {
     let mut own = experiment.clone();
-    if robot > 0 && !controller.arena.objects.is_empty() {
-        let arena = Arena {
-            start: Some(start),
-            ..Arena::clone(&controller.arena)
-        };
+    if robot == 0 {
+        return Ok(own);
+    }
+    let arena = Arena {
+        start: Some(start),
+        ..Arena::clone(&controller.arena)
+    };
+    if !arena.ground.is_plain() {
+        own.ground = ground_of(&arena, true)?;
+    }
+    if !arena.objects.is_empty() {
         own.scene.retain(|body| body.name != SceneBody::ARENA);
         own.scene.push(SceneBody::of_arena(&arena, true)?);
     }

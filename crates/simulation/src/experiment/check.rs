@@ -38,6 +38,7 @@ impl Experiment {
             body.check()?;
             body.check_clear(self)?;
         }
+        self.check_ground()?;
         range("duration_s", self.duration_s, 1e-3..=LONGEST_S, "s")?;
         range("timestep_s", self.solver.timestep_s, 1e-6..=0.1, "s")?;
         range(

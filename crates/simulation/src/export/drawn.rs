@@ -100,6 +100,14 @@ impl DrawnRobot {
                 "there are other bodies in the scene",
             ),
             (
+                !experiment.ground.regions.is_empty(),
+                "regions of the floor have friction of their own",
+            ),
+            (
+                experiment.ground.heights.is_some(),
+                "a height field is in place of the floor",
+            ),
+            (
                 experiment.base.is_some() || assembly.world_from_mount.is_some(),
                 "the robot is held",
             ),

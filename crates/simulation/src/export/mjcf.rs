@@ -3,6 +3,7 @@
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 
 use super::format::{Exported, Format};
+use super::ground;
 use super::robot::{Robot, origin_robot_m, quaternion, seen_from};
 use super::stand::{stand, switched};
 use super::xml::{Element, numbers, vector};
@@ -65,15 +66,20 @@ impl Format for Mjcf {
             );
         root.push(custom(robot));
         let meshes: Vec<Element> = robot.hulls().map(mesh_of(robot)).collect();
-        if !meshes.is_empty() {
+        let heights = ground::heights_asset(robot);
+        if !meshes.is_empty() || heights.is_some() {
             let asset = Element::new("asset");
-            root.push(meshes.into_iter().fold(asset, Element::child));
+            let all = meshes.into_iter().chain(heights);
+            root.push(all.fold(asset, Element::child));
         }
         let mut world = Element::new("worldbody");
         world.comment(
             "Because of the floor's priority, its friction is that of every pair with the floor; the friction of two modules is its square, as in realgap.",
         );
         world.push(floor(robot));
+        for geom in ground::geoms(robot) {
+            world.push(geom);
+        }
         world.push(body(robot, 0, &[]));
         root.push(world);
         let hinges = &robot.assembly.hinges;
@@ -120,6 +126,7 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
             "realgap's timestep, substeps and contact settings (the file has its own, stiffer MuJoCo settings)",
         ),
     ];
+    warnings.extend(ground::not_carried(robot));
     if robot.assembly.is_compliant() {
         warnings
             .push(Code::SpringNotExported.warning("the compliance of bearings (hinge.bearing_hz)"));
@@ -253,7 +260,7 @@ fn floor(robot: &Robot<'_>) -> Element {
 }
 
 /// Friction against rolling and spinning of the floor, without that of a shape.
-fn turning_of_floor(robot: &Robot<'_>) -> TurningFriction {
+pub(super) fn turning_of_floor(robot: &Robot<'_>) -> TurningFriction {
     TurningFriction {
         rolling_m: robot.floor.rolling_m.unwrap_or(0.0),
         torsional_m: robot.floor.torsional_m.unwrap_or(0.0),
@@ -261,7 +268,7 @@ fn turning_of_floor(robot: &Robot<'_>) -> TurningFriction {
 }
 
 /// A shape with its friction, and with the dimension of its contacts that makes MuJoCo use all of it.
-fn rubbing(geom: Element, friction: f64, turning: &TurningFriction) -> Element {
+pub(super) fn rubbing(geom: Element, friction: f64, turning: &TurningFriction) -> Element {
     let numbers = numbers([friction, turning.torsional_m, turning.rolling_m]);
     let geom = geom.with("friction", numbers);
     match (turning.torsional_m > 0.0, turning.rolling_m > 0.0) {

@@ -21,6 +21,7 @@
 mod amendment;
 mod drawn;
 mod format;
+mod ground;
 mod mjcf;
 mod registry;
 mod robot;

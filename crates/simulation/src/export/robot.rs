@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-use crate::{Experiment, Floor, Mount};
+use crate::{Experiment, Floor, Ground, Mount, SceneBody};
 use realgap_core::warning::{Code, Warning};
 use realgap_robot::morphology::{
     Actuator, Assembly, Hinge, Morphology, Part, Role, ServoLaw, Shape, Solid,
@@ -19,6 +19,12 @@ pub struct Robot<'a> {
     pub assembly: Assembly,
     /// The ground.
     pub floor: Floor,
+    /// Regions of the floor and a height field.
+    pub ground: Ground,
+    /// Factor on the heights of the height field, and the pose of its middle in the world.
+    pub heights: (f64, Isometry3<f64>),
+    /// The steps on the floor.
+    pub steps: Vec<SceneBody>,
     /// Gravity along −z, m/s².
     pub gravity_m_s2: f64,
     /// The spring by which a held robot is held.
@@ -43,6 +49,14 @@ impl<'a> Robot<'a> {
             description: "",
             assembly: experiment.adjusted_assembly(),
             floor: experiment.floor,
+            ground: experiment.ground.clone(),
+            heights: (
+                experiment.heights_scale,
+                (experiment.ground.heights.as_ref()).map_or_else(Isometry3::identity, |field| {
+                    experiment.world_from_heights(field)
+                }),
+            ),
+            steps: experiment.steps(),
             gravity_m_s2: experiment.gravity_m_s2,
             mount: experiment.mount,
             has_contacts: experiment.contact.is_on,

@@ -61,8 +61,13 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
         - link_origin_robot_m(robot, robot.assembly.track_part);
     let mut warnings = vec![
         Code::FloorNotExported.warning(format!(
-            "the floor, its friction {} and restitution {}, and gravity",
-            robot.floor.friction, robot.floor.restitution
+            "the floor, its friction {} and restitution {}{}, and gravity",
+            robot.floor.friction,
+            robot.floor.restitution,
+            match robot.ground.is_plain() {
+                true => "",
+                false => ", its regions, steps and height field",
+            }
         )),
         Code::TrackNotExported.warning(format!(
             "the tracked point (link {}, at {} m in its frame)",

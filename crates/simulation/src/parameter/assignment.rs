@@ -14,6 +14,15 @@ use realgap_core::warning::{Code, Warning};
 /// Quantities of the floor that act only where something touches it.
 const OF_TOUCH: [&str; 4] = ["friction", "restitution", "rolling_m", "torsional_m"];
 
+/// Names with commas between them.
+fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let names: Vec<&str> = names.collect();
+    match names.is_empty() {
+        true => "none".to_owned(),
+        false => names.join(", "),
+    }
+}
+
 /// One parameter with a checked value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Assignment {
@@ -174,6 +183,27 @@ impl ParameterSet {
                 }
                 "contact" if !experiment.contact.is_on && a.parameter.name != "contact.on" => {
                     Some("contacts are off".to_owned())
+                }
+                "floor" if !subject.is_empty() && a.parameter.value(experiment).is_none() => {
+                    let ground = &experiment.ground;
+                    let regions = ground.regions.iter().map(|region| region.name.as_str());
+                    let steps = ground.steps.iter().map(|step| step.name.as_str());
+                    let (regions, steps) = (listed(regions), listed(steps));
+                    Some(match a.parameter.quantity() {
+                        "restitution" => {
+                            format!("the floor has no region `{subject}`, only {regions}")
+                        }
+                        "height_m" => format!("the floor has no step `{subject}`, only {steps}"),
+                        _ => format!(
+                            "the floor has neither a region nor a step `{subject}`, only the regions {regions} and the steps {steps}"
+                        ),
+                    })
+                }
+                "floor"
+                    if a.parameter.quantity() == "heights_scale"
+                        && experiment.ground.heights.is_none() =>
+                {
+                    Some("the ground has no height field".to_owned())
                 }
                 "floor"
                     if !experiment.contact.is_on && OF_TOUCH.contains(&a.parameter.quantity()) =>

@@ -57,7 +57,7 @@ pub struct Parameter {
     pub nudge: Nudge,
     /// Meaning, in one sentence.
     pub doc: &'static str,
-    /// Name of the module or pattern of the joints that the parameter refers to, with `*` for any letters; empty if it refers to
+    /// Name of the module, region or step, or pattern of the joints that the parameter refers to, with `*` for any letters; empty if it refers to
     /// the whole experiment.
     pub subject: &'static str,
     get: fn(&Experiment, &str) -> Option<f64>,
@@ -164,10 +164,10 @@ pub static PARAMETERS: &[&[Parameter]] = &[
     sensor::PARAMETERS,
 ];
 
-/// Parameters of single modules, with `NAME` in place of a module's name. Parameters of servos, hinges and joints can also refer
+/// Parameters of single modules, and of single regions and steps of the ground, with `NAME` in place of a name. Parameters of servos, hinges and joints can also refer
 /// to selected joints: `servo.NAME.gain`, `servo.shoulder_*.gain`.
 pub fn families() -> impl Iterator<Item = &'static Parameter> {
-    module::FAMILY.iter()
+    module::FAMILY.iter().chain(floor::FAMILY)
 }
 
 /// Alternative names of parameters: alternative group and quantity, and the usual ones.
@@ -280,7 +280,7 @@ fn of_owner((owner, of_run): (&str, bool), all: &'static Parameter) -> &'static 
     interned(format!("{kind}.{owner}.{}", all.name), all.subject, all)
 }
 
-/// The parameter of a name with a module or joint: group `.` name of the module or joint `.` quantity.
+/// The parameter of a name with a module, a joint or a region: group `.` its name `.` quantity.
 fn member(name: &str) -> Option<&'static Parameter> {
     let (group, rest) = name.split_once('.')?;
     let (subject, quantity) = rest.rsplit_once('.')?;
@@ -292,6 +292,7 @@ fn member(name: &str) -> Option<&'static Parameter> {
     }
     let family = match group {
         "module" => module::FAMILY.iter().find(|p| p.quantity() == quantity)?,
+        "floor" => floor::FAMILY.iter().find(|p| p.quantity() == quantity)?,
         OF_WHEELS => tyre::PARAMETERS.iter().find(|p| p.quantity() == quantity)?,
         _ => of_joints().find(|p| p.group() == group && p.quantity() == quantity)?,
     };

@@ -3,6 +3,7 @@
 mod compensation;
 mod driven;
 mod friction;
+mod ground;
 mod hook;
 mod integration;
 mod joint;
@@ -24,11 +25,11 @@ use compensation::Compensation;
 use friction::Friction;
 use hook::{Hooks, module_mark};
 use joint::{JointFrame, RapierJoint, rotor_inertia_kg_m2};
-use rapier3d_f64::math::{Pose, Vector};
+use rapier3d_f64::math::Vector;
 use rapier3d_f64::prelude::{
     ActiveHooks, BroadPhaseBvh, CCDSolver, CoefficientCombineRule, ColliderBuilder, ColliderSet,
     ImpulseJointSet, IntegrationParameters, IslandManager, MultibodyJointSet, NarrowPhase,
-    PhysicsPipeline, RigidBodyBuilder, RigidBodyHandle, RigidBodySet, SharedShape, SoftBodySet,
+    PhysicsPipeline, RigidBodyBuilder, RigidBodyHandle, RigidBodySet, SoftBodySet,
 };
 use realgap_core::error::Result;
 use realgap_robot::morphology::{ClusterMass, Part, Role};
@@ -41,7 +42,7 @@ pub(super) use pose::{from_pose, from_vector, to_matrix, to_pose, to_vector};
 /// Version of the engine, which determines the results bit for bit.
 pub const ENGINE_VERSION: &str = "rapier3d-f64 0.36.1";
 pub(super) use rapier3d_f64::parry;
-pub(super) use surface::Surface;
+pub(super) use surface::{Surface, field_shape};
 
 /// Velocity of one part at the start.
 pub(super) struct PartMotion {
@@ -147,8 +148,10 @@ struct RapierWorld {
     parts: Vec<RapierPart>,
     joints_of_hinges: Vec<RapierJoint>,
     hooks: Hooks,
-    /// Bodies of the scene, in its order.
+    /// Bodies of the scene, in its order, then steps.
     scene: Vec<RigidBodyHandle>,
+    /// Whether a contact ever touched each region of the ground.
+    touched: Vec<bool>,
     compensations: Vec<Compensation>,
 }
 
@@ -185,6 +188,7 @@ impl RapierWorld {
                 ..Hooks::default()
             },
             scene: Vec::new(),
+            touched: vec![false; experiment.ground.regions.len()],
             compensations: Vec::new(),
         };
         world.lay_floor(experiment);
@@ -256,25 +260,6 @@ impl RapierWorld {
         world
     }
 
-    fn lay_floor(&mut self, experiment: &Experiment) {
-        let floor = &experiment.floor;
-        let n = floor.normal_world();
-        // The floor has the value 1 and the robot has the value of the parameter; with the rule Multiply, the parameter is the
-        // value of the pair.
-        let collider = ColliderBuilder::new(SharedShape::halfspace(to_vector(&n)))
-            .position(Pose::from_translation(Vector::new(
-                0.0,
-                0.0,
-                floor.height_m,
-            )))
-            .friction(1.0)
-            .restitution(1.0)
-            .friction_combine_rule(CoefficientCombineRule::Multiply)
-            .restitution_combine_rule(CoefficientCombineRule::Multiply)
-            .build();
-        self.colliders.insert(collider);
-    }
-
     fn place_part(
         &mut self,
         experiment: &Experiment,
@@ -314,22 +299,20 @@ impl RapierWorld {
             let Some(surface) = Surface::new(&solid.shape, edge_radius_m) else {
                 continue;
             };
+            let factor = experiment
+                .perturbation
+                .friction_factor_of(solid.module, solid.role);
             let body_from_solid = body_from_part * part_from_robot * solid.robot_from_solid;
             let pose = surface.pose(body_from_solid);
             let collider = ColliderBuilder::new(surface.shape)
                 .position(to_pose(&pose))
                 .density(0.0)
-                .friction(
-                    experiment.floor.friction
-                        * experiment
-                            .perturbation
-                            .friction_factor_of(solid.module, solid.role),
-                )
+                .friction(experiment.floor.friction * factor)
                 .restitution(experiment.floor.restitution)
                 .friction_combine_rule(CoefficientCombineRule::Multiply)
                 .restitution_combine_rule(CoefficientCombineRule::Multiply)
                 .active_hooks(self.active_hooks_of(solid.module))
-                .user_data(module_mark(solid.module))
+                .user_data(module_mark(solid.module, factor))
                 .build();
             self.colliders
                 .insert_with_parent(collider, member.body, &mut self.bodies);
@@ -406,6 +389,7 @@ impl World for RapierWorld {
             joint_of_hinge.reset_forces(&mut self.bodies);
         }
         Compensation::reset(&self.compensations, &mut self.bodies);
+        self.mark_regions();
     }
 
     fn part(&self, part: usize) -> (Isometry3<f64>, Vector3<f64>, Vector3<f64>) {
@@ -496,6 +480,10 @@ impl World for RapierWorld {
 
     fn loads(&self, loads: &mut Vec<Load>) {
         self.read_loads(loads);
+    }
+
+    fn touched_regions(&self) -> &[bool] {
+        &self.touched
     }
 
     fn scene_poses(&self) -> Vec<Isometry3<f64>> {

@@ -13,7 +13,8 @@ use rapier3d_f64::prelude::{
 impl RapierWorld {
     /// Adds the bodies of the scene; driven bodies are at the origin until they are placed.
     pub(super) fn set_scene(&mut self, experiment: &Experiment) {
-        for body in &experiment.scene {
+        let steps = experiment.steps();
+        for body in experiment.scene.iter().chain(&steps) {
             let (kind, pose, mass_kg) = match &body.motion {
                 SceneMotion::Fixed { world_from_body } => {
                     (RigidBodyBuilder::fixed(), *world_from_body, 0.0)

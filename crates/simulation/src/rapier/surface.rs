@@ -6,8 +6,11 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::to_vector;
 use rapier3d_f64::math::Vector;
+use rapier3d_f64::parry::shape::HeightFieldFlags;
+use rapier3d_f64::parry::utils::Array2;
 use rapier3d_f64::prelude::SharedShape;
 use realgap_robot::morphology::Shape;
+use realgap_sensing::arena::HeightField;
 
 /// Thickness that replaces the zero thickness of a flat hull, metres.
 const THIN_M: f64 = 1e-4;
@@ -18,6 +21,24 @@ pub(crate) struct Surface {
     pub shape: SharedShape,
     /// Whether Parry's axis of the shape is y while realgap's is z.
     is_along_y: bool,
+}
+
+/// A height field in Parry's own frame, whose y is up and whose z goes down the rows, and that frame in the field's own. Both
+/// engines have its triangles.
+pub(crate) fn field_shape(field: &HeightField, scale: f64) -> (SharedShape, Isometry3<f64>) {
+    let (rows, columns) = (field.rows(), field.columns());
+    let heights = (0..columns).flat_map(|column| (0..rows).map(move |row| (row, column)));
+    let heights = heights.map(|(row, column)| scale * field.at(row, column));
+    let shape = SharedShape::heightfield_with_flags(
+        Array2::new(rows, columns, heights.collect()),
+        Vector::new(field.size_m[0], 1.0, field.size_m[1]),
+        HeightFieldFlags::FIX_INTERNAL_EDGES,
+    );
+    let upright = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), FRAC_PI_2);
+    (
+        shape,
+        Isometry3::from_parts(Vector3::zeros().into(), upright),
+    )
 }
 
 impl std::fmt::Debug for Surface {

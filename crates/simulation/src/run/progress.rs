@@ -80,6 +80,10 @@ impl Rollout<'_> {
         let energy = meter.map(EnergyMeter::balance);
         self.warnings
             .extend(energy.and_then(|energy| energy.warning()));
+        if outcome.is_completed() && self.experiment.contact.is_on {
+            let touched = self.world.touched_regions();
+            self.warnings.extend(self.experiment.untouched(touched));
+        }
         Run {
             outcome,
             steps: self.steps,

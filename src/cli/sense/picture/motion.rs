@@ -205,10 +205,14 @@ impl Cast {
                 .at_file(robot)
                 .hint("name a robot of modules"));
         }
+        // What lies on the floor is seen, too.
+        let experiment = study.experiment();
+        let mut others = study.scene;
+        others.extend(experiment.shown_scene().split_off(experiment.scene.len()));
         Ok(Self {
             file,
             morphology: study.morphology,
-            others: study.scene,
+            others,
             reading: study.reading,
         })
     }

@@ -175,7 +175,9 @@ pub(in crate::calibration) fn floor(
 ) -> Option<Warning> {
     let (assembly, motion) = (&experiment.assembly, &recording.trajectory);
     let orientations = motion.orientations_world_from_body()?;
-    if motion.is_planar() || !assembly.hinges.is_empty() {
+    // Above a height field, the distance from the flat floor says nothing.
+    let is_rough = experiment.ground.heights.is_some();
+    if motion.is_planar() || !assembly.hinges.is_empty() || is_rough {
         return None;
     }
     let posture = Posture::new(assembly);
@@ -198,7 +200,8 @@ pub(in crate::calibration) fn floor(
             number(-lowest_m),
             number(motion.times_s()[index])
         )
-    } else if lowest_m > off_m && experiment.scene.is_empty() {
+    } else if lowest_m > off_m && experiment.scene.is_empty() && experiment.ground.steps.is_empty()
+    {
         format!(
             "never comes nearer to the floor than {} m",
             number(lowest_m)

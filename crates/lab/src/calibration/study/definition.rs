@@ -21,7 +21,7 @@ use realgap_path::comparison::{ChannelSet, Components, Metric, Pca};
 use realgap_path::trajectory::{Alignment, Reading, Recording, Source};
 use realgap_robot::morphology::Morphology;
 use realgap_simulation::parameter::{self, Parameter, ParameterSet};
-use realgap_simulation::{Experiment, LONGEST_S, Noise, SceneBody, Vehicle};
+use realgap_simulation::{Experiment, Ground, LONGEST_S, Noise, SceneBody, Vehicle};
 
 /// Where a simulated run starts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -104,6 +104,8 @@ pub struct Definition {
     pub steering: Option<Steering>,
     /// Other bodies beside the robot.
     pub scene: Vec<SceneBody>,
+    /// Regions of the floor, steps and a height field.
+    pub ground: Ground,
     /// How recorded columns command the servos.
     pub commands: Option<Commands>,
     /// Joints of the robot that are meant to have no recorded column, and recorded columns that are meant to have no joint; `*`
@@ -208,6 +210,7 @@ impl Definition {
             only_at_rest: false,
             steering: None,
             scene: Vec::new(),
+            ground: Ground::default(),
             commands: None,
             left_out: Vec::new(),
             horizon: None,
@@ -343,6 +346,7 @@ impl Definition {
     pub fn experiment(&self) -> Experiment {
         let mut base = Experiment::new(self.morphology.assemble());
         base.scene = self.scene.clone();
+        base.ground = self.ground.clone();
         if let Some(vehicle) = &self.vehicle {
             base.drive = vehicle.drive;
             base.vehicle = Some(Arc::clone(vehicle));

@@ -26,7 +26,7 @@ use realgap_path::comparison::{self, Channels, Components};
 use realgap_path::trajectory::{Alignment, Reading};
 use realgap_robot::morphology::Morphology;
 use realgap_simulation::parameter::{Assignment, Parameter, ParameterSet, by_name};
-use realgap_simulation::{Noise, SceneBody, Vehicle};
+use realgap_simulation::{Noise, Vehicle, read_arena};
 
 /// A study file as written.
 #[derive(Debug, Deserialize)]
@@ -469,11 +469,14 @@ impl Definition {
         if let Some(named) = &file.arena {
             let plan = Source::read(folder.join(named), "arena")?;
             let settled = file.start == StartRule::Settled;
-            definition
-                .scene
-                .push(SceneBody::read_arena(&plan, settled)?);
-            let both = format!("{}\n{}", definition.morphology_sha256, plan.text());
-            definition.morphology_sha256 = sha256(both.as_bytes());
+            let (walls, ground) = read_arena(&plan, settled)?;
+            definition.scene.extend(walls);
+            let mut all = format!("{}\n{}", definition.morphology_sha256, plan.text());
+            if let Some(field) = &ground.heights {
+                all = format!("{all}\n{}", field.sha256);
+            }
+            definition.morphology_sha256 = sha256(all.as_bytes());
+            definition.ground = ground;
         }
         let own = file.robots.iter().map(|robot| robot.controller.as_deref());
         definition

@@ -21,6 +21,7 @@ pub(super) mod scored_columns;
 pub(super) mod simulator_file;
 pub(super) mod split;
 pub(super) mod steering;
+pub(super) mod untouched;
 pub(super) mod window_rule;
 
 use std::path::Path;
@@ -129,6 +130,7 @@ impl Study {
         warnings.extend(of_first.without_effect(&cases[0].experiment));
         warnings.extend(definition.robot_warnings());
         warnings.extend(cases[0].experiment.warnings());
+        warnings.extend(untouched::regions(&definition, &cases));
         let simulator = cases[0].experiment.simulator.get();
         let said = simulator.prepare(&cases[0].experiment);
         warnings.extend(said.map_err(|e| definition.at_file(e))?);

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::calibration::{Definition, StartRule};
 use realgap_core::file::{Source, sha256};
 use realgap_core::{Error, Result};
-use realgap_simulation::{Controller, Experiment, SceneBody};
+use realgap_simulation::{Controller, Experiment, Ground, SceneBody};
 
 impl Definition {
     /// Gives each robot of the definition the controller that the study names for it; `own` are the controllers of single robots.
@@ -38,6 +38,7 @@ impl Definition {
 pub struct Steering {
     controller: Arc<Controller>,
     walls: Vec<SceneBody>,
+    ground: Ground,
 }
 
 impl Steering {
@@ -61,7 +62,7 @@ impl Steering {
             );
         }
         let mut bodies = definition.scene.iter();
-        if bodies.any(|body| body.name == SceneBody::ARENA) {
+        if bodies.any(|body| body.name == SceneBody::ARENA) || !definition.ground.is_plain() {
             return refuse(
                 "the study has an arena, and so has its controller",
                 "leave `arena` out of the study",
@@ -73,12 +74,14 @@ impl Steering {
         Ok(Self {
             controller: Arc::new(controller),
             walls: steered.scene[experiment.scene.len()..].to_vec(),
+            ground: steered.ground,
         })
     }
 
     /// Adds the controller to the robot of an experiment.
     pub(in crate::calibration) fn give_to(&self, experiment: &mut Experiment) {
         experiment.scene.extend(self.walls.iter().cloned());
+        experiment.ground.clone_from(&self.ground);
         experiment.controller = Some(Arc::clone(&self.controller));
     }
 
