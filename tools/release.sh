@@ -77,9 +77,11 @@ else
 fi
 
 say "the wheel, with the command in it"
+# Zig links for the C library of older systems (RHEL 8, Debian 10, Ubuntu 20.04), whichever this machine has.
 python3 -m venv "$work/maker"
-"$work/maker/bin/pip" install --quiet 'maturin>=1.9,<2'
-"$work/maker/bin/maturin" build --profile dist --locked -m python/Cargo.toml --out "$folder"
+"$work/maker/bin/pip" install --quiet 'maturin[zig]>=1.9,<2'
+PATH="$work/maker/bin:$PATH" "$work/maker/bin/maturin" build --profile dist --locked --zig --compatibility manylinux_2_28 \
+    -m python/Cargo.toml --out "$folder"
 python3 -m venv "$work/user"
 "$work/user/bin/pip" install --quiet "$folder"/*.whl
 "$work/user/bin/realgap" sweep sweeps/cube_toss.ron --points 3 -o "$work/wheel"
