@@ -18,24 +18,31 @@ import re
 import subprocess
 
 WHEELS = '(hinge: "drive_*", column: "throttle", on: "enabled"), (hinge: "steer_*", column: "steering")'
+# What another floor changes: its friction, and what moves between any two runs. A number is the standard deviation of a prior
+# whose median is the value of rubber's fit, where the fit begins; without one, only the range is known.
 AGAIN = {
-    "floor.friction": (0.1, 1.6, ""),
-    "servo.drive_*.max_torque_nm": (0.0275, 0.44, ""),
-    "command.drive_*.dead_zone": (0.0, 0.33, ", each: Run"),
-    "command.steer_*.offset": (-0.1, 0.1, ", each: Run"),
+    "floor.friction": (0.1, 1.6, None, ""),
+    "command.drive_*.dead_zone": (0.0, 0.33, 0.05, ", each: Run"),
+    "command.steer_*.offset": (-0.1, 0.1, 0.02, ", each: Run"),
 }
-STEERING = {
-    "command.steer_*.factor": (0.125, 2.0, ""),
-    "command.steer_*.delay_s": (-0.1, 0.15, ""),
+# The cars on the slippery floors were set up differently, and their commands come late.
+SET_UP = {
+    "servo.drive_*.max_torque_nm": (0.0275, 0.44, 0.05, ""),
+    "command.drive_*.delay_s": (-0.1, 0.15, None, ""),
+    "command.steer_*.factor": (0.125, 2.0, 0.15, ""),
+    "command.steer_*.delay_s": (-0.1, 0.15, None, ""),
 }
 
 
 def study(folder, name, runs, every_s, values, varied, crop=""):
-    """Writes a study of these runs; `values` are fixed unless they are varied."""
-    fixed = {key: value for key, value in values.items() if key not in varied}
-    fixed["floor.restitution"] = 0
+    """Writes a study of these runs; `values` are fixed unless they are varied, and a fit of those begins there."""
+    fixed = values | {"floor.restitution": 0}
+
+    def prior(key, sd):
+        return "" if sd is None else f", prior: ({values[key]}, {sd})"
+
     ranges = [
-        f'(name: "{key}", from: {low}, to: {high}{more})' for key, (low, high, more) in varied.items()
+        f'(name: "{key}", from: {low}, to: {high}{prior(key, sd)}{more})' for key, (low, high, sd, more) in varied.items()
     ] or ['(name: "floor.friction", from: 0.1, to: 1.6)']
     text = f"""Study(
     morphology: "{pathlib.Path('morphologies/dart_car.ron').resolve()}",
@@ -111,7 +118,7 @@ def main():
         if name != "all":
             row(name, one)
     laps = [name for name in runs if name.startswith("slippery_laps")]
-    on_slippery = AGAIN | STEERING
+    on_slippery = AGAIN | SET_UP
     begin = values | {"floor.friction": 0.4, "command.steer_*.delay_s": 0.05}
     for name in laps:
         others = [runs[other] for other in laps if other != name]
