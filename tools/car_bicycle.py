@@ -1,11 +1,11 @@
 """A bicycle with Pacejka tyres for the small car of TU Delft, fitted by least squares to windows of recorded runs: a peer to compare with.
 
-python3 tools/dart_bicycle.py FOLDER [ablation]     (needs numpy and scipy; FOLDER holds the CSV files of the runs)
+python3 tools/car_bicycle.py FOLDER [ablation]     (needs numpy and scipy; FOLDER holds the CSV files of the runs)
 
 Each window starts every 0.5 s while the motor obeys and the car moves faster than 0.2 m/s. Its start velocity comes from the 0.1 s before it. The
 residuals are the position errors after 0.5, 1.0 and 1.5 s. Runs are judged that were not fitted; where a kind has one run, its second
 half is judged after a fit to the first. Trim and dead zone move between runs: each fitted run has its own, and a run that was not
-fitted takes their mean. `ablation` leaves one element out at a time. Prints medians in mm by kind.
+fitted takes their median. `ablation` leaves one element out at a time. Prints medians in mm by kind.
 """
 
 import csv
@@ -39,8 +39,6 @@ PARAMETERS = {
     "front_drive": (0.5, 0.0, 1.0),
     "steering_gain_rad": (0.45, 0.1, 1.5),
     "steering_bend": (1.1, 0.05, 3.0),
-    "steering_gain_right": (1.0, 0.5, 2.0),
-    "steering_bend_right": (1.0, 0.2, 5.0),
     "steering_lag_s": (0.05, 0.002, 0.4),
     "steering_delay_s": (-0.04, -0.12, 0.15),
     "throttle_lag_s": (0.05, 0.002, 0.4),
@@ -170,10 +168,7 @@ def simulate(batch, p, groups=None):
         mine = batch.run == i
         throttle[mine] = filtered(run, run.throttle, times[mine], p["throttle_lag_s"], p["throttle_delay_s"])
         steering[mine] = filtered(run, run.steering, times[mine], p["steering_lag_s"], p["steering_delay_s"])
-    right = steering < 0
-    bend = p["steering_bend"] * np.where(right, p["steering_bend_right"], 1.0)
-    gain = p["steering_gain_rad"] * np.where(right, p["steering_gain_right"], 1.0)
-    angle = gain * np.tanh(bend * steering) / np.tanh(bend) + _column(p["run_trim_rad"])
+    angle = p["steering_gain_rad"] * np.tanh(p["steering_bend"] * steering) / np.tanh(p["steering_bend"]) + _column(p["run_trim_rad"])
     pressed = throttle - _column(p["run_dead_zone"])
     pressed = 0.02 * np.logaddexp(0, np.clip(pressed / 0.02, -40, 300))
 
@@ -349,8 +344,11 @@ class Fit:
         return self.unpack(found.x), found
 
 
+TYPICAL = np.median
+
+
 def errors_mm(batch, p):
-    p = {n: (float(np.mean(v)) if np.ndim(v) else v) for n, v in p.items()}
+    p = {n: (float(TYPICAL(v)) if np.ndim(v) else v) for n, v in p.items()}
     place, _ = simulate(batch, p)
     return 1e3 * np.linalg.norm(place - batch.real_m, axis=2)
 
@@ -364,51 +362,45 @@ def constant_row(batch):
 
 
 ALL = list(PARAMETERS)
-GENERAL = [n for n in ALL if n not in ("shape", "front_drive", "steering_gain_right", "steering_bend_right")]
-# What a floor changes: its friction and, with other tyres or another set-up, drive and dead zone.
-FLOOR = ["friction", "run_dead_zone", "run_trim_rad", "force_n", "force_loss_n_s_m", "drag_n", "steering_delay_s", "throttle_delay_s"]
-
-
-# The steady circles and the other ramps hardly move the fit, and they cost time.
-FITTED = {"rubber_free_02", "rubber_free_03", "rubber_ramps_03", "rubber_ramps_06"}
+GENERAL = [n for n in ALL if n not in ("shape", "front_drive", "yaw_inertia_kg_m2")]
+# What a floor changes: its friction, and what moves between any two runs.
+FLOOR = ["friction", "run_dead_zone", "run_trim_rad"]
+# The cars on the slippery floors were set up differently.
+SET_UP = ["force_n", "throttle_delay_s", "steering_gain_rad", "steering_delay_s"]
+# The same runs as in sweeps/dart_car_fit.ron, without the tiles.
+FITTED = {"rubber_free_02", "rubber_ramps_03", "rubber_ramps_06"}
 
 
 def experiment(runs, free, fixed, start=None):
-    by = {run.name: run for run in runs}
-    rows = {}
     rubber = [r for r in runs if r.kind.startswith("rubber")]
-    for judged in ("rubber_free_02", "rubber_free_03"):
-        fit = Fit(Batch([r for r in rubber if r.name != judged and r.name in FITTED]), free, fixed)
-        p, _ = fit.run(start)
-        rows[judged] = errors_mm(Batch([by[judged]]), p), p
-    return rows
+    p, _ = Fit(Batch([r for r in rubber if r.name in FITTED]), free, fixed).run(start)
+    return {r.name: (errors_mm(Batch([r]), p), p) for r in rubber if r.name not in FITTED}
 
 
 def floors(runs, free, fixed, p):
     by = {run.name: run for run in runs}
-    base = {n: (float(np.mean(v)) if np.ndim(v) else v) for n, v in p.items()}
+    base = {n: (float(TYPICAL(v)) if np.ndim(v) else v) for n, v in p.items()}
     again = [n for n in FLOOR if n in free]
     rows = {}
     laps = [r for r in runs if r.kind == "slippery_laps"]
     # The slippery floors have another set-up: its commands come late, and they are recorded on time.
     late = {n: v for n, v in (("steering_delay_s", 0.05), ("throttle_delay_s", 0.05)) if n in free}
-    on_slippery = again + [n for n in ("steering_gain_rad", "steering_bend") if n in free]
+    on_slippery = again + [n for n in SET_UP if n in free]
     for judged in laps:
         q, _ = Fit(Batch([r for r in laps if r is not judged]), on_slippery, base | fixed).run(base | late | {"friction": 0.4})
         rows[judged.name] = errors_mm(Batch([judged]), q), q
     for name in ("slippery_notape_01", "tiles_circles_01", "tiles_drift_01"):
-        parts = []
         slippery = name.startswith("slippery")
         begin = base | {"friction": 0.4} | (late if slippery else {})
         for half in (0, 1):
             q, _ = Fit(Batch([by[name]], half), on_slippery if slippery else again, base | fixed).run(begin)
-            parts.append(errors_mm(Batch([by[name]], 1 - half), q))
-        rows[name] = np.concatenate(parts), q
+            rows[f"{name} half {2 - half}"] = errors_mm(Batch([by[name]], 1 - half), q), q
     return rows
 
 
 ABLATIONS = {
     "all elements": {},
+    "mean in place of the median": "mean",
     "one trim and one dead zone": "pooled",
     "no heading and point offset": {"heading_offset_rad": 0.0, "point_left_m": 0.0},
     "no lag": {"steering_lag_s": 0.002, "throttle_lag_s": 0.002},
@@ -422,6 +414,7 @@ ABLATIONS = {
 
 
 def main():
+    global TYPICAL
     folder = pathlib.Path(sys.argv[1])
     runs = [Run(path) for path in sorted(folder.glob("*.csv"))]
     for run in runs:
@@ -429,17 +422,18 @@ def main():
     names = ABLATIONS if "ablation" in sys.argv[2:] else ["all elements"]
     for name in names:
         change = ABLATIONS[name]
-        fixed = {} if change == "pooled" else dict(change)
+        fixed = {} if isinstance(change, str) else dict(change)
+        TYPICAL = np.mean if change == "mean" else np.median
         free = [n for n in GENERAL if n not in fixed]
         if change == "pooled":
             Fit.PRIORS = {"run_trim_rad": 1e-6, "run_dead_zone": 1e-6}
         rows = experiment(runs, free, fixed)
-        best = rows["rubber_free_02"][1]
+        best = rows["rubber_free_03"][1]
         rows |= floors(runs, free, fixed, best)
         Fit.PRIORS = {"run_trim_rad": 0.02, "run_dead_zone": 0.03}
         print(f"== {name}")
         for run, (errors, p) in rows.items():
-            print(f"  {run:22} {row(errors)}   friction {p['friction']:.3f}")
+            print(f"  {run:26} {len(errors):4} windows  {row(errors)}   friction {p['friction']:.3f}")
         if name == "all elements":
             for n, v in best.items():
                 print(f"    {n} {np.round(v, 4)}")

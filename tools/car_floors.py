@@ -15,6 +15,7 @@ import csv
 import json
 import pathlib
 import re
+import statistics
 import subprocess
 
 WHEELS = '(hinge: "drive_*", column: "throttle", on: "enabled"), (hinge: "steer_*", column: "steering")'
@@ -62,14 +63,14 @@ def study(folder, name, runs, every_s, values, varied, crop=""):
 
 
 def values_of(path):
-    """The fitted values of a results folder; values of single runs become their mean, and those of rubber hold for all."""
+    """The fitted values of a results folder; values of single runs become their median, as in realgap, and those of rubber hold for all."""
     found = {}
     for name, value in re.findall(r'"([^"]+)": (-?[0-9.e-]+)', (path / "best.ron").read_text()):
         run = re.match(r"run\.([^.]+)\.(.+)", name)
         if run and run[1].startswith("tiles_*"):
             continue
         found.setdefault(run[2] if run else name, []).append(float(value))
-    return {name: sum(values) / len(values) for name, values in found.items() if not name.startswith("solver")}
+    return {name: statistics.median(values) for name, values in found.items() if not name.startswith("solver")}
 
 
 def fit(realgap, path, budget):
