@@ -26,9 +26,11 @@ AGAIN = {
     "command.drive_*.dead_zone": (0.0, 0.33, 0.05, ", each: Run"),
     "command.steer_*.offset": (-0.1, 0.1, 0.02, ", each: Run"),
 }
-# The cars on the slippery floors were set up differently, and their commands come late.
+# The cars on the slippery floors were set up differently: they slow down more when they coast, and their commands come late.
 SET_UP = {
     "servo.drive_*.max_torque_nm": (0.0275, 0.44, 0.05, ""),
+    "servo.drive_*.max_speed_rad_s": (65.0, 1000.0, 100.0, ""),
+    "hinge.drive_*.dry_nm": (0.0028, 0.0448, 0.01, ""),
     "command.drive_*.delay_s": (-0.1, 0.15, None, ""),
     "command.steer_*.factor": (0.125, 2.0, 0.15, ""),
     "command.steer_*.delay_s": (-0.1, 0.15, None, ""),
