@@ -1,5 +1,7 @@
 //! A Gaussian approximation of the posterior around a point (Laplace's method), in principal directions.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 use realgap_optimization::{
     Linearisation, OptimizationProblem, UnitPoint, blocks_of, error_scales, minimum_within,
@@ -10,6 +12,8 @@ use super::noise::ResidualNoise;
 
 /// With fewer logs than this, their disagreement cannot be estimated, and only the noise is used.
 const FEWEST_LOGS: usize = 3;
+/// A log that tells of something alone is cut into so many blocks of time, which show how parts of it disagree.
+const BLOCKS: usize = 6;
 /// Factor on the error of a derivative: that of a difference to one side at an end of the range is twice that of one to both sides.
 const DOUBT: f64 = 2.0;
 /// Precision of a uniform distribution from 0 to 1. It keeps steps along directions without information within the range.
@@ -39,6 +43,24 @@ pub(super) struct Laplace {
     /// The covariance of positions along the directions, in units of what independent errors would give along each: by how much
     /// variances are larger, because errors are correlated or logs disagree.
     inflation: DMatrix<f64>,
+}
+
+/// Disjoint blocks of time of a log, from the index ranges of its errors: whole series (of windows) where there are enough of them,
+/// otherwise parts of every series.
+fn blocks_of_time(ranges: &[Range<usize>]) -> Vec<Vec<Range<usize>>> {
+    let part = |length: usize, block: usize| block * length / BLOCKS;
+    let of_block = |block: usize| -> Vec<Range<usize>> {
+        if ranges.len() >= 2 * BLOCKS {
+            return ranges[part(ranges.len(), block)..part(ranges.len(), block + 1)].to_vec();
+        }
+        let parts = ranges.iter().map(|range| {
+            let of = |block| range.start + part(range.len(), block);
+            of(block)..of(block + 1)
+        });
+        parts.filter(|range| !range.is_empty()).collect()
+    };
+    let all = (0..BLOCKS).map(of_block);
+    all.filter(|block| !block.is_empty()).collect()
 }
 
 impl Laplace {
@@ -146,18 +168,25 @@ impl Laplace {
         }
         let slopes = self.noise.slopes(&self.errors);
         let along = &self.jacobian * &self.directions;
-        let logs: Vec<Log> = logs
-            .iter()
-            .map(|ranges| {
-                let rows: Vec<usize> = ranges.iter().cloned().flatten().collect();
-                Log::new(&along.select_rows(&rows), &slopes.select_rows(&rows))
-            })
-            .collect();
+        let log_of = |ranges: &[Range<usize>]| {
+            let rows: Vec<usize> = ranges.iter().cloned().flatten().collect();
+            Log::new(&along.select_rows(&rows), &slopes.select_rows(&rows))
+        };
+        let parts = logs;
+        let logs: Vec<Log> = parts.iter().map(|ranges| log_of(ranges)).collect();
         let dimensions = self.centre.len();
         let mut all = DMatrix::from_diagonal_element(dimensions, dimensions, RANGE_PRECISION);
         logs.iter().for_each(|log| all += &log.information);
         let left_out = WholeFit::new(all).map_or_else(Vec::new, |whole| {
-            logs.iter().filter_map(|log| whole.without(log)).collect()
+            let all = logs.iter().zip(&parts).filter_map(|(log, ranges)| {
+                let left_out = whole.without(log)?;
+                if !left_out.is_alone() {
+                    return Some(left_out);
+                }
+                let blocks: Vec<Log> = blocks_of_time(ranges).iter().map(|b| log_of(b)).collect();
+                Some(left_out.with_blocks(&whole, &blocks))
+            });
+            all.collect()
         });
         disagreement::inflation(&left_out, &self.information, |direction| {
             self.correlation(&slopes, &(&self.directions * direction))
