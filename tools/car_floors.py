@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Judges the study of the car (sweeps/dart_car_fit.ron) on runs and halves of runs that no fit has seen.
+"""Judges a fit of the car's rubber on runs and halves of runs that no fit has seen.
 
-    python3 tools/car_floors.py DATA FIT [--realgap target/release/realgap] [--output results/car]
+    python3 tools/car_floors.py DATA FIT [--realgap target/release/realgap] [--output results/car] [--rubber]
 
-DATA holds all runs of the car (github.com/Lorenzo-Lyons/DART as CSV files), FIT is a results folder of the study, fitted on
-rubber_free_02, rubber_ramps_03, rubber_ramps_06 and tiles_circles_01. Rubber is judged on the other runs with FIT as it is. On the
-other floors, friction, torque, dead zone and trim (on the slippery ones the steering, too) are fitted again on other runs or on the other
-half of the run, and everything else stays. Prints, for every run, the number of windows (every 0.5 s, as the authors'
-tables have them) and the median position error after 0.5, 1.0 and 1.5 s.
+DATA holds all runs of the car (github.com/Lorenzo-Lyons/DART as CSV files), FIT is a results folder of a fit to some of the runs on
+rubber. The other runs on rubber are judged with FIT as it is. On the other floors a fit begins with FIT, and friction, dead zone
+and trim are free (on the slippery ones torque and top speed, drag, steering gain and the delays, too, because the car was set up
+differently); it sees other runs or the other half of the run. --rubber leaves the other floors out. Prints, for every run, the
+number of windows (every 0.5 s, as the authors' tables have them) and the median position error after 0.5, 1.0 and 1.5 s.
 """
 
 import argparse
@@ -109,23 +109,27 @@ def main():
     p.add_argument("fit", type=pathlib.Path)
     p.add_argument("--realgap", default="target/release/realgap")
     p.add_argument("--output", type=pathlib.Path, default=pathlib.Path("results/car"))
+    p.add_argument("--rubber", action="store_true")
     options = p.parse_args()
     data, folder = options.data.resolve(), options.output
     folder.mkdir(parents=True, exist_ok=True)
     values = values_of(options.fit)
     runs = {path.stem: path for path in sorted(data.glob("*.csv"))}
 
-    unseen = ["rubber_free_03", "rubber_circles_01", "rubber_ramps_04", "rubber_ramps_07"]
+    fitted = (options.fit / "best.ron").read_text()
+    unseen = [name for name in runs if name.startswith("rubber") and f"run.{name}." not in fitted]
     path = study(folder, "rubber", [runs[name] for name in unseen], 0.5, {}, {})
     for name, one in judged(options.realgap, path, options.fit / "best.ron").items():
         if name != "all":
             row(name, one)
+    if options.rubber:
+        return
     laps = [name for name in runs if name.startswith("slippery_laps")]
     on_slippery = AGAIN | SET_UP
-    begin = values | {"floor.friction": 0.4, "command.steer_*.delay_s": 0.05}
+    begin = values | {"floor.friction": 0.4, "command.steer_*.delay_s": 0.05, "command.drive_*.delay_s": 0.05}
     for name in laps:
         others = [runs[other] for other in laps if other != name]
-        found = fit(options.realgap, study(folder, f"without_{name}", others, 1.0, begin, on_slippery), 80)
+        found = fit(options.realgap, study(folder, f"without_{name}", others, 1.5, begin, on_slippery), 80)
         path = study(folder, name, [runs[name]], 0.5, begin | found, {})
         row(name, judged(options.realgap, path)[name], found["floor.friction"])
     for name in ["slippery_notape_01", "tiles_circles_01", "tiles_drift_01"]:
