@@ -12,8 +12,6 @@ use super::noise::ResidualNoise;
 
 /// With fewer logs than this, their disagreement cannot be estimated, and only the noise is used.
 const FEWEST_LOGS: usize = 3;
-/// A log that tells of something alone is cut into so many blocks of time, which show how parts of it disagree.
-const BLOCKS: usize = 6;
 /// Factor on the error of a derivative: that of a difference to one side at an end of the range is twice that of one to both sides.
 const DOUBT: f64 = 2.0;
 /// Precision of a uniform distribution from 0 to 1. It keeps steps along directions without information within the range.
@@ -43,24 +41,6 @@ pub(super) struct Laplace {
     /// The covariance of positions along the directions, in units of what independent errors would give along each: by how much
     /// variances are larger, because errors are correlated or logs disagree.
     inflation: DMatrix<f64>,
-}
-
-/// Disjoint blocks of time of a log, from the index ranges of its errors: whole series (of windows) where there are enough of them,
-/// otherwise parts of every series.
-fn blocks_of_time(ranges: &[Range<usize>]) -> Vec<Vec<Range<usize>>> {
-    let part = |length: usize, block: usize| block * length / BLOCKS;
-    let of_block = |block: usize| -> Vec<Range<usize>> {
-        if ranges.len() >= 2 * BLOCKS {
-            return ranges[part(ranges.len(), block)..part(ranges.len(), block + 1)].to_vec();
-        }
-        let parts = ranges.iter().map(|range| {
-            let of = |block| range.start + part(range.len(), block);
-            of(block)..of(block + 1)
-        });
-        parts.filter(|range| !range.is_empty()).collect()
-    };
-    let all = (0..BLOCKS).map(of_block);
-    all.filter(|block| !block.is_empty()).collect()
 }
 
 impl Laplace {
@@ -159,31 +139,35 @@ impl Laplace {
         self.inflation = self.inflations();
     }
 
-    /// The inflation: from the disagreement between logs where there are three or more, otherwise from the autocorrelation of the errors
-    /// along each direction.
+    /// The inflation: from the disagreement between logs where there are three or more, or between blocks of time of fewer logs that are
+    /// cut into windows; otherwise from the autocorrelation of the errors along each direction.
     fn inflations(&self) -> DMatrix<f64> {
         let logs = self.noise.logs();
-        if logs.len() < FEWEST_LOGS {
-            return DMatrix::from_diagonal(&self.correlations());
-        }
+        let is_few = logs.len() < FEWEST_LOGS;
+        // Of few logs, blocks of time take the place of logs where there are windows enough.
+        let parts = match (is_few, self.noise.blocks_of_windows()) {
+            (false, _) => logs,
+            (true, Some(blocks)) => blocks,
+            (true, None) => return DMatrix::from_diagonal(&self.correlations()),
+        };
         let slopes = self.noise.slopes(&self.errors);
         let along = &self.jacobian * &self.directions;
         let log_of = |ranges: &[Range<usize>]| {
             let rows: Vec<usize> = ranges.iter().cloned().flatten().collect();
             Log::new(&along.select_rows(&rows), &slopes.select_rows(&rows))
         };
-        let parts = logs;
         let logs: Vec<Log> = parts.iter().map(|ranges| log_of(ranges)).collect();
         let dimensions = self.centre.len();
         let mut all = DMatrix::from_diagonal_element(dimensions, dimensions, RANGE_PRECISION);
         logs.iter().for_each(|log| all += &log.information);
         let left_out = WholeFit::new(all).map_or_else(Vec::new, |whole| {
-            let all = logs.iter().zip(&parts).filter_map(|(log, ranges)| {
-                let left_out = whole.without(log)?;
-                if !left_out.is_alone() {
+            let all = logs.iter().enumerate().filter_map(|(log, own)| {
+                let left_out = whole.without(own)?;
+                if is_few || !left_out.is_alone() {
                     return Some(left_out);
                 }
-                let blocks: Vec<Log> = blocks_of_time(ranges).iter().map(|b| log_of(b)).collect();
+                let blocks = self.noise.blocks_of_time(log);
+                let blocks: Vec<Log> = blocks.iter().map(|block| log_of(block)).collect();
                 Some(left_out.with_blocks(&whole, &blocks))
             });
             all.collect()
