@@ -29,8 +29,8 @@ const SHIPPED: &[Shipped] = shipped![
         "toss_347.csv" "toss_361.csv" "toss_381.csv" "toss_396.csv" "toss_408.csv" "toss_419.csv" "toss_433.csv"
         "toss_450.csv" "toss_465.csv" "toss_478.csv" "toss_496.csv" "toss_511.csv" "toss_530.csv" "toss_544.csv"
         "toss_554.csv";
-    "real_trajectories/dart_car": "README.md" "meta.ron" "rubber_free_02.csv" "rubber_ramps_03.csv" "rubber_ramps_06.csv"
-        "tiles_circles_01.csv";
+    "real_trajectories/dart_car": "README.md" "meta.ron" "rubber_free_02.csv" "rubber_free_03.csv" "rubber_ramps_03.csv"
+        "rubber_ramps_06.csv" "tiles_circles_01.csv";
     "real_trajectories/double_pendulum": "README.md" "acrobot_ilqr_tvlqr_lqr_01.csv" "meta.ron"
         "pendubot_ilqr_tvlqr_lqr_01.csv";
     "real_trajectories/elbow_tosses": "README.md" "meta.ron" "toss_002.csv" "toss_022.csv" "toss_041.csv"

@@ -18,11 +18,13 @@ fn set(values: &[&str]) -> ParameterSet {
 }
 
 #[test]
-fn a_run_has_its_own_value_and_an_unknown_run_the_mean_of_the_others() {
+fn a_run_has_its_own_value_and_an_unknown_run_the_median_of_the_others() {
     let values = set(&[
         "run.tiles_1.floor.friction=0.2",
         "floor.friction=0.9",
         "run.tiles_2.floor.friction=0.4",
+        "run.tiles_3.floor.friction=1.1",
+        "run.tiles_4.floor.friction=0.1",
     ]);
     let friction = |run| values.apply(&experiment(run)).floor.friction;
     assert_eq!(friction(Some("tiles_1")), 0.2);

@@ -19,6 +19,8 @@ const TYPICAL_LOGS: f64 = 1.0;
 const LEAST_INFLATION: f64 = 0.25;
 /// The least share of a direction that logs other than those that tell of it alone have, for what is typical.
 const LEAST_SHARE: f64 = 0.1;
+/// With fewer blocks of time than this, how they disagree is not known.
+const FEWEST_BLOCKS: usize = 3;
 /// The least information of a direction here. Its standard deviation is then ten ranges, as good as none.
 pub(super) const NO_INFORMATION: f64 = 1e-2;
 
@@ -47,6 +49,38 @@ pub(super) struct LeftOut {
     /// The directions about which the log tells alone, a column each. The fit does not move along them, because nothing else would hold
     /// it. The sum of their outer products is the part of the covariance that the log alone shows.
     alone: DMatrix<f64>,
+    /// By how much the variance along each of these directions is larger than independent errors would let it be, because blocks of time
+    /// of the log disagree; 0 where that is not known.
+    over_time: DVector<f64>,
+}
+
+impl LeftOut {
+    /// With what disjoint blocks of time of the log disagree about: another log along these directions is not known, and parts of this
+    /// one are the nearest to it.
+    #[must_use]
+    pub fn with_blocks(self, whole: &WholeFit, blocks: &[Log]) -> Self {
+        let along: Vec<DVector<f64>> = (blocks.iter())
+            .filter_map(|block| Some(whole.along(&self.alone, &whole.without(block)?.shift)))
+            .collect();
+        if along.len() < FEWEST_BLOCKS {
+            return self;
+        }
+        let count = along.len() as f64;
+        let zero = DVector::zeros(self.alone.ncols());
+        let mean = along.iter().fold(zero.clone(), |sum, one| sum + one) / count;
+        let squares = along
+            .iter()
+            .fold(zero, |sum, one| sum + (one - &mean).map(|part| part * part));
+        Self {
+            over_time: squares * ((count - 1.0) / count),
+            ..self
+        }
+    }
+
+    /// Whether the log tells of something alone.
+    pub fn is_alone(&self) -> bool {
+        self.alone.ncols() > 0
+    }
 }
 
 /// A fit to all logs, as its information: the lower triangle of Cholesky's decomposition.
@@ -79,8 +113,15 @@ impl WholeFit {
         let alone = eigen.eigenvectors.select_columns(&alone);
         Some(LeftOut {
             shift: lower.tr_solve_lower_triangular(&(&eigen.eigenvectors * step))?,
+            over_time: DVector::zeros(alone.ncols()),
             alone: lower.tr_solve_lower_triangular(&alone)?,
         })
+    }
+
+    /// A shift in standard deviations of independent errors along each of these directions, which are those of [`LeftOut::alone`].
+    fn along(&self, alone: &DMatrix<f64>, shift: &DVector<f64>) -> DVector<f64> {
+        let Self(lower) = self;
+        lower.tr_mul(alone).tr_mul(&lower.tr_mul(shift))
     }
 }
 
@@ -120,8 +161,11 @@ pub(super) fn inflation(
         disagreement[(*k, *k)] / share
     });
     let typical = median(&shares.collect::<Vec<f64>>()).max(LEAST_INFLATION);
-    for alone in logs.iter().flat_map(|log| log.alone.column_iter()) {
-        let own = typical.max(from_noise(&alone.into_owned()));
+    let all = logs
+        .iter()
+        .flat_map(|log| log.alone.column_iter().zip(log.over_time.iter()));
+    for (alone, over_time) in all {
+        let own = typical.max(from_noise(&alone.into_owned())).max(*over_time);
         let along = alone.component_mul(&roots);
         disagreement += &along * along.transpose() * own;
     }

@@ -1,5 +1,7 @@
 //! A Gaussian approximation of the posterior around a point (Laplace's method), in principal directions.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 use realgap_optimization::{
     Linearisation, OptimizationProblem, UnitPoint, blocks_of, error_scales, minimum_within,
@@ -137,27 +139,38 @@ impl Laplace {
         self.inflation = self.inflations();
     }
 
-    /// The inflation: from the disagreement between logs where there are three or more, otherwise from the autocorrelation of the errors
-    /// along each direction.
+    /// The inflation: from the disagreement between logs where there are three or more, or between blocks of time of fewer logs that are
+    /// cut into windows; otherwise from the autocorrelation of the errors along each direction.
     fn inflations(&self) -> DMatrix<f64> {
         let logs = self.noise.logs();
-        if logs.len() < FEWEST_LOGS {
-            return DMatrix::from_diagonal(&self.correlations());
-        }
+        let is_few = logs.len() < FEWEST_LOGS;
+        // Of few logs, blocks of time take the place of logs where there are windows enough.
+        let parts = match (is_few, self.noise.blocks_of_windows()) {
+            (false, _) => logs,
+            (true, Some(blocks)) => blocks,
+            (true, None) => return DMatrix::from_diagonal(&self.correlations()),
+        };
         let slopes = self.noise.slopes(&self.errors);
         let along = &self.jacobian * &self.directions;
-        let logs: Vec<Log> = logs
-            .iter()
-            .map(|ranges| {
-                let rows: Vec<usize> = ranges.iter().cloned().flatten().collect();
-                Log::new(&along.select_rows(&rows), &slopes.select_rows(&rows))
-            })
-            .collect();
+        let log_of = |ranges: &[Range<usize>]| {
+            let rows: Vec<usize> = ranges.iter().cloned().flatten().collect();
+            Log::new(&along.select_rows(&rows), &slopes.select_rows(&rows))
+        };
+        let logs: Vec<Log> = parts.iter().map(|ranges| log_of(ranges)).collect();
         let dimensions = self.centre.len();
         let mut all = DMatrix::from_diagonal_element(dimensions, dimensions, RANGE_PRECISION);
         logs.iter().for_each(|log| all += &log.information);
         let left_out = WholeFit::new(all).map_or_else(Vec::new, |whole| {
-            logs.iter().filter_map(|log| whole.without(log)).collect()
+            let all = logs.iter().enumerate().filter_map(|(log, own)| {
+                let left_out = whole.without(own)?;
+                if is_few || !left_out.is_alone() {
+                    return Some(left_out);
+                }
+                let blocks = self.noise.blocks_of_time(log);
+                let blocks: Vec<Log> = blocks.iter().map(|block| log_of(block)).collect();
+                Some(left_out.with_blocks(&whole, &blocks))
+            });
+            all.collect()
         });
         disagreement::inflation(&left_out, &self.information, |direction| {
             self.correlation(&slopes, &(&self.directions * direction))

@@ -1,5 +1,8 @@
 //! The noise of residuals: a variance for each channel, and the autocorrelation along each direction of the parameters.
 
+use std::collections::BTreeMap;
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 use realgap_optimization::{ErrorBlock, robust_loss, robust_slope};
 
@@ -15,6 +18,10 @@ const NORMAL_MEAN: f64 = 0.797_88;
 const NEGLIGIBLE: f64 = 0.003;
 /// Autocorrelations are summed up to at most this share of a block.
 const LARGEST_LAG: f64 = 0.25;
+/// A log is cut into so many blocks of time, which show how parts of it disagree.
+const BLOCKS: usize = 6;
+/// A channel with so many series in a log is cut into windows.
+const FEWEST_WINDOWS: usize = 2 * BLOCKS;
 
 /// The noise of the errors at one point.
 #[derive(Debug, Clone)]
@@ -191,7 +198,7 @@ impl ResidualNoise {
     }
 
     /// Index ranges of the errors of each log, in order.
-    pub fn logs(&self) -> Vec<Vec<std::ops::Range<usize>>> {
+    pub fn logs(&self) -> Vec<Vec<Range<usize>>> {
         let logs = self.blocks.iter().map(|block| block.log + 1).max();
         let mut all = vec![Vec::new(); logs.unwrap_or(0)];
         for (block, range) in ranges(&self.blocks) {
@@ -200,10 +207,55 @@ impl ResidualNoise {
         all.retain(|ranges| !ranges.is_empty());
         all
     }
+
+    /// Index ranges of the errors of each of some disjoint blocks of time of a log, which has this place in [`Self::logs`]: whole windows
+    /// where a channel has enough of them, otherwise parts of every series.
+    pub fn blocks_of_time(&self, log: usize) -> Vec<Vec<Range<usize>>> {
+        let mut all = vec![Vec::new(); BLOCKS];
+        for series in self.series(log) {
+            let count = series.len();
+            for (place, range) in series.into_iter().enumerate() {
+                if count >= FEWEST_WINDOWS {
+                    all[place * BLOCKS / count].push(range);
+                    continue;
+                }
+                let at = |block: usize| range.start + block * range.len() / BLOCKS;
+                (0..BLOCKS).for_each(|block| all[block].push(at(block)..at(block + 1)));
+            }
+        }
+        all
+    }
+
+    /// The blocks of time of all logs, if all of them are cut into windows.
+    pub fn blocks_of_windows(&self) -> Option<Vec<Vec<Range<usize>>>> {
+        let logs = 0..self.logs().len();
+        let is_cut = |log: usize| {
+            self.series(log)
+                .iter()
+                .all(|own| own.len() >= FEWEST_WINDOWS)
+        };
+        logs.clone()
+            .all(is_cut)
+            .then(|| logs.flat_map(|log| self.blocks_of_time(log)).collect())
+    }
+
+    /// The ranges of the errors of a log, a list for each channel, in order.
+    fn series(&self, log: usize) -> Vec<Vec<Range<usize>>> {
+        let mut logs: Vec<usize> = self.blocks.iter().map(|block| block.log).collect();
+        logs.sort_unstable();
+        logs.dedup();
+        let mut channels: BTreeMap<usize, Vec<Range<usize>>> = BTreeMap::new();
+        for (block, range) in ranges(&self.blocks) {
+            if logs.get(log) == Some(&block.log) {
+                channels.entry(block.channel).or_default().push(range);
+            }
+        }
+        channels.into_values().collect()
+    }
 }
 
 /// Each block with the range of its errors.
-fn ranges(blocks: &[ErrorBlock]) -> impl Iterator<Item = (&ErrorBlock, std::ops::Range<usize>)> {
+fn ranges(blocks: &[ErrorBlock]) -> impl Iterator<Item = (&ErrorBlock, Range<usize>)> {
     blocks.iter().scan(0, |first, block| {
         let range = *first..*first + block.count;
         *first = range.end;

@@ -6,6 +6,7 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
 mod budget;
+mod time;
 
 use super::*;
 use realgap_core::quantity::{Quantity, Scale};

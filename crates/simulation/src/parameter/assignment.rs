@@ -8,7 +8,7 @@ use super::motor::is_of_motor;
 use super::{Parameter, by_name};
 use crate::{Experiment, SceneMotion};
 use realgap_core::error::{Error, Result};
-use realgap_core::statistics::mean_of;
+use realgap_core::statistics::median;
 use realgap_core::warning::{Code, Warning};
 
 /// Quantities of the floor that act only where something touches it.
@@ -247,8 +247,8 @@ impl ParameterSet {
         Self(precise.copied().collect())
     }
 
-    /// For every parameter of single runs that has no value for this run, the mean of its values for other runs: what was found of some
-    /// runs is the best that is known of a further one.
+    /// For every parameter of single runs that has no value for this run, the median of its values for other runs: what was found of
+    /// some runs is the best that is known of a further one, and one run that was set up differently hardly moves their median.
     fn of_other_runs(&self, run: Option<&str>) -> Vec<Assignment> {
         let of_runs = || self.0.iter().filter(|a| a.parameter.run().is_some());
         let is_of_one = |a: &Assignment| a.parameter.run().is_some_and(|name| !name.contains('*'));
@@ -256,24 +256,25 @@ impl ParameterSet {
             let mut own = of_runs().filter(|a| a.parameter.unscoped() == name);
             run.is_some() && own.any(|a| a.parameter.is_of_run(run))
         };
-        let mut means: Vec<Assignment> = Vec::new();
+        let mut medians: Vec<Assignment> = Vec::new();
         for (place, first) in self.0.iter().enumerate().filter(|(_, a)| is_of_one(a)) {
             let name = first.parameter.unscoped();
             let is_same = |a: &&Assignment| is_of_one(a) && a.parameter.unscoped() == name;
             if self.0[..place].iter().any(|a| is_same(&a)) || is_known(name) {
                 continue;
             }
-            means.push(Assignment {
+            let known: Vec<f64> = self.0.iter().filter(is_same).map(|a| a.value).collect();
+            medians.push(Assignment {
                 parameter: first.parameter.of_all(),
-                value: mean_of(self.0.iter().filter(is_same).map(|a| a.value)),
+                value: median(&known),
             });
         }
-        means
+        medians
     }
 
     /// A new experiment with every assignment applied. If two assignments refer to one joint, the more specific one holds,
     /// otherwise the later one. Parameters of runs (`run.NAME.floor.friction`) hold for the run of the experiment; a run without a value
-    /// of its own has the mean of the others.
+    /// of its own has the median of the others.
     pub fn apply(&self, experiment: &Experiment) -> Experiment {
         let mut changed = experiment.clone();
         let run = experiment.run.as_deref();

@@ -18,7 +18,7 @@ pub enum Each {
     #[default]
     Study,
     /// Every recording has a value of its own, e.g. the trim of a steering that was adjusted between the runs. Windows of a recording
-    /// share it. A recording that was not fitted has the mean of the others.
+    /// share it. A recording that was not fitted has the median of the others.
     Run,
 }
 
