@@ -376,7 +376,7 @@ fn a_column_that_grows_as_a_time_is_named_where_none_has_the_name_of_a_time() {
     let folder = tempfile::tempdir().unwrap();
     let row = |k: i32| format!("{},{},{}\n", 4000 + 20 * k, k * k, 3 * k % 7);
     let text: String = (0..40).map(row).collect();
-    let path = put(folder.path(), "run.csv", &format!("tick,x,y\n{text}"));
+    let path = put(folder.path(), "run.csv", format!("tick,x,y\n{text}"));
     let error = InferredReading::of_file(&path, &Reading::default()).unwrap_err();
     let said = error.to_string();
     assert!(

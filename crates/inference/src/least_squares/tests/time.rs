@@ -18,7 +18,7 @@ fn first_of_a_log_that_drifts(seed: u64, logs: usize, drift: f64) -> (f64, f64) 
     let model = |values: &[f64]| -> Vec<f64> {
         let weight = |k: usize| 1.0 + 0.1 * (k % EACH) as f64;
         let read = |k: usize| match (logs, k < own) {
-            (1, _) if k % 2 == 0 => values[0] + values[1],
+            (1, _) if k.is_multiple_of(2) => values[0] + values[1],
             (1, _) => values[0] - values[1],
             (_, true) => weight(k) * values[0],
             (_, false) => weight(k) * values[1],
