@@ -10,7 +10,7 @@ use realgap::calibration::Fitted;
 use realgap::file::Source;
 use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::simulation::{
-    Between, CommandTrack, Experiment, Film, JointFormulation, Outcome, Sampling, read_arena,
+    Between, CommandTrack, Experiment, Film, JointFormulation, Outcome, Sampling,
 };
 use realgap::trajectory::{self, write_with_bodies};
 use realgap::{Error, Result, Warning};
@@ -158,10 +158,7 @@ fn experiment(
         None => Sampling::Rate(settings.rate_hz),
     };
     if let Some(path) = &settings.arena {
-        let plan = Source::read(path, "arena")?;
-        let (walls, ground) = read_arena(&plan, true)?;
-        experiment.scene.extend(walls);
-        experiment.ground = ground;
+        experiment.enter_arena(&Source::read(path, "arena")?)?;
     }
     let experiment = settings.steering.apply(experiment, has_step)?;
     let values = values(&settings.parameters, &settings.set)?;

@@ -8,7 +8,7 @@ use realgap::prediction::{Card, DivergenceRate, ModelError, SuccessRule, Uncerta
 use realgap::report::PageData;
 use realgap::results::{Kind, write_prediction};
 use realgap::simulation::parameter::ParameterSet;
-use realgap::simulation::{Noise, Sampling, read_arena};
+use realgap::simulation::{Noise, Sampling};
 
 use super::consent::ConsentOption;
 use super::ensemble::read_of_paths;
@@ -98,9 +98,7 @@ impl Predict {
         experiment.duration_s = self.duration.unwrap_or(USUAL_S);
         experiment.sampling = Sampling::Rate(RATE_HZ);
         if let Some(path) = &self.arena {
-            let (walls, ground) = read_arena(&Source::read(path, "arena")?, true)?;
-            experiment.scene.extend(walls);
-            experiment.ground = ground;
+            experiment.enter_arena(&Source::read(path, "arena")?)?;
         }
         let mut warnings = morphology.warnings();
         let (experiment, without_effect) = self.values.apply(&experiment)?;

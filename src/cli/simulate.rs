@@ -4,7 +4,7 @@ use realgap::file::Source;
 use realgap::report::SIMULATION;
 use realgap::simulation::{
     Controller, Divergence, EnergyBalance, EngineChoice, Film, Outcome, Run, Sampling, film_with,
-    read_arena, run_with,
+    run_with,
 };
 use realgap::trajectory;
 use realgap::unit::decimals;
@@ -158,10 +158,7 @@ impl Simulate {
         experiment.duration_s = self.duration;
         experiment.sampling = Sampling::Rate(self.rate_hz);
         if let Some(path) = &self.arena {
-            let plan = Source::read(path, "arena")?;
-            let (walls, ground) = read_arena(&plan, true)?;
-            experiment.scene.extend(walls);
-            experiment.ground = ground;
+            experiment.enter_arena(&Source::read(path, "arena")?)?;
         }
         if let Some(path) = &self.controller {
             let controller = Controller::read(path, &experiment)?;

@@ -118,6 +118,17 @@ impl GroundMap {
 }
 
 impl Experiment {
+    /// Puts the robot at the start pose of an arena, among its walls and on its ground.
+    ///
+    /// # Errors
+    /// As [`read_arena`].
+    pub fn enter_arena(&mut self, source: &Source) -> Result<()> {
+        let (walls, ground) = read_arena(source, true)?;
+        self.scene.extend(walls);
+        self.ground = ground;
+        Ok(())
+    }
+
     /// The steps of the ground as fixed bodies, at the floor's present height and slope.
     pub(crate) fn steps(&self) -> Vec<SceneBody> {
         self.steps_down_to(DEPTH_M)
@@ -242,14 +253,16 @@ impl Experiment {
     pub(crate) fn untouched(&self, touched: &[bool]) -> Vec<Warning> {
         let regions = self.ground.regions.iter().zip(touched);
         let bare = regions.filter(|(_, is_touched)| !**is_touched);
-        let message = |name: &str| {
-            format!(
-                "nothing ever touched the region `{name}` of the floor: floor.{name}.friction changes nothing"
-            )
-        };
-        bare.map(|(region, _)| Code::RegionUntouched.warning(message(&region.name)))
+        bare.map(|(region, _)| region_untouched(&region.name))
             .collect()
     }
+}
+
+/// The warning about a region of this name that no contact of a run touched.
+pub fn region_untouched(name: &str) -> Warning {
+    Code::RegionUntouched.warning(format!(
+        "nothing ever touched the region `{name}` of the floor: floor.{name}.friction changes nothing"
+    ))
 }
 
 /// A pose on the floor, in its frame.

@@ -64,7 +64,7 @@ pub use experiment::{
 };
 pub use film::{Film, film, film_with, part_from_solid, part_name};
 pub use foreign::{Foreign, ForeignStart};
-pub use ground::read_arena;
+pub use ground::{read_arena, region_untouched};
 pub use inertia::InertiaChange;
 pub use instrument::{Instrument, Measured};
 pub use motor::Effort;

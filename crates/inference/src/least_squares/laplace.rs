@@ -145,10 +145,12 @@ impl Laplace {
         let logs = self.noise.logs();
         let is_few = logs.len() < FEWEST_LOGS;
         // Of few logs, blocks of time take the place of logs where there are windows enough.
-        let parts = match (is_few, self.noise.blocks_of_windows()) {
-            (false, _) => logs,
-            (true, Some(blocks)) => blocks,
-            (true, None) => return DMatrix::from_diagonal(&self.correlations()),
+        let parts = match is_few {
+            false => Some(logs),
+            true => self.noise.blocks_of_windows(),
+        };
+        let Some(parts) = parts else {
+            return DMatrix::from_diagonal(&self.correlations());
         };
         let slopes = self.noise.slopes(&self.errors);
         let along = &self.jacobian * &self.directions;

@@ -302,6 +302,33 @@ mod tests {
     use super::super::EvaluatedPoint;
     use super::*;
 
+    /// The points of a search of which the errors are known, up to its budget; the score is the size of the first error.
+    fn searched(
+        problem: &OptimizationProblem,
+        errors: impl Fn(&[f64]) -> Vec<f64>,
+    ) -> Vec<EvaluatedPoint> {
+        let mut evaluated: Vec<EvaluatedPoint> = Vec::new();
+        while evaluated.len() < problem.budget {
+            let history = History {
+                design: &[],
+                evaluated: &evaluated,
+            };
+            let Proposal::Evaluate(points) = GaussNewton.propose(problem, &history).unwrap() else {
+                panic!("nothing more to try");
+            };
+            let left = problem.budget - evaluated.len();
+            evaluated.extend(points.into_iter().take(left).map(|point| {
+                let errors = errors(&point);
+                EvaluatedPoint {
+                    score: Some(errors[0].abs()),
+                    errors,
+                    point,
+                }
+            }));
+        }
+        evaluated
+    }
+
     #[test]
     fn a_fit_begins_at_the_own_values_and_at_the_median_of_a_prior() {
         let problem =
@@ -347,27 +374,9 @@ mod tests {
                 error_blocks: Vec::new(),
                 own: None,
             };
-            let mut evaluated: Vec<EvaluatedPoint> = Vec::new();
-            while evaluated.len() < budget {
-                let history = History {
-                    design: &[],
-                    evaluated: &evaluated,
-                };
-                let Proposal::Evaluate(points) = GaussNewton.propose(&problem, &history).unwrap()
-                else {
-                    panic!("nothing more to try");
-                };
-                evaluated.extend(
-                    points
-                        .into_iter()
-                        .take(budget - evaluated.len())
-                        .map(|point| EvaluatedPoint {
-                            score: Some(error(&point).abs()),
-                            errors: (1..=8).map(|row| f64::from(row) * error(&point)).collect(),
-                            point,
-                        }),
-                );
-            }
+            let evaluated = searched(&problem, |point| {
+                (1..=8).map(|row| f64::from(row) * error(point)).collect()
+            });
             let history = History {
                 design: &[],
                 evaluated: &evaluated,
@@ -424,25 +433,7 @@ mod tests {
             error_blocks: vec![block(0), block(1)],
             own: Some(vec![0.5; 5]),
         };
-        let mut evaluated: Vec<EvaluatedPoint> = Vec::new();
-        while evaluated.len() < problem.budget {
-            let history = History {
-                design: &[],
-                evaluated: &evaluated,
-            };
-            let Proposal::Evaluate(points) = GaussNewton.propose(&problem, &history).unwrap()
-            else {
-                panic!("nothing more to try");
-            };
-            evaluated.extend(points.into_iter().map(|point| {
-                let errors = with_a_held_joint(&point);
-                EvaluatedPoint {
-                    score: Some(errors.iter().map(|error| error.abs()).sum()),
-                    errors,
-                    point,
-                }
-            }));
-        }
+        let evaluated = searched(&problem, with_a_held_joint);
         let history = History {
             design: &[],
             evaluated: &evaluated,

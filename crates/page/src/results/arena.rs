@@ -49,22 +49,6 @@ pub fn draw_arena(arena: &Arena, path: impl AsRef<Path>) -> Result<()> {
 
 /// The outlines of regions, steps and a height field.
 fn ground(arena: &Arena, closed: &dyn Fn(Vec<[f64; 2]>) -> Vec<(f64, f64)>) -> Vec<Series> {
-    let rectangle = |centre_m: [f64; 2], half_m: [f64; 2], turn_rad: f64| {
-        let (sin, cos) = turn_rad.sin_cos();
-        let corner = |x: f64, y: f64| {
-            let (x, y) = (x * half_m[0], y * half_m[1]);
-            [
-                centre_m[0] + cos * x - sin * y,
-                centre_m[1] + sin * x + cos * y,
-            ]
-        };
-        closed(vec![
-            corner(-1.0, -1.0),
-            corner(1.0, -1.0),
-            corner(1.0, 1.0),
-            corner(-1.0, 1.0),
-        ])
-    };
     let ground = &arena.ground;
     let mut all = Vec::new();
     for region in &ground.regions {
@@ -74,14 +58,13 @@ fn ground(arena: &Arena, closed: &dyn Fn(Vec<[f64; 2]>) -> Vec<(f64, f64)>) -> V
     }
     for step in &ground.steps {
         let label = format!("{}: {} m high", step.name, step.height_m);
-        let outline = rectangle(step.centre_m, step.half_m, step.turn_deg.to_radians());
+        let outline = closed(step.outline_m().to_vec());
         all.push(Series::new(label, SeriesKind::Line, outline).colour(3));
     }
     if let Some(field) = &ground.heights {
         let (low_m, high_m) = field.range_m();
         let label = format!("height field: {low_m:.3} to {high_m:.3} m");
-        let half_m = field.size_m.map(|size| 0.5 * size);
-        let outline = rectangle(field.centre_m, half_m, field.turn_rad);
+        let outline = closed(field.outline_m().to_vec());
         all.push(Series::new(label, SeriesKind::Line, outline).colour(4));
     }
     all

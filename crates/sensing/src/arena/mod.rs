@@ -194,12 +194,13 @@ impl Object {
                     [cx + radius_m * cos, cy + radius_m * sin]
                 })
                 .collect(),
-            Shape::Box {
-                half_m: [hx, hy],
-                turn: [cos, sin],
-            } => [[-hx, -hy], [hx, -hy], [hx, hy], [-hx, hy]]
-                .map(|[x, y]| [cx + cos * x - sin * y, cy + sin * x + cos * y])
-                .to_vec(),
+            Shape::Box { half_m, turn } => rectangle_m(self.centre_m, half_m, turn).to_vec(),
         }
     }
+}
+
+/// The corners of a rectangle, turned about its centre by an angle with this cosine and sine, metres.
+fn rectangle_m([cx, cy]: [f64; 2], [hx, hy]: [f64; 2], [cos, sin]: [f64; 2]) -> [[f64; 2]; 4] {
+    [[-hx, -hy], [hx, -hy], [hx, hy], [-hx, hy]]
+        .map(|[x, y]| [cx + cos * x - sin * y, cy + sin * x + cos * y])
 }

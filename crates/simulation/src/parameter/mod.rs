@@ -57,8 +57,8 @@ pub struct Parameter {
     pub nudge: Nudge,
     /// Meaning, in one sentence.
     pub doc: &'static str,
-    /// Name of the module, region or step, or pattern of the joints that the parameter refers to, with `*` for any letters; empty if it refers to
-    /// the whole experiment.
+    /// Name of the module, region or step, or pattern of the joints that the parameter refers to, with `*` for any letters; empty if it
+    /// refers to the whole experiment.
     pub subject: &'static str,
     get: fn(&Experiment, &str) -> Option<f64>,
     set: fn(&mut Experiment, &str, f64),
@@ -164,8 +164,8 @@ pub static PARAMETERS: &[&[Parameter]] = &[
     sensor::PARAMETERS,
 ];
 
-/// Parameters of single modules, and of single regions and steps of the ground, with `NAME` in place of a name. Parameters of servos, hinges and joints can also refer
-/// to selected joints: `servo.NAME.gain`, `servo.shoulder_*.gain`.
+/// Parameters of single modules, and of single regions and steps of the ground, with `NAME` in place of a name. Parameters of servos,
+/// hinges and joints can also refer to selected joints: `servo.NAME.gain`, `servo.shoulder_*.gain`.
 pub fn families() -> impl Iterator<Item = &'static Parameter> {
     module::FAMILY.iter().chain(floor::FAMILY)
 }

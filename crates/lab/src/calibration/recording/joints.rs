@@ -8,7 +8,6 @@ use realgap_core::{Code, Error, Result, Warning};
 use realgap_path::trajectory::{
     MeasuredQuantity, Recording, Trajectory, UNITLESS_COMMANDS, may_be_attitude,
 };
-
 use realgap_robot::morphology::{Hinge, Morphology};
 use realgap_simulation::{Experiment, JointState};
 

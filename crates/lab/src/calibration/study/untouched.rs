@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use super::{Case, Definition};
-use realgap_core::warning::{Code, Warning};
-use realgap_simulation::run;
+use realgap_core::warning::Warning;
+use realgap_simulation::{region_untouched, run};
 
 /// The largest number of runs that are simulated before the regions count as untouched.
 const MOST_RUNS: usize = 30;
@@ -20,31 +20,31 @@ pub(super) fn regions(definition: &Definition, cases: &[Case]) -> Vec<Warning> {
         .map(|parameter| parameter.subject)
         .filter(|subject| !subject.is_empty())
         .collect();
-    let is_asked = |warning: &Warning| {
-        warning.code == Code::RegionUntouched
-            && (named.iter()).any(|name| warning.message.contains(&format!("`{name}`")))
+    let Some(first) = cases.first().filter(|_| !named.is_empty()) else {
+        return Vec::new();
     };
-    let mut untouched: Option<Vec<Warning>> = None;
+    let regions = first.experiment.ground.regions.iter();
+    let asked = regions.filter(|region| named.contains(region.name.as_str()));
+    let mut untouched: Vec<Warning> = asked.map(|r| region_untouched(&r.name)).collect();
+    let mut has_run = false;
     let every = cases.len().div_ceil(MOST_RUNS).max(1);
     for case in cases.iter().step_by(every) {
         let experiment = &case.experiment;
-        let may_touch = !named.is_empty() && experiment.has_engine();
-        if !may_touch || experiment.ground.regions.is_empty() {
+        if untouched.is_empty() {
+            break;
+        }
+        if !experiment.has_engine() {
             continue;
         }
         // A run that fails is reported where it is scored.
         let Ok(run) = run(experiment) else { continue };
-        if !run.outcome.is_completed() {
-            continue;
-        }
-        let own = run.warnings.into_iter().filter(is_asked);
-        untouched = Some(match untouched {
-            None => own.collect(),
-            Some(before) => own.filter(|warning| before.contains(warning)).collect(),
-        });
-        if untouched.as_ref().is_some_and(Vec::is_empty) {
-            break;
+        if run.outcome.is_completed() {
+            has_run = true;
+            untouched.retain(|warning| run.warnings.contains(warning));
         }
     }
-    untouched.unwrap_or_default()
+    match has_run {
+        true => untouched,
+        false => Vec::new(),
+    }
 }

@@ -37,26 +37,28 @@ fn table(bytes: Vec<u8>) -> Result<Decoded> {
     let text = decode_text(bytes)?;
     let mut samples: Vec<(usize, Map<String, Value>)> = Vec::new();
     let mut inside = None;
+    // Not an object in files with a line for each sample: those end at their second line.
+    let whole: Option<Map<String, Value>> = serde_json::from_str(&text).ok();
     if text.trim_start().starts_with('[') {
         let all: Value =
             serde_json::from_str(&text).map_err(|error| broken(error.line(), &error))?;
         for (index, value) in all.as_array().into_iter().flatten().enumerate() {
             samples.push((index + 1, object(index + 1, value.clone())?));
         }
-    } else if let Some((name, list)) = list_inside(&text) {
-        for (index, value) in list.into_iter().enumerate() {
-            samples.push((index + 1, object(index + 1, value)?));
+    } else if let Some((name, list)) = whole.as_ref().and_then(list_inside) {
+        for (index, value) in list.iter().enumerate() {
+            samples.push((index + 1, object(index + 1, value.clone())?));
         }
         inside = Some(format!(
             "samples are the objects of the list `{}`",
-            excerpt(&name)
+            excerpt(name)
         ));
-    } else if let Some((count, columns)) = columns_inside(&text) {
+    } else if let Some((count, columns)) = whole
+        .as_ref()
+        .and_then(|all| Some((columns_inside(all)?, all)))
+    {
         for index in 0..count {
-            let sample = columns.iter().filter_map(|(name, column)| {
-                Some((name.clone(), sample_of(column, index, count)?))
-            });
-            samples.push((index + 1, sample.collect()));
+            samples.push((index + 1, sample_of_all(columns, index, count)));
         }
         inside = Some(format!(
             "the lists of {count} values in one object are columns; nothing else in it is read"
@@ -100,26 +102,19 @@ fn table(bytes: Vec<u8>) -> Result<Decoded> {
 }
 
 /// The only list of objects in a file that is one object, with its name: what is beside it describes the recording.
-fn list_inside(text: &str) -> Option<(String, Vec<Value>)> {
-    let Ok(Value::Object(all)) = serde_json::from_str(text) else {
-        return None;
-    };
-    let is_list = |value: &Value| match value {
-        Value::Array(list) => list.len() > 1 && list.iter().all(Value::is_object),
-        _ => false,
-    };
-    let mut lists = all.into_iter().filter(|(_, value)| is_list(value));
+fn list_inside(all: &Map<String, Value>) -> Option<(&String, &Vec<Value>)> {
+    let mut lists = all.iter().filter_map(|(name, value)| {
+        let list = value.as_array()?;
+        (list.len() > 1 && list.iter().all(Value::is_object)).then_some((name, list))
+    });
     match (lists.next(), lists.next()) {
-        (Some((name, Value::Array(list))), None) => Some((name, list)),
+        (only, None) => only,
         _ => None,
     }
 }
 
-/// The columns of a file that is one object of lists, and their usual length, which at least two of them have; `None` for anything else.
-fn columns_inside(text: &str) -> Option<(usize, Map<String, Value>)> {
-    let Ok(Value::Object(all)) = serde_json::from_str(text) else {
-        return None;
-    };
+/// The usual length of the columns of a file that is one object of lists, which at least two of them have; `None` for anything else.
+fn columns_inside(all: &Map<String, Value>) -> Option<usize> {
     let mut lengths = std::collections::BTreeMap::new();
     for value in all.values() {
         count_lists(value, 0, &mut lengths);
@@ -127,7 +122,7 @@ fn columns_inside(text: &str) -> Option<(usize, Map<String, Value>)> {
     let (length, lists) = lengths
         .into_iter()
         .max_by_key(|(length, lists)| (*lists, *length))?;
-    (length > 1 && lists > 1).then_some((length, all))
+    (length > 1 && lists > 1).then_some(length)
 }
 
 /// Counts the lists of each length that are values of objects.
@@ -152,14 +147,18 @@ fn sample_of(column: &Value, index: usize, count: usize) -> Option<Value> {
     match column {
         Value::Array(list) if list.len() == count => list.get(index).cloned(),
         Value::Object(map) => {
-            let inside = map.iter().filter_map(|(name, column)| {
-                Some((name.clone(), sample_of(column, index, count)?))
-            });
-            let inside: Map<String, Value> = inside.collect();
+            let inside = sample_of_all(map, index, count);
             (!inside.is_empty()).then_some(Value::Object(inside))
         }
         _ => None,
     }
+}
+
+/// The values of an object of columns in a sample.
+fn sample_of_all(columns: &Map<String, Value>, index: usize, count: usize) -> Map<String, Value> {
+    let all = columns.iter();
+    all.filter_map(|(name, column)| Some((name.clone(), sample_of(column, index, count)?)))
+        .collect()
 }
 
 fn broken(line: usize, error: &serde_json::Error) -> Error {

@@ -141,17 +141,21 @@ pub(super) fn above_floor(trajectory: &Trajectory, body_m: f64) -> Option<(Up, f
     Some((Up::along(axis, level_m > 0.0), level_m))
 }
 
+/// The smallest and the largest position along each axis.
+pub(in crate::trajectory) fn ends_m(trajectory: &Trajectory) -> [(f64, f64); 3] {
+    [0, 1, 2].map(|axis| {
+        let places = trajectory.positions_world_m().iter();
+        ends_of(places.map(|place| place[axis]))
+    })
+}
+
 /// True if the robot moves along z nearly as far as along another axis, and leaves the range from 0.1 to 2 body lengths above zero, so there
 /// is no floor below z.
 pub(super) fn roams_along_z(trajectory: &Trajectory, body_m: f64) -> bool {
-    let ends_m = |axis: usize| {
-        let places = trajectory.positions_world_m().iter();
-        ends_of(places.map(|place| place[axis]))
-    };
-    let range_m = |axis: usize| ends_m(axis).1 - ends_m(axis).0;
-    let (low_m, high_m) = ends_m(2);
+    let [x, y, (low_m, high_m)] = ends_m(trajectory);
+    let range_m = [x, y, (low_m, high_m)].map(|(low_m, high_m)| high_m - low_m);
     let is_over_floor = low_m > 0.1 * body_m && high_m < 2.0 * body_m;
-    !is_over_floor && range_m(2) > 0.3 * range_m(0).max(range_m(1))
+    !is_over_floor && range_m[2] > 0.3 * range_m[0].max(range_m[1])
 }
 
 /// The sum of products of two quantities, and the sum of their sizes; the ratio says whether the quantities have the same sign.

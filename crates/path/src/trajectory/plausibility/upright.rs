@@ -1,11 +1,10 @@
-//! The doubt about the axis that points up, where nobody has stated it and nothing is known of the robot.
+//! The doubt about the axis that points up, if the reading does not state it; the robot is not needed for it.
 
 use nalgebra::{Rotation3, Vector3};
 
 use super::Seen;
-use crate::trajectory::inferred_reading::motion::free_fall;
+use crate::trajectory::inferred_reading::motion::{ends_m, free_fall};
 use crate::trajectory::{Axes, Trajectory};
-use realgap_core::statistics::ends_of;
 use realgap_core::unit::number;
 
 /// A robot on the ground goes along its height by less than this share of the way along either other axis, …
@@ -32,16 +31,12 @@ pub(super) fn doubt(seen: &Seen<'_>) -> Option<String> {
             axes.name()
         ));
     }
-    let ends_m = [0, 1, 2].map(|axis| {
-        let places = motion.positions_world_m().iter();
-        ends_of(places.map(|place| place[axis]))
-    });
-    let [x_m, y_m, z_m] = ends_m.map(|(low_m, high_m)| high_m - low_m);
-    let (low_m, high_m) = ends_m[1];
+    let [x, (low_m, high_m), z] = ends_m(motion);
+    let [x_m, y_m, z_m] = [x, (low_m, high_m), z].map(|(low_m, high_m)| high_m - low_m);
     let is_level = y_m < LEVEL * x_m.min(z_m) && x_m.max(z_m) < ALIKE * x_m.min(z_m);
     let is_steady = low_m > 0.0 && y_m < STEADY * low_m;
     // Else it may be a path in a vertical plane.
-    let is_ground = ends_m[2].0 < 0.0 || turns_about_y(motion);
+    let is_ground = z.0 < 0.0 || turns_about_y(motion);
     (is_level && is_steady && is_ground).then(|| {
         format!(
             "it goes {} m along x and {} m along z, and stays between {} and {} m on y, as a robot on the ground does where y points up: `axes: \"{}\"` reads it so, `axes: \"{}\"` says that z points up",

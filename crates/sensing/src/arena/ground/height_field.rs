@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::super::rectangle_m;
 use realgap_core::error::{Error, Result};
 
 /// Heights over a rectangle, above the floor. Rows lie as in a picture seen from above: the first row is the one with the largest
@@ -118,6 +119,16 @@ impl HeightField {
             self.size_m[0] * share(column, self.columns),
             -self.size_m[1] * share(row, self.rows),
         ]
+    }
+
+    /// The corners of the rectangle, seen from above, metres.
+    pub fn outline_m(&self) -> [[f64; 2]; 4] {
+        let (sin, cos) = self.turn_rad.sin_cos();
+        rectangle_m(
+            self.centre_m,
+            self.size_m.map(|size| 0.5 * size),
+            [cos, sin],
+        )
     }
 
     /// A point seen in the rectangle's own frame.

@@ -10,6 +10,8 @@ use serde::Deserialize;
 pub use height_field::HeightField;
 pub use height_file::GroundFile;
 
+use super::rectangle_m;
+
 use realgap_core::error::{Error, Result};
 
 /// The largest number of regions and of steps, and the largest number of corners of a region.
@@ -225,6 +227,12 @@ fn do_cross([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> bool {
 }
 
 impl Step {
+    /// The corners of its outline, seen from above, metres.
+    pub fn outline_m(&self) -> [[f64; 2]; 4] {
+        let (sin, cos) = self.turn_deg.to_radians().sin_cos();
+        rectangle_m(self.centre_m, self.half_m, [cos, sin])
+    }
+
     fn check(&self, at: &str) -> Result<()> {
         within(format!("{at}.friction"), self.friction, (0.0, 10.0), "")?;
         within(
